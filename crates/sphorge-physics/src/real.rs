@@ -1,0 +1,190 @@
+//! The numbers a law is written in.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Arithmetic shared by one number and by a bundle of SIMD lanes: no comparison, choices are made by [`Real::select_lt`].
+pub trait Real:
+    Copy
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// A constant, rounded to this precision.
+    fn of(value: f64) -> Self;
+    /// `self * a + b`, fused where the instruction set has it.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two.
+    fn max(self, other: Self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// `then` where `a < b`, else `otherwise`, lane by lane; both are evaluated, so the unused one may be non-finite.
+    fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self;
+
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::of(0.0)
+    }
+    /// One.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::of(1.0)
+    }
+    /// Non-negative integer power by repeated multiplication.
+    #[inline(always)]
+    fn powu(self, exponent: u32) -> Self {
+        let mut result = Self::one();
+        let mut base = self;
+        let mut left = exponent;
+        while left > 0 {
+            if left & 1 == 1 {
+                result = result * base;
+            }
+            base = base * base;
+            left >>= 1;
+        }
+        result
+    }
+}
+
+/// One number: what per-particle laws that branch or iterate are written in.
+pub trait Scalar: Real + PartialOrd + Default {
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Real power.
+    fn powf(self, exponent: Self) -> Self;
+    /// Cosine.
+    fn cos(self) -> Self;
+    /// Widened to double precision.
+    fn to_f64(self) -> f64;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! scalar {
+    ($t:ident, $sqrt:ident, $ln:ident, $exp:ident, $pow:ident, $cos:ident) => {
+        impl Real for $t {
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                value as $t
+            }
+            // Not `mul_add` of the standard library: without a hardware instruction that is a slow call.
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                self * a + b
+            }
+            #[cfg(feature = "std")]
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $t::sqrt(self)
+            }
+            #[cfg(not(feature = "std"))]
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                libm::$sqrt(self)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other { self } else { other }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                if self < 0.0 { -self } else { self }
+            }
+            #[inline(always)]
+            fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
+                if a < b { then } else { otherwise }
+            }
+        }
+        impl Scalar for $t {
+            #[cfg(feature = "std")]
+            #[inline(always)]
+            fn ln(self) -> Self {
+                $t::ln(self)
+            }
+            #[cfg(not(feature = "std"))]
+            #[inline(always)]
+            fn ln(self) -> Self {
+                libm::$ln(self)
+            }
+            #[cfg(feature = "std")]
+            #[inline(always)]
+            fn exp(self) -> Self {
+                $t::exp(self)
+            }
+            #[cfg(not(feature = "std"))]
+            #[inline(always)]
+            fn exp(self) -> Self {
+                libm::$exp(self)
+            }
+            #[cfg(feature = "std")]
+            #[inline(always)]
+            fn powf(self, exponent: Self) -> Self {
+                $t::powf(self, exponent)
+            }
+            #[cfg(not(feature = "std"))]
+            #[inline(always)]
+            fn powf(self, exponent: Self) -> Self {
+                libm::$pow(self, exponent)
+            }
+            #[cfg(feature = "std")]
+            #[inline(always)]
+            fn cos(self) -> Self {
+                $t::cos(self)
+            }
+            #[cfg(not(feature = "std"))]
+            #[inline(always)]
+            fn cos(self) -> Self {
+                libm::$cos(self)
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                $t::is_finite(self)
+            }
+        }
+    };
+}
+
+scalar!(f64, sqrt, log, exp, pow, cos);
+scalar!(f32, sqrtf, logf, expf, powf, cosf);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integer_power_is_repeated_multiplication() {
+        assert_eq!(1.5f64.powu(0), 1.0);
+        assert_eq!(1.5f64.powu(4), 5.0625);
+        assert_eq!(Real::powu(2.0f32, 6), 64.0);
+    }
+
+    #[test]
+    fn selection_discards_the_other_value_even_if_it_is_not_finite() {
+        assert_eq!(f64::select_lt(1.0, 2.0, 7.0, f64::NAN), 7.0);
+        assert_eq!(f64::select_lt(2.0, 2.0, f64::NAN, 7.0), 7.0);
+    }
+}

@@ -1,0 +1,1 @@
+//! Smoothed-particle hydrodynamics for metals that yield, flow and break.
