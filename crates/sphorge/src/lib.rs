@@ -1,1 +1,9 @@
 //! Smoothed-particle hydrodynamics for metals that yield, flow and break.
+//!
+//! A deck becomes a validated model, an engine ([`solver`]) steps its [`particles`], sinks write what happened, analysis
+//! measures, plots and compares.
+
+pub mod particles;
+pub mod solver;
+
+pub use particles::Particles;

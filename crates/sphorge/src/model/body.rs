@@ -1,0 +1,135 @@
+//! Bodies: shape, lattice, material, first motion.
+
+use sphorge_physics::{eos::EquationOfState, flow::FlowLaw, return_mapping::ReturnRule};
+
+/// A material, all constants in SI.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Name in the catalogue or the deck.
+    pub name: String,
+    /// Where the constants come from.
+    pub reference: String,
+    /// Density at rest, kg/m³.
+    pub density: f64,
+    /// Shear modulus G, Pa (0 for a fluid).
+    pub shear_modulus: f64,
+    /// Pressure law.
+    pub equation_of_state: EquationOfState<f64>,
+    /// Flow law.
+    pub flow_law: FlowLaw<f64>,
+    /// How the trial stress returns to the yield surface.
+    pub return_rule: ReturnRule,
+    /// Specific heat Cp, J/(kg K).
+    pub specific_heat: f64,
+    /// Thermal conductivity k, W/(m K).
+    pub conductivity: f64,
+    /// Share of plastic work that heats (Taylor–Quinney).
+    pub taylor_quinney: f64,
+    /// Temperature at which the internal energy is zero, and at which bodies start unless they say otherwise, K.
+    pub reference_temperature: f64,
+}
+
+/// A body of particles.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name in the deck.
+    pub name: String,
+    /// Index into [`super::Model::materials`].
+    pub material: usize,
+    /// Shape in the initial configuration.
+    pub shape: Shape,
+    /// Lattice that fills the shape.
+    pub lattice: Lattice,
+    /// Particle spacing of this body, m.
+    pub spacing: f64,
+    /// Smoothing length of this body, m.
+    pub smoothing_length: f64,
+    /// Initial velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Initial angular velocity, rad/s, about `spin_centre`.
+    pub spin: [f64; 3],
+    /// Centre of the initial spin, m.
+    pub spin_centre: [f64; 3],
+    /// Initial temperature, K.
+    pub temperature: f64,
+}
+
+/// A solid, placed: points are turned about the origin and shifted.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// The solid in its own frame.
+    pub solid: Solid,
+    /// From its own frame into space.
+    pub transform: Transform,
+}
+
+/// Primitive solids (own frame). In plane strain z is ignored, in one dimension y and z.
+#[derive(Clone, Debug)]
+pub enum Solid {
+    /// Axis-aligned box between two corners, m.
+    Box {
+        /// Lower corner.
+        min: [f64; 3],
+        /// Upper corner.
+        max: [f64; 3],
+    },
+    /// Disc (plane strain) or sphere (3D).
+    Ball {
+        /// Centre, m.
+        centre: [f64; 3],
+        /// Radius, m.
+        radius: f64,
+    },
+    /// Solid circular cylinder between two axis points.
+    Cylinder {
+        /// Centre of one end, m.
+        from: [f64; 3],
+        /// Centre of the other end, m.
+        to: [f64; 3],
+        /// Radius, m.
+        radius: f64,
+    },
+}
+
+/// A rotation followed by a translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// Rotation, row by row.
+    pub rotation: [[f64; 3]; 3],
+    /// Translation, m.
+    pub translation: [f64; 3],
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] }
+    }
+}
+
+/// Arrangement of particles; it turns with the shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lattice {
+    /// Where particles sit with respect to the faces of the shape.
+    pub placement: LatticePlacement,
+}
+
+/// Square (2D) or cubic (3D) lattice placement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LatticePlacement {
+    /// Particles at cell centres: the outermost layer is half a spacing inside the face.
+    #[default]
+    CellCentres,
+    /// Particles on the faces.
+    OnFaces,
+}
+
+/// A named set of particles, chosen in the initial configuration.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// Name in the deck.
+    pub name: String,
+    /// Only particles of this body, if given.
+    pub body: Option<usize>,
+    /// Only particles inside this shape, if given.
+    pub shape: Option<Shape>,
+}

@@ -1,0 +1,117 @@
+//! Walls, symmetry planes, prescribed motion.
+
+/// A piecewise linear function of time; constant before the first and after the last point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeTable {
+    /// `(time in s, value)`, times strictly increasing, never empty.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl TimeTable {
+    /// A constant.
+    pub fn constant(value: f64) -> Self {
+        Self { points: vec![(0.0, value)] }
+    }
+
+    /// Value at time `t`.
+    pub fn at(&self, t: f64) -> f64 {
+        let next = self.points.partition_point(|p| p.0 <= t);
+        match (next.checked_sub(1).and_then(|k| self.points.get(k)), self.points.get(next)) {
+            (Some(&(t0, v0)), Some(&(t1, v1))) => v0 + (v1 - v0) * (t - t0) / (t1 - t0),
+            (Some(&(_, v)), None) | (None, Some(&(_, v))) => v,
+            (None, None) => 0.0,
+        }
+    }
+}
+
+/// A rigid wall.
+#[derive(Clone, Debug)]
+pub struct Wall {
+    /// Name in the deck.
+    pub name: String,
+    /// Where the wall stands at time zero.
+    pub surface: WallSurface,
+    /// Velocity of the wall by axis, m/s.
+    pub velocity: [TimeTable; 3],
+    /// How it pushes.
+    pub contact: WallContact,
+}
+
+/// Geometry of a wall.
+#[derive(Clone, Copy, Debug)]
+pub enum WallSurface {
+    /// Half space: material is on the side the unit normal points to.
+    Plane {
+        /// A point on the plane, m.
+        point: [f64; 3],
+        /// Unit normal towards the material.
+        normal: [f64; 3],
+    },
+    /// Straight segment in plane strain, two-sided: pushes away from the line, its ends act like points.
+    Segment {
+        /// One end, m.
+        from: [f64; 3],
+        /// Other end, m.
+        to: [f64; 3],
+    },
+}
+
+/// Force law of a wall.
+#[derive(Clone, Copy, Debug)]
+pub enum WallContact {
+    /// Repulsion of Monaghan & Kos (1999).
+    MonaghanKos {
+        /// Distance at which the repulsion begins, m.
+        range: f64,
+    },
+    /// Linear penalty with damping and Coulomb friction; pushes only.
+    Penalty {
+        /// Stiffness as a multiple of the particle's `m c0² / spacing²`.
+        stiffness: f64,
+        /// Damping as a share of critical.
+        damping: f64,
+        /// Coulomb coefficient.
+        friction: f64,
+    },
+}
+
+/// A plane of symmetry, held by ghost particles. Axis-aligned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SymmetryPlane {
+    /// Axis the plane is normal to (0, 1, 2).
+    pub axis: usize,
+    /// Position of the plane on that axis, m.
+    pub position: f64,
+    /// +1 if material is on the positive side, -1 if on the negative side.
+    pub side: f64,
+}
+
+/// Held or driven particles.
+#[derive(Clone, Debug)]
+pub struct PrescribedMotion {
+    /// Index into [`super::Model::regions`].
+    pub region: usize,
+    /// What is prescribed along each axis.
+    pub axes: [MotionAxis; 3],
+}
+
+/// Motion along one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MotionAxis {
+    /// Not prescribed.
+    Free,
+    /// Velocity by a time table, m/s (a constant zero holds the particles).
+    Velocity(TimeTable),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_is_linear_between_points_and_constant_outside() {
+        let ramp = TimeTable { points: vec![(1.0, 2.0), (3.0, 6.0)] };
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| ramp.at(t)), [2.0, 2.0, 4.0, 6.0, 6.0]);
+        assert_eq!(TimeTable::constant(5.0).at(-1.0), 5.0);
+    }
+}

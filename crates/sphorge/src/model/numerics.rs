@@ -1,0 +1,133 @@
+//! Choices of the discretisation, of time and of output.
+
+use sphorge_physics::{kernel::Kernel, pair::PairForm};
+
+/// Arithmetic of the pair sums; state is always accumulated in double precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Pair sums in single precision on positions relative to a near origin.
+    #[default]
+    Mixed,
+    /// Everything in double precision.
+    Double,
+}
+
+/// Time integration scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Kick-drift-kick leapfrog.
+    #[default]
+    Leapfrog,
+    /// Monaghan's (1989) predictor–corrector.
+    PredictorCorrector,
+}
+
+/// How the pair work is shared between the two particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EnergySplit {
+    /// Each particle takes the work of its own stress; artificial terms are halved.
+    #[default]
+    OwnStress,
+    /// Everything halved (Patiño et al. Eq 10).
+    Symmetric,
+}
+
+/// Correction of the kernel gradient.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GradientCorrection {
+    /// Plain kernel gradient.
+    #[default]
+    None,
+    /// Linear-exact gradient in the velocity gradient and, adjoint, in the force.
+    Linear,
+}
+
+/// Where the temperature comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TemperatureSource {
+    /// Heat of plastic work.
+    #[default]
+    PlasticWork,
+    /// Internal energy less cold, elastic and stored plastic energy (shock heating).
+    Energy,
+}
+
+/// Artificial stress (Gray, Monaghan & Swift 2001).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArtificialStress {
+    /// Strength `eps`.
+    pub epsilon: f64,
+    /// Exponent `n`.
+    pub exponent: u32,
+}
+
+/// Choices of the discretisation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numerics {
+    /// Smoothing kernel.
+    pub kernel: Kernel,
+    /// Time integrator.
+    pub integrator: Integrator,
+    /// Precision of pair sums.
+    pub precision: Precision,
+    /// Which pair of adjoint sums.
+    pub pair_form: PairForm,
+    /// Kernel gradient correction.
+    pub gradient_correction: GradientCorrection,
+    /// Linear artificial viscosity `alpha`.
+    pub viscosity_alpha: f64,
+    /// Quadratic artificial viscosity `beta`.
+    pub viscosity_beta: f64,
+    /// Balsara's switch on the viscosity.
+    pub balsara: bool,
+    /// Artificial stress, if any.
+    pub artificial_stress: Option<ArtificialStress>,
+    /// XSPH strength `eps`, zero for none.
+    pub xsph: f64,
+    /// Restore the density by moving least squares every so many steps.
+    pub mls_interval: Option<u64>,
+    /// Sharing of pair work.
+    pub energy_split: EnergySplit,
+    /// Source of temperature.
+    pub temperature: TemperatureSource,
+}
+
+/// Neighbour search strategy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Search {
+    /// All particles, every step.
+    EveryStep,
+    /// Verlet lists with a skin, all particles searched when one has moved half the skin.
+    Skin {
+        /// Skin as a share of the kernel radius.
+        fraction: f64,
+    },
+}
+
+/// Time control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeControl {
+    /// End time, s.
+    pub end: f64,
+    /// Courant number on the longitudinal sound speed plus |mu|.
+    pub courant: f64,
+    /// Upper bound of the step, s.
+    pub max_step: Option<f64>,
+    /// Fixed step, s (votes are still reported; a fixed step above the vote is an error at run time).
+    pub fixed_step: Option<f64>,
+    /// Stop when kinetic energy has fallen below this share of its initial value.
+    pub stop_kinetic_fraction: Option<f64>,
+    /// Stop after this many steps.
+    pub max_steps: Option<u64>,
+}
+
+/// What to write and when.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputControl {
+    /// Time between frames, s.
+    pub frame_interval: f64,
+    /// Time between rows of the history, s.
+    pub history_interval: f64,
+    /// Names of the fields to write; see [`crate::particles::FIELDS`].
+    pub fields: Vec<String>,
+}

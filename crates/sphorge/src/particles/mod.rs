@@ -1,0 +1,9 @@
+//! Particle state: structure of arrays, one table of fields.
+
+mod column;
+mod fields;
+mod state;
+
+pub use column::{Column, ColumnKind};
+pub use fields::{FIELDS, FieldInfo, find_field};
+pub use state::Particles;

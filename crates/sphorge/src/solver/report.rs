@@ -1,0 +1,112 @@
+//! What a step tells the outside.
+
+/// Which rule limited the time step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VoteReason {
+    /// Longitudinal sound speed plus |mu| over the smoothing length.
+    SoundSpeed,
+    /// Square root of smoothing length over acceleration.
+    Acceleration,
+    /// Wall contact stiffness.
+    Contact,
+    /// The deck's `max-step` or `fixed-step`.
+    Deck,
+    /// Landing exactly on an output or end time.
+    Output,
+}
+
+impl VoteReason {
+    /// Word written to `history.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SoundSpeed => "sound-speed",
+            Self::Acceleration => "acceleration",
+            Self::Contact => "contact",
+            Self::Deck => "deck",
+            Self::Output => "output",
+        }
+    }
+}
+
+/// Wall-clock seconds by stage since the start of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageSeconds {
+    /// Neighbour search.
+    pub search: f64,
+    /// Velocity gradient and density rate.
+    pub kinematics: f64,
+    /// Constitutive update.
+    pub stress: f64,
+    /// Forces.
+    pub forces: f64,
+    /// Integration, guard, time step.
+    pub integrate: f64,
+    /// Output (filled by whoever writes).
+    pub output: f64,
+}
+
+/// Energies, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Kinetic.
+    pub kinetic: f64,
+    /// Internal, `sum m e`.
+    pub internal: f64,
+    /// Elastic part of the internal energy: shear and volume.
+    pub elastic: f64,
+    /// Plastic work done so far.
+    pub plastic_work: f64,
+}
+
+/// Sums over one body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyLedger {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Energies.
+    pub energies: Energies,
+    /// Linear momentum, kg m/s.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin, kg m²/s.
+    pub angular_momentum: [f64; 3],
+    /// Sum of m |v|, kg m/s: the scale momentum drift is measured against.
+    pub momentum_scale: f64,
+    /// Centre of mass, m.
+    pub centre: [f64; 3],
+}
+
+/// Conservation ledger of the whole model at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Sums by body, in deck order.
+    pub bodies: Vec<BodyLedger>,
+    /// Sums over everything.
+    pub total: BodyLedger,
+    /// Work done on the particles by walls, gravity and prescribed motion since the start, J.
+    pub external_work: f64,
+    /// Impulse of walls, gravity and prescribed motion since the start, N s.
+    pub external_impulse: [f64; 3],
+    /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
+    pub mls_energy: f64,
+    /// Force of each wall on the particles, N, in deck order.
+    pub wall_forces: Vec<[f64; 3]>,
+    /// Reaction of each prescribed motion on its particles, N, in deck order.
+    pub motion_forces: Vec<[f64; 3]>,
+}
+
+/// State of the run after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport {
+    /// Steps done.
+    pub step: u64,
+    /// Time reached, s.
+    pub time: f64,
+    /// Size of the step just taken, s.
+    pub dt: f64,
+    /// Why it was no larger.
+    pub reason: VoteReason,
+    /// Share of the particles whose neighbours were searched in this step.
+    pub searched_fraction: f64,
+    /// Ordered neighbour pairs i != j inside the kernel support, summed over particles, in this step.
+    pub pairs: u64,
+}
