@@ -7,8 +7,16 @@
 //! `x_ij = x_i - x_j`, `v_ij = v_i - v_j`; `L = grad v`, `L_ab = dv_a / dx_b`; SI units.
 #![cfg_attr(not(feature = "std"), no_std)]
 
+pub mod dimension;
+pub mod eos;
+pub mod flow;
+pub mod kernel;
+pub mod parameter;
 pub mod real;
+pub mod return_mapping;
+pub mod stress;
 pub mod tensor;
 
+pub use dimension::Dimension;
 pub use real::{Real, Scalar};
 pub use tensor::{SymmetricTensor, Tensor, Vector};

@@ -74,6 +74,8 @@ pub trait Scalar: Real + PartialOrd + Default {
     fn to_f64(self) -> f64;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
+    /// The gap between one and the next larger number.
+    fn epsilon() -> Self;
 }
 
 macro_rules! scalar {
@@ -163,6 +165,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
+            }
+            #[inline(always)]
+            fn epsilon() -> Self {
+                $t::EPSILON
             }
         }
     };

@@ -1,0 +1,96 @@
+//! Mie–Grüneisen with the exact Hugoniot of a linear shock velocity.
+
+use super::{GRUNEISEN, PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
+use crate::Scalar;
+use crate::parameter::Parameter;
+
+/// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), with the Hugoniot of
+/// `Us = c_0 + S Up` not expanded: `P_H = rho_0 c_0^2 chi / (1 - S chi)^2`, `chi = 1 - rho_0/rho`, in compression, and
+/// `rho_0 c_0^2 eta` in expansion. On the Hugoniot, `e = P_H chi / (2 rho_0)`, it gives back `P_H`.
+///
+/// `P_H` is singular at `chi = 1/S`, a compression no shock reaches; from `S chi = 0.9` on it goes along its tangent, so
+/// that it stays finite and rising. Rice, McQueen & Walsh 1958; Meyers, *Dynamic Behavior of Materials* (1994), chapter 4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MieGruneisenHugoniot<T> {
+    /// `rho_0`, kg/m^3.
+    pub density: T,
+    /// Bulk sound speed `c_0`, m/s.
+    pub sound_speed: T,
+    /// Slope `S` of `Us = c_0 + S Up`.
+    pub shock_slope: T,
+    /// `Gamma`.
+    pub gruneisen: T,
+}
+
+/// `S chi` from which the Hugoniot is continued by its tangent.
+const TANGENT_FROM: f64 = 0.9;
+
+impl<T: Scalar> MieGruneisenHugoniot<T> {
+    /// The same law in another precision.
+    pub fn cast<U: Scalar>(&self) -> MieGruneisenHugoniot<U> {
+        MieGruneisenHugoniot {
+            density: U::of(self.density.to_f64()),
+            sound_speed: U::of(self.sound_speed.to_f64()),
+            shock_slope: U::of(self.shock_slope.to_f64()),
+            gruneisen: U::of(self.gruneisen.to_f64()),
+        }
+    }
+}
+
+impl<T: Scalar> PressureLaw<T> for MieGruneisenHugoniot<T> {
+    const KEY: &'static str = "mie-gruneisen";
+    const NAME: &'static str = "Mie–Grüneisen, exact linear Us-Up Hugoniot";
+    const REFERENCE: &'static str =
+        "Rice, McQueen & Walsh, Solid State Physics 6 (1958) 1; Meyers, Dynamic Behavior of Materials (1994) ch. 4";
+    const PARAMETERS: &'static [Parameter] = &[REFERENCE_DENSITY, SOUND_SPEED, SHOCK_SLOPE, GRUNEISEN];
+
+    fn new(values: &[f64]) -> Self {
+        Self {
+            density: T::of(values[0]),
+            sound_speed: T::of(values[1]),
+            shock_slope: T::of(values[2]),
+            gruneisen: T::of(values[3]),
+        }
+    }
+
+    #[inline(always)]
+    fn reference_curve(&self, density: T) -> ReferenceCurve<T> {
+        let c_2 = self.sound_speed * self.sound_speed;
+        let eta = (density - self.density) / self.density;
+        // `P_H / rho_0` and its slope against `rho`; in expansion linear in `eta`.
+        let mut hugoniot = c_2 * eta;
+        let mut hugoniot_slope = c_2;
+        if eta > T::zero() {
+            let volume_ratio = self.density / density;
+            let chi = eta * volume_ratio;
+            let s_chi = (self.shock_slope * chi).min(T::of(TANGENT_FROM));
+            // Distance along the tangent: zero before it starts, and where `S = 0` it never does.
+            let beyond = (self.shock_slope * chi - s_chi) / self.shock_slope.max(T::of(1e-30));
+            let q = T::one() / (T::one() - s_chi);
+            let slope = c_2 * (T::one() + s_chi) * q * q * q;
+            hugoniot = c_2 * (chi - beyond) * q * q + slope * beyond;
+            hugoniot_slope = slope * volume_ratio * volume_ratio;
+        }
+        let half_gamma = T::of(0.5) * self.gruneisen;
+        let factor = T::one() - half_gamma * eta;
+        ReferenceCurve {
+            pressure: self.density * factor * hugoniot,
+            slope: factor * hugoniot_slope - half_gamma * hugoniot,
+        }
+    }
+
+    #[inline(always)]
+    fn reference_density(&self) -> T {
+        self.density
+    }
+
+    #[inline(always)]
+    fn reference_sound_speed(&self) -> T {
+        self.sound_speed
+    }
+
+    #[inline(always)]
+    fn gruneisen(&self) -> T {
+        self.gruneisen
+    }
+}

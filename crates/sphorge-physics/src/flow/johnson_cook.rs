@@ -1,0 +1,163 @@
+//! Johnson–Cook.
+
+use super::{FlowState, YieldLaw, YieldStress};
+use crate::Scalar;
+use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+
+/// `Y = (A + B eps_p^n) (1 + C ln(rate/rate_0)) (1 - T*^m)`, `T* = (T - T_0)/(T_m - T_0)` clamped to [0, 1]
+/// (Johnson & Cook 1983; Patiño et al. Eq 25).
+///
+/// The equation takes the accumulated plastic strain; Patiño et al. Eq 26 puts the total strain in its place, which is
+/// the same only once elastic strain is negligible. Below `rate_0` the rate factor is one: its logarithm would soften
+/// and at last turn negative. At and above `T_m` the yield stress is zero.
+///
+/// The slope of `eps_p^n` is infinite at zero for `n < 1`. Below a plastic strain of 1e-12 the power is replaced by the
+/// chord from the origin, which keeps `Y(0) = A` and a finite slope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JohnsonCook<T> {
+    /// `A`, Pa.
+    pub yield_stress: T,
+    /// `B`, Pa.
+    pub hardening: T,
+    /// `n`.
+    pub exponent: T,
+    /// `C`.
+    pub rate_sensitivity: T,
+    /// `m`.
+    pub softening_exponent: T,
+    /// `rate_0`, 1/s.
+    pub reference_rate: T,
+    /// `T_0`, K.
+    pub reference_temperature: T,
+    /// `T_m`, K.
+    pub melting_temperature: T,
+}
+
+/// Plastic strain below which the power law is a chord.
+const CHORD_BELOW: f64 = 1e-12;
+
+impl<T: Scalar> JohnsonCook<T> {
+    /// The same law in another precision.
+    pub fn cast<U: Scalar>(&self) -> JohnsonCook<U> {
+        JohnsonCook {
+            yield_stress: U::of(self.yield_stress.to_f64()),
+            hardening: U::of(self.hardening.to_f64()),
+            exponent: U::of(self.exponent.to_f64()),
+            rate_sensitivity: U::of(self.rate_sensitivity.to_f64()),
+            softening_exponent: U::of(self.softening_exponent.to_f64()),
+            reference_rate: U::of(self.reference_rate.to_f64()),
+            reference_temperature: U::of(self.reference_temperature.to_f64()),
+            melting_temperature: U::of(self.melting_temperature.to_f64()),
+        }
+    }
+}
+
+impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
+    const KEY: &'static str = "johnson-cook";
+    const NAME: &'static str = "Johnson–Cook";
+    const REFERENCE: &'static str = "Johnson & Cook, 7th International Symposium on Ballistics (1983) 541";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::required(
+            "A",
+            "A",
+            PhysicalQuantity::Pressure,
+            Bound::NonNegative,
+            "yield stress at zero plastic strain, reference rate and temperature",
+        ),
+        Parameter::required("B", "B", PhysicalQuantity::Pressure, Bound::NonNegative, "strength of hardening"),
+        Parameter::required("n", "n", PhysicalQuantity::Dimensionless, Bound::Positive, "exponent of hardening"),
+        Parameter::required("C", "C", PhysicalQuantity::Dimensionless, Bound::NonNegative, "strain-rate sensitivity"),
+        Parameter::required(
+            "m",
+            "m",
+            PhysicalQuantity::Dimensionless,
+            Bound::Positive,
+            "exponent of softening with temperature",
+        ),
+        Parameter {
+            key: "reference-strain-rate",
+            symbol: "rate_0",
+            quantity: PhysicalQuantity::StrainRate,
+            bound: Bound::Positive,
+            default: Some(1.0),
+            meaning: "plastic strain rate up to which the rate has no effect",
+        },
+        Parameter::required(
+            "reference-temperature",
+            "T_0",
+            PhysicalQuantity::Temperature,
+            Bound::NonNegative,
+            "temperature up to which heat has no effect",
+        ),
+        Parameter::required(
+            "melting-temperature",
+            "T_m",
+            PhysicalQuantity::Temperature,
+            Bound::Positive,
+            "temperature at which no strength is left",
+        ),
+    ];
+    const HAS_SHEAR: bool = true;
+    const YIELDS: bool = true;
+
+    fn check(values: &[f64]) -> Option<&'static str> {
+        (values[7] <= values[6]).then_some("melting-temperature must be above reference-temperature")
+    }
+
+    fn new(values: &[f64]) -> Self {
+        Self {
+            yield_stress: T::of(values[0]),
+            hardening: T::of(values[1]),
+            exponent: T::of(values[2]),
+            rate_sensitivity: T::of(values[3]),
+            softening_exponent: T::of(values[4]),
+            reference_rate: T::of(values[5]),
+            reference_temperature: T::of(values[6]),
+            melting_temperature: T::of(values[7]),
+        }
+    }
+
+    #[inline(always)]
+    fn yield_stress(&self, state: FlowState<T>) -> YieldStress<T> {
+        // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
+        let chord = T::of(CHORD_BELOW);
+        let strain = state.plastic_strain.max(T::zero());
+        let mut power = T::zero();
+        let mut power_slope = T::zero();
+        if self.hardening > T::zero() {
+            let at = strain.max(chord);
+            power = at.powf(self.exponent);
+            power_slope = self.exponent * power / at;
+            if strain < chord {
+                power_slope = power / chord;
+                power = power_slope * strain;
+            }
+        }
+        let hardened = self.yield_stress + self.hardening * power;
+        let hardening_slope = self.hardening * power_slope;
+
+        let mut rate_factor = T::one();
+        let mut rate_slope = T::zero();
+        if state.plastic_strain_rate > self.reference_rate {
+            rate_factor += self.rate_sensitivity * (state.plastic_strain_rate / self.reference_rate).ln();
+            rate_slope = self.rate_sensitivity / state.plastic_strain_rate;
+        }
+
+        let mut thermal_factor = T::one();
+        if state.temperature > self.reference_temperature {
+            let range = self.melting_temperature - self.reference_temperature;
+            let t = ((state.temperature - self.reference_temperature) / range).min(T::one());
+            thermal_factor = T::one() - t.powf(self.softening_exponent);
+        }
+
+        YieldStress {
+            value: hardened * rate_factor * thermal_factor,
+            by_strain: hardening_slope * rate_factor * thermal_factor,
+            by_rate: hardened * rate_slope * thermal_factor,
+        }
+    }
+
+    fn melting_temperature(&self) -> Option<T> {
+        Some(self.melting_temperature)
+    }
+}

@@ -1,0 +1,126 @@
+use super::*;
+use crate::parameter::Bound;
+
+fn entry(key: &str) -> &'static LawEntry<FlowLaw<f64>> {
+    FLOW_LAWS.iter().find(|entry| entry.key == key).unwrap()
+}
+
+fn state(plastic_strain: f64, plastic_strain_rate: f64, temperature: f64) -> FlowState<f64> {
+    FlowState { plastic_strain, plastic_strain_rate, temperature }
+}
+
+fn close(got: f64, want: f64, relative: f64) {
+    assert!((got - want).abs() <= relative * want.abs(), "got {got}, want {want}");
+}
+
+/// Armco iron (Patiño et al. Table 2) and an aluminium with every constant different.
+const IRON: [f64; 8] = [175.0e6, 380.0e6, 0.32, 0.060, 0.55, 1.0, 293.15, 1811.0];
+const ALUMINIUM: [f64; 8] = [300.0e6, 426.0e6, 0.34, 0.015, 1.0, 2.0, 273.15, 775.0];
+
+#[test]
+fn johnson_cook_by_hand() {
+    // Iron, 0.2, 1e4/s, 600 K: 0.2^0.32 = exp(-0.515020) = 0.597489; 175 + 380 0.597489 = 402.0457 MPa;
+    // 1 + 0.06 ln 1e4 = 1.552620; T* = 306.85/1517.85 = 0.202161, T*^0.55 = exp(-0.879280) = 0.415082.
+    let iron = (entry("johnson-cook").build)(&IRON);
+    close(iron.yield_stress(state(0.2, 1.0e4, 600.0)).value, 402.0457e6 * 1.552_620 * 0.584_918, 1e-5);
+    // Aluminium, 0.05, 300/s, 400 K: 0.05^0.34 = exp(-1.018549) = 0.361118; 300 + 426 0.361118 = 453.8363 MPa;
+    // 1 + 0.015 ln 150 = 1.075160; T* = 126.85/501.85 = 0.252765.
+    let aluminium = (entry("johnson-cook").build)(&ALUMINIUM);
+    close(aluminium.yield_stress(state(0.05, 300.0, 400.0)).value, 453.8363e6 * 1.075_160 * 0.747_235, 1e-5);
+}
+
+#[test]
+fn johnson_cook_limits() {
+    let iron = (entry("johnson-cook").build)(&IRON);
+    let y = |e, r, t| iron.yield_stress(state(e, r, t));
+    assert_eq!(y(0.0, 0.0, 293.15).value, 175.0e6);
+    // A negative strain cannot be; it counts as none.
+    assert_eq!(y(-1e-3, 0.0, 293.15).value, 175.0e6);
+    // At and below the reference rate, no effect of the rate.
+    for rate in [0.0, 1e-6, 0.5, 1.0] {
+        assert_eq!(y(0.1, rate, 300.0).value, y(0.1, 1.0, 300.0).value);
+        assert_eq!(y(0.1, rate, 300.0).by_rate, 0.0);
+    }
+    // Colder than the reference temperature, no hardening by cold.
+    assert_eq!(y(0.1, 10.0, 100.0).value, y(0.1, 10.0, 293.15).value);
+    // No strength at and above melting.
+    for temperature in [1811.0, 1811.1, 5000.0, 1e6] {
+        let melt = y(0.3, 1e5, temperature);
+        assert_eq!((melt.value, melt.by_strain, melt.by_rate), (0.0, 0.0, 0.0));
+    }
+    assert!(y(0.3, 1e5, 1810.9).value > 0.0);
+    assert_eq!(iron.melting_temperature(), Some(1811.0));
+}
+
+#[test]
+fn johnson_cook_slopes() {
+    for constants in [IRON, ALUMINIUM, [90.0e6, 0.0, 0.31, 0.025, 1.09, 1.0, 293.0, 1356.0]] {
+        let law = (entry("johnson-cook").build)(&constants);
+        for (e, r, t) in [(0.01, 50.0, 310.0), (0.7, 1e5, 700.0), (1e-6, 0.3, 250.0)] {
+            let y = |e, r| law.yield_stress(state(e, r, t));
+            let by_strain = (y(e * 1.001, r).value - y(e * 0.999, r).value) / (e * 0.002);
+            let by_rate = (y(e, r * 1.001).value - y(e, r * 0.999).value) / (r * 0.002);
+            assert!((by_strain - y(e, r).by_strain).abs() <= 1e-5 * by_strain.abs());
+            assert!((by_rate - y(e, r).by_rate).abs() <= 1e-5 * by_rate.abs());
+        }
+        // Finite where the formula is not, and joined without a jump.
+        let zero = law.yield_stress(state(0.0, 0.0, 300.0));
+        assert!(zero.by_strain.is_finite() && zero.by_strain >= 0.0);
+        let (below, above) =
+            (law.yield_stress(state(0.999e-12, 0.0, 300.0)), law.yield_stress(state(1.001e-12, 0.0, 300.0)));
+        assert!(above.value >= below.value && above.value - below.value < 1e-5 * above.value);
+    }
+    let single = (entry("johnson-cook").build)(&IRON).cast::<f32>();
+    let zero = single.yield_stress(FlowState { plastic_strain: 0.0, plastic_strain_rate: 0.0, temperature: 300.0 });
+    assert!(zero.by_strain.is_finite());
+}
+
+#[test]
+fn bilinear_and_perfectly_plastic() {
+    // H = 210 2/208 = 2.019230769 GPa; Y(0.1) = 350 MPa + 201.9230769 MPa.
+    let steel = (entry("bilinear").build)(&[350.0e6, 210.0e9, 2.0e9]);
+    let y = steel.yield_stress(state(0.1, 1e6, 2000.0));
+    close(y.value, 551.923_076_923e6, 1e-11);
+    close(y.by_strain, 2.019_230_769_23e9, 1e-11);
+    // H = 70 7/63 = 7.777... GPa.
+    let aluminium = (entry("bilinear").build)(&[220.0e6, 70.0e9, 7.0e9]);
+    close(aluminium.yield_stress(state(0.03, 0.0, 0.0)).value, 453.333_333_333e6, 1e-11);
+    let perfect = (entry("perfectly-plastic").build)(&[90.0e6]);
+    assert_eq!(perfect.yield_stress(state(3.0, 1e6, 900.0)).value, 90.0e6);
+}
+
+#[test]
+fn what_each_law_can() {
+    let built = |key: &str, values: &[f64]| (entry(key).build)(values);
+    let (none, elastic) = (built("none", &[]), built("elastic", &[]));
+    assert!(!none.has_shear() && !none.yields());
+    assert!(elastic.has_shear() && !elastic.yields());
+    assert!(elastic.yield_stress(state(0.0, 0.0, 0.0)).value.is_infinite());
+    for law in [built("perfectly-plastic", &[1.0]), built("bilinear", &[1.0, 2.0, 1.0]), built("johnson-cook", &IRON)] {
+        assert!(law.has_shear() && law.yields());
+    }
+}
+
+#[test]
+fn tables_agree_with_the_laws() {
+    for entry in FLOW_LAWS {
+        let values: [f64; 8] = IRON;
+        let law = (entry.build)(&values);
+        assert_eq!(law.key(), entry.key);
+        assert_eq!(law.parameters(), entry.parameters);
+        assert!(
+            entry
+                .parameters
+                .iter()
+                .all(|parameter| parameter.default.is_none_or(|value| parameter.bound.allows(value)))
+        );
+    }
+    assert_eq!((entry("bilinear").check)(&[1.0, 2.0, 1.0]), None);
+    assert!((entry("bilinear").check)(&[1.0, 2.0, 2.0]).is_some());
+    assert_eq!((entry("johnson-cook").check)(&IRON), None);
+    let mut cold = IRON;
+    cold[7] = 293.15;
+    assert!((entry("johnson-cook").check)(&cold).is_some());
+    assert_eq!(entry("johnson-cook").parameters[5].default, Some(1.0));
+    assert_eq!(entry("johnson-cook").parameters[2].bound, Bound::Positive);
+}

@@ -1,0 +1,208 @@
+//! Smoothing kernels.
+//!
+//! `W(r, h) = sigma_d / h^d w(q)` with `q = r / h` (Patiño et al. Eq 3), unit `m^-d`, and
+//! `grad_i W = sigma_d / h^(d+2) [(1/q) dw/dq] x_ij`, unit `m^-(d+1)`. A shape `w` is written without branches so that it
+//! runs on SIMD lanes, and in the form `(1/q) dw/dq`, which is finite where particles coincide.
+//!
+//! A further kernel is one file and one line of the table at the end of this one.
+
+mod cubic_spline;
+mod quintic_spline;
+mod wendland_c2;
+mod wendland_c4;
+
+pub use cubic_spline::CubicSpline;
+pub use quintic_spline::QuinticSpline;
+pub use wendland_c2::WendlandC2;
+pub use wendland_c4::WendlandC4;
+
+use crate::{Dimension, Real};
+
+/// The shape of a smoothing kernel, a type so that hot loops are compiled for it.
+pub trait KernelShape: Copy + Send + Sync + 'static {
+    /// Name in a deck.
+    const KEY: &'static str;
+    /// Name in a text.
+    const NAME: &'static str;
+    /// Where it is published.
+    const REFERENCE: &'static str;
+    /// Radius beyond which the kernel is zero, in units of `h`.
+    const SUPPORT: f64;
+
+    /// `sigma_d`, such that the kernel integrates to one.
+    fn normalisation(dimension: Dimension) -> f64;
+    /// `w(q)` for `q >= 0`; zero beyond the support.
+    fn w<T: Real>(q: T) -> T;
+    /// `(1/q) dw/dq` for `q >= 0`, never positive; finite at `q = 0`, zero beyond the support.
+    fn dw_over_q<T: Real>(q: T) -> T;
+}
+
+// `$d` is a dollar sign: it lets the table write the macro that dispatches on it.
+macro_rules! kernels {
+    (($d:tt) $($(#[$attribute:meta])* $kernel:ident,)*) => {
+        /// The kernels a deck can choose.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        pub enum Kernel {
+            $(
+                #[doc = concat!("See [`", stringify!($kernel), "`](struct@", stringify!($kernel), ").")]
+                $(#[$attribute])*
+                $kernel,
+            )*
+        }
+
+        impl Kernel {
+            /// Every kernel.
+            pub const ALL: &'static [Self] = &[$(Self::$kernel,)*];
+
+            /// Name in a deck.
+            pub const fn key(self) -> &'static str {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::KEY,)* }
+            }
+
+            /// Name in a text.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::NAME,)* }
+            }
+
+            /// Where it is published.
+            pub const fn reference(self) -> &'static str {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::REFERENCE,)* }
+            }
+
+            /// Radius beyond which the kernel is zero, in units of `h`.
+            pub const fn support(self) -> f64 {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::SUPPORT,)* }
+            }
+
+            /// `sigma_d`, such that the kernel integrates to one.
+            pub fn normalisation(self, dimension: Dimension) -> f64 {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::normalisation(dimension),)* }
+            }
+
+            /// `w(q)`; see [`KernelShape::w`].
+            #[inline(always)]
+            pub fn w<T: Real>(self, q: T) -> T {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::w(q),)* }
+            }
+
+            /// `(1/q) dw/dq`; see [`KernelShape::dw_over_q`].
+            #[inline(always)]
+            pub fn dw_over_q<T: Real>(self, q: T) -> T {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::dw_over_q(q),)* }
+            }
+        }
+
+        /// Evaluates an expression with a type name standing for the [`KernelShape`](crate::kernel::KernelShape) of a
+        /// [`Kernel`](crate::kernel::Kernel): `dispatch_kernel!(kernel, K => sweep::<K>(particles))`.
+        #[macro_export]
+        macro_rules! dispatch_kernel {
+            ($d kernel:expr, $d shape:ident => $d body:expr) => {
+                match $d kernel {
+                    $($crate::kernel::Kernel::$kernel => {
+                        type $d shape = $crate::kernel::$kernel;
+                        $d body
+                    })*
+                }
+            };
+        }
+    };
+}
+
+kernels! { ($)
+    #[default]
+    CubicSpline,
+    WendlandC2,
+    WendlandC4,
+    QuinticSpline,
+}
+
+impl Kernel {
+    /// The kernel of that name in a deck.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kernel| kernel.key() == key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+
+    const DIMENSIONS: [Dimension; 3] = [Dimension::One, Dimension::Two, Dimension::Three];
+
+    #[test]
+    fn every_kernel_integrates_to_one() {
+        for &kernel in Kernel::ALL {
+            for dimension in DIMENSIONS {
+                // Midpoint rule; the knots of the splines (integers) fall on interval ends.
+                let n = 6000;
+                let dq = kernel.support() / f64::from(n);
+                let mut sum = 0.0;
+                for k in 0..n {
+                    let q = (f64::from(k) + 0.5) * dq;
+                    let shell = match dimension {
+                        Dimension::One => 2.0,
+                        Dimension::Two => 2.0 * PI * q,
+                        Dimension::Three => 4.0 * PI * q * q,
+                    };
+                    sum += shell * kernel.w(q) * dq;
+                }
+                let integral = kernel.normalisation(dimension) * sum;
+                assert!((integral - 1.0).abs() < 1e-6, "{} {dimension:?}: {integral}", kernel.key());
+            }
+        }
+    }
+
+    #[test]
+    fn gradient_is_the_slope_of_the_kernel() {
+        for &kernel in Kernel::ALL {
+            let mut q = 0.013;
+            while q < kernel.support() {
+                let step = 1e-5;
+                let slope = (kernel.w(q + step) - kernel.w(q - step)) / (2.0 * step);
+                let exact = kernel.dw_over_q(q) * q;
+                assert!((slope - exact).abs() < 1e-8 * kernel.w(0.0f64), "{} at {q}: {slope} {exact}", kernel.key());
+                q += 0.0371;
+            }
+        }
+    }
+
+    #[test]
+    fn gradient_is_finite_at_the_centre_and_zero_at_and_beyond_the_support() {
+        for &kernel in Kernel::ALL {
+            let centre = kernel.dw_over_q(0.0f64);
+            assert!(centre.is_finite() && centre < 0.0);
+            assert!((kernel.dw_over_q(1e-9f64) - centre).abs() < 1e-7 * centre.abs());
+            for q in [kernel.support(), kernel.support() + 0.1, 10.0] {
+                assert_eq!(kernel.w(q), 0.0);
+                assert_eq!(kernel.dw_over_q(q), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn single_precision_follows_double() {
+        for &kernel in Kernel::ALL {
+            let scale = kernel.w(0.0f64);
+            for k in 0..300 {
+                let q = f64::from(k) * 0.01;
+                assert!((f64::from(kernel.w(q as f32)) - kernel.w(q)).abs() < 2e-6 * scale);
+                assert!((f64::from(kernel.dw_over_q(q as f32)) - kernel.dw_over_q(q)).abs() < 1e-5 * scale);
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_found_again_and_dispatch_reaches_the_same_shape() {
+        fn support<K: KernelShape>() -> f64 {
+            K::SUPPORT
+        }
+        for &kernel in Kernel::ALL {
+            assert_eq!(Kernel::from_key(kernel.key()), Some(kernel));
+            assert_eq!(dispatch_kernel!(kernel, K => support::<K>()), kernel.support());
+            assert_eq!(dispatch_kernel!(kernel, K => K::w(0.7f64)), kernel.w(0.7f64));
+        }
+        assert_eq!(Kernel::from_key("gaussian"), None);
+        assert_eq!(Kernel::default(), Kernel::CubicSpline);
+    }
+}

@@ -1,0 +1,204 @@
+//! Return of a trial stress to the yield surface: the one return mapping of all flow laws.
+//!
+//! With the trial deviator `S_trial` and its von Mises equivalent `sigma_trial = sqrt(3/2 S:S)` (Fraser Eq 11; Patiño et
+//! al. Eq 29), the plastic strain increment `d` of a step `dt` solves
+//!
+//! `sigma_trial - 3 G d - sigma(Y) = 0`,   `Y = Y(eps_p + d, d/dt, T)`,
+//!
+//! implicit in both the hardening and the rate, and `S = (sigma/sigma_trial) S_trial`. Radial return (Wilkins 1964; Simo
+//! & Hughes, *Computational Inelasticity*, 3.3) has `sigma = Y`. Fraser Eq 12 is its solution for linear hardening;
+//! Fraser Eq 14 prints `S^n` on the right where the trial deviator belongs. Patiño et al. Eq 28 (after Benz & Asphaug
+//! 1995) scales by `f = Y^2/sigma_trial^2` instead, so `sigma = Y^2/sigma_trial`: stress falls below the yield surface,
+//! the more so the larger the step. It stays an option, solved by the same equation.
+//!
+//! Units: stress Pa, time s, temperature K, work J/m^3.
+
+use crate::flow::{FlowLaw, FlowState, YieldStress};
+use crate::{Scalar, SymmetricTensor};
+
+/// How a stress beyond yield is brought back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ReturnRule {
+    /// To the yield surface, `S = (Y/sigma_trial) S_trial`.
+    #[default]
+    RadialReturn,
+    /// By the printed factor of Patiño et al. Eq 28, `S = (Y/sigma_trial)^2 S_trial`.
+    BenzAsphaug,
+}
+
+impl ReturnRule {
+    /// Every rule.
+    pub const ALL: &'static [Self] = &[Self::RadialReturn, Self::BenzAsphaug];
+
+    /// Name in a deck.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::RadialReturn => "radial-return",
+            Self::BenzAsphaug => "benz-asphaug",
+        }
+    }
+
+    /// The rule of that name in a deck.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|rule| rule.key() == key)
+    }
+}
+
+/// Stress and plastic strain after a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Returned<T> {
+    /// Deviatoric stress, Pa.
+    pub deviator: SymmetricTensor<T>,
+    /// Increment of the equivalent plastic strain, never negative.
+    pub plastic_strain_increment: T,
+    /// Yield stress at the end of the step, Pa; infinite for a law that never yields.
+    pub yield_stress: T,
+    /// Plastic work per volume, J/m^3: equivalent stress at the end times the increment.
+    pub plastic_work: T,
+    /// Iterations spent; zero in an elastic step.
+    pub iterations: u32,
+}
+
+/// Iterations after which the bracket is accepted as it is; bisection alone would need about as many.
+const MAXIMUM_ITERATIONS: u32 = 60;
+
+/// Equivalent stress that a yield stress asks for, and its derivative with respect to the increment.
+#[inline(always)]
+fn target<T: Scalar>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_trial: T) -> (T, T) {
+    let slope = y.by_strain + y.by_rate * inverse_dt;
+    let mut stress = y.value;
+    let mut stress_slope = slope;
+    if rule == ReturnRule::BenzAsphaug {
+        let ratio = y.value / sigma_trial;
+        stress = y.value * ratio;
+        stress_slope = T::of(2.0) * ratio * slope;
+    }
+    (stress, stress_slope)
+}
+
+/// Brings a trial deviator back to the yield surface of a law.
+///
+/// `shear_modulus` is `G` (Pa), `plastic_strain` the value at the start of the step, `temperature` is held over the step,
+/// `dt` its length (s; at zero the rate counts as zero). The result depends on nothing else: calling it for a predictor
+/// commits nothing. A law without strength gives a zero deviator; zero yield stress (melt) is returned to exactly zero;
+/// stress never ends above yield but by round-off; a stress on the yield surface of a law without rate stays where it is.
+#[inline]
+pub fn return_mapping<T: Scalar>(
+    rule: ReturnRule,
+    law: &FlowLaw<T>,
+    shear_modulus: T,
+    trial: SymmetricTensor<T>,
+    plastic_strain: T,
+    temperature: T,
+    dt: T,
+) -> Returned<T> {
+    let zero = T::zero();
+    let start = law.yield_stress(FlowState { plastic_strain, plastic_strain_rate: zero, temperature });
+    let mut returned = Returned {
+        deviator: trial,
+        plastic_strain_increment: zero,
+        yield_stress: start.value,
+        plastic_work: zero,
+        iterations: 0,
+    };
+    if !law.has_shear() {
+        returned.deviator = SymmetricTensor::zero();
+    }
+    if law.yields() {
+        let sigma_trial = equivalent_stress(trial);
+        // A few units of round-off, so that a stress just returned counts as elastic.
+        if sigma_trial > start.value * (T::one() + T::of(8.0) * T::epsilon()) {
+            returned =
+                plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, plastic_strain, temperature, dt);
+        }
+    }
+    returned
+}
+
+/// Von Mises equivalent of a deviator, without overflow of the squares in single precision.
+#[inline(always)]
+fn equivalent_stress<T: Scalar>(deviator: SymmetricTensor<T>) -> T {
+    let mut stress = deviator.von_mises();
+    if !stress.is_finite() {
+        let c = deviator.to_array();
+        let mut largest = c[0].abs();
+        for k in 1..6 {
+            largest = largest.max(c[k].abs());
+        }
+        stress = (deviator * (T::one() / largest)).von_mises() * largest;
+    }
+    stress
+}
+
+fn plastic_return<T: Scalar>(
+    rule: ReturnRule,
+    law: &FlowLaw<T>,
+    shear_modulus: T,
+    trial: SymmetricTensor<T>,
+    sigma_trial: T,
+    start: YieldStress<T>,
+    plastic_strain: T,
+    temperature: T,
+    dt: T,
+) -> Returned<T> {
+    let zero = T::zero();
+    let three_g = (T::of(3.0) * shear_modulus).max(zero);
+    let mut inverse_dt = zero;
+    if dt > zero {
+        inverse_dt = T::one() / dt;
+    }
+    let tolerance = T::of(4.0) * T::epsilon() * sigma_trial;
+
+    // The residual falls with the increment: positive at zero, negative where all of the trial stress has relaxed.
+    let mut low = zero;
+    let mut high = zero;
+    let mut increment = zero;
+    if three_g > zero {
+        high = sigma_trial / three_g;
+        // Without hardening this is the answer; with it, the answer is smaller, and Newton's method comes from above,
+        // where slopes are finite even if they are not at zero strain.
+        increment = (sigma_trial - target(rule, start, zero, sigma_trial).0) / three_g;
+    }
+
+    let mut y = start;
+    let mut stress = start.value;
+    let mut iterations = 0;
+    let mut searching = true;
+    while searching {
+        iterations += 1;
+        y = law.yield_stress(FlowState {
+            plastic_strain: plastic_strain + increment,
+            plastic_strain_rate: increment * inverse_dt,
+            temperature,
+        });
+        let (wanted, slope) = target(rule, y, inverse_dt, sigma_trial);
+        stress = wanted;
+        let residual = sigma_trial - three_g * increment - wanted;
+        if residual > zero {
+            low = increment;
+        } else {
+            high = increment;
+        }
+        let middle = T::of(0.5) * (low + high);
+        let mut next = increment + residual / (three_g + slope);
+        if !(next > low && next < high) {
+            next = middle;
+        }
+        searching = residual.abs() > tolerance && iterations < MAXIMUM_ITERATIONS && next != increment;
+        if searching {
+            increment = next;
+        }
+    }
+
+    let scale = (stress / sigma_trial).min(T::one());
+    Returned {
+        deviator: trial * scale,
+        plastic_strain_increment: increment,
+        yield_stress: y.value,
+        plastic_work: sigma_trial * scale * increment,
+        iterations,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+use super::*;
+use crate::flow::FLOW_LAWS;
+
+const G: f64 = 80.0e9;
+const IRON: [f64; 8] = [175.0e6, 380.0e6, 0.32, 0.060, 0.55, 1.0, 293.15, 1811.0];
+
+fn law(key: &str, values: &[f64]) -> FlowLaw<f64> {
+    (FLOW_LAWS.iter().find(|entry| entry.key == key).unwrap().build)(values)
+}
+
+/// A deviator with every component, of the given von Mises equivalent.
+fn deviator(equivalent: f64) -> SymmetricTensor<f64> {
+    let s = SymmetricTensor { xx: 1.0, yy: -0.3, zz: -0.7, xy: 0.4, yz: -0.6, xz: 0.2 };
+    s * (equivalent / s.von_mises())
+}
+
+fn close(got: f64, want: f64, relative: f64) {
+    assert!((got - want).abs() <= relative * want.abs(), "got {got}, want {want}");
+}
+
+fn radial(law: &FlowLaw<f64>, sigma_trial: f64, plastic_strain: f64, temperature: f64, dt: f64) -> Returned<f64> {
+    return_mapping(ReturnRule::RadialReturn, law, G, deviator(sigma_trial), plastic_strain, temperature, dt)
+}
+
+#[test]
+fn below_yield_nothing_happens() {
+    let iron = law("johnson-cook", &IRON);
+    let r = radial(&iron, 174.9e6, 0.0, 293.15, 1e-8);
+    assert_eq!(r.deviator, deviator(174.9e6));
+    assert_eq!((r.plastic_strain_increment, r.plastic_work, r.iterations), (0.0, 0.0, 0));
+    assert_eq!(r.yield_stress, 175.0e6);
+}
+
+#[test]
+fn no_strength_and_no_limit() {
+    assert_eq!(radial(&law("none", &[]), 1.0e9, 0.0, 300.0, 1e-8).deviator, SymmetricTensor::zero());
+    let r = radial(&law("elastic", &[]), 1.0e12, 0.0, 300.0, 1e-8);
+    assert_eq!(r.deviator, deviator(1.0e12));
+    assert!(r.yield_stress.is_infinite());
+}
+
+#[test]
+fn perfect_plasticity_and_linear_hardening_have_closed_forms() {
+    // (500 - 90)/(3 80e3) MPa/MPa.
+    let r = radial(&law("perfectly-plastic", &[90.0e6]), 500.0e6, 0.3, 300.0, 1e-8);
+    close(r.plastic_strain_increment, 410.0e6 / 240.0e9, 1e-14);
+    close(r.deviator.von_mises(), 90.0e6, 1e-14);
+    close(r.plastic_work, 90.0e6 * 410.0 / 240.0e3, 1e-14);
+    assert_eq!(r.iterations, 1);
+    // sigma_y = 350 + H 0.05 with H = 210 2/208 GPa; increment (sigma_trial - sigma_y)/(3 G + H) (Fraser Eq 12).
+    let h = 210.0e9 * 2.0 / 208.0;
+    let r = radial(&law("bilinear", &[350.0e6, 210.0e9, 2.0e9]), 800.0e6, 0.05, 300.0, 1e-8);
+    let increment = (800.0e6 - 350.0e6 - 0.05 * h) / (240.0e9 + h);
+    close(r.plastic_strain_increment, increment, 1e-13);
+    close(r.yield_stress, 350.0e6 + h * (0.05 + increment), 1e-14);
+    close(r.deviator.xy / r.deviator.xx, 0.4, 1e-14);
+}
+
+#[test]
+fn benz_asphaug_by_hand() {
+    // f = (200/400)^2, increment (1 - 1/4) 400 MPa/(3 G), stress 100 MPa: below the yield surface.
+    let perfect = law("perfectly-plastic", &[200.0e6]);
+    let rule = ReturnRule::BenzAsphaug;
+    let r = return_mapping(rule, &perfect, G, deviator(400.0e6), 0.0, 300.0, 1e-8);
+    close(r.deviator.von_mises(), 100.0e6, 1e-14);
+    close(r.plastic_strain_increment, 300.0e6 / 240.0e9, 1e-14);
+    close(r.yield_stress, 200.0e6, 1e-15);
+    // With hardening and rate the factor takes the yield stress at the end of the step.
+    let iron = law("johnson-cook", &IRON);
+    let r = return_mapping(rule, &iron, G, deviator(900.0e6), 0.02, 400.0, 1e-7);
+    let dep = r.plastic_strain_increment;
+    let y = iron.yield_stress(FlowState {
+        plastic_strain: 0.02 + dep,
+        plastic_strain_rate: dep / 1e-7,
+        temperature: 400.0,
+    });
+    let f = (y.value / 900.0e6) * (y.value / 900.0e6);
+    close(r.deviator.von_mises(), f * 900.0e6, 1e-13);
+    close(dep, (1.0 - f) * 900.0e6 / (3.0 * G), 1e-12);
+    assert_eq!(return_mapping(rule, &iron, G, r.deviator, 0.02 + dep, 400.0, 1e-7).iterations, 0);
+}
+
+#[test]
+fn residual_is_zero_over_the_whole_range() {
+    let copper = [90.0e6, 292.0e6, 0.31, 0.025, 1.09, 1.0, 293.0, 1356.0];
+    let steep = [0.0, 500.0e6, 0.05, 0.5, 0.3, 1e-3, 300.0, 301.0];
+    let convex = [50.0e6, 2000.0e6, 1.8, 0.01, 1.0, 100.0, 300.0, 900.0];
+    let mut worst = 0;
+    for constants in [IRON, copper, steep, convex] {
+        let law = law("johnson-cook", &constants);
+        let (t_0, t_m) = (constants[6], constants[7]);
+        for sigma_trial in [1.0e6, 91.0e6, 176.0e6, 300.0e6, 1.0e9, 2.0e10, 1.0e15] {
+            for strain in [0.0, 1e-15, 1e-9, 1e-4, 0.1, 5.0] {
+                for temperature in [0.0, t_0, t_0 + 1e-9, 0.5 * (t_0 + t_m), t_m - 1e-6, t_m, t_m + 1.0, 1e5] {
+                    for dt in [0.0, 1e-12, 1e-8, 1e-3, 1e3] {
+                        let r = radial(&law, sigma_trial, strain, temperature, dt);
+                        let dep = r.plastic_strain_increment;
+                        let rate = if dt > 0.0 { dep / dt } else { 0.0 };
+                        let state = FlowState { plastic_strain: strain + dep, plastic_strain_rate: rate, temperature };
+                        let y = law.yield_stress(state).value;
+                        let sigma = r.deviator.von_mises();
+                        let case = (constants, sigma_trial, strain, temperature, dt, r);
+                        assert!(dep >= 0.0 && r.plastic_work >= 0.0, "{case:?}");
+                        assert!(sigma <= y * (1.0 + 1e-14) + 1e-300, "above yield: {case:?}");
+                        assert!((sigma_trial - 3.0 * G * dep - sigma).abs() <= 1e-14 * sigma_trial, "{case:?}");
+                        assert!((y - r.yield_stress).abs() <= 1e-14 * y, "{case:?}");
+                        worst = worst.max(r.iterations);
+                    }
+                }
+            }
+        }
+    }
+    assert!(worst < MAXIMUM_ITERATIONS, "{worst} iterations");
+}
+
+#[test]
+fn usual_steps_take_few_iterations() {
+    let iron = law("johnson-cook", &IRON);
+    for (sigma_trial, strain) in [(250.0e6, 0.0), (500.0e6, 0.001), (700.0e6, 0.2), (900.0e6, 1.0)] {
+        let r = radial(&iron, sigma_trial, strain, 350.0, 1e-8);
+        assert!(r.iterations <= 8, "{r:?}");
+    }
+}
+
+#[test]
+fn returning_twice_changes_nothing_without_rate() {
+    let rate_free = [175.0e6, 380.0e6, 0.32, 0.0, 0.55, 1.0, 293.15, 1811.0];
+    for law in [
+        law("perfectly-plastic", &[90.0e6]),
+        law("bilinear", &[350.0e6, 210.0e9, 2.0e9]),
+        law("johnson-cook", &rate_free),
+    ] {
+        for sigma_trial in [400.0e6, 3.0e9, 7.7e11] {
+            let once = radial(&law, sigma_trial, 0.0, 500.0, 1e-8);
+            let strain = once.plastic_strain_increment;
+            assert!(strain > 0.0);
+            let twice = return_mapping(ReturnRule::RadialReturn, &law, G, once.deviator, strain, 500.0, 1e-8);
+            assert_eq!(twice.deviator, once.deviator);
+            assert_eq!((twice.plastic_strain_increment, twice.iterations), (0.0, 0));
+        }
+    }
+}
+
+#[test]
+fn melt_loses_all_deviatoric_stress() {
+    let iron = law("johnson-cook", &IRON);
+    for temperature in [1811.0, 1811.5, 1.0e4] {
+        let r = radial(&iron, 300.0e6, 0.4, temperature, 1e-8);
+        assert_eq!(r.deviator, SymmetricTensor::zero());
+        close(r.plastic_strain_increment, 300.0e6 / 240.0e9, 1e-14);
+        assert_eq!((r.yield_stress, r.plastic_work), (0.0, 0.0));
+        // Nothing left to return.
+        assert_eq!(radial(&iron, 0.0, 0.4, temperature, 1e-8).iterations, 0);
+    }
+}
+
+#[test]
+fn without_shear_modulus_stress_is_capped_at_yield() {
+    let r = return_mapping(
+        ReturnRule::RadialReturn,
+        &law("bilinear", &[350.0e6, 210.0e9, 2.0e9]),
+        0.0,
+        deviator(1.0e9),
+        0.0,
+        300.0,
+        1e-8,
+    );
+    close(r.deviator.von_mises(), 350.0e6, 1e-14);
+    assert_eq!(r.plastic_strain_increment, 0.0);
+}
+
+#[test]
+fn single_precision_follows_double() {
+    let (double, single) = (law("johnson-cook", &IRON), law("johnson-cook", &IRON).cast::<f32>());
+    for sigma_trial in [176.0e6, 400.0e6, 3.0e9, 1.0e13] {
+        for strain in [0.0, 1e-5, 0.3] {
+            for temperature in [293.15, 700.0, 1811.0, 4000.0] {
+                let d = radial(&double, sigma_trial, strain, temperature, 1e-8);
+                let s = deviator(sigma_trial).to_array().map(|c| c as f32);
+                let trial = SymmetricTensor::from_array(s);
+                let r = return_mapping(
+                    ReturnRule::RadialReturn,
+                    &single,
+                    G as f32,
+                    trial,
+                    strain as f32,
+                    temperature as f32,
+                    1e-8,
+                );
+                assert!(r.iterations < MAXIMUM_ITERATIONS);
+                let scale = sigma_trial.min(1.0e9);
+                assert!((f64::from(r.deviator.von_mises()) - d.deviator.von_mises()).abs() < 1e-5 * scale);
+                let dep = d.plastic_strain_increment;
+                assert!((f64::from(r.plastic_strain_increment) - dep).abs() < 1e-5 * dep + 1e-7 * sigma_trial / G);
+            }
+        }
+    }
+    // Squares of such a stress overflow single precision.
+    let huge = SymmetricTensor { xy: 3.0e30f32, ..SymmetricTensor::zero() };
+    let r = return_mapping(ReturnRule::RadialReturn, &single, 80.0e9, huge, 0.0, 300.0, 1e-8);
+    assert!(r.deviator.von_mises().is_finite() && r.deviator.von_mises() <= r.yield_stress * 1.000_001);
+}
+
+#[test]
+fn a_stress_that_is_not_a_number_stays_visible() {
+    let iron = law("johnson-cook", &IRON);
+    let trial = SymmetricTensor { xy: f64::NAN, ..deviator(1.0e9) };
+    assert!(return_mapping(ReturnRule::RadialReturn, &iron, G, trial, 0.0, 300.0, 1e-8).deviator.xy.is_nan());
+}
+
+#[test]
+fn rules_are_found_by_name() {
+    for &rule in ReturnRule::ALL {
+        assert_eq!(ReturnRule::from_key(rule.key()), Some(rule));
+    }
+    assert_eq!(ReturnRule::default(), ReturnRule::RadialReturn);
+}
