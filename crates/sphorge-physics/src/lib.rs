@@ -5,17 +5,36 @@
 //!
 //! Conventions: Cauchy stress is positive in tension, pressure positive in compression, `sigma = S - p I`;
 //! `x_ij = x_i - x_j`, `v_ij = v_i - v_j`; `L = grad v`, `L_ab = dv_a / dx_b`; SI units.
-#![cfg_attr(not(feature = "std"), no_std)]
+//!
+//! Two papers are followed, and their misprints corrected where they stand:
+//! - *Fraser*: K. Fraser, Adaptive smoothed particle hydrodynamics neighbor search algorithm for large plastic deformation
+//!   computational solid mechanics.
+//! - *Patiño et al.*: E. A. Patiño, R. Reyes, D. A. García, A. F. Sarmiento, J. M. Arroyo, D. A. Garzón, Implementation of the
+//!   smoothed particle hydrodynamics method to solve plastic deformation in metals.
+#![cfg_attr(not(any(feature = "std", test)), no_std)]
 
+pub mod artificial_stress;
 pub mod dimension;
 pub mod eos;
 pub mod flow;
+pub mod gradient_correction;
+pub mod heat;
 pub mod kernel;
+pub mod moving_least_squares;
+pub mod pair;
 pub mod parameter;
+pub mod principal;
 pub mod real;
 pub mod return_mapping;
 pub mod stress;
 pub mod tensor;
+pub mod time_step;
+pub mod viscosity;
+pub mod wall;
+pub mod xsph;
+
+#[cfg(test)]
+mod test_cloud;
 
 pub use dimension::Dimension;
 pub use real::{Real, Scalar};

@@ -6,7 +6,7 @@
 //! `sigma_trial - 3 G d - sigma(Y) = 0`,   `Y = Y(eps_p + d, d/dt, T)`,
 //!
 //! implicit in both the hardening and the rate, and `S = (sigma/sigma_trial) S_trial`. Radial return (Wilkins 1964; Simo
-//! & Hughes, *Computational Inelasticity*, 3.3) has `sigma = Y`. Fraser Eq 12 is its solution for linear hardening;
+//! & Hughes, *Computational Inelasticity*, chapter 3) has `sigma = Y`. Fraser Eq 12 is its solution for linear hardening;
 //! Fraser Eq 14 prints `S^n` on the right where the trial deviator belongs. Patiño et al. Eq 28 (after Benz & Asphaug
 //! 1995) scales by `f = Y^2/sigma_trial^2` instead, so `sigma = Y^2/sigma_trial`: stress falls below the yield surface,
 //! the more so the larger the step. It stays an option, solved by the same equation.

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 
 /// Quintic B-spline: `w = (3 - q)+^5 - 6 (2 - q)+^5 + 15 (1 - q)+^5`, radius `3 h`.
 ///
-/// Morris, Fox & Zhu 1997, Eq 19. Normalisation 1/120, 7/(478 pi), 1/(120 pi).
+/// Morris, Fox & Zhu 1997. Normalisation 1/120, 7/(478 pi), 1/(120 pi).
 #[derive(Clone, Copy, Debug)]
 pub struct QuinticSpline;
 
