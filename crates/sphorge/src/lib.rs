@@ -1,9 +1,13 @@
 //! Smoothed-particle hydrodynamics for metals that yield, flow and break.
 //!
-//! A deck becomes a validated model, an engine ([`solver`]) steps its [`particles`], sinks write what happened, analysis
+//! A deck becomes a validated [`model`], an engine ([`solver`]) steps its [`particles`], sinks write what happened, analysis
 //! measures, plots and compares.
 
+pub mod boundary;
+pub mod model;
+pub mod neighbors;
 pub mod particles;
 pub mod solver;
 
+pub use model::Model;
 pub use particles::Particles;

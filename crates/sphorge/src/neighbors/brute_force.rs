@@ -1,0 +1,23 @@
+//! Every pair tested: the oracle of all searches.
+
+use super::{NeighborList, Reach};
+use sphorge_physics::Vector;
+
+/// Neighbours of the first `count` points among all `points`, rows sorted by index, by testing every pair.
+pub fn brute_force(points: &[Vector<f64>], count: usize, reach: &Reach<'_>) -> NeighborList {
+    let mut list = NeighborList::default();
+    list.resize(count);
+    for (b, block) in list.blocks_mut().iter_mut().enumerate() {
+        block.clear();
+        for i in b * super::BLOCK..((b + 1) * super::BLOCK).min(count) {
+            for j in (0..points.len()).filter(|&j| j != i) {
+                let distance2: f64 = (0..3).map(|a| (points[i][a] - points[j][a]).powi(2)).sum();
+                if distance2 < reach.squared(i, j) {
+                    block.push(j as u32);
+                }
+            }
+            block.end_row(i as u32);
+        }
+    }
+    list
+}

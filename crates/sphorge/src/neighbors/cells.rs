@@ -1,0 +1,173 @@
+//! A uniform grid of cells and the points sorted into it.
+
+use sphorge_physics::Vector;
+
+/// Points in cell order. Cells are numbered with the last used axis running fastest, so that three neighbouring cells
+/// along it are one contiguous run of points.
+#[derive(Clone, Debug, Default)]
+pub struct CellGrid {
+    origin: Vector<f64>,
+    inverse_size: f64,
+    /// Cells along each axis, the empty rim of one cell on every side included.
+    extent: [usize; 3],
+    /// First place of each cell in `order`, one more entry than cells.
+    starts: Vec<u32>,
+    /// Point indices in cell order.
+    order: Vec<u32>,
+    cell_of: Vec<u32>,
+}
+
+impl CellGrid {
+    /// Sorts `points` into cells of at least `size`, m. Along each axis the grid covers the points; should that take many
+    /// more cells than there are points (a few fragments far out), the grid is drawn in towards the bulk and outer points
+    /// fall into the rim cells: neighbours stay in the same or in adjacent cells, so nothing is ever missed.
+    pub fn sort(&mut self, points: &[Vector<f64>], size: f64) {
+        let (mut low, mut high) = bounds(points);
+        let limit = (8 * points.len()).max(1 << 15);
+        let cells = |low: &Vector<f64>, high: &Vector<f64>, size: f64| -> f64 {
+            (0..3).map(|a| ((high[a] - low[a]) / size).floor() + 3.0).product()
+        };
+        let mut size = size;
+        if cells(&low, &high, size) > limit as f64 {
+            (low, high) = bulk(points, low, high);
+            while cells(&low, &high, size) > limit as f64 {
+                size *= 1.25;
+            }
+        }
+        self.origin = low;
+        self.inverse_size = 1.0 / size;
+        // One rim cell on each side.
+        self.extent = [0, 1, 2].map(|a| ((high[a] - low[a]) / size).floor() as usize + 3);
+
+        let count = self.extent.iter().product::<usize>();
+        self.starts.clear();
+        self.starts.resize(count + 1, 0);
+        self.cell_of.clear();
+        for p in points {
+            let c = self.cell(p);
+            self.cell_of.push(c as u32);
+            self.starts[c + 1] += 1;
+        }
+        for c in 0..count {
+            self.starts[c + 1] += self.starts[c];
+        }
+        self.order.clear();
+        self.order.resize(points.len(), 0);
+        // Counting sort from the back keeps points of one cell in index order and leaves `starts` at the cell ends; shift.
+        for i in (0..points.len()).rev() {
+            let c = self.cell_of[i] as usize + 1;
+            self.starts[c] -= 1;
+            self.order[self.starts[c] as usize] = i as u32;
+        }
+        for c in 0..count {
+            self.starts[c] = self.starts[c + 1];
+        }
+        self.starts[count] = points.len() as u32;
+    }
+
+    /// Point indices in cell order.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Runs `visit(first, last)` over the contiguous runs of `order` that hold every point within one cell of `p`.
+    #[inline(always)]
+    pub fn for_runs_around(&self, p: &Vector<f64>, mut visit: impl FnMut(usize, usize)) {
+        let [x, y, z] = self.coordinates(p);
+        for a in x - 1..=x + 1 {
+            for b in y - 1..=y + 1 {
+                let c = (a * self.extent[1] + b) * self.extent[2] + z;
+                let (first, last) = (self.starts[c - 1] as usize, self.starts[c + 2] as usize);
+                if first < last {
+                    visit(first, last);
+                }
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        4 * (self.starts.capacity() + self.order.capacity() + self.cell_of.capacity())
+    }
+
+    fn coordinates(&self, p: &Vector<f64>) -> [usize; 3] {
+        // A saturating cast: points below the grid fall into the first inner cell, points above into the last.
+        [0, 1, 2].map(|a| {
+            (((p[a] - self.origin[a]) * self.inverse_size).floor().max(0.0) as usize + 1).min(self.extent[a] - 2)
+        })
+    }
+
+    fn cell(&self, p: &Vector<f64>) -> usize {
+        let [x, y, z] = self.coordinates(p);
+        (x * self.extent[1] + y) * self.extent[2] + z
+    }
+}
+
+/// Smallest and largest coordinate of the points along each axis.
+pub(crate) fn bounds(points: &[Vector<f64>]) -> (Vector<f64>, Vector<f64>) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for a in 0..3 {
+            low[a] = low[a].min(p[a]);
+            high[a] = high[a].max(p[a]);
+        }
+    }
+    if points.is_empty() { ([0.0; 3], [0.0; 3]) } else { (low, high) }
+}
+
+/// Mean plus and minus four standard deviations, inside the given bounds.
+fn bulk(points: &[Vector<f64>], low: Vector<f64>, high: Vector<f64>) -> (Vector<f64>, Vector<f64>) {
+    let n = points.len() as f64;
+    let (mut l, mut h) = (low, high);
+    for a in 0..3 {
+        let mean = points.iter().map(|p| p[a]).sum::<f64>() / n;
+        let deviation = (points.iter().map(|p| (p[a] - mean).powi(2)).sum::<f64>() / n).sqrt();
+        l[a] = low[a].max(mean - 4.0 * deviation);
+        h[a] = high[a].min(mean + 4.0 * deviation);
+    }
+    (l, h)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_point_is_in_the_order_once_and_runs_reach_all_close_points() {
+        let points: Vec<Vector<f64>> =
+            (0..60).map(|k| [(k * 7 % 13) as f64 * 0.3, (k * 5 % 11) as f64 * 0.4, (k % 4) as f64 * 0.5]).collect();
+        let mut grid = CellGrid::default();
+        grid.sort(&points, 1.0);
+        let mut seen = grid.order().to_vec();
+        seen.sort_unstable();
+        assert_eq!(seen, (0..60).collect::<Vec<u32>>());
+        for p in &points {
+            let mut reached = [false; 60];
+            grid.for_runs_around(p, |first, last| {
+                for &j in &grid.order()[first..last] {
+                    assert!(!reached[j as usize], "visited twice");
+                    reached[j as usize] = true;
+                }
+            });
+            for (j, q) in points.iter().enumerate() {
+                let d2: f64 = (0..3).map(|a| (p[a] - q[a]).powi(2)).sum();
+                assert!(d2 >= 1.0 || reached[j]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_fragment_far_away_does_not_blow_up_the_grid() {
+        let mut points: Vec<Vector<f64>> =
+            (0..1000).map(|k| [f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)]).collect();
+        points.push([1e9, -1e9, 1e9]);
+        points.push([1e9 + 0.5, -1e9, 1e9]);
+        let mut grid = CellGrid::default();
+        grid.sort(&points, 1.0);
+        assert!(grid.bytes() < 4_000_000);
+        let mut found = false;
+        grid.for_runs_around(&points[1000], |a, b| found |= grid.order()[a..b].contains(&1001));
+        assert!(found);
+    }
+}

@@ -1,0 +1,138 @@
+//! The neighbour list: one flat, dense layout for every strategy.
+//!
+//! Particles are taken in blocks; a block's rows lie one behind the other, so that blocks are built by different threads
+//! without atomics and swept as units of work. Every row is padded to a whole number of SIMD bundles with the particle's
+//! own index: a pair of a particle with itself has zero distance and zero velocity difference, so every antisymmetric or
+//! difference sum ignores it and sweeps need no masks.
+
+/// Rows in a block.
+pub const BLOCK: usize = 128;
+
+/// Rows are padded to a multiple of this length, the widest bundle in use.
+pub const PAD: usize = 16;
+
+/// Neighbours of every particle.
+#[derive(Clone, Debug, Default)]
+pub struct NeighborList {
+    blocks: Vec<Block>,
+}
+
+/// Rows of up to [`BLOCK`] consecutive particles.
+#[derive(Clone, Debug, Default)]
+pub struct Block {
+    /// Start of each row in `indices`, one more entry than rows.
+    starts: Vec<u32>,
+    /// True lengths, without padding.
+    lengths: Vec<u32>,
+    indices: Vec<u32>,
+}
+
+impl NeighborList {
+    /// Sets the number of particles; rows are empty until filled.
+    pub fn resize(&mut self, particles: usize) {
+        self.blocks.resize_with(particles.div_ceil(BLOCK), Block::default);
+    }
+
+    /// The blocks, particle `i` in block `i / BLOCK`.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// The blocks, to be filled.
+    pub fn blocks_mut(&mut self) -> &mut [Block] {
+        &mut self.blocks
+    }
+
+    /// Neighbours of particle `i`, without padding.
+    pub fn row(&self, i: usize) -> &[u32] {
+        self.blocks[i / BLOCK].row(i % BLOCK)
+    }
+
+    /// Ordered pairs in the list.
+    pub fn pairs(&self) -> u64 {
+        self.blocks.iter().flat_map(|b| &b.lengths).map(|&n| u64::from(n)).sum()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let of = |b: &Block| 4 * (b.starts.capacity() + b.lengths.capacity() + b.indices.capacity());
+        self.blocks.iter().map(of).sum()
+    }
+}
+
+impl Block {
+    /// Forgets all rows, keeps the memory.
+    pub fn clear(&mut self) {
+        self.starts.clear();
+        self.starts.push(0);
+        self.lengths.clear();
+        self.indices.clear();
+    }
+
+    /// Adds one neighbour to the row being written.
+    #[inline(always)]
+    pub fn push(&mut self, j: u32) {
+        self.indices.push(j);
+    }
+
+    /// Ends the row of particle `own` and pads it.
+    pub fn end_row(&mut self, own: u32) {
+        let start = *self.starts.last().unwrap_or(&0) as usize;
+        let length = self.indices.len() - start;
+        self.lengths.push(length as u32);
+        self.indices.resize(start + length.next_multiple_of(PAD), own);
+        self.starts.push(self.indices.len() as u32);
+    }
+
+    /// Rows written.
+    pub fn len(&self) -> usize {
+        self.lengths.len()
+    }
+
+    /// No rows.
+    pub fn is_empty(&self) -> bool {
+        self.lengths.is_empty()
+    }
+
+    /// Row `k` without padding.
+    #[inline(always)]
+    pub fn row(&self, k: usize) -> &[u32] {
+        let start = self.starts[k] as usize;
+        &self.indices[start..start + self.lengths[k] as usize]
+    }
+
+    /// Row `k` padded to a multiple of `width`, which must divide [`PAD`].
+    #[inline(always)]
+    pub fn padded_row(&self, k: usize, width: usize) -> &[u32] {
+        let start = self.starts[k] as usize;
+        &self.indices[start..start + (self.lengths[k] as usize).next_multiple_of(width)]
+    }
+
+    /// Sorts every row. Rows come out in the order of the cells, which moves with the grid.
+    pub fn sort_rows(&mut self) {
+        for k in 0..self.lengths.len() {
+            let start = self.starts[k] as usize;
+            self.indices[start..start + self.lengths[k] as usize].sort_unstable();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_padded_with_the_particle_itself() {
+        let mut list = NeighborList::default();
+        list.resize(2);
+        let block = &mut list.blocks_mut()[0];
+        block.clear();
+        block.push(1);
+        block.end_row(0);
+        block.end_row(1);
+        assert_eq!(list.row(0), [1]);
+        assert_eq!(list.blocks()[0].padded_row(0, 8), [1, 0, 0, 0, 0, 0, 0, 0]);
+        assert!(list.row(1).is_empty());
+        assert_eq!(list.pairs(), 1);
+    }
+}

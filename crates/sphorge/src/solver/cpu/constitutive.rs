@@ -1,0 +1,262 @@
+//! Per-particle update: density is known, stress, temperature and what the force sum reads follow.
+
+use super::lanes::PairScalar;
+use super::records::{extra, force, kinematic};
+use super::{CpuEngine, Work};
+use crate::model::{GradientCorrection, Integrator, Material, Model, TemperatureSource};
+use crate::neighbors::BLOCK;
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::pair::PairForm;
+use sphorge_physics::return_mapping::{Returned, return_mapping};
+use sphorge_physics::{SymmetricTensor, Tensor, artificial_stress, heat, stress, tensor, viscosity};
+
+/// Stress of a particle after a time `dt` with the velocity gradient `l`.
+#[inline(always)]
+fn returned(p: &Inputs<'_>, l: &Tensor<f64>, dt: f64) -> Returned<f64> {
+    let m = p.material;
+    let trial = stress::trial_deviator(p.deviator, l, m.shear_modulus, dt);
+    return_mapping(m.return_rule, &m.flow_law, m.shear_modulus, trial, p.plastic_strain, p.temperature, dt)
+}
+
+struct Inputs<'a> {
+    material: &'a Material,
+    deviator: SymmetricTensor<f64>,
+    plastic_strain: f64,
+    temperature: f64,
+}
+
+/// Columns a committed update writes.
+struct Committed<'a> {
+    deviator: &'a mut SymmetricTensor<f64>,
+    plastic_strain: &'a mut f64,
+    plastic_strain_increment: &'a mut f64,
+    yield_stress: &'a mut f64,
+    plastic_work: &'a mut f64,
+    temperature: &'a mut f64,
+}
+
+impl Committed<'_> {
+    /// Takes over a return mapping: plastic strain, heat.
+    #[inline(always)]
+    fn take(self, update: &Returned<f64>, material: &Material, source: TemperatureSource, density: f64, energy: f64) {
+        *self.deviator = update.deviator;
+        *self.plastic_strain += update.plastic_strain_increment;
+        *self.plastic_strain_increment = update.plastic_strain_increment;
+        *self.yield_stress = update.yield_stress;
+        *self.plastic_work += update.plastic_work / density;
+        match source {
+            TemperatureSource::PlasticWork => {
+                let (beta, cp) = (material.taylor_quinney, material.specific_heat);
+                *self.temperature += heat::temperature_rise_from_plastic_work(beta, update.plastic_work, density, cp);
+            }
+            TemperatureSource::Energy => {
+                let (t0, cp) = (material.reference_temperature, material.specific_heat);
+                let cold = material.equation_of_state.cold_energy(density, t0, cp);
+                let elastic = heat::elastic_energy(update.deviator, material.shear_modulus, density);
+                let stored = (1.0 - material.taylor_quinney) * *self.plastic_work;
+                *self.temperature = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
+            }
+        }
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Updates the stress to the configuration forces are evaluated in and packs it for the force sum. Leapfrog commits
+    /// the return mapping here; the predictor–corrector looks half a step ahead and commits in [`Self::commit_stress`].
+    pub(super) fn update_stress(&mut self) {
+        let numerics = &self.model.numerics;
+        let commit = numerics.integrator == Integrator::Leapfrog;
+        let full = self.step.dt;
+        let dt = if commit { full } else { 0.5 * full };
+        let model: &Model = &self.model;
+        let corrected = numerics.gradient_correction != GradientCorrection::None;
+        let dimension = super::dimension(model);
+
+        let Work { correction, evaluated_velocity, .. } = &self.work;
+        let Particles {
+            material,
+            density,
+            energy,
+            energy_rate,
+            velocity_gradient,
+            smoothing_length,
+            mass,
+            deviator,
+            plastic_strain,
+            plastic_strain_increment,
+            yield_stress,
+            plastic_work,
+            temperature,
+            pressure,
+            sound_speed,
+            ..
+        } = &mut self.particles;
+        let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
+        let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
+        let count = density.len();
+        let kinematic_records = &self.records.kinematic;
+        let extra_on = !self.records.extra.is_empty();
+        let extra_length = if extra_on { count } else { 0 };
+        let corrected_length = if corrected { count } else { 0 };
+
+        (
+            (
+                deviator.par_chunks_mut(BLOCK),
+                plastic_strain.par_chunks_mut(BLOCK),
+                plastic_strain_increment.par_chunks_mut(BLOCK),
+                yield_stress.par_chunks_mut(BLOCK),
+                plastic_work.par_chunks_mut(BLOCK),
+                temperature.par_chunks_mut(BLOCK),
+            )
+                .into_par_iter(),
+            pressure.par_chunks_mut(BLOCK),
+            sound_speed.par_chunks_mut(BLOCK),
+            self.records.force[..count].par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, ((s, ep, dep, y, wp, t), p, c, records))| {
+                for k in 0..s.len() {
+                    let i = b * BLOCK + k;
+                    let material = &model.materials[material[i] as usize];
+                    let inputs = Inputs { material, deviator: s[k], plastic_strain: ep[k], temperature: t[k] };
+                    let update = returned(&inputs, &velocity_gradient[i], dt);
+                    let energy_here = energy[i] + 0.5 * full * energy_rate[i];
+                    let state = material.equation_of_state.pressure(density[i], energy_here);
+                    (p[k], c[k]) = (state.pressure, state.sound_speed);
+                    if commit {
+                        let columns = Committed {
+                            deviator: &mut s[k],
+                            plastic_strain: &mut ep[k],
+                            plastic_strain_increment: &mut dep[k],
+                            yield_stress: &mut y[k],
+                            plastic_work: &mut wp[k],
+                            temperature: &mut t[k],
+                        };
+                        columns.take(&update, material, numerics.temperature, density[i], energy_here);
+                    }
+                    let record = &mut records[k];
+                    let scale = stress_scale(numerics.pair_form, density[i]);
+                    let sigma = (update.deviator - SymmetricTensor::isotropic(state.pressure)) * scale;
+                    let components = sigma.to_array();
+                    for a in 0..3 {
+                        record[force::X + a] = kinematic_records[i][kinematic::X + a];
+                        record[force::V + a] = T::of(evaluated_velocity[i][a]);
+                    }
+                    for (slot, value) in components.into_iter().enumerate() {
+                        record[force::S + slot] = T::of(value);
+                    }
+                    record[force::WEIGHT] = match numerics.pair_form {
+                        // Adjoint to the last digit: the volumes of the gradient sum.
+                        PairForm::VolumeWeighted if corrected => kinematic_records[i][kinematic::WEIGHT],
+                        PairForm::VolumeWeighted => T::of(mass[i] / density[i]),
+                        PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
+                    };
+                    record[force::C] = T::of(state.sound_speed);
+                    record[force::RHO] = T::of(density[i]);
+                    record[force::H] = T::of(smoothing_length[i]);
+                }
+            });
+
+        // The optional records are few enough to be a pass of their own.
+        let records = &self.records.force;
+        self.records.extra[..extra_length].par_iter_mut().enumerate().for_each(|(i, record)| {
+            let stress = stress_of(&records[i]);
+            if let Some(a) = numerics.artificial_stress {
+                let r = artificial_stress::artificial_stress(stress, a.epsilon, dimension).to_array();
+                for (slot, value) in r.into_iter().enumerate() {
+                    record[extra::R + slot] = T::of(value);
+                }
+            }
+            if numerics.balsara {
+                let l = &velocity_gradient[i];
+                let divergence = l[0][0] + l[1][1] + l[2][2];
+                let curl = [l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]];
+                let norm = curl.iter().map(|w| w * w).sum::<f64>().sqrt();
+                let c = records[i][force::C].to_f64();
+                record[extra::BALSARA] = T::of(viscosity::balsara(divergence, norm, c, smoothing_length[i]));
+            }
+        });
+        self.records.corrected[..corrected_length].par_iter_mut().enumerate().for_each(|(i, record)| {
+            let product = tensor::multiply(&stress_of(&records[i]).to_tensor(), &correction[i]);
+            for (slot, value) in product.iter().flatten().enumerate() {
+                record[slot] = T::of(*value);
+            }
+        });
+    }
+
+    /// Takes the stress through the whole step with the gradient of mid-step, for good.
+    pub(super) fn commit_stress(&mut self) {
+        let dt = self.step.dt;
+        let model: &Model = &self.model;
+        let base = &self.base;
+        let Particles {
+            material,
+            density,
+            energy,
+            velocity_gradient,
+            deviator,
+            plastic_strain,
+            plastic_strain_increment,
+            yield_stress,
+            plastic_work,
+            temperature,
+            pressure,
+            sound_speed,
+            ..
+        } = &mut self.particles;
+        let (material, energy, velocity_gradient) = (&*material, &*energy, &*velocity_gradient);
+        (
+            (
+                deviator.par_chunks_mut(BLOCK),
+                plastic_strain.par_chunks_mut(BLOCK),
+                plastic_strain_increment.par_chunks_mut(BLOCK),
+                yield_stress.par_chunks_mut(BLOCK),
+                plastic_work.par_chunks_mut(BLOCK),
+                temperature.par_chunks_mut(BLOCK),
+            )
+                .into_par_iter(),
+            pressure.par_chunks_mut(BLOCK),
+            sound_speed.par_chunks_mut(BLOCK),
+            density.par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, ((s, ep, dep, y, wp, t), p, c, rho))| {
+                for k in 0..s.len() {
+                    let i = b * BLOCK + k;
+                    let material = &model.materials[material[i] as usize];
+                    let inputs = Inputs { material, deviator: s[k], plastic_strain: ep[k], temperature: t[k] };
+                    let update = returned(&inputs, &velocity_gradient[i], dt);
+                    rho[k] = stress::density_after(base.density[i], &velocity_gradient[i], dt);
+                    let state = material.equation_of_state.pressure(rho[k], energy[i]);
+                    (p[k], c[k]) = (state.pressure, state.sound_speed);
+                    let columns = Committed {
+                        deviator: &mut s[k],
+                        plastic_strain: &mut ep[k],
+                        plastic_strain_increment: &mut dep[k],
+                        yield_stress: &mut y[k],
+                        plastic_work: &mut wp[k],
+                        temperature: &mut t[k],
+                    };
+                    columns.take(&update, material, model.numerics.temperature, rho[k], energy[i]);
+                }
+            });
+    }
+}
+
+/// Factor between Cauchy stress and what the force sum adds up.
+#[inline(always)]
+fn stress_scale(form: PairForm, density: f64) -> f64 {
+    match form {
+        PairForm::VolumeWeighted => 1.0,
+        PairForm::DensityWeighted | PairForm::Mixed => 1.0 / (density * density),
+    }
+}
+
+/// Scaled stress of a force record, in double precision.
+#[inline(always)]
+fn stress_of<T: PairScalar>(record: &[T; force::LEN]) -> SymmetricTensor<f64> {
+    SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|c| record[force::S + c].to_f64()))
+}

@@ -1,0 +1,80 @@
+//! Walls and gravity.
+
+use super::lanes::PairScalar;
+use super::{CpuEngine, Work};
+use crate::boundary::{WallState, wall_acceleration};
+use crate::model::Model;
+use crate::neighbors::BLOCK;
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::Vector;
+
+/// Where the walls stand.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Walls {
+    pub(super) states: Vec<WallState>,
+    /// Time at which `states` were reached, s.
+    time: f64,
+}
+
+impl Walls {
+    pub(super) fn new(model: &Model) -> Self {
+        Self { states: model.walls.iter().map(WallState::new).collect(), time: 0.0 }
+    }
+
+    /// Carries the walls to where they stand at `time`.
+    pub(super) fn move_to(&mut self, time: f64) {
+        for state in &mut self.states {
+            state.advance(self.time, time);
+        }
+        self.time = time;
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Adds wall and gravity accelerations to those of the pair sum.
+    pub(super) fn add_external_forces(&mut self) {
+        let model = &*self.model;
+        let (walls, dt) = (&self.walls, self.step.dt);
+        let Work { external_acceleration, evaluated_velocity, .. } = &mut self.work;
+        let velocity = &*evaluated_velocity;
+        let Particles { acceleration, position, body, .. } = &mut self.particles;
+        let (position, body) = (&*position, &*body);
+        (acceleration.par_chunks_mut(BLOCK), external_acceleration.par_chunks_mut(BLOCK))
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, (a, external))| {
+                for k in 0..a.len() {
+                    let i = b * BLOCK + k;
+                    let mut sum = model.gravity;
+                    for (wall, state) in model.walls.iter().zip(&walls.states) {
+                        let push = wall_acceleration(model, wall, state, body[i], position[i], velocity[i], dt);
+                        for axis in 0..3 {
+                            sum[axis] += push[axis];
+                        }
+                    }
+                    external[k] = sum;
+                    for axis in 0..3 {
+                        a[k][axis] += sum[axis];
+                    }
+                }
+            });
+    }
+
+    /// Force of every wall on the particles as they are now, N.
+    pub(super) fn wall_forces(&self) -> Vec<Vector<f64>> {
+        let p = &self.particles;
+        let force = |(wall, state)| {
+            let mut sum = [0.0; 3];
+            for i in 0..p.len() {
+                let v = self.work.evaluated_velocity[i];
+                let push = wall_acceleration(&self.model, wall, state, p.body[i], p.position[i], v, self.step.dt);
+                for axis in 0..3 {
+                    sum[axis] += p.mass[i] * push[axis];
+                }
+            }
+            sum
+        };
+        self.model.walls.iter().zip(&self.walls.states).map(force).collect()
+    }
+}

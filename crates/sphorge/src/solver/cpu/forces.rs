@@ -1,0 +1,164 @@
+//! Second pair sum: momentum, energy, viscosity, artificial stress, XSPH.
+//!
+//! Momentum (Patiño et al. Eq 9, Fraser Eqs 6 and 15, with the sign of the viscosity put right):
+//! `dv_i/dt = sum_j m_j (sigma_i/rho_i^2 + sigma_j/rho_j^2 + R_ij f^n - Pi_ij I) . grad_i W_ij`, or with
+//! `(sigma_i + sigma_j)/(rho_i rho_j)`. Energy is the work of exactly these forces, so that the total is conserved.
+
+use super::kinematics::{PairConstants, pair_scale};
+use super::lanes::Lanes;
+use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
+use super::records::{CORRECTED_LEN, Records, extra};
+use crate::neighbors::Block;
+use sphorge_physics::viscosity::{ViscosityParameters, monaghan_gingold};
+use sphorge_physics::{Vector, artificial_stress, kernel::KernelShape};
+
+/// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ForceTerms<T> {
+    pub(super) viscosity: ViscosityParameters<T>,
+    /// `1 / W(spacing)` of the pair factor of the artificial stress, and its exponent.
+    pub(super) artificial_stress: Option<(T, u32)>,
+    pub(super) balsara: bool,
+    pub(super) xsph: bool,
+    /// Stress enters as `(s_i + s_j)/(rho_i rho_j)`, else as `s_i/rho_i^2 + s_j/rho_j^2`.
+    pub(super) volume_weighted: bool,
+    /// Each particle takes the work of its own stress, else half of the pair's.
+    pub(super) own_stress_work: bool,
+}
+
+/// Sums of one particle; acceleration and energy rate still lack the factor `1/rho_i` of the volume-weighted form.
+pub(super) struct ForceSum<T> {
+    /// Acceleration, m/s².
+    pub(super) acceleration: Vector<T>,
+    /// Rate of the specific internal energy, W/kg.
+    pub(super) energy_rate: T,
+    /// `sum_j m_j/rho_mean (v_j - v_i) W_ij`, m/s.
+    pub(super) xsph: Vector<T>,
+    /// Largest `|mu_ij|` of approaching pairs, m/s.
+    pub(super) mu: T,
+}
+
+/// `s . x` of a symmetric tensor stored from entry `at` on.
+#[inline(always)]
+fn symmetric_dot<L: Lanes, const D: usize, const F: usize>(s: &[L; F], at: usize, x: &Vector<L>) -> Vector<L> {
+    let o = L::zero();
+    if D == 1 {
+        [s[at] * x[0], o, o]
+    } else if D == 2 {
+        [s[at].mul_add(x[0], s[at + 3] * x[1]), s[at + 3].mul_add(x[0], s[at + 1] * x[1]), o]
+    } else {
+        [
+            s[at].mul_add(x[0], s[at + 3].mul_add(x[1], s[at + 5] * x[2])),
+            s[at + 3].mul_add(x[0], s[at + 1].mul_add(x[1], s[at + 4] * x[2])),
+            s[at + 5].mul_add(x[0], s[at + 4].mul_add(x[1], s[at + 2] * x[2])),
+        ]
+    }
+}
+
+/// `g . x` of a general tensor.
+#[inline(always)]
+fn tensor_dot<L: Lanes, const D: usize>(g: &[L; CORRECTED_LEN], x: &Vector<L>) -> Vector<L> {
+    let mut t = [L::zero(); 3];
+    for a in 0..D {
+        for b in 0..D {
+            t[a] = g[3 * a + b].mul_add(x[b], t[a]);
+        }
+    }
+    t
+}
+
+/// Row `k` of a block, particle `own`.
+#[inline(always)]
+pub(super) fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
+    records: &Records<L::Element>,
+    own: usize,
+    block: &Block,
+    k: usize,
+    constants: &PairConstants<L::Element>,
+    terms: &ForceTerms<L::Element>,
+) -> ForceSum<L::Element> {
+    let record_i = records.force[own].map(L::splat);
+    let extra_i = if records.extra.is_empty() { [L::zero(); extra::LEN] } else { records.extra[own].map(L::splat) };
+    let corrected_i = if CORRECTED { records.corrected[own].map(L::splat) } else { [L::zero(); CORRECTED_LEN] };
+    let viscosity =
+        ViscosityParameters { alpha: L::splat(terms.viscosity.alpha), beta: L::splat(terms.viscosity.beta) };
+    let unit = L::splat(constants.unit);
+    let half = L::of(0.5);
+
+    let mut acceleration = [L::zero(); 3];
+    let mut energy_rate = L::zero();
+    let mut xsph = [L::zero(); 3];
+    let mut mu_max = L::zero();
+    for indices in block.padded_row(k, L::WIDTH).chunks_exact(L::WIDTH) {
+        let record_j = L::load(&records.force, indices);
+        let mut x = [L::zero(); 3];
+        let mut v = [L::zero(); 3];
+        let mut r2 = L::zero();
+        let mut v_dot_x = L::zero();
+        for a in 0..D {
+            x[a] = L::difference(record_i[X + a], record_j[X + a], unit);
+            v[a] = record_i[V + a] - record_j[V + a];
+            r2 = x[a].mul_add(x[a], r2);
+            v_dot_x = v[a].mul_add(x[a], v_dot_x);
+        }
+        let (h, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
+        let q = r2.sqrt() * inverse_h;
+        let weighted_f = K::dw_over_q(q) * scale * record_j[WEIGHT];
+
+        let density_mean = (record_i[RHO] + record_j[RHO]) * half;
+        let sound_mean = (record_i[C] + record_j[C]) * half;
+        let viscous = monaghan_gingold(viscosity, v_dot_x, r2, h, sound_mean, density_mean);
+        mu_max = mu_max.max(viscous.mu.abs());
+        let mut pi = viscous.pi;
+        if terms.volume_weighted {
+            // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
+            pi = pi * record_i[RHO] * record_j[RHO];
+        }
+
+        // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
+        let (own_stress, other_stress) = if CORRECTED {
+            (tensor_dot::<L, D>(&corrected_i, &x), tensor_dot::<L, D>(&L::load(&records.corrected, indices), &x))
+        } else {
+            (symmetric_dot::<L, D, 16>(&record_i, S, &x), symmetric_dot::<L, D, 16>(&record_j, S, &x))
+        };
+        let mut artificial = [L::zero(); 3];
+        if terms.balsara || terms.artificial_stress.is_some() {
+            let extra_j = L::load(&records.extra, indices);
+            if terms.balsara {
+                pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
+            }
+            if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
+                let w = K::w(q) * scale * h * h;
+                let factor = artificial_stress::pair_factor(w, L::splat(inverse_w_spacing), exponent);
+                let mut r = [L::zero(); 6];
+                for c in 0..6 {
+                    r[c] = (extra_i[extra::R + c] + extra_j[extra::R + c]) * factor;
+                }
+                artificial = symmetric_dot::<L, D, 6>(&r, 0, &x);
+            }
+        }
+        let mut work = L::zero();
+        for a in 0..D {
+            artificial[a] -= pi * x[a];
+            let total = own_stress[a] + other_stress[a] + artificial[a];
+            acceleration[a] = total.mul_add(weighted_f, acceleration[a]);
+            let share = if terms.own_stress_work { artificial[a].mul_add(half, own_stress[a]) } else { total * half };
+            work = share.mul_add(v[a], work);
+        }
+        // (v_j - v_i) . (...) . grad W: the sign of v_ij is turned.
+        energy_rate -= work * weighted_f;
+        if terms.xsph {
+            let mass = if terms.volume_weighted { record_j[WEIGHT] * record_j[RHO] } else { record_j[WEIGHT] };
+            let w = K::w(q) * scale * h * h * mass / density_mean;
+            for a in 0..D {
+                xsph[a] -= v[a] * w;
+            }
+        }
+    }
+    ForceSum {
+        acceleration: acceleration.map(L::sum),
+        energy_rate: energy_rate.sum(),
+        xsph: xsph.map(L::sum),
+        mu: mu_max.largest(),
+    }
+}

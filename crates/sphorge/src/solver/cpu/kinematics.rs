@@ -1,0 +1,92 @@
+//! First pair sum: velocity gradient, and the moment matrix of the gradient correction.
+//!
+//! `L_i = sum_j w_j (v_j - v_i) ⊗ grad_i W_ij` with `w_j = m_j/rho_j` or `m_j/rho_i` (Patiño et al. Eqs 22, 23 give its
+//! symmetric and skew parts; Eq 8 its trace).
+
+use super::lanes::Lanes;
+use super::records::kinematic::{H, LEN, V, WEIGHT, X};
+use crate::neighbors::Block;
+use sphorge_physics::{Real, Scalar, Tensor, kernel::KernelShape};
+
+/// Constants of a pair sum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairConstants<T> {
+    /// Size of a coordinate unit, m.
+    pub(super) unit: T,
+    /// Normalisation `sigma_d` of the kernel.
+    pub(super) sigma: T,
+    /// The smoothing length all particles share, if they do.
+    pub(super) uniform_h: Option<T>,
+}
+
+/// Inverse smoothing length of a pair and the factor of its kernel gradient, `sigma / h^(d+2)`.
+#[inline(always)]
+pub(super) fn pair_scale<L: Lanes, const D: usize>(constants: &PairConstants<L::Element>, h_i: L, h_j: L) -> (L, L, L) {
+    let (h, inverse_h) = match constants.uniform_h {
+        Some(h) => (L::splat(h), L::splat(L::Element::one() / h)),
+        None => {
+            let h = (h_i + h_j) * L::of(0.5);
+            (h, L::one() / h)
+        }
+    };
+    (h, inverse_h, L::splat(constants.sigma) * inverse_h.powu(D as u32 + 2))
+}
+
+/// Sums of one particle.
+pub(super) struct GradientSum<T> {
+    /// `sum_j w_j (v_j - v_i) ⊗ grad_i W_ij`, row: velocity component.
+    pub(super) gradient: Tensor<T>,
+    /// `sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`; zero unless asked for.
+    pub(super) moment: Tensor<T>,
+    /// Neighbours inside the kernel support.
+    pub(super) inside: u32,
+}
+
+/// Row `k` of a block, particle `own`.
+#[inline(always)]
+pub(super) fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
+    records: &[[L::Element; LEN]],
+    own: usize,
+    block: &Block,
+    k: usize,
+    constants: &PairConstants<L::Element>,
+) -> GradientSum<L::Element> {
+    let record_i = records[own].map(L::splat);
+    let unit = L::splat(constants.unit);
+    let support = L::of(K::SUPPORT);
+    let mut gradient = [[L::zero(); 3]; 3];
+    let mut moment = [[L::zero(); 3]; 3];
+    let mut inside = L::zero();
+    let row = block.padded_row(k, L::WIDTH);
+    for indices in row.chunks_exact(L::WIDTH) {
+        let record_j = L::load(records, indices);
+        let mut x = [L::zero(); 3];
+        let mut r2 = L::zero();
+        for a in 0..D {
+            x[a] = L::difference(record_i[X + a], record_j[X + a], unit);
+            r2 = x[a].mul_add(x[a], r2);
+        }
+        let (_, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
+        let q = r2.sqrt() * inverse_h;
+        // grad_i W_ij = F x_ij, times the weight of the neighbour.
+        let weighted_f = K::dw_over_q(q) * scale * record_j[WEIGHT];
+        inside += L::select_lt(q, support, L::one(), L::zero());
+        for a in 0..D {
+            let v = (record_j[V + a] - record_i[V + a]) * weighted_f;
+            let y = x[a] * weighted_f;
+            for b in 0..D {
+                gradient[a][b] = v.mul_add(x[b], gradient[a][b]);
+                if CORRECTED {
+                    moment[a][b] -= y * x[b];
+                }
+            }
+        }
+    }
+    // Padding is the particle itself, at distance zero: inside the support.
+    let padding = row.len() - block.row(k).len();
+    GradientSum {
+        gradient: gradient.map(|r| r.map(L::sum)),
+        moment: moment.map(|r| r.map(L::sum)),
+        inside: inside.sum().to_f64() as u32 - padding as u32,
+    }
+}

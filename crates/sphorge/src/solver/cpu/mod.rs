@@ -1,0 +1,323 @@
+//! The engine for processors.
+
+mod constitutive;
+mod external;
+mod forces;
+mod guard;
+mod halo;
+mod integrate;
+mod kinematics;
+mod lanes;
+mod ledger;
+mod moving_least_squares;
+mod records;
+mod sweeps;
+mod votes;
+
+use super::engine::{Engine, SearchReport, Vote};
+use super::{Ledger, RunFailure};
+use crate::model::{Integrator, Model, Search};
+use crate::neighbors::{CellGrid, NeighborList, Reach, search};
+use crate::particles::Particles;
+use external::Walls;
+use halo::Halo;
+use integrate::{Base, ExternalSums, Motions};
+use kinematics::PairConstants;
+use lanes::PairScalar;
+use records::{Frame, Records};
+use sphorge_physics::{Tensor, Vector};
+use std::sync::Arc;
+
+/// Searches between two sortings of the particles into cell order.
+const SEARCHES_PER_SORTING: u64 = 64;
+
+/// Engine for processors; `T` is the precision of pair sums, everything accumulated is double.
+pub(super) struct CpuEngine<T> {
+    model: Arc<Model>,
+    particles: Particles,
+    work: Work,
+    records: Records<T>,
+    halo: Halo,
+    walls: Walls,
+    motions: Motions,
+    external: ExternalSums,
+    constants: PairConstants<T>,
+    lists: Lists,
+    step: StepState,
+    base: Base,
+}
+
+/// Columns the engine keeps for itself, in the order of the particles.
+#[derive(Clone, Debug, Default)]
+struct Work {
+    /// XSPH velocity of the last force sum, already times its strength, m/s.
+    xsph: Vec<Vector<f64>>,
+    /// Acceleration by walls and gravity, part of the total, m/s².
+    external_acceleration: Vec<Vector<f64>>,
+    /// Velocity the last force sum was evaluated with, m/s.
+    evaluated_velocity: Vec<Vector<f64>>,
+    /// Largest |mu| of the last force sum, m/s.
+    mu: Vec<f64>,
+    /// Gradient correction B; empty unless asked for.
+    correction: Vec<Tensor<f64>>,
+    /// Index of the prescribed motion plus one, zero for none.
+    motion: Vec<u32>,
+    /// Scratch of the density re-initialisation.
+    restored_density: Vec<f64>,
+}
+
+/// Neighbour lists and what searching needs.
+#[derive(Default)]
+struct Lists {
+    list: NeighborList,
+    grid: CellGrid,
+    sorted: Vec<Vector<f64>>,
+    /// Positions of particles and ghosts at the last search.
+    points: Vec<Vector<f64>>,
+    smoothing_length: Vec<f64>,
+    searches: u64,
+    stale: bool,
+}
+
+/// The step being taken.
+#[derive(Clone, Copy, Debug, Default)]
+struct StepState {
+    /// Time at its start, s.
+    time: f64,
+    dt: f64,
+    /// Steps begun, the evaluation of initial rates not counted.
+    count: u64,
+    /// Energy added by density re-initialisation, J.
+    mls_energy: f64,
+    /// Ordered pairs at the last kinematics stage.
+    pairs: u64,
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    pub(super) fn new(model: Arc<Model>, mut particles: Particles) -> Self {
+        let count = particles.len();
+        for i in 0..count {
+            let law = &model.materials[particles.material[i] as usize].equation_of_state;
+            let state = law.pressure(particles.density[i], particles.energy[i]);
+            (particles.pressure[i], particles.sound_speed[i]) = (state.pressure, state.sound_speed);
+        }
+        let numerics = &model.numerics;
+        let h = &particles.smoothing_length;
+        let uniform_h = h.first().copied().filter(|first| h.iter().all(|h| h == first)).map(T::of);
+        let constants =
+            PairConstants { unit: T::one(), sigma: T::of(numerics.kernel.normalisation(dimension(&model))), uniform_h };
+        let corrected = numerics.gradient_correction != crate::model::GradientCorrection::None;
+        let work = Work {
+            xsph: vec![[0.0; 3]; count],
+            external_acceleration: vec![[0.0; 3]; count],
+            evaluated_velocity: particles.velocity.clone(),
+            mu: vec![0.0; count],
+            correction: if corrected { vec![sphorge_physics::tensor::identity(); count] } else { Vec::new() },
+            motion: Motions::assign(&model, &particles),
+            restored_density: Vec::new(),
+        };
+        let mut engine = Self {
+            halo: Halo::new(&model),
+            walls: Walls::new(&model),
+            motions: Motions::new(&model),
+            external: ExternalSums::new(count),
+            base: Base::new(numerics.integrator, count),
+            records: Records::default(),
+            lists: Lists { stale: true, ..Lists::default() },
+            step: StepState::default(),
+            constants,
+            work,
+            particles,
+            model,
+        };
+        engine.sort_particles();
+        engine
+    }
+
+    /// Kernel support with the skin of the strategy, in smoothing lengths.
+    fn reach_factor(&self) -> f64 {
+        let skin = match self.model.search {
+            Search::EveryStep => 0.0,
+            Search::Skin { fraction } => fraction,
+        };
+        self.model.numerics.kernel.support() * (1.0 + skin)
+    }
+
+    fn largest_smoothing_length(&self) -> f64 {
+        self.particles.smoothing_length.iter().fold(0.0, |m: f64, &h| m.max(h))
+    }
+
+    /// Whether the lists no longer hold every pair within the kernel support.
+    fn search_due(&self) -> bool {
+        match self.model.search {
+            Search::EveryStep => true,
+            Search::Skin { fraction } => {
+                // Two particles can close in by twice the largest displacement.
+                let smallest = self.particles.smoothing_length.iter().fold(f64::INFINITY, |m: f64, &h| m.min(h));
+                let allowed = 0.5 * fraction * self.model.numerics.kernel.support() * smallest;
+                self.lists.stale
+                    || self
+                        .lists
+                        .points
+                        .iter()
+                        .zip(&self.particles.position)
+                        .any(|(old, new)| (0..3).map(|a| (new[a] - old[a]).powi(2)).sum::<f64>() > allowed * allowed)
+            }
+        }
+    }
+
+    fn search(&mut self) {
+        let reach_factor = self.reach_factor();
+        let largest = self.largest_smoothing_length();
+        self.halo.wrap(&mut self.particles.position);
+        self.halo.rebuild(&self.particles.position, reach_factor * largest);
+
+        let Lists { points, smoothing_length, .. } = &mut self.lists;
+        points.clear();
+        points.extend_from_slice(&self.particles.position);
+        points.extend(self.halo.ghosts.iter().map(|g| g.position(&self.particles.position[g.source as usize])));
+        smoothing_length.clear();
+        smoothing_length.extend_from_slice(&self.particles.smoothing_length);
+        smoothing_length.extend(self.halo.ghosts.iter().map(|g| self.particles.smoothing_length[g.source as usize]));
+
+        let Lists { list, grid, sorted, points, smoothing_length, .. } = &mut self.lists;
+        let reach = Reach { smoothing_length, factor: reach_factor };
+        search(points, self.particles.len(), &reach, grid, sorted, list);
+        // Between two searches a particle moves by less than the kernel radius.
+        let (low, high) = crate::neighbors::bounds(points);
+        self.records.frame = Frame::around::<T>(low, high, reach_factor * largest);
+        self.constants.unit = T::of(self.records.frame.unit);
+        self.lists.searches += 1;
+        self.lists.stale = false;
+    }
+
+    /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
+    fn sort_particles(&mut self) {
+        let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
+        let grid = &mut self.lists.grid;
+        grid.sort(&self.particles.position, size);
+        let order = grid.order();
+        self.particles.reorder(order);
+        self.work.reorder(order);
+        self.lists.stale = true;
+    }
+}
+
+impl Work {
+    fn reorder(&mut self, order: &[u32]) {
+        fn permute<V: Copy>(column: &mut Vec<V>, order: &[u32]) {
+            if !column.is_empty() {
+                *column = order.iter().map(|&i| column[i as usize]).collect();
+            }
+        }
+        permute(&mut self.xsph, order);
+        permute(&mut self.external_acceleration, order);
+        permute(&mut self.evaluated_velocity, order);
+        permute(&mut self.mu, order);
+        permute(&mut self.correction, order);
+        permute(&mut self.motion, order);
+    }
+}
+
+impl<T: PairScalar> Engine for CpuEngine<T> {
+    fn begin(&mut self, dt: f64) {
+        // Sorting allocates; it happens between steps and seldom.
+        if self.lists.searches >= SEARCHES_PER_SORTING {
+            self.lists.searches = 0;
+            self.sort_particles();
+        }
+        self.step.dt = dt;
+        if dt > 0.0 {
+            self.step.count += 1;
+        }
+        // Walls stand where forces are evaluated: at the end of a leapfrog step, in the middle of the other's.
+        match self.model.numerics.integrator {
+            Integrator::Leapfrog => {
+                self.walls.move_to(self.step.time + dt);
+                self.leapfrog_begin();
+            }
+            Integrator::PredictorCorrector => {
+                self.walls.move_to(self.step.time + 0.5 * dt);
+                self.predict();
+            }
+        }
+    }
+
+    fn refresh_neighbors(&mut self) -> SearchReport {
+        let due = self.search_due();
+        if due {
+            self.search();
+        }
+        SearchReport { searched_fraction: f64::from(u8::from(due)) }
+    }
+
+    fn kinematics(&mut self) {
+        self.pack_kinematics();
+        self.sum_gradients();
+        self.restore_density();
+    }
+
+    fn stress(&mut self) {
+        self.update_stress();
+        self.halo.exchange_stress(self.particles.len(), &mut self.records);
+    }
+
+    fn forces(&mut self) {
+        self.sum_forces();
+        self.add_external_forces();
+    }
+
+    fn finish(&mut self) {
+        match self.model.numerics.integrator {
+            Integrator::Leapfrog => self.leapfrog_finish(),
+            Integrator::PredictorCorrector => self.correct(),
+        }
+        self.step.time += self.step.dt;
+    }
+
+    fn guard(&self) -> Result<(), RunFailure> {
+        guard::check(&self.particles)
+    }
+
+    fn vote(&self) -> Vote {
+        votes::vote(&self.model, &self.particles, &self.work.mu)
+    }
+
+    fn pairs(&self) -> u64 {
+        self.step.pairs
+    }
+
+    fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    fn ledger(&self) -> Ledger {
+        self.conservation_ledger()
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        let count = self.particles.len();
+        let columns = count * (Particles::BYTES + Work::BYTES + self.base.bytes_per_particle());
+        let lists = self.lists.list.bytes()
+            + self.lists.grid.bytes()
+            + 24 * self.lists.sorted.capacity()
+            + 32 * self.lists.points.capacity();
+        (columns + lists + self.records.bytes()) as u64
+    }
+}
+
+impl Work {
+    /// Bytes per particle without the gradient correction.
+    const BYTES: usize = 3 * size_of::<Vector<f64>>() + size_of::<f64>() + size_of::<u32>();
+}
+
+/// Dimension of the kernel.
+fn dimension(model: &Model) -> sphorge_physics::Dimension {
+    use crate::model::Dimensions;
+    use sphorge_physics::Dimension;
+    match model.dimensions {
+        Dimensions::One => Dimension::One,
+        Dimensions::PlaneStrain => Dimension::Two,
+        Dimensions::Three => Dimension::Three,
+    }
+}

@@ -1,0 +1,187 @@
+//! The two pair sweeps over all blocks: packing what they read, choosing the compiled variant, storing what they sum.
+
+use super::forces::{ForceSum, ForceTerms, force_row};
+use super::kinematics::{GradientSum, gradient_row};
+use super::lanes::PairScalar;
+use super::records::kinematic;
+use super::{CpuEngine, Work};
+use crate::model::{EnergySplit, GradientCorrection, Integrator};
+use crate::neighbors::{BLOCK, NeighborList};
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::pair::PairForm;
+use sphorge_physics::viscosity::ViscosityParameters;
+use sphorge_physics::{Dimension, Tensor, dispatch_kernel, gradient_correction, stress, tensor};
+
+/// Runs an expression with the kernel shape `K`, the dimension `D` and the choice `CORRECTED` as compile-time constants.
+macro_rules! dispatch {
+    ($kernel:expr, $dimension:expr, $corrected:expr, |$shape:ident, $d:ident, $c:ident| $body:expr) => {
+        dispatch_kernel!($kernel, $shape => match ($dimension, $corrected) {
+            (Dimension::One, false) => { const $d: usize = 1; const $c: bool = false; $body }
+            (Dimension::Two, false) => { const $d: usize = 2; const $c: bool = false; $body }
+            (Dimension::Three, false) => { const $d: usize = 3; const $c: bool = false; $body }
+            (Dimension::One, true) => { const $d: usize = 1; const $c: bool = true; $body }
+            (Dimension::Two, true) => { const $d: usize = 2; const $c: bool = true; $body }
+            (Dimension::Three, true) => { const $d: usize = 3; const $c: bool = true; $body }
+        })
+    };
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    fn corrected(&self) -> bool {
+        self.model.numerics.gradient_correction != GradientCorrection::None
+    }
+
+    /// Writes position, velocity, weight and smoothing length of every particle and ghost into its kinematic record.
+    pub(super) fn pack_kinematics(&mut self) {
+        let numerics = &self.model.numerics;
+        let extra = numerics.artificial_stress.is_some() || numerics.balsara;
+        let count = self.particles.len();
+        self.records.resize(count + self.halo.ghosts.len(), extra, self.corrected());
+
+        let form = numerics.pair_form;
+        let frame = self.records.frame;
+        let Particles { position, velocity, mass, density, smoothing_length, .. } = &self.particles;
+        self.records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
+            for (k, record) in records.iter_mut().enumerate() {
+                let i = b * BLOCK + k;
+                let x = frame.encode::<T>(&position[i]);
+                for a in 0..3 {
+                    record[kinematic::X + a] = x[a];
+                    record[kinematic::V + a] = T::of(velocity[i][a]);
+                }
+                record[kinematic::WEIGHT] = T::of(match form {
+                    PairForm::VolumeWeighted | PairForm::Mixed => mass[i] / density[i],
+                    PairForm::DensityWeighted => mass[i],
+                });
+                record[kinematic::H] = T::of(smoothing_length[i]);
+            }
+        });
+        self.halo.exchange_kinematics(position, &mut self.records, &frame);
+    }
+
+    /// Velocity gradient and density at the evaluation point.
+    pub(super) fn sum_gradients(&mut self) {
+        let model = &*self.model;
+        let dimension = super::dimension(model);
+        dispatch!(model.numerics.kernel, dimension, self.corrected(), |K, D, CORRECTED| {
+            let records = &self.records.kinematic;
+            let constants = &self.constants;
+            let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
+            let leapfrog = model.numerics.integrator == Integrator::Leapfrog;
+            let dt = if leapfrog { self.step.dt } else { 0.5 * self.step.dt };
+            let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
+            let correct = |b: usize, k: usize, rho: &mut f64, n: &mut u32, correction: Option<&mut Tensor<f64>>| {
+                let block = &self.lists.list.blocks()[b];
+                let sum: GradientSum<T> =
+                    gradient_row::<T, K, D, CORRECTED>(records, b * BLOCK + k, block, k, constants);
+                *n = sum.inside;
+                let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64()));
+                if per_density {
+                    l = l.map(|row| row.map(|v| v / *rho));
+                }
+                if let Some(b_i) = correction {
+                    let scale = if per_density { 1.0 / *rho } else { 1.0 };
+                    let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
+                    *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                    l = tensor::multiply(&l, &tensor::transpose(b_i));
+                }
+                if leapfrog {
+                    // Positions are those of the end of the step, velocities those of its middle.
+                    l = stress::midpoint_gradient(&l, dt);
+                }
+                *rho = stress::density_after(*rho, &l, dt);
+                l
+            };
+            let columns = (
+                velocity_gradient.par_chunks_mut(BLOCK),
+                neighbors.par_chunks_mut(BLOCK),
+                density.par_chunks_mut(BLOCK),
+            );
+            if CORRECTED {
+                (columns.0, columns.1, columns.2, self.work.correction.par_chunks_mut(BLOCK))
+                    .into_par_iter()
+                    .enumerate()
+                    .for_each(|(b, (l, n, rho, correction))| {
+                        for k in 0..l.len() {
+                            l[k] = correct(b, k, &mut rho[k], &mut n[k], Some(&mut correction[k]));
+                        }
+                    });
+            } else {
+                columns.into_par_iter().enumerate().for_each(|(b, (l, n, rho))| {
+                    for k in 0..l.len() {
+                        l[k] = correct(b, k, &mut rho[k], &mut n[k], None);
+                    }
+                });
+            }
+        });
+        self.step.pairs = self.particles.neighbors.iter().map(|&n| u64::from(n)).sum();
+    }
+
+    /// Acceleration by pair forces, energy rate, XSPH velocity.
+    pub(super) fn sum_forces(&mut self) {
+        let model = &*self.model;
+        let numerics = &model.numerics;
+        let dimension = super::dimension(model);
+        let volume_weighted = numerics.pair_form == PairForm::VolumeWeighted;
+        let terms = ForceTerms {
+            viscosity: ViscosityParameters {
+                alpha: T::of(numerics.viscosity_alpha),
+                beta: T::of(numerics.viscosity_beta),
+            },
+            artificial_stress: numerics.artificial_stress.map(|a| (T::of(self.inverse_w_spacing()), a.exponent)),
+            balsara: numerics.balsara,
+            xsph: numerics.xsph != 0.0,
+            volume_weighted,
+            own_stress_work: numerics.energy_split == EnergySplit::OwnStress,
+        };
+        dispatch!(numerics.kernel, dimension, self.corrected(), |K, D, CORRECTED| {
+            let records = &self.records;
+            let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
+            let Work { xsph, mu, .. } = &mut self.work;
+            let Particles { acceleration, energy_rate, mass, .. } = &mut self.particles;
+            let mass = &*mass;
+            (
+                acceleration.par_chunks_mut(BLOCK),
+                energy_rate.par_chunks_mut(BLOCK),
+                xsph.par_chunks_mut(BLOCK),
+                mu.par_chunks_mut(BLOCK),
+            )
+                .into_par_iter()
+                .enumerate()
+                .for_each(|(b, (a, e, x, mu))| {
+                    let block = &lists.list.blocks()[b];
+                    for k in 0..a.len() {
+                        let i = b * BLOCK + k;
+                        let sum: ForceSum<T> = force_row::<T, K, D, CORRECTED>(records, i, block, k, constants, &terms);
+                        // Weight over mass is 1/rho_i for the volume-weighted form.
+                        let outer = if volume_weighted {
+                            records.force[i][super::records::force::WEIGHT].to_f64() / mass[i]
+                        } else {
+                            1.0
+                        };
+                        a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
+                        e[k] = sum.energy_rate.to_f64() * outer;
+                        x[k] = sum.xsph.map(|v| v.to_f64() * strength);
+                        mu[k] = sum.mu.to_f64();
+                    }
+                });
+        });
+    }
+
+    /// `1 / W(spacing)` of the artificial stress.
+    fn inverse_w_spacing(&self) -> f64 {
+        let model = &*self.model;
+        let kernel = model.numerics.kernel;
+        let dimension = super::dimension(model);
+        // The same ratio of spacing to smoothing length in every body: that of the first.
+        let (spacing, h) = model.bodies.first().map_or((1.0, 1.0), |b| (b.spacing, b.smoothing_length));
+        let w = kernel.normalisation(dimension) / h.powi(dimension.count() as i32) * kernel.w(spacing / h);
+        1.0 / w
+    }
+
+    /// The neighbour list, for stages of their own file.
+    pub(super) fn list(&self) -> &NeighborList {
+        &self.lists.list
+    }
+}

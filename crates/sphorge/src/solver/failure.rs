@@ -1,0 +1,38 @@
+//! A run that went wrong.
+
+use std::fmt;
+
+/// Why a run cannot go on, with the particle, the step and the field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunFailure {
+    /// Step that failed.
+    pub step: u64,
+    /// Time at the start of that step, s.
+    pub time: f64,
+    /// Field that went wrong.
+    pub field: &'static str,
+    /// Stable id of the first such particle.
+    pub particle: Option<u32>,
+    /// Its body.
+    pub body: Option<u32>,
+    /// Its last position, m (may be non-finite).
+    pub position: Option<[f64; 3]>,
+    /// What was wrong and what may help.
+    pub message: String,
+}
+
+impl fmt::Display for RunFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "step {} at {:.6e} s: {}", self.step, self.time, self.message)?;
+        if let Some(particle) = self.particle {
+            write!(f, " (field `{}`, particle {particle}", self.field)?;
+            if let Some([x, y, z]) = self.position {
+                write!(f, " at ({x:.6e}, {y:.6e}, {z:.6e}) m")?;
+            }
+            write!(f, ")")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for RunFailure {}
