@@ -109,6 +109,11 @@ mod tests {
         let out_of_plane = SymmetricTensor::diagonal(-1.0, -1.0, 5.0);
         assert_eq!(artificial_stress(out_of_plane, 0.3, Dimension::Two), SymmetricTensor::zero());
         assert_eq!(artificial_stress(out_of_plane, 0.3, Dimension::Three), SymmetricTensor::diagonal(0.0, 0.0, -1.5));
+        // Compression along x alone: two tensile directions leave the determinant negative.
+        let two = artificial_stress(SymmetricTensor::diagonal(-1.0, 2.0, 4.0), 0.5, Dimension::Three);
+        assert_eq!(two, SymmetricTensor::diagonal(0.0, -1.0, -2.0));
+        let in_plane = artificial_stress(SymmetricTensor::diagonal(-1.0, 2.0, 4.0), 0.5, Dimension::Two);
+        assert_eq!(in_plane, SymmetricTensor::diagonal(0.0, -1.0, 0.0));
         let lateral = SymmetricTensor { xx: 2.0, yy: 7.0, xy: 1.0, ..SymmetricTensor::zero() };
         assert_eq!(artificial_stress(lateral, 0.5, Dimension::One), SymmetricTensor::diagonal(-1.0, 0.0, 0.0));
     }

@@ -153,6 +153,9 @@ mod tests {
         assert_eq!(line.solve(1.0, Dimension::Two), None);
         assert_eq!(line.solve(1.0, Dimension::Three), None);
         assert!(line.solve(1.0, Dimension::One).is_some());
+        // A hair beside the line does not make a plane.
+        line.add([0.3, 0.6 + 1e-3, 0.0], 0.2);
+        assert_eq!(line.solve(1.0, Dimension::Two), None);
     }
 
     #[test]

@@ -62,6 +62,9 @@ pub struct Returned<T> {
 /// Iterations after which the bracket is accepted as it is; bisection alone would need about as many.
 const MAXIMUM_ITERATIONS: u32 = 60;
 
+/// Residual, relative to the trial stress, that counts as none; in single precision a few units of round-off.
+const RESIDUAL: f64 = 1e-12;
+
 /// Equivalent stress that a yield stress asks for, and its derivative with respect to the increment.
 #[inline(always)]
 fn target<T: Scalar>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_trial: T) -> (T, T) {
@@ -147,7 +150,7 @@ fn plastic_return<T: Scalar>(
     if dt > zero {
         inverse_dt = T::one() / dt;
     }
-    let tolerance = T::of(4.0) * T::epsilon() * sigma_trial;
+    let tolerance = T::of(RESIDUAL).max(T::of(4.0) * T::epsilon()) * sigma_trial;
 
     // The residual falls with the increment: positive at zero, negative where all of the trial stress has relaxed.
     let mut low = zero;

@@ -4,6 +4,9 @@
 //! constant Grüneisen parameter `Gamma` (zero for a law without energy). A law gives only `f` and its slope; sound speed
 //! and the energy of the isotherm follow. A further law is one file and one line of the table at the end.
 //!
+//! A constant `Gamma` limits the compression a law can be used at: without heat, pressure stops rising at about 1.7 to 2
+//! times the reference density (copper 1.72 at zero energy, 1.86 on its isentrope), and a shock cannot exceed `1 + 2/Gamma`.
+//!
 //! Units: `rho` kg/m^3, `e` J/kg with `e = 0` in the reference state, `p` Pa, positive in compression, `c` m/s.
 
 mod linear;

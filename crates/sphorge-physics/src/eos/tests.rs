@@ -125,6 +125,13 @@ fn hugoniot_stays_finite_and_rises_through_its_singularity() {
         assert!(p - last < 0.03 * 138.6e9 * 100.0);
         last = p;
     }
+    // On the tangent by hand: rho_0/rho = 0.35, chi = 0.65, chi_g = 0.9/1.49; value 100 chi_g, slope 1.9/0.1^3.
+    let chi_g = 0.9 / 1.49;
+    close(
+        copper.pressure(8930.0 / 0.35, 0.0).pressure,
+        138.625_748e9 * (100.0 * chi_g + 1900.0 * (0.65 - chi_g)),
+        1e-12,
+    );
     // S = 0 has no singularity: P_H = rho_0 c_0^2 chi.
     let flat = (entry("mie-gruneisen").build)(&[8930.0, 3940.0, 0.0, 0.0]);
     close(flat.pressure(17_860.0, 0.0).pressure, 0.5 * 138.625_748e9, 1e-12);

@@ -102,7 +102,7 @@ fn residual_is_zero_over_the_whole_range() {
                         let case = (constants, sigma_trial, strain, temperature, dt, r);
                         assert!(dep >= 0.0 && r.plastic_work >= 0.0, "{case:?}");
                         assert!(sigma <= y * (1.0 + 1e-14) + 1e-300, "above yield: {case:?}");
-                        assert!((sigma_trial - 3.0 * G * dep - sigma).abs() <= 1e-14 * sigma_trial, "{case:?}");
+                        assert!((sigma_trial - 3.0 * G * dep - sigma).abs() <= 1e-12 * sigma_trial, "{case:?}");
                         assert!((y - r.yield_stress).abs() <= 1e-14 * y, "{case:?}");
                         worst = worst.max(r.iterations);
                     }
