@@ -3,10 +3,13 @@
 //! A deck becomes a validated [`model`], an engine ([`solver`]) steps its [`particles`], sinks write what happened, analysis
 //! measures, plots and compares.
 
+pub mod analysis;
 pub mod boundary;
 pub mod model;
 pub mod neighbors;
+pub mod output;
 pub mod particles;
+pub mod run;
 pub mod solver;
 
 pub use model::Model;

@@ -1,0 +1,141 @@
+//! Evaluates the measures a deck declares, row by row of the history.
+//!
+//! Definitions, for the particles a probe selects (body, region of the initial configuration, box around the present
+//! position; all conditions hold). A particle reaches half a spacing of its body beyond its centre on every side. A
+//! measure has no value while no particle is selected.
+//!
+//! - extent: `max(x + s/2) - min(x - s/2)` along the axis: the extent of the particles plus one spacing `s`.
+//! - diameter: `2 max(r + s/2)` with `r` the distance from a line along the axis. The line runs through the mean position of
+//!   the particles; where a symmetry plane contains the axis, it runs in that plane (a quarter model knows its axis).
+//! - extreme: largest or smallest value, now or in any row so far; a vector or tensor by its norm unless a component is named.
+//! - mean: `sum m f / sum m`.
+//! - value: `sum (m/rho) f W / sum (m/rho) W` at a point (Shepard), no value where no kernel reaches.
+//! - front speed: see [`front`].
+//! - period: see [`period`].
+//! - reversal time: see [`reversal`].
+
+mod front;
+mod period;
+mod reversal;
+mod selection;
+mod shape;
+mod value;
+
+use crate::{
+    model::{Extremum, MeasureKind, Model},
+    particles::Particles,
+};
+use front::FrontSpeed;
+use period::Period;
+use reversal::Reversal;
+use selection::{Quantity, Selection};
+
+/// The measures of a run with what they remember of its past.
+#[derive(Clone, Debug)]
+pub struct Measures {
+    evaluators: Vec<Evaluator>,
+    values: Vec<Option<f64>>,
+}
+
+#[derive(Clone, Debug)]
+struct Evaluator {
+    kind: MeasureKind,
+    memory: Memory,
+}
+
+/// What a measure remembers.
+#[derive(Clone, Debug)]
+enum Memory {
+    Nothing,
+    Best(Option<f64>),
+    Front(FrontSpeed),
+    Period(Period),
+    Reversal(Reversal),
+}
+
+impl Measures {
+    /// The measures of a model, with no sample yet.
+    pub fn new(model: &Model) -> Self {
+        let evaluator = |kind: &MeasureKind| Evaluator {
+            kind: kind.clone(),
+            memory: match kind {
+                MeasureKind::Extreme { over_time: true, .. } => Memory::Best(None),
+                MeasureKind::FrontSpeed { level, direction, window, .. } => {
+                    Memory::Front(FrontSpeed::new(*level, *direction, *window))
+                }
+                MeasureKind::Period { .. } => Memory::Period(Period::default()),
+                MeasureKind::ReversalTime { .. } => Memory::Reversal(Reversal::default()),
+                _ => Memory::Nothing,
+            },
+        };
+        Self {
+            evaluators: model.measures.iter().map(|measure| evaluator(&measure.kind)).collect(),
+            values: vec![None; model.measures.len()],
+        }
+    }
+
+    /// Takes the state at `time` (s, later than any before) into account.
+    pub fn sample(&mut self, model: &Model, time: f64, particles: &Particles) {
+        for (evaluator, value) in self.evaluators.iter_mut().zip(&mut self.values) {
+            *value = evaluator.sample(model, time, particles).filter(|value| value.is_finite());
+        }
+    }
+
+    /// Value of each measure in the order of the deck, SI; `None` for one that has none (yet).
+    pub fn values(&self) -> &[Option<f64>] {
+        &self.values
+    }
+}
+
+impl Evaluator {
+    fn sample(&mut self, model: &Model, time: f64, particles: &Particles) -> Option<f64> {
+        match &self.kind {
+            MeasureKind::Extent { probe, axis } => shape::extent(&Selection::new(model, particles, probe), *axis),
+            MeasureKind::Diameter { probe, axis } => shape::diameter(&Selection::new(model, particles, probe), *axis),
+            MeasureKind::Extreme { probe, field, component, extremum, .. } => {
+                let quantity = Quantity::new(particles, field, *component)?;
+                let better = match extremum {
+                    Extremum::Maximum => f64::max,
+                    Extremum::Minimum => f64::min,
+                };
+                let selection = Selection::new(model, particles, probe);
+                let now = selection.indices().map(|i| quantity.of(i)).reduce(better);
+                let Memory::Best(best) = &mut self.memory else { return now };
+                *best = now.into_iter().chain(*best).reduce(better);
+                *best
+            }
+            MeasureKind::Mean { probe, field, component } => {
+                Selection::new(model, particles, probe).mean(&Quantity::new(particles, field, *component)?)
+            }
+            MeasureKind::Value { probe, field, component, point } => {
+                let quantity = Quantity::new(particles, field, *component)?;
+                value::shepard(&Selection::new(model, particles, probe), &quantity, *point)
+            }
+            MeasureKind::FrontSpeed { probe, field, component, axis, .. } => {
+                let Memory::Front(front) = &mut self.memory else { return None };
+                let quantity = Quantity::new(particles, field, *component)?;
+                front.sample(time, &Selection::new(model, particles, probe), &quantity, *axis);
+                front.speed()
+            }
+            MeasureKind::Period { probe, field, component } => {
+                let Memory::Period(period) = &mut self.memory else { return None };
+                let quantity = Quantity::new(particles, field, *component)?;
+                if let Some(mean) = Selection::new(model, particles, probe).mean(&quantity) {
+                    period.sample(time, mean);
+                }
+                period.period()
+            }
+            MeasureKind::ReversalTime { probe, axis } => {
+                let Memory::Reversal(reversal) = &mut self.memory else { return None };
+                let quantity = Quantity::new(particles, "velocity", Some(*axis))?;
+                if let Some(mean) = Selection::new(model, particles, probe).mean(&quantity) {
+                    reversal.sample(time, mean);
+                }
+                reversal.time()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

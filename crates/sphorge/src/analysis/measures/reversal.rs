@@ -1,0 +1,30 @@
+//! Time of a reversal.
+//!
+//! The first time at which the mass-weighted mean velocity along an axis has the other sign than it first had, on the
+//! straight line between the two samples around it, s.
+
+/// A velocity over time, until it changes sign.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Reversal {
+    last: Option<(f64, f64)>,
+    time: Option<f64>,
+}
+
+impl Reversal {
+    pub(super) fn sample(&mut self, t: f64, v: f64) {
+        if self.time.is_some() || v == 0.0 {
+            // Zero has no sign: the line from the last sample to the next one runs through it.
+            return;
+        }
+        if let Some((t0, v0)) = self.last
+            && v0.signum() != v.signum()
+        {
+            self.time = Some(t0 + (t - t0) * v0 / (v0 - v));
+        }
+        self.last = Some((t, v));
+    }
+
+    pub(super) fn time(&self) -> Option<f64> {
+        self.time
+    }
+}

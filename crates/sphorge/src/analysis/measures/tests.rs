@@ -1,0 +1,208 @@
+//! Every kind of measure on particles placed by hand.
+
+use super::*;
+use crate::{
+    model::{Probe, SymmetryPlane},
+    output::testing::measuring,
+};
+
+/// A plane-strain lattice of spacing 0.1, `nx` by `ny`, all of body 0.
+fn lattice(nx: usize, ny: usize) -> Particles {
+    let mut particles = Particles::new(nx * ny);
+    for i in 0..nx * ny {
+        particles.position[i] = [0.1 * (i % nx) as f64, 0.1 * (i / nx) as f64, 0.0];
+        particles.mass[i] = 2.0;
+        particles.density[i] = 200.0;
+        particles.smoothing_length[i] = 0.12;
+    }
+    particles
+}
+
+fn once(kind: MeasureKind, particles: &Particles) -> Option<f64> {
+    let model = measuring(kind);
+    let mut measures = Measures::new(&model);
+    measures.sample(&model, 0.0, particles);
+    measures.values()[0]
+}
+
+fn close(value: Option<f64>, expected: f64) {
+    let value = value.expect("a value");
+    assert!((value - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{value} is not {expected}");
+}
+
+#[test]
+fn extent_is_the_particle_extent_plus_one_spacing() {
+    let mut particles = lattice(4, 7);
+    let extent = |probe: Probe| MeasureKind::Extent { probe, axis: 1 };
+    close(once(extent(Probe::default()), &particles), 0.7);
+    // The top row belongs to the other body, the row below to a region.
+    particles.body[24..].fill(1);
+    particles.regions[20..24].fill(0b100);
+    close(once(extent(Probe { body: Some(0), ..Probe::default() }), &particles), 0.6);
+    close(once(extent(Probe { region: Some(2), ..Probe::default() }), &particles), 0.1);
+    let window = Some(([-1.0, 0.15, -1.0], [1.0, 0.45, 1.0]));
+    close(once(extent(Probe { window, ..Probe::default() }), &particles), 0.3);
+    assert_eq!(once(extent(Probe { region: Some(3), ..Probe::default() }), &particles), None);
+}
+
+#[test]
+fn extent_takes_half_the_spacing_of_each_end() {
+    let mut particles = lattice(1, 5);
+    particles.body[4] = 1;
+    let mut model = measuring(MeasureKind::Extent { probe: Probe::default(), axis: 1 });
+    model.bodies[1].spacing = 0.3;
+    let mut measures = Measures::new(&model);
+    measures.sample(&model, 0.0, &particles);
+    close(measures.values()[0], 0.4 + 0.05 + 0.15);
+}
+
+#[test]
+fn diameter_is_about_the_mean_or_the_symmetry_plane() {
+    let kind = MeasureKind::Diameter { probe: Probe::default(), axis: 1 };
+    let particles = lattice(6, 3);
+    close(once(kind.clone(), &particles), 0.6);
+    let mut model = measuring(kind);
+    model.symmetry = vec![SymmetryPlane { axis: 0, position: -0.05, side: 1.0 }];
+    let mut measures = Measures::new(&model);
+    measures.sample(&model, 0.0, &particles);
+    close(measures.values()[0], 1.2);
+}
+
+#[test]
+fn extremes_now_and_over_time() {
+    let mut particles = lattice(2, 2);
+    let kind = |extremum, over_time, component| MeasureKind::Extreme {
+        probe: Probe::default(),
+        field: "velocity".into(),
+        component,
+        extremum,
+        over_time,
+    };
+    particles.velocity = vec![[3.0, -4.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.5]];
+    close(once(kind(Extremum::Maximum, false, None), &particles), 5.0);
+    close(once(kind(Extremum::Minimum, false, Some(1)), &particles), -4.0);
+    assert_eq!(once(kind(Extremum::Maximum, false, Some(3)), &particles), None);
+
+    for (over_time, expected) in [(true, 3.0), (false, 2.0)] {
+        let model = measuring(kind(Extremum::Maximum, over_time, Some(0)));
+        let mut measures = Measures::new(&model);
+        measures.sample(&model, 0.0, &particles);
+        let mut later = particles.clone();
+        later.velocity[0] = [-9.0; 3];
+        measures.sample(&model, 1.0, &later);
+        close(measures.values()[0], expected);
+    }
+}
+
+#[test]
+fn mean_is_weighted_by_mass() {
+    let mut particles = lattice(2, 1);
+    particles.mass = vec![1.0, 3.0];
+    particles.temperature = vec![300.0, 400.0];
+    let kind = MeasureKind::Mean { probe: Probe::default(), field: "temperature".into(), component: None };
+    close(once(kind, &particles), 375.0);
+}
+
+#[test]
+fn value_at_a_point_is_exact_for_a_constant_and_symmetric_for_a_line() {
+    let mut particles = lattice(9, 9);
+    let kind = |field: &str, point| MeasureKind::Value {
+        probe: Probe::default(),
+        field: field.into(),
+        component: None,
+        point,
+    };
+    particles.pressure.fill(7.0);
+    for i in 0..81 {
+        particles.temperature[i] = 300.0 + particles.position[i][0];
+    }
+    // Particles of different size still reproduce a constant.
+    particles.smoothing_length[40] = 0.2;
+    particles.mass[40] = 5.0;
+    close(once(kind("pressure", [0.433, 0.21, 0.0]), &particles), 7.0);
+    close(once(kind("temperature", [0.4, 0.4, 0.0]), &particles), 300.4);
+    assert_eq!(once(kind("pressure", [3.0, 0.0, 0.0]), &particles), None);
+}
+
+#[test]
+fn value_at_a_point_against_two_particles_by_hand() {
+    let mut particles = lattice(2, 1);
+    particles.pressure = vec![10.0, 40.0];
+    // q = 0.25 and 0.75 of h = 0.1: cubic spline 1 - 1.5 q² + 0.75 q³.
+    particles.smoothing_length.fill(0.1);
+    particles.density = vec![200.0, 100.0];
+    let (w0, w1) = (1.0 - 1.5 * 0.0625 + 0.75 * 0.015625, 1.0 - 1.5 * 0.5625 + 0.75 * 0.421875);
+    let expected = (10.0 * w0 + 40.0 * 2.0 * w1) / (w0 + 2.0 * w1);
+    let kind = MeasureKind::Value {
+        probe: Probe::default(),
+        field: "pressure".into(),
+        component: None,
+        point: [0.025, 0.0, 0.0],
+    };
+    close(once(kind, &particles), expected);
+}
+
+/// Speed measured of a pressure front that runs at 2 m/s from `x = 5` in either direction through a bar of 10 m.
+fn front_speed(direction: f64, window: (f64, f64), level: f64, until: f64) -> Option<f64> {
+    let mut particles = lattice(100, 3);
+    let kind = MeasureKind::FrontSpeed {
+        probe: Probe::default(),
+        field: "pressure".into(),
+        component: None,
+        axis: 0,
+        level,
+        direction,
+        window,
+    };
+    let model = measuring(kind);
+    let mut measures = Measures::new(&model);
+    let mut t = 0.0;
+    while t <= until {
+        for i in 0..particles.len() {
+            // A ramp two spacings wide; a release from the far end follows the front.
+            let behind = 2.0 * t - (particles.position[i][0] - 5.0).abs();
+            let plateau = (behind / 0.2).clamp(0.0, 1.0);
+            particles.pressure[i] = if behind > 1.5 { 0.0 } else { 100.0 * plateau };
+        }
+        measures.sample(&model, t, &particles);
+        t += 0.05;
+    }
+    measures.values()[0]
+}
+
+#[test]
+fn front_speed_of_a_running_front() {
+    for (direction, level) in [(1.0, 50.0), (-1.0, 50.0), (1.0, 10.0)] {
+        let speed = front_speed(direction, (0.3, 2.0), level, 2.0).unwrap();
+        assert!((speed - 2.0).abs() < 0.01, "{speed}");
+    }
+    // After the front has left at t = 2.5 the release behind it must not be taken for it.
+    let speed = front_speed(1.0, (0.3, 9.0), 50.0, 4.0).unwrap();
+    assert!((speed - 2.0).abs() < 0.01, "{speed}");
+    assert_eq!(front_speed(1.0, (0.3, 2.0), 500.0, 2.0), None);
+}
+
+#[test]
+fn period_and_reversal_of_a_swinging_body() {
+    let probe = Probe { body: Some(0), ..Probe::default() };
+    let kinds = [
+        MeasureKind::Period { probe: probe.clone(), field: "position".into(), component: Some(0) },
+        MeasureKind::ReversalTime { probe, axis: 0 },
+    ];
+    for (kind, expected) in kinds.into_iter().zip([0.8, 0.2]) {
+        let model = measuring(kind);
+        let mut measures = Measures::new(&model);
+        let mut particles = lattice(3, 1);
+        for k in 0..=300 {
+            let t = 0.01 * f64::from(k);
+            let phase = std::f64::consts::TAU * t / 0.8;
+            for i in 0..3 {
+                particles.position[i][0] = 0.1 * i as f64 + 0.02 * phase.sin();
+                particles.velocity[i][0] = phase.cos();
+            }
+            measures.sample(&model, t, &particles);
+        }
+        let value = measures.values()[0].unwrap();
+        assert!((value - expected).abs() < 2e-3, "{value} {expected}");
+    }
+}

@@ -1,0 +1,5 @@
+//! What is made of a run: measures while it goes on; pictures and comparisons afterwards.
+
+mod measures;
+
+pub use measures::Measures;

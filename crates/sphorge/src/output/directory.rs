@@ -1,0 +1,236 @@
+//! The folder of a run: names in it, making it, replacing it.
+
+use super::{
+    atomic::{UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
+    error::{AtPath, OutputError},
+};
+use crate::particles::FIELDS as FIELD_TABLE;
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// The folder a run writes to, and the files in it:
+///
+/// | file | content |
+/// |---|---|
+/// | `deck.toml` | the deck as run |
+/// | `fields.pvd` | list of frames with their times; ParaView opens it |
+/// | `fields/NNNNNN.vtp` | one frame |
+/// | `history.csv` | one row per history time |
+/// | `history-columns.json` | name, unit and meaning of each column |
+/// | `summary.json` | how the run ended; written last |
+/// | `plots/*.png` | pictures, when asked for |
+///
+/// Every file is written aside and renamed into place, so a reader sees a complete file or none.
+#[derive(Clone, Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+}
+
+/// Top-level files a run writes, the marks of a run folder first.
+const MARKS: [&str; 4] = ["fields.pvd", "history.csv", "history-columns.json", "summary.json"];
+const DECK: &str = "deck.toml";
+const FIELDS: &str = "fields";
+const PLOTS: &str = "plots";
+
+impl RunDirectory {
+    /// Names an existing run folder for reading.
+    ///
+    /// # Errors
+    /// [`OutputError::Read`] if there is no such folder.
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        if fs::metadata(path).reading(path)?.is_dir() {
+            Ok(Self { path: path.to_owned() })
+        } else {
+            Err(io::Error::new(io::ErrorKind::NotADirectory, "not a folder")).reading(path)
+        }
+    }
+
+    /// Says whether [`RunDirectory::create`] would refuse, without touching anything. Worth asking before a model is
+    /// built, which may take long.
+    ///
+    /// # Errors
+    /// As [`RunDirectory::create`], except for what only shows when writing.
+    pub fn check(path: &Path, overwrite: bool) -> Result<(), OutputError> {
+        match fs::symlink_metadata(path) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
+            Err(source) => Err(OutputError::Unwritable { path: path.to_owned(), source }),
+            Ok(_) if !overwrite => Err(OutputError::Exists { path: path.to_owned() }),
+            Ok(_) if is_run_or_empty(path) => Ok(()),
+            Ok(_) => Err(OutputError::NotARun { path: path.to_owned() }),
+        }
+    }
+
+    /// Makes the folder of a new run. With `overwrite`, the files of a former run in it are removed, and no others.
+    ///
+    /// # Errors
+    /// [`OutputError::Exists`] if there is anything at `path` and `overwrite` is false; [`OutputError::NotARun`] if it is
+    /// neither empty nor the folder of a run; [`OutputError::Unwritable`] if it cannot be made or written to.
+    pub fn create(path: &Path, overwrite: bool) -> Result<Self, OutputError> {
+        Self::check(path, overwrite)?;
+        let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(unwritable)?;
+        }
+        match fs::create_dir(path) {
+            Ok(()) => {}
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && overwrite => {}
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+                return Err(OutputError::Exists { path: path.to_owned() });
+            }
+            Err(e) => return Err(unwritable(e)),
+        }
+        // Before anything is removed: may we write here at all?
+        tempfile::Builder::new()
+            .prefix(UNFINISHED_PREFIX)
+            .suffix(UNFINISHED_SUFFIX)
+            .tempfile_in(path)
+            .map_err(unwritable)?;
+        let directory = Self { path: path.to_owned() };
+        directory.remove_former_run().map_err(unwritable)?;
+        fs::create_dir_all(directory.path.join(FIELDS)).map_err(unwritable)?;
+        Ok(directory)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+    /// The deck as run.
+    pub fn deck(&self) -> PathBuf {
+        self.path.join(DECK)
+    }
+    /// The ParaView collection.
+    pub fn series(&self) -> PathBuf {
+        self.path.join("fields.pvd")
+    }
+    /// Frame `index`, relative to the folder, with `/` as in the collection.
+    pub fn frame_name(index: usize) -> String {
+        format!("{FIELDS}/{index:06}.vtp")
+    }
+    /// The history.
+    pub fn history(&self) -> PathBuf {
+        self.path.join("history.csv")
+    }
+    /// What the columns of the history are.
+    pub fn history_columns(&self) -> PathBuf {
+        self.path.join("history-columns.json")
+    }
+    /// The summary.
+    pub fn summary(&self) -> PathBuf {
+        self.path.join("summary.json")
+    }
+    /// Where pictures go unless told otherwise.
+    pub fn plots(&self) -> PathBuf {
+        self.path.join(PLOTS)
+    }
+
+    /// Removes what a run and its plots write, the summary first: without it a folder does not claim to be finished.
+    fn remove_former_run(&self) -> io::Result<()> {
+        for name in MARKS.iter().rev().chain([&DECK]) {
+            match fs::remove_file(self.path.join(name)) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
+        }
+        remove_matching(&self.path, is_unfinished)?;
+        remove_matching(&self.path.join(FIELDS), |name| is_frame(name) || is_unfinished(name))?;
+        remove_matching(&self.path.join(PLOTS), |name| is_picture(name) || is_unfinished(name))
+    }
+}
+
+/// A folder that is empty or that a run wrote.
+fn is_run_or_empty(path: &Path) -> bool {
+    let Ok(mut entries) = fs::read_dir(path) else { return false };
+    entries.next().is_none()
+        || MARKS.iter().any(|name| path.join(name).is_file())
+        // A run that was killed before its first frame.
+        || (path.join(DECK).is_file() && path.join(FIELDS).is_dir())
+}
+
+fn is_frame(name: &str) -> bool {
+    name.strip_suffix(".vtp").is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// A picture under a name that plotting gives: the field or the kind of history first.
+fn is_picture(name: &str) -> bool {
+    let ours = |prefix: &str| name.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(['.', '-']));
+    name.ends_with(".png") && (ours("history") || FIELD_TABLE.iter().any(|field| ours(field.name)))
+}
+
+fn is_unfinished(name: &str) -> bool {
+    name.starts_with(UNFINISHED_PREFIX) && name.ends_with(UNFINISHED_SUFFIX)
+}
+
+fn remove_matching(folder: &Path, ours: impl Fn(&str) -> bool) -> io::Result<()> {
+    let entries = match fs::read_dir(folder) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+        other => other?,
+    };
+    for entry in entries {
+        let entry = entry?;
+        if entry.file_name().to_str().is_some_and(&ours) && !entry.file_type()?.is_dir() {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn an_existing_folder_is_refused_untouched() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("summary.json"), "old").unwrap();
+        let refused = RunDirectory::create(folder.path(), false);
+        assert!(matches!(refused, Err(OutputError::Exists { .. })));
+        assert_eq!(names(folder.path()), ["summary.json"]);
+    }
+
+    #[test]
+    fn overwriting_removes_the_former_run_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::create_dir(root.join("fields")).unwrap();
+        fs::create_dir(root.join("plots")).unwrap();
+        let ours =
+            ["summary.json", "deck.toml", "fields/000003.vtp", "plots/history-energy.png", "plots/pressure-last.png"];
+        let foreign = ["notes.txt", "fields/mine.vtp", "fields/000003.txt", "plots/paper.png"];
+        for name in ours.iter().chain(&foreign) {
+            fs::write(root.join(name), "x").unwrap();
+        }
+        RunDirectory::create(root, true).unwrap();
+        assert_eq!(names(root), ["fields", "notes.txt", "plots"]);
+        assert_eq!(names(&root.join("fields")), ["000003.txt", "mine.vtp"]);
+        assert_eq!(names(&root.join("plots")), ["paper.png"]);
+    }
+
+    #[test]
+    fn a_folder_that_is_no_run_is_not_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("deck.toml"), "the only copy").unwrap();
+        assert!(matches!(RunDirectory::create(folder.path(), true), Err(OutputError::NotARun { .. })));
+        assert_eq!(names(folder.path()), ["deck.toml"]);
+        let file = folder.path().join("deck.toml");
+        assert!(matches!(RunDirectory::create(&file, true), Err(OutputError::NotARun { .. })));
+    }
+
+    #[test]
+    fn missing_parents_are_made_and_a_file_in_the_way_is_reported() {
+        let folder = tempfile::tempdir().unwrap();
+        RunDirectory::create(&folder.path().join("a/b/c"), false).unwrap();
+        fs::write(folder.path().join("file"), "").unwrap();
+        let blocked = RunDirectory::create(&folder.path().join("file/run"), false);
+        assert!(matches!(blocked, Err(OutputError::Unwritable { .. })), "{blocked:?}");
+    }
+}

@@ -1,0 +1,93 @@
+//! What can go wrong with files of a run.
+
+use std::{io, path::PathBuf};
+
+/// Trouble with a run folder or a file in it.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum OutputError {
+    /// The folder is there and overwriting was not asked for. Nothing was touched.
+    #[error("the output folder {} exists already", path.display())]
+    #[diagnostic(
+        code(sphorge::output::exists),
+        help("choose another folder with `-o DIR`, or pass `--overwrite` to replace the run in this one")
+    )]
+    Exists {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Overwriting was asked for, but the folder holds files that no run wrote. Nothing was touched.
+    #[error("{} is not the folder of a run, it will not be overwritten", path.display())]
+    #[diagnostic(
+        code(sphorge::output::not_a_run),
+        help("choose a folder that does not exist yet with `-o DIR`, or remove this one yourself")
+    )]
+    NotARun {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder cannot be made or written to.
+    #[error("cannot write to the output folder {}", path.display())]
+    #[diagnostic(
+        code(sphorge::output::unwritable),
+        help("choose a folder you may write to with `-o DIR`, or change its permissions")
+    )]
+    Unwritable {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file could not be written.
+    #[error("cannot write {}", path.display())]
+    #[diagnostic(
+        code(sphorge::output::write),
+        help("check that the disk is not full and the folder is still there; files written before are complete")
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}", path.display())]
+    #[diagnostic(code(sphorge::output::read), help("is this the folder of a run?"))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file is not what a run writes.
+    #[error("{} is damaged or not written by Sphorge: {reason}", path.display())]
+    #[diagnostic(code(sphorge::output::damaged), help("run the deck again, or remove the file"))]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl OutputError {
+    pub(crate) fn damaged(path: &std::path::Path, reason: impl Into<String>) -> Self {
+        Self::Damaged { path: path.to_owned(), reason: reason.into() }
+    }
+}
+
+/// Turns an input or output error into one that names the file.
+pub(crate) trait AtPath<T> {
+    /// The write of `path` failed.
+    fn writing(self, path: &std::path::Path) -> Result<T, OutputError>;
+    /// The read of `path` failed.
+    fn reading(self, path: &std::path::Path) -> Result<T, OutputError>;
+}
+
+impl<T> AtPath<T> for io::Result<T> {
+    fn writing(self, path: &std::path::Path) -> Result<T, OutputError> {
+        self.map_err(|source| OutputError::Write { path: path.to_owned(), source })
+    }
+    fn reading(self, path: &std::path::Path) -> Result<T, OutputError> {
+        self.map_err(|source| OutputError::Read { path: path.to_owned(), source })
+    }
+}

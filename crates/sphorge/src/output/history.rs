@@ -1,0 +1,241 @@
+//! The history: one row of `history.csv` per history time.
+//!
+//! All values are SI; column names are plain, and `history-columns.json` gives name, unit and meaning of each. Columns of
+//! one body, wall, driven region are named `body.NAME.momentum_x`, `wall.NAME.force_x`, `motion.NAME.force_x`; a measure
+//! has its own name (`measure.NAME` where that is taken by another column). An empty cell means that there is no value
+//! (yet).
+//!
+//! The file is replaced as a whole (written aside, renamed), so a reader always sees complete lines, whatever the file
+//! system. So that long histories do not cost the run, it is replaced when twenty times the duration of the last
+//! replacement has passed: in practice at every row, and at every frame in any case. A killed process loses at most the
+//! rows since then; after a power cut the file is that of some recent moment, complete.
+
+use super::{
+    RunDirectory,
+    atomic::{Durability, write_file},
+    error::OutputError,
+    sync::Pacing,
+};
+use crate::{
+    model::{MeasureKind, Model},
+    particles::find_field,
+    solver::{Energies, Ledger, VoteReason},
+};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// What a column of the history holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HistoryColumn {
+    /// Name in the first line of `history.csv`.
+    pub name: String,
+    /// SI unit, empty for pure numbers and words.
+    pub unit: String,
+    /// One line for people.
+    pub meaning: String,
+}
+
+/// State at a history time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HistorySample<'a> {
+    pub(crate) time: f64,
+    pub(crate) step: u64,
+    /// Last step that was not shortened to land on an output time, and what limited it.
+    pub(crate) dt: f64,
+    pub(crate) reason: Option<VoteReason>,
+    pub(crate) ledger: &'a Ledger,
+    pub(crate) energy_drift: f64,
+    pub(crate) momentum_drift: f64,
+    /// Mean over the steps since the previous row.
+    pub(crate) searched_fraction: Option<f64>,
+    /// Ordered pairs in the last step.
+    pub(crate) pairs: Option<u64>,
+    pub(crate) measures: &'a [Option<f64>],
+}
+
+enum Cell {
+    Number(f64),
+    Count(u64),
+    Word(&'static str),
+    Empty,
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::Empty, Self::Number)
+    }
+}
+
+impl Cell {
+    fn text(&self) -> String {
+        match self {
+            // Shortest digits that read back to the same number.
+            Self::Number(x) if *x == 0.0 => "0".into(),
+            Self::Number(x) if x.is_finite() => format!("{x:e}"),
+            Self::Count(n) => n.to_string(),
+            Self::Word(word) => (*word).into(),
+            Self::Number(_) | Self::Empty => String::new(),
+        }
+    }
+}
+
+/// Columns under construction, each with its value: names and cells cannot get out of step.
+struct Row(Vec<(HistoryColumn, Cell)>);
+
+impl Row {
+    fn add(&mut self, name: impl Into<String>, unit: &str, meaning: &str, cell: impl Into<Cell>) {
+        let column = HistoryColumn { name: name.into(), unit: unit.into(), meaning: meaning.into() };
+        self.0.push((column, cell.into()));
+    }
+
+    fn number(&mut self, name: &str, unit: &str, meaning: &str, value: f64) {
+        self.add(name, unit, meaning, Some(value));
+    }
+
+    fn vector(&mut self, name: &str, unit: &str, meaning: &str, value: [f64; 3]) {
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(value) {
+            self.add(format!("{name}_{axis}"), unit, meaning, Some(value));
+        }
+    }
+
+    fn energies(&mut self, prefix: &str, energies: &Energies) {
+        self.number(&format!("{prefix}kinetic_energy"), "J", "kinetic energy", energies.kinetic);
+        self.number(&format!("{prefix}internal_energy"), "J", "internal energy", energies.internal);
+        self.number(&format!("{prefix}elastic_energy"), "J", "elastic part of the internal energy", energies.elastic);
+        self.number(&format!("{prefix}plastic_work"), "J", "plastic work done so far", energies.plastic_work);
+    }
+}
+
+/// Every column with its value.
+fn row(model: &Model, sample: &HistorySample) -> Row {
+    let ledger = sample.ledger;
+    let total = &ledger.total;
+    let mut row = Row(Vec::new());
+    row.number("time", "s", "time", sample.time);
+    row.add("step", "", "steps done", Cell::Count(sample.step));
+    row.number("dt", "s", "last time step that was not shortened to land on an output time", sample.dt);
+    let reason = sample.reason.map_or(Cell::Empty, |reason| Cell::Word(reason.name()));
+    row.add("dt_reason", "", "what limited that time step", reason);
+    row.energies("", &total.energies);
+    row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
+    let mls = "energy that density re-initialisation gave the pressure field without work so far";
+    row.number("mls_energy", "J", mls, ledger.mls_energy);
+    row.number("total_energy", "J", "kinetic plus internal energy", total.energies.kinetic + total.energies.internal);
+    let drift = "total energy less external work and initial total, over the energy in play";
+    row.number("energy_drift", "", drift, sample.energy_drift);
+    row.vector("momentum", "kg m/s", "linear momentum", total.momentum);
+    row.number("momentum_scale", "kg m/s", "sum of m |v|", total.momentum_scale);
+    let impulse = "impulse of walls, gravity and driven regions so far";
+    row.vector("external_impulse", "N s", impulse, ledger.external_impulse);
+    let drift = "change of momentum less external impulse, over the largest sum of m |v| so far";
+    row.number("momentum_drift", "", drift, sample.momentum_drift);
+    row.vector("angular_momentum", "kg m^2/s", "angular momentum about the origin", total.angular_momentum);
+    let searched = "share of particles searched, mean over the steps since the previous row";
+    row.add("searched_fraction", "", searched, sample.searched_fraction);
+    let pairs = "ordered pairs inside the kernel support in the last step";
+    row.add("pairs", "", pairs, sample.pairs.map_or(Cell::Empty, Cell::Count));
+    for (body, sums) in model.bodies.iter().zip(&ledger.bodies) {
+        let name = &body.name;
+        row.energies(&format!("body.{name}."), &sums.energies);
+        row.vector(&format!("body.{name}.momentum"), "kg m/s", "linear momentum of the body", sums.momentum);
+        let meaning = "angular momentum of the body about the origin";
+        row.vector(&format!("body.{name}.angular_momentum"), "kg m^2/s", meaning, sums.angular_momentum);
+        row.vector(&format!("body.{name}.centre"), "m", "centre of mass of the body", sums.centre);
+    }
+    for (wall, force) in model.walls.iter().zip(&ledger.wall_forces) {
+        row.vector(&format!("wall.{}.force", wall.name), "N", "force of the wall on the particles", *force);
+    }
+    for (motion, force) in model.motions.iter().zip(&ledger.motion_forces) {
+        let region = model.regions.get(motion.region).map_or("", |region| region.name.as_str());
+        row.vector(&format!("motion.{region}.force"), "N", "force that drives the region", *force);
+    }
+    for (measure, value) in model.measures.iter().zip(sample.measures) {
+        let taken = row.0.iter().any(|(column, _)| column.name == measure.name);
+        let name = if taken { format!("measure.{}", measure.name) } else { measure.name.clone() };
+        row.add(name, measure_unit(&measure.kind), "measure declared in the deck", *value);
+    }
+    row
+}
+
+/// SI unit of a measure.
+pub(crate) fn measure_unit(kind: &MeasureKind) -> &'static str {
+    match kind {
+        MeasureKind::Extent { .. } | MeasureKind::Diameter { .. } => "m",
+        MeasureKind::Extreme { field, .. } | MeasureKind::Mean { field, .. } | MeasureKind::Value { field, .. } => {
+            find_field(field).map_or("", |field| field.unit)
+        }
+        MeasureKind::FrontSpeed { .. } => "m/s",
+        MeasureKind::Period { .. } | MeasureKind::ReversalTime { .. } => "s",
+    }
+}
+
+/// Writer of `history.csv`.
+#[derive(Debug)]
+pub(crate) struct History {
+    path: PathBuf,
+    text: Vec<u8>,
+    written: usize,
+    pacing: Pacing,
+}
+
+impl History {
+    /// Writes the line of names and `history-columns.json`.
+    pub(crate) fn create(directory: &RunDirectory, model: &Model) -> Result<Self, OutputError> {
+        let ledger = Ledger {
+            bodies: vec![Default::default(); model.bodies.len()],
+            wall_forces: vec![[0.0; 3]; model.walls.len()],
+            motion_forces: vec![[0.0; 3]; model.motions.len()],
+            ..Ledger::default()
+        };
+        let sample = HistorySample {
+            time: 0.0,
+            step: 0,
+            dt: 0.0,
+            reason: None,
+            ledger: &ledger,
+            energy_drift: 0.0,
+            momentum_drift: 0.0,
+            searched_fraction: None,
+            pairs: None,
+            measures: &vec![None; model.measures.len()],
+        };
+        let columns: Vec<HistoryColumn> = row(model, &sample).0.into_iter().map(|(column, _)| column).collect();
+        write_file(&directory.history_columns(), Durability::Disk, |out| {
+            serde_json::to_writer_pretty(&mut *out, &columns)?;
+            out.write_all(b"\n")
+        })?;
+        let mut history = Self { path: directory.history(), text: Vec::new(), written: 0, pacing: Pacing::new() };
+        history.append(columns.iter().map(|column| column.name.clone()))?;
+        history.save()?;
+        Ok(history)
+    }
+
+    /// Adds a row.
+    pub(crate) fn add(&mut self, model: &Model, sample: &HistorySample) -> Result<(), OutputError> {
+        self.append(row(model, sample).0.iter().map(|(_, cell)| cell.text()))?;
+        if self.pacing.is_due() { self.save() } else { Ok(()) }
+    }
+
+    /// Brings all rows into the file.
+    pub(crate) fn flush(&mut self) -> Result<(), OutputError> {
+        if self.written < self.text.len() { self.save() } else { Ok(()) }
+    }
+
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn append(&mut self, cells: impl Iterator<Item = String>) -> Result<(), OutputError> {
+        let mut line = csv::Writer::from_writer(&mut self.text);
+        let failed = |e: std::io::Error| OutputError::Write { path: self.path.clone(), source: e };
+        line.write_record(cells.map(String::into_bytes)).map_err(|e| failed(std::io::Error::other(e)))?;
+        line.flush().map_err(failed)
+    }
+
+    fn save(&mut self) -> Result<(), OutputError> {
+        self.pacing.run(|| write_file(&self.path, Durability::Process, |out| out.write_all(&self.text)))?;
+        self.written = self.text.len();
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! Reads a history back.
+
+use super::{
+    HistoryColumn, RunDirectory,
+    error::{AtPath, OutputError},
+};
+use std::fs;
+
+/// A history in memory, column by column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HistoryTable {
+    /// What the columns hold, in the order of the file.
+    pub columns: Vec<HistoryColumn>,
+    /// Values by column, then row; NaN for empty cells and words.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl HistoryTable {
+    /// Reads `history.csv` and, where it is there, `history-columns.json`.
+    ///
+    /// # Errors
+    /// [`OutputError::Read`] without a history, [`OutputError::Damaged`] for a line with too many or too few cells.
+    pub fn read(run: &RunDirectory) -> Result<Self, OutputError> {
+        let path = run.history();
+        let text = fs::read(&path).reading(&path)?;
+        let mut reader = csv::Reader::from_reader(text.as_slice());
+        let damaged = |e: csv::Error| OutputError::damaged(&path, e.to_string());
+        let names: Vec<String> = reader.headers().map_err(damaged)?.iter().map(str::to_owned).collect();
+        let mut values = vec![Vec::new(); names.len()];
+        for record in reader.records() {
+            for (column, cell) in values.iter_mut().zip(&record.map_err(damaged)?) {
+                column.push(cell.parse().unwrap_or(f64::NAN));
+            }
+        }
+        let known = known_columns(run);
+        let describe = |name: String| {
+            let unknown = || HistoryColumn { name: name.clone(), unit: String::new(), meaning: String::new() };
+            known.iter().find(|column| column.name == name).cloned().unwrap_or_else(unknown)
+        };
+        Ok(Self { columns: names.into_iter().map(describe).collect(), values })
+    }
+
+    /// Values and description of a column.
+    pub fn column(&self, name: &str) -> Option<(&HistoryColumn, &[f64])> {
+        let k = self.columns.iter().position(|column| column.name == name)?;
+        Some((&self.columns[k], &self.values[k]))
+    }
+}
+
+/// Descriptions of the columns; a history without them is still a history.
+fn known_columns(run: &RunDirectory) -> Vec<HistoryColumn> {
+    fs::read(run.history_columns()).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+}

@@ -1,0 +1,41 @@
+//! Sinks: the folder of a run, frames for ParaView, the history, the summary; and reading them back.
+
+mod atomic;
+mod directory;
+mod error;
+mod history;
+mod history_read;
+mod series;
+mod summary;
+mod sync;
+#[cfg(test)]
+pub(crate) mod testing;
+mod vtp;
+mod vtp_read;
+
+pub use directory::RunDirectory;
+pub use error::OutputError;
+pub use history::HistoryColumn;
+pub use history_read::HistoryTable;
+pub use series::{SeriesEntry, read_series};
+pub use summary::{EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary};
+pub use vtp::{FrameHeader, write_frame};
+pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
+
+pub(crate) use atomic::{Durability, write_file};
+pub(crate) use history::{History, HistorySample, measure_unit};
+pub(crate) use series::write_series;
+pub(crate) use sync::DiskSync;
+
+use crate::particles::Particles;
+use std::path::Path;
+
+/// Writes a frame to a file.
+pub(crate) fn write_frame_file(
+    path: &Path,
+    header: &FrameHeader,
+    particles: &Particles,
+    fields: &[String],
+) -> Result<(), OutputError> {
+    write_file(path, Durability::Process, |out| write_frame(out, header, particles, fields))
+}

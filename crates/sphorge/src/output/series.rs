@@ -1,0 +1,56 @@
+//! The ParaView collection `fields.pvd`: which frame is at which time.
+
+use super::{
+    RunDirectory,
+    atomic::{Durability, write_file},
+    error::{AtPath, OutputError},
+};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// A frame of a series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesEntry {
+    /// Time, s.
+    pub time: f64,
+    /// File, relative to the collection.
+    pub file: String,
+}
+
+/// Writes the collection.
+pub(crate) fn write_series(path: &Path, entries: &[SeriesEntry]) -> Result<(), OutputError> {
+    write_file(path, Durability::Process, |out| {
+        out.write_all(
+            br#"<?xml version="1.0"?>
+<VTKFile type="Collection" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+  <Collection>
+"#,
+        )?;
+        for SeriesEntry { time, file } in entries {
+            writeln!(out, r#"    <DataSet timestep="{time:e}" part="0" file="{file}"/>"#)?;
+        }
+        out.write_all(b"  </Collection>\n</VTKFile>\n")
+    })
+}
+
+/// The frames of a run in order of time, with their full paths.
+///
+/// # Errors
+/// [`OutputError::Read`] if the run has no collection, [`OutputError::Damaged`] if it cannot be understood or is empty.
+pub fn read_series(run: &RunDirectory) -> Result<Vec<(f64, PathBuf)>, OutputError> {
+    let path = run.series();
+    let text = fs::read_to_string(&path).reading(&path)?;
+    let document = roxmltree::Document::parse(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))?;
+    let frames: Vec<_> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("DataSet"))
+        .map(|n| {
+            let time = n.attribute("timestep").and_then(|t| t.parse().ok());
+            time.zip(n.attribute("file").map(|file| run.path().join(file)))
+        })
+        .collect::<Option<_>>()
+        .ok_or_else(|| OutputError::damaged(&path, "a frame without time or file"))?;
+    if frames.is_empty() { Err(OutputError::damaged(&path, "it lists no frame")) } else { Ok(frames) }
+}

@@ -1,0 +1,196 @@
+//! `summary.json`: how a run ended and what it took.
+
+use super::{
+    RunDirectory,
+    atomic::{Durability, write_file},
+    error::{AtPath, OutputError},
+};
+use crate::solver::StageSeconds;
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, fmt, fs};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// It reached its end.
+    Completed,
+    /// The user stopped it; what is there is complete up to that time.
+    Stopped,
+    /// It could not go on; what is there is complete up to the last frame.
+    Failed,
+}
+
+/// What ended a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndReason {
+    /// The end time of the deck.
+    EndTime,
+    /// Kinetic energy fell below the deck's share of its initial value.
+    KineticEnergy,
+    /// The deck's number of steps.
+    MaxSteps,
+    /// The user.
+    User,
+    /// A failure.
+    Failure,
+}
+
+/// Why a run could not go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FailureRecord {
+    /// For people, with what to do.
+    pub message: String,
+    /// Step that failed.
+    pub step: u64,
+    /// Time before it, s.
+    pub time: f64,
+    /// Field that went wrong, if it was one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub field: Option<String>,
+    /// Id of the particle it was seen at.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub particle: Option<u32>,
+    /// Name of its body.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub body: Option<String>,
+    /// Its last position, m.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub position: Option<[f64; 3]>,
+}
+
+impl fmt::Display for FailureRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "step {} at {:.6e} s: {}", self.step, self.time, self.message)?;
+        let Some(particle) = self.particle else { return Ok(()) };
+        write!(f, " (particle {particle}")?;
+        if let Some(body) = &self.body {
+            write!(f, " of `{body}`")?;
+        }
+        if let Some(field) = &self.field {
+            write!(f, ", field `{field}`")?;
+        }
+        if let Some([x, y, z]) = self.position {
+            write!(f, ", at ({x:.6e}, {y:.6e}, {z:.6e}) m")?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// Wall-clock seconds by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StageSecondsRecord {
+    /// Neighbour search.
+    pub search: f64,
+    /// Velocity gradient and density rate.
+    pub kinematics: f64,
+    /// Constitutive update.
+    pub stress: f64,
+    /// Forces.
+    pub forces: f64,
+    /// Integration, guard, time step.
+    pub integrate: f64,
+    /// Frames, history, measures.
+    pub output: f64,
+}
+
+impl From<StageSeconds> for StageSecondsRecord {
+    fn from(s: StageSeconds) -> Self {
+        let StageSeconds { search, kinematics, stress, forces, integrate, output } = s;
+        Self { search, kinematics, stress, forces, integrate, output }
+    }
+}
+
+/// Energies at the last row of the history, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyRecord {
+    /// Kinetic.
+    pub kinetic: f64,
+    /// Internal.
+    pub internal: f64,
+    /// Elastic part of the internal energy.
+    pub elastic: f64,
+    /// Plastic work done.
+    pub plastic_work: f64,
+    /// Work of walls, gravity and driven regions.
+    pub external_work: f64,
+    /// Drift of the total at the end; see [`crate::run`] for its definition.
+    pub relative_drift: f64,
+    /// Largest size of the drift in any row.
+    pub largest_relative_drift: f64,
+}
+
+/// All of `summary.json`. Units are SI throughout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// How it ended.
+    pub status: Status,
+    /// What ended it.
+    pub end_reason: EndReason,
+    /// Why it failed, if it did.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub failure: Option<Box<FailureRecord>>,
+    /// Title of the deck.
+    pub title: String,
+    /// Name of the deck.
+    pub deck: String,
+    /// Version of the program.
+    pub version: String,
+    /// Number of particles.
+    pub particles: u64,
+    /// Steps done.
+    pub steps: u64,
+    /// Time reached, s.
+    pub simulated_time: f64,
+    /// Wall-clock seconds from the first preparation to the end, writing included.
+    pub wall_seconds: f64,
+    /// Threads.
+    pub threads: usize,
+    /// `cpu` or `gpu`.
+    pub engine: String,
+    /// `mixed` or `double`.
+    pub precision: String,
+    /// Wall-clock seconds by stage.
+    pub stage_seconds: StageSecondsRecord,
+    /// Neighbours a particle has on average at the end.
+    pub mean_neighbors: f64,
+    /// Particles times steps over `wall_seconds`.
+    pub particle_steps_per_second: f64,
+    /// Ordered pairs summed over the steps, over `wall_seconds`.
+    pub pairs_per_second: f64,
+    /// Share of the particles that were searched, mean over the steps.
+    pub searched_fraction: f64,
+    /// Largest resident memory of the process; where the system does not tell, what the columns and lists hold.
+    pub peak_memory_bytes: u64,
+    /// Energies.
+    pub energy: EnergyRecord,
+    /// Drift of the linear momentum at the end; see [`crate::run`] for its definition.
+    pub momentum_drift: f64,
+    /// Largest drift of the linear momentum in any row.
+    pub largest_momentum_drift: f64,
+    /// Declared measures at the end; null for one that has no value.
+    pub measures: BTreeMap<String, Option<f64>>,
+    /// Units of the measures.
+    #[serde(default)]
+    pub measure_units: BTreeMap<String, String>,
+}
+
+impl Summary {
+    /// Reads the summary of a run.
+    ///
+    /// # Errors
+    /// [`OutputError::Read`] if there is none (the run has not ended), [`OutputError::Damaged`] if it is not a summary.
+    pub fn read(run: &RunDirectory) -> Result<Self, OutputError> {
+        let path = run.summary();
+        let text = fs::read(&path).reading(&path)?;
+        serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))
+    }
+
+    pub(crate) fn write(&self, run: &RunDirectory) -> Result<(), OutputError> {
+        write_file(&run.summary(), Durability::Disk, |out| {
+            serde_json::to_writer_pretty(&mut *out, self)?;
+            out.write_all(b"\n")
+        })
+    }
+}

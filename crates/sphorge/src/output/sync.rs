@@ -1,0 +1,70 @@
+//! Forces files onto the disk now and then, so that a power cut costs seconds, not the run.
+
+use super::{
+    atomic::sync_folder,
+    error::{AtPath, OutputError},
+};
+use std::{
+    collections::BTreeSet,
+    fs::File,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+/// Lets something slow happen as often as it costs at most about a twentieth of the time.
+#[derive(Debug)]
+pub(super) struct Pacing {
+    last: Instant,
+    duration: Duration,
+}
+
+impl Pacing {
+    pub(super) fn new() -> Self {
+        Self { last: Instant::now(), duration: Duration::ZERO }
+    }
+
+    /// Whether twenty times the duration of the last time has passed since.
+    pub(super) fn is_due(&self) -> bool {
+        self.last.elapsed() >= 20 * self.duration
+    }
+
+    /// Does it and notes how long it took.
+    pub(super) fn run<T>(&mut self, slow: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = slow();
+        self.duration = start.elapsed();
+        self.last = Instant::now();
+        result
+    }
+}
+
+/// Files written since the disk was last forced to take them.
+#[derive(Debug)]
+pub(crate) struct DiskSync {
+    pending: BTreeSet<PathBuf>,
+    pacing: Pacing,
+}
+
+impl DiskSync {
+    pub(crate) fn new() -> Self {
+        Self { pending: BTreeSet::new(), pacing: Pacing::new() }
+    }
+
+    /// A file has been written; this is a good moment to sync if it is time.
+    pub(crate) fn written(&mut self, path: &Path) -> Result<(), OutputError> {
+        self.pending.insert(path.to_owned());
+        if self.pacing.is_due() { self.sync() } else { Ok(()) }
+    }
+
+    /// Everything written is on the disk when this returns.
+    pub(crate) fn sync(&mut self) -> Result<(), OutputError> {
+        let pending = std::mem::take(&mut self.pending);
+        self.pacing.run(|| {
+            for path in &pending {
+                File::open(path).and_then(|file| file.sync_all()).writing(path)?;
+            }
+            pending.iter().filter_map(|path| path.parent()).collect::<BTreeSet<_>>().into_iter().for_each(sync_folder);
+            Ok(())
+        })
+    }
+}

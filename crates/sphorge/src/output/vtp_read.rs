@@ -1,0 +1,277 @@
+//! Reads frames written by [`super::write_frame`] back; other `.vtp` files only so far as they look the same.
+
+use super::{
+    FrameHeader,
+    error::{AtPath, OutputError},
+};
+use std::{
+    fs::File,
+    io::{Read, Seek, SeekFrom},
+    path::{Path, PathBuf},
+};
+
+/// An opened frame: the header is read, values on demand.
+#[derive(Debug)]
+pub struct FrameFile {
+    path: PathBuf,
+    file: File,
+    /// What the frame states beside its particles.
+    pub header: FrameHeader,
+    /// Number of particles.
+    pub count: usize,
+    arrays: Vec<FrameArray>,
+    points_offset: u64,
+    data_start: u64,
+    file_bytes: u64,
+}
+
+/// What is known of a field in a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameArray {
+    /// Field name.
+    pub name: String,
+    /// Components per particle.
+    pub width: usize,
+    /// Names of the components; empty for a scalar.
+    pub components: Vec<String>,
+    whole_numbers: bool,
+    offset: u64,
+}
+
+/// Values of a field in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameColumn {
+    /// Components per particle.
+    pub width: usize,
+    /// Particle by particle, component by component.
+    pub values: Vec<f32>,
+}
+
+/// Longest header that is looked through for the beginning of the data.
+const MAX_HEADER: usize = 1 << 20;
+const DATA_MARK: &str = "<AppendedData encoding=\"raw\">";
+
+impl FrameFile {
+    /// Opens a frame and reads its header.
+    ///
+    /// # Errors
+    /// [`OutputError::Read`] if there is no such file, [`OutputError::Damaged`] if it is not one of our frames.
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let mut file = File::open(path).reading(path)?;
+        let file_bytes = file.metadata().reading(path)?.len();
+        let (xml, data_start) = read_header(path, &mut file)?;
+        let damaged = |reason: &str| OutputError::damaged(path, reason);
+        let document = roxmltree::Document::parse(&xml).map_err(|e| OutputError::damaged(path, e.to_string()))?;
+        let root = document.root_element();
+        if root.attribute("byte_order") != Some("LittleEndian") || root.attribute("header_type") != Some("UInt64") {
+            return Err(damaged("values are not little-endian with lengths of 64 bits"));
+        }
+        let element = |name: &str| root.descendants().find(|n| n.has_tag_name(name));
+        let piece = element("Piece").ok_or_else(|| damaged("no piece of data"))?;
+        let count = number(piece, "NumberOfPoints").ok_or_else(|| damaged("no number of points"))? as usize;
+
+        let field_data = |name: &str| -> Vec<f64> {
+            root.descendants()
+                .filter(|n| n.parent().is_some_and(|p| p.has_tag_name("FieldData")))
+                .find(|n| n.attribute("Name") == Some(name))
+                .and_then(|n| n.text())
+                .map(|text| text.split_whitespace().filter_map(|word| word.parse().ok()).collect())
+                .unwrap_or_default()
+        };
+        let first = |name: &str| field_data(name).first().copied().ok_or_else(|| damaged(&format!("no `{name}`")));
+        let header = FrameHeader {
+            time: first("TimeValue")?,
+            step: first("Step")? as u64,
+            dimensions: first("Dimensions")? as usize,
+            body_spacing: field_data("BodySpacing"),
+        };
+
+        let points_offset = element("Points")
+            .and_then(|n| n.children().find(|c| c.has_tag_name("DataArray")))
+            .filter(|n| n.attribute("type") == Some("Float64"))
+            .and_then(|n| number(n, "offset"))
+            .ok_or_else(|| damaged("no points in double precision"))?;
+        let arrays = element("PointData")
+            .into_iter()
+            .flat_map(|n| n.children())
+            .filter(|n| n.has_tag_name("DataArray"))
+            .map(|n| frame_array(n).ok_or_else(|| damaged("a field of unknown layout")))
+            .collect::<Result<_, _>>()?;
+        drop(document);
+        Ok(Self { path: path.to_owned(), file, header, count, arrays, points_offset, data_start, file_bytes })
+    }
+
+    /// Fields in the frame.
+    pub fn arrays(&self) -> &[FrameArray] {
+        &self.arrays
+    }
+
+    /// Positions, m.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if the file is shorter than its header says.
+    pub fn positions(&mut self) -> Result<Vec<[f64; 3]>, OutputError> {
+        let bytes = self.block(self.points_offset, 24)?;
+        let (points, _) = bytes.as_chunks::<24>();
+        let coordinate = |p: &[u8; 24], k: usize| f64::from_le_bytes(std::array::from_fn(|b| p[8 * k + b]));
+        Ok(points.iter().map(|p| [coordinate(p, 0), coordinate(p, 1), coordinate(p, 2)]).collect())
+    }
+
+    /// Values of a field; `None` if the frame does not have it.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if the file is shorter than its header says.
+    pub fn column(&mut self, name: &str) -> Result<Option<FrameColumn>, OutputError> {
+        let Some(array) = self.arrays.iter().find(|a| a.name == name).cloned() else { return Ok(None) };
+        let bytes = self.block(array.offset, 4 * array.width)?;
+        let (values, _) = bytes.as_chunks::<4>();
+        let decode =
+            |b: &[u8; 4]| if array.whole_numbers { u32::from_le_bytes(*b) as f32 } else { f32::from_le_bytes(*b) };
+        Ok(Some(FrameColumn { width: array.width, values: values.iter().map(decode).collect() }))
+    }
+
+    /// Bytes of the block at `offset`, which must hold `width` bytes a particle.
+    fn block(&mut self, offset: u64, width: usize) -> Result<Vec<u8>, OutputError> {
+        let short = || OutputError::damaged(&self.path, "the file ends early");
+        let expected = (self.count as u64).checked_mul(width as u64).ok_or_else(short)?;
+        let start = self.data_start.checked_add(offset).ok_or_else(short)?;
+        if start.checked_add(8).and_then(|s| s.checked_add(expected)).is_none_or(|end| end > self.file_bytes) {
+            return Err(short());
+        }
+        self.file.seek(SeekFrom::Start(start)).reading(&self.path)?;
+        let mut length = [0; 8];
+        self.file.read_exact(&mut length).reading(&self.path)?;
+        if u64::from_le_bytes(length) != expected {
+            return Err(OutputError::damaged(&self.path, "a block has another length than the header says"));
+        }
+        let mut bytes = vec![0; expected as usize];
+        self.file.read_exact(&mut bytes).reading(&self.path)?;
+        Ok(bytes)
+    }
+}
+
+/// The XML before the data, closed so that it parses, and where the data begin.
+fn read_header(path: &Path, file: &mut File) -> Result<(String, u64), OutputError> {
+    let mut head = Vec::new();
+    file.take(MAX_HEADER as u64).read_to_end(&mut head).reading(path)?;
+    let mark = head
+        .windows(DATA_MARK.len())
+        .position(|w| w == DATA_MARK.as_bytes())
+        .ok_or_else(|| OutputError::damaged(path, "no appended raw data"))?;
+    let after = mark + DATA_MARK.len();
+    let underscore = head[after..]
+        .iter()
+        .position(|b| *b == b'_')
+        .ok_or_else(|| OutputError::damaged(path, "the data do not begin"))?;
+    let xml = std::str::from_utf8(&head[..after]).map_err(|_| OutputError::damaged(path, "the header is not text"))?;
+    Ok((format!("{xml}</AppendedData></VTKFile>"), (after + underscore + 1) as u64))
+}
+
+fn number(node: roxmltree::Node, attribute: &str) -> Option<u64> {
+    node.attribute(attribute)?.parse().ok()
+}
+
+fn frame_array(node: roxmltree::Node) -> Option<FrameArray> {
+    let width = number(node, "NumberOfComponents").unwrap_or(1) as usize;
+    let components = (0..width.min(9))
+        .filter_map(|k| node.attribute(format!("ComponentName{k}").as_str()).map(str::to_owned))
+        .collect();
+    let whole_numbers = match node.attribute("type")? {
+        "Float32" => false,
+        "UInt32" => true,
+        _ => return None,
+    };
+    Some(FrameArray {
+        name: node.attribute("Name")?.to_owned(),
+        width,
+        components,
+        whole_numbers,
+        offset: number(node, "offset")?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Particles, output::write_frame};
+
+    /// Three particles whose values all differ.
+    fn particles() -> Particles {
+        let mut particles = Particles::new(3);
+        for i in 0..3 {
+            let x = i as f64 + 1.0;
+            particles.id[i] = 7 + i as u32;
+            particles.position[i] = [x / 3.0, -x, 1e-9 * x];
+            particles.pressure[i] = 1e9 * x;
+            particles.deviator[i].xz = -2.0 * x;
+            particles.velocity_gradient[i][1][2] = 0.5 * x;
+        }
+        particles
+    }
+
+    fn header() -> FrameHeader {
+        FrameHeader { time: 6.1e-5, step: 42, dimensions: 3, body_spacing: vec![3e-4, 1e-3] }
+    }
+
+    fn frame_bytes() -> Vec<u8> {
+        let fields = ["id", "pressure", "position", "stress", "velocity_gradient", "id"].map(str::to_owned);
+        let mut bytes = Vec::new();
+        write_frame(&mut bytes, &header(), &particles(), &fields).unwrap();
+        bytes
+    }
+
+    fn open(bytes: &[u8]) -> (tempfile::TempDir, Result<FrameFile, OutputError>) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("000000.vtp");
+        std::fs::write(&path, bytes).unwrap();
+        let frame = FrameFile::open(&path);
+        (folder, frame)
+    }
+
+    #[test]
+    fn a_frame_comes_back_as_written() {
+        let (_folder, frame) = open(&frame_bytes());
+        let mut frame = frame.unwrap();
+        assert_eq!((frame.header.clone(), frame.count), (header(), 3));
+        let names: Vec<_> = frame.arrays().iter().map(|a| a.name.as_str()).collect();
+        assert_eq!(names, ["id", "pressure", "stress", "velocity_gradient"]);
+        assert_eq!(frame.arrays()[2].components, ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]);
+        assert_eq!(frame.positions().unwrap(), particles().position);
+        assert_eq!(frame.column("id").unwrap().unwrap().values, [7.0, 8.0, 9.0]);
+        let stress = frame.column("stress").unwrap().unwrap();
+        assert_eq!(stress.values[6..12], [-2e9, -2e9, -2e9, 0.0, 0.0, -4.0]);
+        let gradient = frame.column("velocity_gradient").unwrap().unwrap();
+        assert_eq!((gradient.width, gradient.values[9 * 2 + 5]), (9, 1.5));
+        assert_eq!(frame.column("speed").unwrap(), None);
+    }
+
+    #[test]
+    fn an_unknown_field_is_an_error() {
+        let failed = write_frame(&mut Vec::new(), &header(), &particles(), &["colour".to_owned()]);
+        assert_eq!(failed.unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
+    }
+
+    #[test]
+    fn a_file_cut_anywhere_is_an_error_and_never_a_panic() {
+        let bytes = frame_bytes();
+        for length in 0..bytes.len() - 40 {
+            let (_folder, frame) = open(&bytes[..length]);
+            let read_all = frame.and_then(|mut f| {
+                f.positions()?;
+                for name in ["id", "pressure", "stress", "velocity_gradient"] {
+                    f.column(name)?;
+                }
+                Ok(())
+            });
+            assert!(read_all.is_err(), "cut at {length}");
+        }
+    }
+
+    #[test]
+    fn a_header_that_promises_too_much_is_an_error() {
+        let text = String::from_utf8_lossy(&frame_bytes())
+            .replace("NumberOfPoints=\"3\"", "NumberOfPoints=\"18446744073709551615\"");
+        let (_folder, frame) = open(text.as_bytes());
+        assert!(frame.and_then(|mut f| f.positions()).is_err());
+    }
+}

@@ -1,0 +1,113 @@
+//! Drift of what ought to be conserved, from ledger to ledger.
+
+use crate::solver::Ledger;
+
+/// Drift at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Drift {
+    /// Relative drift of the total energy, signed.
+    pub(super) energy: f64,
+    /// Relative drift of the linear momentum, never negative.
+    pub(super) momentum: f64,
+}
+
+/// Follows a run from its first ledger on. The definitions are in the documentation of [`crate::run`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Conservation {
+    start: Option<Start>,
+    energy_scale: f64,
+    momentum_scale: f64,
+    /// At the last ledger.
+    pub(super) last: Drift,
+    /// Largest sizes so far.
+    pub(super) largest: Drift,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    energy: f64,
+    momentum: [f64; 3],
+}
+
+impl Conservation {
+    pub(super) fn sample(&mut self, ledger: &Ledger) -> Drift {
+        let total = &ledger.total;
+        let energy = total.energies.kinetic + total.energies.internal;
+        let start = *self.start.get_or_insert(Start { energy, momentum: total.momentum });
+        self.energy_scale = [start.energy, total.energies.kinetic, ledger.external_work]
+            .into_iter()
+            .map(f64::abs)
+            .fold(self.energy_scale, f64::max);
+        self.momentum_scale = self.momentum_scale.max(total.momentum_scale);
+
+        let momentum_change = (0..3)
+            .map(|a| (total.momentum[a] - start.momentum[a] - ledger.external_impulse[a]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        self.last = Drift {
+            energy: relative(energy - start.energy - ledger.external_work, self.energy_scale),
+            momentum: relative(momentum_change, self.momentum_scale),
+        };
+        self.largest.energy = self.largest.energy.max(self.last.energy.abs());
+        self.largest.momentum = self.largest.momentum.max(self.last.momentum);
+        self.last
+    }
+}
+
+/// Change over scale; a change of nothing is all drift.
+fn relative(change: f64, scale: f64) -> f64 {
+    if change == 0.0 {
+        0.0
+    } else if scale > 0.0 {
+        change / scale
+    } else {
+        change.signum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::{BodyLedger, Energies};
+
+    fn ledger(kinetic: f64, internal: f64, work: f64, momentum: f64, impulse: f64, scale: f64) -> Ledger {
+        Ledger {
+            total: BodyLedger {
+                energies: Energies { kinetic, internal, ..Energies::default() },
+                momentum: [0.0, momentum, 0.0],
+                momentum_scale: scale,
+                ..BodyLedger::default()
+            },
+            external_work: work,
+            external_impulse: [0.0, impulse, 0.0],
+            ..Ledger::default()
+        }
+    }
+
+    #[test]
+    fn drift_is_what_work_and_impulse_do_not_explain() {
+        let mut conservation = Conservation::default();
+        assert_eq!(conservation.sample(&ledger(100.0, 20.0, 0.0, -50.0, 0.0, 60.0)), Drift::default());
+        // 100 + 20 + 6 of work should be 126, it is 120; -50 + 30 should be -20, it is -14.
+        let drift = conservation.sample(&ledger(40.0, 80.0, 6.0, -14.0, 30.0, 10.0));
+        assert_eq!(drift, Drift { energy: -6.0 / 120.0, momentum: 6.0 / 60.0 });
+        let drift = conservation.sample(&ledger(40.0, 80.0, 0.0, -50.0, 0.0, 10.0));
+        assert_eq!((drift, conservation.largest), (Drift::default(), Drift { energy: 0.05, momentum: 0.1 }));
+    }
+
+    #[test]
+    fn a_body_pulled_from_rest_is_measured_against_the_work_done() {
+        let mut conservation = Conservation::default();
+        assert_eq!(conservation.sample(&ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)), Drift::default());
+        assert_eq!(conservation.sample(&ledger(1.0, 10.0, 10.0, 0.0, 0.0, 0.0)).energy, 0.1);
+        // The scale is the largest so far: unloading does not make the drift explode.
+        assert_eq!(conservation.sample(&ledger(0.0, 1.0, 0.0, 0.0, 0.0, 0.0)).energy, 0.1);
+    }
+
+    #[test]
+    fn energy_out_of_nothing_is_all_drift() {
+        let mut conservation = Conservation::default();
+        conservation.sample(&ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+        assert_eq!(conservation.sample(&ledger(0.0, 3.0, 0.0, 0.0, 0.0, 0.0)).energy, 1.0);
+    }
+}

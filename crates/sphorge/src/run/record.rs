@@ -1,0 +1,220 @@
+//! Writes frames, rows and the summary of a run under way.
+
+use super::{conservation::Conservation, memory::peak_resident_bytes, stepper::Stepper};
+use crate::{
+    analysis::Measures,
+    model::{Model, Precision},
+    output::{
+        DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample, OutputError,
+        RunDirectory, SeriesEntry, Status, Summary, measure_unit, write_frame_file, write_series,
+    },
+    solver::{Energies, StepReport, VoteReason},
+};
+use std::time::Instant;
+
+/// Everything that is written while a run goes on.
+pub(super) struct Recorder {
+    directory: RunDirectory,
+    history: History,
+    disk: DiskSync,
+    measures: Measures,
+    conservation: Conservation,
+    frames: Vec<SeriesEntry>,
+    last_frame_step: Option<u64>,
+    last_row_step: Option<u64>,
+    /// Energies and external work of the last row.
+    energies: Energies,
+    external_work: f64,
+    steps: StepSums,
+    steps_at_last_row: StepSums,
+    /// Size and reason for the `dt` column.
+    step_size: (f64, Option<VoteReason>),
+    landing_since_row: bool,
+    pairs: Option<u64>,
+    seconds: f64,
+}
+
+/// Sums over the steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct StepSums {
+    count: u64,
+    searched: f64,
+    pairs: f64,
+}
+
+impl Recorder {
+    pub(super) fn new(directory: RunDirectory, model: &Model) -> Result<Self, OutputError> {
+        Ok(Self {
+            history: History::create(&directory, model)?,
+            disk: DiskSync::new(),
+            measures: Measures::new(model),
+            directory,
+            conservation: Conservation::default(),
+            frames: Vec::new(),
+            last_frame_step: None,
+            last_row_step: None,
+            energies: Energies::default(),
+            external_work: 0.0,
+            steps: StepSums::default(),
+            steps_at_last_row: StepSums::default(),
+            step_size: (0.0, None),
+            landing_since_row: true,
+            pairs: None,
+            seconds: 0.0,
+        })
+    }
+
+    /// Notes the size of the first step before it is taken.
+    pub(super) fn prepared(&mut self, dt: f64, reason: VoteReason) {
+        self.step_size = (dt, Some(reason));
+    }
+
+    /// Takes a step into the sums.
+    pub(super) fn stepped(&mut self, report: &StepReport) {
+        self.steps.count += 1;
+        self.steps.searched += report.searched_fraction;
+        self.steps.pairs += report.pairs as f64;
+        self.pairs = Some(report.pairs);
+        // Every row is landed on, so the last step before it says little of what limits the run.
+        let landing = report.reason == VoteReason::Output;
+        if !landing || self.landing_since_row {
+            self.step_size = (report.dt, Some(report.reason));
+            self.landing_since_row = landing;
+        }
+    }
+
+    /// Writes a row and returns the kinetic energy.
+    pub(super) fn row(&mut self, engine: &impl Stepper) -> Result<f64, OutputError> {
+        let start = Instant::now();
+        let ledger = engine.ledger();
+        let drift = self.conservation.sample(&ledger);
+        self.measures.sample(engine.model(), engine.time(), engine.particles());
+        let since = self.steps.count - self.steps_at_last_row.count;
+        let searched = self.steps.searched - self.steps_at_last_row.searched;
+        let sample = HistorySample {
+            time: engine.time(),
+            step: engine.steps(),
+            dt: self.step_size.0,
+            reason: self.step_size.1,
+            ledger: &ledger,
+            energy_drift: drift.energy,
+            momentum_drift: drift.momentum,
+            searched_fraction: (since > 0).then(|| searched / since as f64),
+            pairs: self.pairs,
+            measures: self.measures.values(),
+        };
+        self.history.add(engine.model(), &sample)?;
+        self.energies = ledger.total.energies;
+        self.external_work = ledger.external_work;
+        self.steps_at_last_row = self.steps;
+        self.landing_since_row = true;
+        self.last_row_step = Some(engine.steps());
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(self.energies.kinetic)
+    }
+
+    /// Writes a frame, then the list of frames, then the rows so far.
+    pub(super) fn frame(&mut self, engine: &impl Stepper) -> Result<usize, OutputError> {
+        let start = Instant::now();
+        let model = engine.model();
+        let index = self.frames.len();
+        let header = FrameHeader {
+            time: engine.time(),
+            step: engine.steps(),
+            dimensions: model.dimensions.count(),
+            body_spacing: model.bodies.iter().map(|body| body.spacing).collect(),
+        };
+        let file = RunDirectory::frame_name(index);
+        let path = self.directory.path().join(&file);
+        write_frame_file(&path, &header, engine.particles(), &model.output.fields)?;
+        self.frames.push(SeriesEntry { time: engine.time(), file });
+        write_series(&self.directory.series(), &self.frames)?;
+        self.history.flush()?;
+        self.disk.written(&path)?;
+        self.disk.written(&self.directory.series())?;
+        self.disk.written(self.history.path())?;
+        self.last_frame_step = Some(engine.steps());
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(index)
+    }
+
+    /// Whether the present state has no row or no frame yet.
+    pub(super) fn owes(&self, step: u64) -> (bool, bool) {
+        (self.last_row_step != Some(step), self.last_frame_step != Some(step))
+    }
+
+    pub(super) fn frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Brings all rows and frames onto the disk.
+    pub(super) fn flush(&mut self) -> Result<(), OutputError> {
+        let start = Instant::now();
+        self.history.flush()?;
+        self.disk.written(self.history.path())?;
+        self.disk.sync()?;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Writes the summary.
+    pub(super) fn summary(
+        &self,
+        engine: &impl Stepper,
+        end_reason: EndReason,
+        failure: Option<Box<FailureRecord>>,
+        seconds: f64,
+    ) -> (Summary, Result<(), OutputError>) {
+        let model = engine.model();
+        let steps = self.steps.count;
+        let per_second = |amount: f64| if seconds > 0.0 { amount / seconds } else { 0.0 };
+        let mut stage_seconds = engine.stage_seconds();
+        stage_seconds.output += self.seconds;
+        let named = || model.measures.iter().map(|measure| measure.name.clone());
+        let summary = Summary {
+            status: match end_reason {
+                EndReason::Failure => Status::Failed,
+                EndReason::User => Status::Stopped,
+                EndReason::EndTime | EndReason::KineticEnergy | EndReason::MaxSteps => Status::Completed,
+            },
+            end_reason,
+            failure,
+            title: model.title.clone(),
+            deck: model.name.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            particles: engine.particles().len() as u64,
+            steps,
+            simulated_time: engine.time(),
+            wall_seconds: seconds,
+            threads: rayon::current_num_threads(),
+            engine: "cpu".to_owned(),
+            precision: match model.numerics.precision {
+                Precision::Mixed => "mixed".to_owned(),
+                Precision::Double => "double".to_owned(),
+            },
+            stage_seconds: stage_seconds.into(),
+            mean_neighbors: engine.mean_neighbors(),
+            particle_steps_per_second: per_second(engine.particles().len() as f64 * steps as f64),
+            pairs_per_second: per_second(self.steps.pairs),
+            searched_fraction: if steps > 0 { self.steps.searched / steps as f64 } else { 0.0 },
+            peak_memory_bytes: peak_resident_bytes().unwrap_or_else(|| engine.memory_bytes()),
+            energy: EnergyRecord {
+                kinetic: self.energies.kinetic,
+                internal: self.energies.internal,
+                elastic: self.energies.elastic,
+                plastic_work: self.energies.plastic_work,
+                external_work: self.external_work,
+                relative_drift: self.conservation.last.energy,
+                largest_relative_drift: self.conservation.largest.energy,
+            },
+            momentum_drift: self.conservation.last.momentum,
+            largest_momentum_drift: self.conservation.largest.momentum,
+            measures: named().zip(self.measures.values().iter().copied()).collect(),
+            measure_units: named()
+                .zip(model.measures.iter().map(|measure| measure_unit(&measure.kind).to_owned()))
+                .collect(),
+        };
+        let written = summary.write(&self.directory);
+        (summary, written)
+    }
+}

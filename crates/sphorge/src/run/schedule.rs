@@ -1,0 +1,74 @@
+//! Output times.
+
+/// The times `k * interval` after zero, and the end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Schedule {
+    interval: f64,
+    end: f64,
+    /// Number of the next time.
+    next: u64,
+}
+
+/// Times this close, as a share of the interval, are one: `k * interval` and the end may differ by round-off.
+const SAME: f64 = 1e-6;
+
+impl Schedule {
+    pub(super) fn new(interval: f64, end: f64) -> Self {
+        Self { interval, end, next: 1 }
+    }
+
+    /// The next time to land on, s. Multiplied, not summed up, so that it does not drift.
+    pub(super) fn next(&self) -> f64 {
+        let time = self.next as f64 * self.interval;
+        if time < self.end - SAME * self.interval { time } else { self.end }
+    }
+
+    /// Whether `time` has arrived at the next time; if so, the one after it is next.
+    pub(super) fn reached(&mut self, time: f64) -> bool {
+        if !arrived(time, self.next()) {
+            return false;
+        }
+        // A step without landing may have passed several.
+        self.next = self.next.max((time / self.interval * (1.0 + 1e-12)) as u64) + 1;
+        true
+    }
+}
+
+/// Whether `time` is at `target` but for round-off.
+pub(super) fn arrived(time: f64, target: f64) -> bool {
+    time >= target - 1e-12 * target.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_multiples_and_the_end() {
+        let mut schedule = Schedule::new(0.1, 0.35);
+        let mut times = Vec::new();
+        for _ in 0..5 {
+            times.push(schedule.next());
+            assert!(!schedule.reached(times.last().unwrap() - 1e-3));
+            assert!(schedule.reached(*times.last().unwrap()));
+        }
+        assert_eq!(times, [0.1, 0.2, 3.0 * 0.1, 0.35, 0.35]);
+    }
+
+    #[test]
+    fn an_end_on_a_multiple_is_not_met_twice() {
+        // 3 * 0.1 is 0.30000000000000004.
+        let mut schedule = Schedule::new(0.1, 0.3);
+        assert!(schedule.reached(0.1) && schedule.reached(0.2));
+        assert_eq!(schedule.next(), 0.3);
+        let schedule = Schedule::new(5.0, 0.3);
+        assert_eq!(schedule.next(), 0.3);
+    }
+
+    #[test]
+    fn passing_several_times_leaves_the_first_ahead() {
+        let mut schedule = Schedule::new(1.0, 10.0);
+        assert!(schedule.reached(3.5));
+        assert_eq!(schedule.next(), 4.0);
+    }
+}
