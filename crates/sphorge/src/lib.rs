@@ -5,6 +5,9 @@
 
 pub mod analysis;
 pub mod boundary;
+pub mod deck;
+pub mod geometry;
+pub mod material;
 pub mod model;
 pub mod neighbors;
 pub mod output;

@@ -1,0 +1,128 @@
+//! Words a deck chooses from.
+
+use super::value::{Choices, Given, Scalar, Velocity};
+use crate::model::{
+    Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision, TemperatureSource,
+};
+use crate::particles::{FIELDS, FieldInfo};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use sphorge_physics::{kernel::Kernel, pair::PairForm, return_mapping::ReturnRule};
+use std::borrow::Cow;
+
+macro_rules! words {
+    ($( $name:ident, $what:literal, $value:ty { $( $word:literal => $chosen:expr, $meaning:literal; )+ } )+) => { $(
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) enum $name {}
+        impl Choices for $name {
+            type Value = $value;
+            const NAME: &'static str = stringify!($name);
+            const WHAT: &'static str = $what;
+            fn table() -> Vec<(&'static str, $value, &'static str)> {
+                vec![ $( ($word, $chosen, $meaning), )+ ]
+            }
+        }
+    )+ };
+}
+
+words! {
+    DimensionsWord, "number of dimensions", Dimensions {
+        "1d" => Dimensions::One, "motion along x, uniaxial strain; stresses across are carried";
+        "plane-strain" => Dimensions::PlaneStrain, "motion in the x-y plane; the stress out of it is carried";
+        "3d" => Dimensions::Three, "three dimensions";
+    }
+    PlacementWord, "lattice placement", LatticePlacement {
+        "cell-centres" => LatticePlacement::CellCentres, "the outermost particles are half a spacing inside the faces";
+        "on-faces" => LatticePlacement::OnFaces, "the outermost particles lie on the faces";
+    }
+    IntegratorWord, "time integrator", Integrator {
+        "leapfrog" => Integrator::Leapfrog, "kick, drift, kick";
+        "predictor-corrector" => Integrator::PredictorCorrector, "Monaghan (1989)";
+    }
+    PrecisionWord, "precision", Precision {
+        "mixed" => Precision::Mixed, "pair arithmetic in single precision, sums in double";
+        "double" => Precision::Double, "everything in double precision";
+    }
+    GradientCorrectionWord, "gradient correction", GradientCorrection {
+        "none" => GradientCorrection::None, "plain kernel gradient";
+        "linear" => GradientCorrection::Linear, "exact for linear fields, in the velocity gradient and adjoint in the force";
+    }
+    PairFormWord, "pair form", PairForm {
+        "volume-weighted" => PairForm::VolumeWeighted, "m/rho of the neighbour, (sigma_i + sigma_j)/(rho_i rho_j)";
+        "density-weighted" => PairForm::DensityWeighted, "m_j/rho_i, sigma_i/rho_i^2 + sigma_j/rho_j^2";
+        "mixed" => PairForm::Mixed, "m/rho of the neighbour, sigma_i/rho_i^2 + sigma_j/rho_j^2 (Patiño et al.): not adjoint";
+    }
+    EnergySplitWord, "energy split", EnergySplit {
+        "own-stress" => EnergySplit::OwnStress, "each particle takes the work of its own stress";
+        "symmetric" => EnergySplit::Symmetric, "each takes half (Patiño et al. Eq 10)";
+    }
+    TemperatureWord, "source of temperature", TemperatureSource {
+        "plastic-work" => TemperatureSource::PlasticWork, "heat of plastic work";
+        "energy" => TemperatureSource::Energy, "internal energy less cold, elastic and stored energy: for shock heating";
+    }
+    ReturnRuleWord, "return rule", ReturnRule {
+        "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";
+        "benz-asphaug" => ReturnRule::BenzAsphaug, "the square of that factor (Patiño et al. Eq 28 as printed)";
+    }
+    SearchWord, "search strategy", bool {
+        "every-step" => false, "all particles, every step";
+        "skin" => true, "lists with a skin, renewed when a particle has moved through half of it";
+    }
+    ContactWord, "wall contact", bool {
+        "monaghan-kos" => true, "repulsion of Monaghan & Kos (1999)";
+        "penalty" => false, "linear penalty with damping and friction; pushes only";
+    }
+    AxisWord, "axis", usize {
+        "x" => 0, "first axis";
+        "y" => 1, "second axis";
+        "z" => 2, "third axis";
+    }
+    SideWord, "side", f64 {
+        "positive" => 1.0, "towards larger coordinates";
+        "negative" => -1.0, "towards smaller coordinates";
+    }
+}
+
+/// Kernels by key.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum KernelWord {}
+impl Choices for KernelWord {
+    type Value = Kernel;
+    const NAME: &'static str = "KernelWord";
+    const WHAT: &'static str = "kernel";
+    fn table() -> Vec<(&'static str, Kernel, &'static str)> {
+        Kernel::ALL.iter().map(|&kernel| (kernel.key(), kernel, kernel.name())).collect()
+    }
+}
+
+/// Particle fields by name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FieldWord {}
+impl Choices for FieldWord {
+    type Value = &'static FieldInfo;
+    const NAME: &'static str = "FieldWord";
+    const WHAT: &'static str = "field";
+    fn table() -> Vec<(&'static str, &'static FieldInfo, &'static str)> {
+        FIELDS.iter().map(|field| (field.name, field, field.meaning)).collect()
+    }
+}
+
+/// A velocity, or the word `free`.
+#[derive(Clone, Debug)]
+pub(crate) struct VelocityOrFree(pub(crate) Scalar);
+impl From<Scalar> for VelocityOrFree {
+    fn from(scalar: Scalar) -> Self {
+        Self(scalar)
+    }
+}
+impl JsonSchema for VelocityOrFree {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "VelocityOrFree".into()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let velocity = generator.subschema_for::<Given<Velocity>>();
+        json_schema!({ "anyOf": [velocity, { "const": "free" }] })
+    }
+}

@@ -1,0 +1,22 @@
+//! What a deck gets where it says nothing; the reference page states the same values, and a test compares them.
+
+/// Smoothing length over spacing.
+pub(crate) const SMOOTHING: f64 = 1.2;
+/// Courant number.
+pub(crate) const COURANT: f64 = 0.3;
+/// Linear and quadratic artificial viscosity.
+pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
+/// Strength and exponent of the artificial stress, where it is asked for (Gray, Monaghan & Swift 2001).
+pub(crate) const ARTIFICIAL_STRESS: (f64, u32) = (0.3, 4);
+/// Thickness of the neighbour skin over the kernel radius.
+pub(crate) const SKIN_FRACTION: f64 = 0.1;
+/// Stiffness, damping and friction of the penalty contact.
+pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
+/// Frames over a run.
+pub(crate) const FRAMES: u64 = 50;
+/// Rows of the history over a run.
+pub(crate) const HISTORY_ROWS: u64 = 500;
+/// Share of plastic work that heats.
+pub(crate) const TAYLOR_QUINNEY: f64 = 0.9;
+/// Temperature of a material that names none, K.
+pub(crate) const REFERENCE_TEMPERATURE: f64 = 293.15;

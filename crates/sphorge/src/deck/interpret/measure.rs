@@ -1,0 +1,220 @@
+//! Declared measures.
+
+use super::{Names, check_axis, exactly_one, vector};
+use crate::deck::choice::{AxisWord, FieldWord};
+use crate::deck::quantity::QuantityKind;
+use crate::deck::raw::{RawAlongAxis, RawExtreme, RawFieldMeasure, RawFrontSpeed, RawMeasure, RawProbe, RawValue};
+use crate::deck::report::{Fault, Problems, listed};
+use crate::deck::unit::parse_unit;
+use crate::deck::value::{Choice, Word};
+use crate::model::{Dimensions, Extremum, Measure, MeasureKind, Probe};
+use crate::particles::{ColumnKind, FieldInfo};
+
+/// What measures can refer to.
+pub(crate) struct Scene<'a> {
+    pub(crate) dimensions: Dimensions,
+    pub(crate) bodies: &'a Names,
+    pub(crate) regions: &'a Names,
+}
+
+/// All measures of a deck.
+pub(crate) fn measures(raw: &[RawMeasure], scene: &Scene<'_>, problems: &mut Problems) -> Option<Vec<Measure>> {
+    Names::collect("measure", raw.iter().map(|m| &m.name), problems);
+    let read: Vec<_> = raw.iter().map(|m| measure(m, scene, problems)).collect();
+    read.into_iter().collect()
+}
+
+enum Given<'a> {
+    Extent(&'a RawAlongAxis),
+    Diameter(&'a RawAlongAxis),
+    Maximum(&'a RawExtreme),
+    Minimum(&'a RawExtreme),
+    Mean(&'a RawFieldMeasure),
+    Value(&'a RawValue),
+    FrontSpeed(&'a RawFrontSpeed),
+    Period(&'a RawFieldMeasure),
+    ReversalTime(&'a RawAlongAxis),
+}
+
+fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Option<Measure> {
+    let options = vec![
+        ("extent", raw.extent.as_ref().map(Given::Extent)),
+        ("diameter", raw.diameter.as_ref().map(Given::Diameter)),
+        ("maximum", raw.maximum.as_ref().map(Given::Maximum)),
+        ("minimum", raw.minimum.as_ref().map(Given::Minimum)),
+        ("mean", raw.mean.as_ref().map(Given::Mean)),
+        ("value", raw.value.as_ref().map(Given::Value)),
+        ("front-speed", raw.front_speed.as_ref().map(Given::FrontSpeed)),
+        ("period", raw.period.as_ref().map(Given::Period)),
+        ("reversal-time", raw.reversal_time.as_ref().map(Given::ReversalTime)),
+    ];
+    let kind = match exactly_one(options, "a measure", raw.name.span(), problems)? {
+        Given::Extent(m) => {
+            let (probe, axis) = along_axis(m, scene, problems);
+            MeasureKind::Extent { probe: probe?, axis: axis? }
+        }
+        Given::Diameter(m) => {
+            let (probe, axis) = along_axis(m, scene, problems);
+            MeasureKind::Diameter { probe: probe?, axis: axis? }
+        }
+        Given::Maximum(m) => extreme(m, Extremum::Maximum, scene, problems)?,
+        Given::Minimum(m) => extreme(m, Extremum::Minimum, scene, problems)?,
+        Given::Mean(m) => {
+            let (probe, field) = of_field(m, scene, problems);
+            let (field, component) = field?;
+            MeasureKind::Mean { probe: probe?, field: field.name.to_owned(), component }
+        }
+        Given::Period(m) => {
+            let (probe, field) = of_field(m, scene, problems);
+            let (field, component) = field?;
+            MeasureKind::Period { probe: probe?, field: field.name.to_owned(), component }
+        }
+        Given::Value(m) => {
+            let probe = read_probe(m.probe(), scene, problems);
+            let field = read_field(&m.field, m.component.as_ref(), problems);
+            let point = vector(&m.point, scene.dimensions, problems);
+            let (field, component) = field?;
+            MeasureKind::Value { probe: probe?, field: field.name.to_owned(), component, point: point? }
+        }
+        Given::FrontSpeed(m) => front_speed(m, scene, problems)?,
+        Given::ReversalTime(m) => {
+            let (probe, axis) = along_axis(m, scene, problems);
+            MeasureKind::ReversalTime { probe: probe?, axis: axis? }
+        }
+    };
+    Some(Measure { name: raw.name.text(problems)?.to_owned(), kind })
+}
+
+fn along_axis(raw: &RawAlongAxis, scene: &Scene<'_>, problems: &mut Problems) -> (Option<Probe>, Option<usize>) {
+    (read_probe(raw.probe(), scene, problems), read_axis(&raw.axis, scene, problems))
+}
+
+fn of_field(
+    raw: &RawFieldMeasure,
+    scene: &Scene<'_>,
+    problems: &mut Problems,
+) -> (Option<Probe>, Option<(&'static FieldInfo, Option<usize>)>) {
+    (read_probe(raw.probe(), scene, problems), read_field(&raw.field, raw.component.as_ref(), problems))
+}
+
+fn extreme(raw: &RawExtreme, extremum: Extremum, scene: &Scene<'_>, problems: &mut Problems) -> Option<MeasureKind> {
+    let probe = read_probe(raw.probe(), scene, problems);
+    let field = read_field(&raw.field, raw.component.as_ref(), problems);
+    let over_time = raw.over_time.as_ref().map_or(Some(false), |o| o.get(problems));
+    let (field, component) = field?;
+    Some(MeasureKind::Extreme {
+        probe: probe?,
+        field: field.name.to_owned(),
+        component,
+        extremum,
+        over_time: over_time?,
+    })
+}
+
+fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) -> Option<MeasureKind> {
+    let probe = read_probe(raw.probe(), scene, problems);
+    let field = read_field(&raw.field, raw.component.as_ref(), problems);
+    let axis = read_axis(&raw.axis, scene, problems);
+    let direction = raw.side.as_ref().map_or(Some(1.0), |s| s.get(problems));
+    let during = match &raw.during {
+        None => Some((0.0, f64::INFINITY)),
+        Some(times) => match times.components.as_slice() {
+            [first, last] => match (first.si(problems), last.si(problems)) {
+                (Some(a), Some(b)) if a < b => Some((a, b)),
+                (Some(_), Some(_)) => {
+                    problems.push(Fault::new(
+                        "time-order",
+                        "the last time must be later than the first",
+                        last.span(),
+                        "not later",
+                    ));
+                    None
+                }
+                _ => None,
+            },
+            other => {
+                let message = format!("expected a first and a last time, found {} values", other.len());
+                problems.push(
+                    Fault::new("wrong-dimensions", message, times.span.clone(), "two times")
+                        .help("write [\"1 us\", \"4 us\"]"),
+                );
+                None
+            }
+        },
+    };
+    let (field, component) = field?;
+    let level = raw.level.0.quantity(unit_of(field), problems);
+    Some(MeasureKind::FrontSpeed {
+        probe: probe?,
+        field: field.name.to_owned(),
+        component,
+        axis: axis?,
+        level: level?,
+        direction: direction?,
+        window: during?,
+    })
+}
+
+/// The kind of quantity a field holds.
+fn unit_of(field: &FieldInfo) -> QuantityKind {
+    let kind = QuantityKind { name: field.name, si_unit: field.unit, ..QuantityKind::NUMBER };
+    match parse_unit(field.unit) {
+        Ok(unit) if !field.unit.is_empty() => {
+            QuantityKind { dimension: unit.dimension, examples: "a number and a unit", ..kind }
+        }
+        _ => kind,
+    }
+}
+
+fn read_axis(given: &Choice<AxisWord>, scene: &Scene<'_>, problems: &mut Problems) -> Option<usize> {
+    let axis = given.get(problems)?;
+    check_axis(axis, given.span(), scene.dimensions, problems)
+}
+
+fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<Probe> {
+    let body = raw.body.map_or(Some(None), |b| scene.bodies.find(b, problems).map(Some));
+    let region = raw.region.map_or(Some(None), |r| scene.regions.find(r, problems).map(Some));
+    let window = match raw.window {
+        None => Some(None),
+        Some(w) => match (vector(&w.min, scene.dimensions, problems), vector(&w.max, scene.dimensions, problems)) {
+            (Some(min), Some(max)) => super::body::check_corners(&w.min, &w.max, min, max, scene.dimensions, problems)
+                .map(|()| Some((min, max))),
+            _ => None,
+        },
+    };
+    Some(Probe { body: body?, region: region?, window: window? })
+}
+
+/// Names of the components of a field, in the order of [`ColumnKind`].
+fn components(kind: ColumnKind) -> &'static [&'static str] {
+    match kind {
+        ColumnKind::Scalar | ColumnKind::Integer => &[],
+        ColumnKind::Vector => &["x", "y", "z"],
+        ColumnKind::Symmetric => &["xx", "yy", "zz", "xy", "yz", "xz"],
+        ColumnKind::Tensor => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
+    }
+}
+
+fn read_field(
+    given: &Choice<FieldWord>,
+    component: Option<&Word>,
+    problems: &mut Problems,
+) -> Option<(&'static FieldInfo, Option<usize>)> {
+    let field = given.get(problems);
+    let word = component.map(|c| (c.text(problems).map(str::to_owned), c.span()));
+    let field = field?;
+    let Some((name, at)) = word else { return Some((field, None)) };
+    let name = name?;
+    let names = components(field.kind);
+    let index = names.iter().position(|n| *n == name);
+    if index.is_none() {
+        let (message, help) = if names.is_empty() {
+            (format!("`{}` is a single number, it has no components", field.name), "leave `component` out".to_owned())
+        } else {
+            let help = format!("it has {}", listed(names.iter().copied(), "and"));
+            (format!("`{}` has no component `{name}`", field.name), help)
+        };
+        problems.push(Fault::new("unknown-name", message, at, "this component").help(help));
+    }
+    Some((field, Some(index?)))
+}

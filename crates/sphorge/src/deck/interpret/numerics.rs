@@ -1,0 +1,159 @@
+//! Discretisation, search, time, output.
+
+use crate::deck::raw::{RawNumerics, RawOutput, RawSearch, RawTime};
+use crate::deck::report::{Fault, Problems};
+use crate::deck::value::{Choice, Given, Number, ScalarOr};
+use crate::deck::{choice::SearchWord, defaults};
+use crate::model::{ArtificialStress, Numerics, OutputControl, Search, TimeControl};
+use crate::particles::FIELDS;
+use sphorge_physics::parameter::Bound;
+
+/// Exponents above give a force that is zero or infinite in all but name.
+const LARGEST_EXPONENT: u64 = 16;
+
+/// The value of a key, or its default.
+macro_rules! or_default {
+    ($given:expr, $default:expr, $read:expr) => {
+        match &$given {
+            Some(given) => $read(given),
+            None => Some($default),
+        }
+    };
+}
+
+/// Choices of the discretisation.
+pub(crate) fn numerics(raw: &RawNumerics, problems: &mut Problems) -> Option<Numerics> {
+    let kernel = or_default!(raw.kernel, Default::default(), |k: &Choice<_>| k.get(problems));
+    let integrator = or_default!(raw.integrator, Default::default(), |k: &Choice<_>| k.get(problems));
+    let precision = or_default!(raw.precision, Default::default(), |k: &Choice<_>| k.get(problems));
+    let pair_form = or_default!(raw.pair_form, Default::default(), |k: &Choice<_>| k.get(problems));
+    let gradient_correction = or_default!(raw.gradient_correction, Default::default(), |k: &Choice<_>| k.get(problems));
+    let energy_split = or_default!(raw.energy_split, Default::default(), |k: &Choice<_>| k.get(problems));
+    let temperature = or_default!(raw.temperature, Default::default(), |k: &Choice<_>| k.get(problems));
+    let xsph = or_default!(raw.xsph, 0.0, |x: &Given<Number>| x.within(Bound::Between(0.0, 1.0), problems));
+    let mls_interval =
+        or_default!(raw.mls_interval, None, |n: &crate::deck::value::Count| n.positive(problems).map(Some));
+    let viscosity = viscosity(raw, problems);
+    let artificial_stress = artificial_stress(raw, problems);
+    let (viscosity_alpha, viscosity_beta, balsara) = viscosity?;
+    Some(Numerics {
+        kernel: kernel?,
+        integrator: integrator?,
+        precision: precision?,
+        pair_form: pair_form?,
+        gradient_correction: gradient_correction?,
+        viscosity_alpha,
+        viscosity_beta,
+        balsara,
+        artificial_stress: artificial_stress?,
+        xsph: xsph?,
+        mls_interval: mls_interval?,
+        energy_split: energy_split?,
+        temperature: temperature?,
+    })
+}
+
+fn viscosity(raw: &RawNumerics, problems: &mut Problems) -> Option<(f64, f64, bool)> {
+    let (default_alpha, default_beta) = defaults::VISCOSITY;
+    let table = match &raw.viscosity {
+        None => return Some((default_alpha, default_beta, false)),
+        Some(ScalarOr::Scalar(flag)) => {
+            let on = flag.get(problems)?;
+            return Some(if on { (default_alpha, default_beta, false) } else { (0.0, 0.0, false) });
+        }
+        Some(ScalarOr::Composed(table, _)) => table,
+    };
+    let alpha = or_default!(table.alpha, default_alpha, |a: &Given<Number>| a.within(Bound::NonNegative, problems));
+    let beta = or_default!(table.beta, default_beta, |b: &Given<Number>| b.within(Bound::NonNegative, problems));
+    let balsara = or_default!(table.balsara, false, |b: &crate::deck::value::Flag| b.get(problems));
+    Some((alpha?, beta?, balsara?))
+}
+
+fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Option<ArtificialStress>> {
+    let (epsilon, exponent) = defaults::ARTIFICIAL_STRESS;
+    let usual = ArtificialStress { epsilon, exponent };
+    let table = match &raw.artificial_stress {
+        None => return Some(None),
+        Some(ScalarOr::Scalar(flag)) => return flag.get(problems).map(|on| on.then_some(usual)),
+        Some(ScalarOr::Composed(table, _)) => table,
+    };
+    let epsilon =
+        or_default!(table.epsilon, epsilon, |e: &Given<Number>| e.within(Bound::Between(0.0, 10.0), problems));
+    let exponent = match &table.exponent {
+        None => Some(exponent),
+        Some(count) => match count.positive(problems) {
+            Some(n) if n > LARGEST_EXPONENT => {
+                let message = format!("the exponent must be between 1 and {LARGEST_EXPONENT}");
+                problems.push(Fault::new("out-of-range", message, count.0.span.clone(), format!("found {n}")));
+                None
+            }
+            n => n.and_then(|n| u32::try_from(n).ok()),
+        },
+    };
+    Some(Some(ArtificialStress { epsilon: epsilon?, exponent: exponent? }))
+}
+
+/// Neighbour search strategy.
+pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, problems: &mut Problems) -> Option<Search> {
+    let skin = Search::Skin { fraction: defaults::SKIN_FRACTION };
+    match raw {
+        None => Some(skin),
+        Some(ScalarOr::Scalar(word)) => word.get(problems).map(|lists| if lists { skin } else { Search::EveryStep }),
+        Some(ScalarOr::Composed(table, at)) => {
+            let chosen = super::exactly_one(vec![("skin", table.skin.as_ref())], "the search", at.clone(), problems)?;
+            let fraction = or_default!(chosen.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
+            Some(Search::Skin { fraction: fraction? })
+        }
+    }
+}
+
+/// Above 0, at most 1.
+fn share(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
+    given.positive(problems)?;
+    given.within(Bound::Between(0.0, 1.0), problems)
+}
+
+/// End of the run and time step.
+pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl> {
+    let end = raw.end.positive(problems);
+    let courant = or_default!(raw.courant, defaults::COURANT, |c| share(c, problems));
+    let max_step = or_default!(raw.max_step, None, |s: &Given<_>| s.positive(problems).map(Some));
+    let fixed_step = or_default!(raw.fixed_step, None, |s: &Given<_>| s.positive(problems).map(Some));
+    let stop = or_default!(raw.stop_kinetic_fraction, None, |s: &Given<Number>| {
+        s.within(Bound::Between(0.0, 1.0), problems).map(Some)
+    });
+    let max_steps = or_default!(raw.max_steps, None, |n: &crate::deck::value::Count| n.whole(problems).map(Some));
+    Some(TimeControl {
+        end: end?,
+        courant: courant?,
+        max_step: max_step?,
+        fixed_step: fixed_step?,
+        stop_kinetic_fraction: stop?,
+        max_steps: max_steps?,
+    })
+}
+
+/// What to write and when; `end` is the end of the run, if it could be read.
+pub(crate) fn output(raw: &RawOutput, end: Option<f64>, problems: &mut Problems) -> Option<OutputControl> {
+    let frames = or_default!(raw.frames, defaults::FRAMES, |f: &crate::deck::value::Count| f.positive(problems));
+    let frame_interval = or_default!(raw.frame_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
+    let history_interval = or_default!(raw.history_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
+    if let (Some(count), Some(interval)) = (&raw.frames, &raw.frame_interval) {
+        let fault =
+            Fault::new("exactly-one", "`frames` and `frame-interval` say the same", interval.span(), "and here");
+        problems.push(fault.also(count.0.span.clone(), "here").help("keep one of them"));
+    }
+    let fields = match &raw.fields {
+        None => Some(FIELDS.iter().filter(|f| f.default_output).map(|f| f.name.to_owned()).collect()),
+        Some(words) => {
+            let known: Vec<_> = words.iter().map(|word| word.get(problems)).collect();
+            known.into_iter().map(|field| field.map(|f| f.name.to_owned())).collect::<Option<Vec<_>>>()
+        }
+    };
+    let end = end?;
+    Some(OutputControl {
+        frame_interval: frame_interval?.unwrap_or(end / frames? as f64),
+        history_interval: history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64),
+        fields: fields?,
+    })
+}

@@ -1,0 +1,24 @@
+//! Decks: from the text a user writes to a model and its particles, or to diagnostics that name the line and the cure.
+//!
+//! Text, with `--set` overrides worked in -> raw structs (`raw`, the only place a key is declared) -> model in SI units
+//! (`interpret`) -> particles ([`crate::geometry`]).
+
+mod choice;
+pub(crate) mod defaults;
+mod interpret;
+mod load;
+mod placement;
+pub(crate) mod quantity;
+pub(crate) mod raw;
+mod report;
+mod unit;
+mod value;
+
+#[cfg(test)]
+mod tests;
+
+pub use load::{Setup, load, load_text};
+pub use report::{DeckReport, Problem};
+
+pub(crate) use load::read_materials;
+pub(crate) use report::nearest;

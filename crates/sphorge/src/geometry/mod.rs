@@ -1,0 +1,8 @@
+//! Shapes, and the lattices of particles that fill them.
+
+mod fill;
+mod lattice;
+mod overlap;
+mod shape;
+
+pub use fill::{FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};

@@ -1,0 +1,112 @@
+//! Particles of two bodies in one place.
+//!
+//! Bodies that touch leave half a spacing of each between their outermost particles. Half of that distance is the limit; it
+//! allows for edges that are no multiple of the spacing.
+
+use super::fill::FillError;
+use crate::model::Model;
+use std::collections::HashMap;
+
+/// The limit over the distance of touching bodies, less rounding.
+const LIMIT: f64 = 0.5 * (1.0 - 1e-6);
+
+/// Axis-aligned bounds: lower and upper corner.
+type Bounds = ([f64; 3], [f64; 3]);
+
+/// Points sorted into cells of one edge length.
+struct Cells<'a> {
+    points: &'a [[f64; 3]],
+    edge: f64,
+    cells: HashMap<[i64; 3], Vec<u32>>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(points: &'a [[f64; 3]], edge: f64) -> Self {
+        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        for (i, point) in points.iter().enumerate() {
+            cells.entry(Self::cell(*point, edge)).or_default().push(i as u32);
+        }
+        Self { points, edge, cells }
+    }
+
+    fn cell(point: [f64; 3], edge: f64) -> [i64; 3] {
+        point.map(|c| (c / edge).floor() as i64)
+    }
+
+    /// Distance from `point` to the nearest of our points, if nearer than one edge.
+    fn nearest(&self, point: [f64; 3]) -> Option<f64> {
+        let home = Self::cell(point, self.edge);
+        let mut least = self.edge * self.edge;
+        let mut found = false;
+        for step in 0..27 {
+            let cell = [home[0] + step % 3 - 1, home[1] + step / 3 % 3 - 1, home[2] + step / 9 - 1];
+            for &i in self.cells.get(&cell).into_iter().flatten() {
+                let other = self.points[i as usize];
+                let squared: f64 = (0..3).map(|k| (point[k] - other[k]).powi(2)).sum();
+                if squared < least {
+                    least = squared;
+                    found = true;
+                }
+            }
+        }
+        found.then(|| least.sqrt())
+    }
+}
+
+fn bounds(points: &[[f64; 3]]) -> Bounds {
+    points.iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
+        (std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k])))
+    })
+}
+
+fn within(point: &[f64; 3], (low, high): &Bounds, margin: f64) -> bool {
+    (0..3).all(|k| point[k] >= low[k] - margin && point[k] <= high[k] + margin)
+}
+
+/// Bodies that overlap, each pair once; `starts[b]..starts[b + 1]` are the particles of body `b`.
+pub(super) fn check_bodies(positions: &[[f64; 3]], starts: &[usize], model: &Model, errors: &mut Vec<FillError>) {
+    let of = |body: usize| &positions[starts[body]..starts[body + 1]];
+    let boxes: Vec<Bounds> = (0..model.bodies.len()).map(|body| bounds(of(body))).collect();
+    for second in 1..model.bodies.len() {
+        for first in 0..second {
+            let touching = 0.5 * (model.bodies[first].spacing + model.bodies[second].spacing);
+            let limit = LIMIT * touching;
+            let near = |body: usize, other: usize| -> Vec<[f64; 3]> {
+                of(body).iter().filter(|p| within(p, &boxes[other], limit)).copied().collect()
+            };
+            let candidates = near(second, first);
+            if candidates.is_empty() {
+                continue;
+            }
+            let cells = Cells::new(&candidates, limit);
+            let hits: Vec<([f64; 3], f64)> =
+                near(first, second).into_iter().filter_map(|p| cells.nearest(p).map(|d| (p, d))).collect();
+            if let Some((position, _)) = hits.iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+                errors.push(FillError::Overlap { first, second, position: *position, count: hits.len() });
+            }
+        }
+    }
+}
+
+/// Particles at one end of a periodic cell that meet those at the other end.
+pub(super) fn check_periodic(positions: &[[f64; 3]], bodies: &[u32], model: &Model, errors: &mut Vec<FillError>) {
+    let spacing = |i: usize| model.bodies[bodies[i] as usize].spacing;
+    let coarsest = model.bodies.iter().map(|b| b.spacing).fold(0.0, f64::max);
+    let limit = LIMIT * coarsest;
+    for (axis, cell) in model.periodic.iter().enumerate() {
+        let Some((low, high)) = *cell else { continue };
+        let lower: Vec<[f64; 3]> = positions.iter().filter(|p| p[axis] < low + limit).copied().collect();
+        let cells = Cells::new(&lower, limit);
+        let upper = (0..positions.len()).filter(|&i| positions[i][axis] > high - limit);
+        let nearest = upper
+            .filter_map(|i| {
+                let mut image = positions[i];
+                image[axis] -= high - low;
+                cells.nearest(image).filter(|&d| d < LIMIT * spacing(i))
+            })
+            .min_by(f64::total_cmp);
+        if let Some(distance) = nearest {
+            errors.push(FillError::PeriodicOverlap { axis, distance });
+        }
+    }
+}
