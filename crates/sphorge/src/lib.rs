@@ -7,6 +7,7 @@ pub mod analysis;
 pub mod boundary;
 pub mod deck;
 pub mod geometry;
+mod lanes;
 pub mod material;
 pub mod model;
 pub mod neighbors;

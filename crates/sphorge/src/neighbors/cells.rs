@@ -70,19 +70,18 @@ impl CellGrid {
         &self.order
     }
 
-    /// Runs `visit(first, last)` over the contiguous runs of `order` that hold every point within one cell of `p`.
+    /// The contiguous runs `(first, last)` of `order` that hold every point within one cell of `p`; some may be empty.
     #[inline(always)]
-    pub fn for_runs_around(&self, p: &Vector<f64>, mut visit: impl FnMut(usize, usize)) {
+    pub fn runs_around(&self, p: &Vector<f64>) -> [(usize, usize); 9] {
         let [x, y, z] = self.coordinates(p);
-        for a in x - 1..=x + 1 {
-            for b in y - 1..=y + 1 {
-                let c = (a * self.extent[1] + b) * self.extent[2] + z;
-                let (first, last) = (self.starts[c - 1] as usize, self.starts[c + 2] as usize);
-                if first < last {
-                    visit(first, last);
-                }
+        let mut runs = [(0, 0); 9];
+        for a in 0..3 {
+            for b in 0..3 {
+                let c = ((x + a - 1) * self.extent[1] + y + b - 1) * self.extent[2] + z;
+                runs[3 * a + b] = (self.starts[c - 1] as usize, self.starts[c + 2] as usize);
             }
         }
+        runs
     }
 
     /// Bytes held.
@@ -92,9 +91,7 @@ impl CellGrid {
 
     fn coordinates(&self, p: &Vector<f64>) -> [usize; 3] {
         // A saturating cast: points below the grid fall into the first inner cell, points above into the last.
-        [0, 1, 2].map(|a| {
-            (((p[a] - self.origin[a]) * self.inverse_size).floor().max(0.0) as usize + 1).min(self.extent[a] - 2)
-        })
+        [0, 1, 2].map(|a| (((p[a] - self.origin[a]) * self.inverse_size) as usize + 1).min(self.extent[a] - 2))
     }
 
     fn cell(&self, p: &Vector<f64>) -> usize {
@@ -144,12 +141,12 @@ mod tests {
         assert_eq!(seen, (0..60).collect::<Vec<u32>>());
         for p in &points {
             let mut reached = [false; 60];
-            grid.for_runs_around(p, |first, last| {
+            for (first, last) in grid.runs_around(p) {
                 for &j in &grid.order()[first..last] {
                     assert!(!reached[j as usize], "visited twice");
                     reached[j as usize] = true;
                 }
-            });
+            }
             for (j, q) in points.iter().enumerate() {
                 let d2: f64 = (0..3).map(|a| (p[a] - q[a]).powi(2)).sum();
                 assert!(d2 >= 1.0 || reached[j]);
@@ -166,8 +163,7 @@ mod tests {
         let mut grid = CellGrid::default();
         grid.sort(&points, 1.0);
         assert!(grid.bytes() < 4_000_000);
-        let mut found = false;
-        grid.for_runs_around(&points[1000], |a, b| found |= grid.order()[a..b].contains(&1001));
-        assert!(found);
+        let runs = grid.runs_around(&points[1000]);
+        assert!(runs.iter().any(|&(a, b)| grid.order()[a..b].contains(&1001)));
     }
 }

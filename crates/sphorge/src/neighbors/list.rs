@@ -75,6 +75,12 @@ impl Block {
         self.indices.push(j);
     }
 
+    /// Adds neighbours to the row being written.
+    #[inline(always)]
+    pub fn extend(&mut self, neighbors: &[u32]) {
+        self.indices.extend_from_slice(neighbors);
+    }
+
     /// Ends the row of particle `own` and pads it.
     pub fn end_row(&mut self, own: u32) {
         let start = *self.starts.last().unwrap_or(&0) as usize;

@@ -2,11 +2,13 @@
 
 mod brute_force;
 mod cells;
+mod frame;
 mod list;
 mod search;
 
 pub use brute_force::brute_force;
 pub use cells::CellGrid;
-pub(crate) use cells::bounds;
+pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
-pub use search::{Reach, search};
+pub use search::Reach;
+pub(crate) use search::Searcher;

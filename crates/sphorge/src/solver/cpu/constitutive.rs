@@ -1,8 +1,8 @@
 //! Per-particle update: density is known, stress, temperature and what the force sum reads follow.
 
-use super::lanes::PairScalar;
 use super::records::{extra, force, kinematic};
 use super::{CpuEngine, Work};
+use crate::lanes::PairScalar;
 use crate::model::{GradientCorrection, Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;

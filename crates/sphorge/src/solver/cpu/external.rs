@@ -1,8 +1,8 @@
 //! Walls and gravity.
 
-use super::lanes::PairScalar;
 use super::{CpuEngine, Work};
 use crate::boundary::{WallState, wall_acceleration};
+use crate::lanes::PairScalar;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;

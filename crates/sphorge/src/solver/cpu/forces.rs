@@ -5,12 +5,13 @@
 //! `(sigma_i + sigma_j)/(rho_i rho_j)`. Energy is the work of exactly these forces, so that the total is conserved.
 
 use super::kinematics::{PairConstants, pair_scale};
-use super::lanes::Lanes;
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
 use super::records::{CORRECTED_LEN, Records, extra};
-use crate::neighbors::Block;
+use crate::lanes::{Job, Lanes, PairScalar, splat_record};
+use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::viscosity::{ViscosityParameters, monaghan_gingold};
 use sphorge_physics::{Vector, artificial_stress, kernel::KernelShape};
+use std::marker::PhantomData;
 
 /// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +28,7 @@ pub(super) struct ForceTerms<T> {
 }
 
 /// Sums of one particle; acceleration and energy rate still lack the factor `1/rho_i` of the volume-weighted form.
+#[derive(Clone, Copy)]
 pub(super) struct ForceSum<T> {
     /// Acceleration, m/s².
     pub(super) acceleration: Vector<T>,
@@ -69,7 +71,7 @@ fn tensor_dot<L: Lanes, const D: usize>(g: &[L; CORRECTED_LEN], x: &Vector<L>) -
 
 /// Row `k` of a block, particle `own`.
 #[inline(always)]
-pub(super) fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
+fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
     records: &Records<L::Element>,
     own: usize,
     block: &Block,
@@ -77,9 +79,9 @@ pub(super) fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTE
     constants: &PairConstants<L::Element>,
     terms: &ForceTerms<L::Element>,
 ) -> ForceSum<L::Element> {
-    let record_i = records.force[own].map(L::splat);
-    let extra_i = if records.extra.is_empty() { [L::zero(); extra::LEN] } else { records.extra[own].map(L::splat) };
-    let corrected_i = if CORRECTED { records.corrected[own].map(L::splat) } else { [L::zero(); CORRECTED_LEN] };
+    let record_i: [L; 16] = splat_record(&records.force[own]);
+    let extra_i = if records.extra.is_empty() { [L::zero(); extra::LEN] } else { splat_record(&records.extra[own]) };
+    let corrected_i = if CORRECTED { splat_record(&records.corrected[own]) } else { [L::zero(); CORRECTED_LEN] };
     let viscosity =
         ViscosityParameters { alpha: L::splat(terms.viscosity.alpha), beta: L::splat(terms.viscosity.beta) };
     let unit = L::splat(constants.unit);
@@ -90,7 +92,7 @@ pub(super) fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTE
     let mut xsph = [L::zero(); 3];
     let mut mu_max = L::zero();
     for indices in block.padded_row(k, L::WIDTH).chunks_exact(L::WIDTH) {
-        let record_j = L::load(&records.force, indices);
+        let record_j = L::gather(&records.force, indices);
         let mut x = [L::zero(); 3];
         let mut v = [L::zero(); 3];
         let mut r2 = L::zero();
@@ -117,13 +119,13 @@ pub(super) fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTE
 
         // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
         let (own_stress, other_stress) = if CORRECTED {
-            (tensor_dot::<L, D>(&corrected_i, &x), tensor_dot::<L, D>(&L::load(&records.corrected, indices), &x))
+            (tensor_dot::<L, D>(&corrected_i, &x), tensor_dot::<L, D>(&L::gather(&records.corrected, indices), &x))
         } else {
             (symmetric_dot::<L, D, 16>(&record_i, S, &x), symmetric_dot::<L, D, 16>(&record_j, S, &x))
         };
         let mut artificial = [L::zero(); 3];
         if terms.balsara || terms.artificial_stress.is_some() {
-            let extra_j = L::load(&records.extra, indices);
+            let extra_j = L::gather(&records.extra, indices);
             if terms.balsara {
                 pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
             }
@@ -155,10 +157,43 @@ pub(super) fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTE
             }
         }
     }
-    ForceSum {
-        acceleration: acceleration.map(L::sum),
-        energy_rate: energy_rate.sum(),
-        xsph: xsph.map(L::sum),
-        mu: mu_max.largest(),
+    let mut sum = ForceSum::zero();
+    for a in 0..D {
+        sum.acceleration[a] = acceleration[a].sum();
+        sum.xsph[a] = xsph[a].sum();
+    }
+    sum.energy_rate = energy_rate.sum();
+    sum.mu = mu_max.largest();
+    sum
+}
+
+impl<T: PairScalar> ForceSum<T> {
+    /// Nothing summed.
+    #[inline(always)]
+    pub(super) fn zero() -> Self {
+        Self { acceleration: [T::zero(); 3], energy_rate: T::zero(), xsph: [T::zero(); 3], mu: T::zero() }
+    }
+}
+
+/// The sums of a block of particles.
+pub(super) struct ForceJob<'a, T, K, const D: usize, const CORRECTED: bool> {
+    pub(super) records: &'a Records<T>,
+    /// First particle of the block.
+    pub(super) first: usize,
+    pub(super) block: &'a Block,
+    pub(super) constants: &'a PairConstants<T>,
+    pub(super) terms: &'a ForceTerms<T>,
+    pub(super) sums: &'a mut [ForceSum<T>; BLOCK],
+    pub(super) kernel: PhantomData<K>,
+}
+
+impl<T: PairScalar, K: KernelShape, const D: usize, const CORRECTED: bool> Job<T> for ForceJob<'_, T, K, D, CORRECTED> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = T>>(self) {
+        for k in 0..self.block.len() {
+            let own = self.first + k;
+            self.sums[k] =
+                force_row::<L, K, D, CORRECTED>(self.records, own, self.block, k, self.constants, self.terms);
+        }
     }
 }

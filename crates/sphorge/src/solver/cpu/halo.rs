@@ -3,9 +3,10 @@
 //! A ghost repeats its source with a sign and a shift per axis. Stages that sum over neighbours see ghosts as particles;
 //! `exchange` fills what they read. A domain decomposition fills the same records from other ranks.
 
-use super::lanes::PairScalar;
-use super::records::{Frame, Records, extra, force, kinematic};
+use super::records::{Records, extra, force, kinematic};
+use crate::lanes::PairScalar;
 use crate::model::{Model, SymmetryPlane};
+use crate::neighbors::Frame;
 use sphorge_physics::Vector;
 
 /// One ghost.

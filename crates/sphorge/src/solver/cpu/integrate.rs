@@ -6,8 +6,8 @@
 //! energy less external work is constant to round-off for any step sequence (in the spirit of Owen's 2014 compatible
 //! energy, per particle instead of per pair).
 
-use super::lanes::PairScalar;
 use super::{CpuEngine, Work};
+use crate::lanes::PairScalar;
 use crate::model::{Integrator, Model, MotionAxis};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;

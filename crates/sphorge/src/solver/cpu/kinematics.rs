@@ -3,10 +3,11 @@
 //! `L_i = sum_j w_j (v_j - v_i) ⊗ grad_i W_ij` with `w_j = m_j/rho_j` or `m_j/rho_i` (Patiño et al. Eqs 22, 23 give its
 //! symmetric and skew parts; Eq 8 its trace).
 
-use super::lanes::Lanes;
 use super::records::kinematic::{H, LEN, V, WEIGHT, X};
-use crate::neighbors::Block;
+use crate::lanes::{Job, Lanes, PairScalar, splat_record};
+use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::{Real, Scalar, Tensor, kernel::KernelShape};
+use std::marker::PhantomData;
 
 /// Constants of a pair sum.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +34,7 @@ pub(super) fn pair_scale<L: Lanes, const D: usize>(constants: &PairConstants<L::
 }
 
 /// Sums of one particle.
+#[derive(Clone, Copy)]
 pub(super) struct GradientSum<T> {
     /// `sum_j w_j (v_j - v_i) ⊗ grad_i W_ij`, row: velocity component.
     pub(super) gradient: Tensor<T>,
@@ -44,14 +46,14 @@ pub(super) struct GradientSum<T> {
 
 /// Row `k` of a block, particle `own`.
 #[inline(always)]
-pub(super) fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
+fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
     records: &[[L::Element; LEN]],
     own: usize,
     block: &Block,
     k: usize,
     constants: &PairConstants<L::Element>,
 ) -> GradientSum<L::Element> {
-    let record_i = records[own].map(L::splat);
+    let record_i: [L; LEN] = splat_record(&records[own]);
     let unit = L::splat(constants.unit);
     let support = L::of(K::SUPPORT);
     let mut gradient = [[L::zero(); 3]; 3];
@@ -59,7 +61,7 @@ pub(super) fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRE
     let mut inside = L::zero();
     let row = block.padded_row(k, L::WIDTH);
     for indices in row.chunks_exact(L::WIDTH) {
-        let record_j = L::load(records, indices);
+        let record_j = L::gather(records, indices);
         let mut x = [L::zero(); 3];
         let mut r2 = L::zero();
         for a in 0..D {
@@ -84,9 +86,46 @@ pub(super) fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRE
     }
     // Padding is the particle itself, at distance zero: inside the support.
     let padding = row.len() - block.row(k).len();
-    GradientSum {
-        gradient: gradient.map(|r| r.map(L::sum)),
-        moment: moment.map(|r| r.map(L::sum)),
-        inside: inside.sum().to_f64() as u32 - padding as u32,
+    let mut sum = GradientSum::zero();
+    for a in 0..D {
+        for b in 0..D {
+            sum.gradient[a][b] = gradient[a][b].sum();
+            if CORRECTED {
+                sum.moment[a][b] = moment[a][b].sum();
+            }
+        }
+    }
+    sum.inside = inside.sum().to_f64() as u32 - padding as u32;
+    sum
+}
+
+impl<T: PairScalar> GradientSum<T> {
+    /// Nothing summed.
+    #[inline(always)]
+    pub(super) fn zero() -> Self {
+        Self { gradient: [[T::zero(); 3]; 3], moment: [[T::zero(); 3]; 3], inside: 0 }
+    }
+}
+
+/// The sums of a block of particles.
+pub(super) struct GradientJob<'a, T, K, const D: usize, const CORRECTED: bool> {
+    pub(super) records: &'a [[T; LEN]],
+    /// First particle of the block.
+    pub(super) first: usize,
+    pub(super) block: &'a Block,
+    pub(super) constants: &'a PairConstants<T>,
+    pub(super) sums: &'a mut [GradientSum<T>; BLOCK],
+    pub(super) kernel: PhantomData<K>,
+}
+
+impl<T: PairScalar, K: KernelShape, const D: usize, const CORRECTED: bool> Job<T>
+    for GradientJob<'_, T, K, D, CORRECTED>
+{
+    #[inline(always)]
+    fn run<L: Lanes<Element = T>>(self) {
+        for k in 0..self.block.len() {
+            self.sums[k] =
+                gradient_row::<L, K, D, CORRECTED>(self.records, self.first + k, self.block, k, self.constants);
+        }
     }
 }

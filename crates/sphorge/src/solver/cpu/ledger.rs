@@ -1,7 +1,7 @@
 //! Conservation sums, taken when asked for.
 
 use super::CpuEngine;
-use super::lanes::PairScalar;
+use crate::lanes::PairScalar;
 use crate::solver::{BodyLedger, Ledger};
 use sphorge_physics::heat;
 

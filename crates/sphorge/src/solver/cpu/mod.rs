@@ -7,7 +7,6 @@ mod guard;
 mod halo;
 mod integrate;
 mod kinematics;
-mod lanes;
 mod ledger;
 mod moving_least_squares;
 mod records;
@@ -16,15 +15,15 @@ mod votes;
 
 use super::engine::{Engine, SearchReport, Vote};
 use super::{Ledger, RunFailure};
+use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Search};
-use crate::neighbors::{CellGrid, NeighborList, Reach, search};
+use crate::neighbors::{CellGrid, NeighborList, Reach, Searcher};
 use crate::particles::Particles;
 use external::Walls;
 use halo::Halo;
 use integrate::{Base, ExternalSums, Motions};
 use kinematics::PairConstants;
-use lanes::PairScalar;
-use records::{Frame, Records};
+use records::Records;
 use sphorge_physics::{Tensor, Vector};
 use std::sync::Arc;
 
@@ -42,7 +41,8 @@ pub(super) struct CpuEngine<T> {
     motions: Motions,
     external: ExternalSums,
     constants: PairConstants<T>,
-    lists: Lists,
+    instructions: Instructions,
+    lists: Lists<T>,
     step: StepState,
     base: Base,
 }
@@ -68,10 +68,9 @@ struct Work {
 
 /// Neighbour lists and what searching needs.
 #[derive(Default)]
-struct Lists {
+struct Lists<T> {
     list: NeighborList,
-    grid: CellGrid,
-    sorted: Vec<Vector<f64>>,
+    searcher: Searcher<T>,
     /// Positions of particles and ghosts at the last search.
     points: Vec<Vector<f64>>,
     smoothing_length: Vec<f64>,
@@ -126,6 +125,7 @@ impl<T: PairScalar> CpuEngine<T> {
             lists: Lists { stale: true, ..Lists::default() },
             step: StepState::default(),
             constants,
+            instructions: Instructions::best(),
             work,
             particles,
             model,
@@ -180,12 +180,9 @@ impl<T: PairScalar> CpuEngine<T> {
         smoothing_length.extend_from_slice(&self.particles.smoothing_length);
         smoothing_length.extend(self.halo.ghosts.iter().map(|g| self.particles.smoothing_length[g.source as usize]));
 
-        let Lists { list, grid, sorted, points, smoothing_length, .. } = &mut self.lists;
+        let Lists { list, searcher, points, smoothing_length, .. } = &mut self.lists;
         let reach = Reach { smoothing_length, factor: reach_factor };
-        search(points, self.particles.len(), &reach, grid, sorted, list);
-        // Between two searches a particle moves by less than the kernel radius.
-        let (low, high) = crate::neighbors::bounds(points);
-        self.records.frame = Frame::around::<T>(low, high, reach_factor * largest);
+        self.records.frame = searcher.search(points, self.particles.len(), &reach, self.instructions, list);
         self.constants.unit = T::of(self.records.frame.unit);
         self.lists.searches += 1;
         self.lists.stale = false;
@@ -194,7 +191,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
     fn sort_particles(&mut self) {
         let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
-        let grid = &mut self.lists.grid;
+        let mut grid = CellGrid::default();
         grid.sort(&self.particles.position, size);
         let order = grid.order();
         self.particles.reorder(order);
@@ -298,10 +295,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn memory_bytes(&self) -> u64 {
         let count = self.particles.len();
         let columns = count * (Particles::BYTES + Work::BYTES + self.base.bytes_per_particle());
-        let lists = self.lists.list.bytes()
-            + self.lists.grid.bytes()
-            + 24 * self.lists.sorted.capacity()
-            + 32 * self.lists.points.capacity();
+        let lists = self.lists.list.bytes() + self.lists.searcher.bytes() + 32 * self.lists.points.capacity();
         (columns + lists + self.records.bytes()) as u64
     }
 }

@@ -1,7 +1,7 @@
 //! What a pair sum reads of a neighbour, one record per particle, so that a neighbour costs one or two cache lines.
 
-use super::lanes::PairScalar;
-use sphorge_physics::Vector;
+use crate::lanes::PairScalar;
+use crate::neighbors::Frame;
 
 /// Entries of a kinematic record.
 pub(super) mod kinematic {
@@ -53,37 +53,6 @@ pub(super) struct Records<T> {
     /// Empty unless needed.
     pub(super) corrected: Vec<[T; CORRECTED_LEN]>,
     pub(super) frame: Frame,
-}
-
-/// Origin and unit of encoded coordinates.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    origin: Vector<f64>,
-    /// Size of a unit, m.
-    pub(super) unit: f64,
-}
-
-impl Default for Frame {
-    fn default() -> Self {
-        Self { origin: [0.0; 3], unit: 1.0 }
-    }
-}
-
-impl Frame {
-    /// A frame that holds the box between `low` and `high` with `margin` on every side, m.
-    pub(super) fn around<T: PairScalar>(low: Vector<f64>, high: Vector<f64>, margin: f64) -> Self {
-        let origin = [0, 1, 2].map(|a| 0.5 * (low[a] + high[a]));
-        let half = (0..3).map(|a| 0.5 * (high[a] - low[a])).fold(0.0, f64::max) + margin;
-        // Double precision keeps metres: `RANGE` is one there and a unit of the box size would only cost a rounding.
-        let unit = if T::RANGE > 1.0 { half / T::RANGE } else { 1.0 };
-        Self { origin, unit }
-    }
-
-    /// A position in the form records carry it.
-    #[inline(always)]
-    pub(super) fn encode<T: PairScalar>(&self, p: &Vector<f64>) -> [T; 3] {
-        [0, 1, 2].map(|a| T::encode((p[a] - self.origin[a]) / self.unit))
-    }
 }
 
 impl<T: PairScalar> Records<T> {

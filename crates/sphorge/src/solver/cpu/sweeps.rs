@@ -1,10 +1,10 @@
 //! The two pair sweeps over all blocks: packing what they read, choosing the compiled variant, storing what they sum.
 
-use super::forces::{ForceSum, ForceTerms, force_row};
-use super::kinematics::{GradientSum, gradient_row};
-use super::lanes::PairScalar;
+use super::forces::{ForceJob, ForceSum, ForceTerms};
+use super::kinematics::{GradientJob, GradientSum};
 use super::records::kinematic;
 use super::{CpuEngine, Work};
+use crate::lanes::{PairScalar, run};
 use crate::model::{EnergySplit, GradientCorrection, Integrator};
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
 use sphorge_physics::viscosity::ViscosityParameters;
 use sphorge_physics::{Dimension, Tensor, dispatch_kernel, gradient_correction, stress, tensor};
+use std::marker::PhantomData;
 
 /// Runs an expression with the kernel shape `K`, the dimension `D` and the choice `CORRECTED` as compile-time constants.
 macro_rules! dispatch {
@@ -71,17 +72,25 @@ impl<T: PairScalar> CpuEngine<T> {
             let leapfrog = model.numerics.integrator == Integrator::Leapfrog;
             let dt = if leapfrog { self.step.dt } else { 0.5 * self.step.dt };
             let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
-            let correct = |b: usize, k: usize, rho: &mut f64, n: &mut u32, correction: Option<&mut Tensor<f64>>| {
-                let block = &self.lists.list.blocks()[b];
-                let sum: GradientSum<T> =
-                    gradient_row::<T, K, D, CORRECTED>(records, b * BLOCK + k, block, k, constants);
-                *n = sum.inside;
-                let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64()));
-                if per_density {
-                    l = l.map(|row| row.map(|v| v / *rho));
-                }
+            let (list, instructions) = (&self.lists.list, self.instructions);
+            let sum_block = |b: usize| {
+                let mut sums = [GradientSum::zero(); BLOCK];
+                let block = &list.blocks()[b];
+                let job = GradientJob::<T, K, D, CORRECTED> {
+                    records,
+                    first: b * BLOCK,
+                    block,
+                    constants,
+                    sums: &mut sums,
+                    kernel: PhantomData,
+                };
+                run(instructions, job);
+                sums
+            };
+            let finish = |sum: &GradientSum<T>, rho: &mut f64, correction: Option<&mut Tensor<f64>>| {
+                let scale = if per_density { 1.0 / *rho } else { 1.0 };
+                let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
                 if let Some(b_i) = correction {
-                    let scale = if per_density { 1.0 / *rho } else { 1.0 };
                     let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
                     *b_i = gradient_correction::gradient_correction(&moment, dimension);
                     l = tensor::multiply(&l, &tensor::transpose(b_i));
@@ -103,14 +112,18 @@ impl<T: PairScalar> CpuEngine<T> {
                     .into_par_iter()
                     .enumerate()
                     .for_each(|(b, (l, n, rho, correction))| {
+                        let sums = sum_block(b);
                         for k in 0..l.len() {
-                            l[k] = correct(b, k, &mut rho[k], &mut n[k], Some(&mut correction[k]));
+                            l[k] = finish(&sums[k], &mut rho[k], Some(&mut correction[k]));
+                            n[k] = sums[k].inside;
                         }
                     });
             } else {
                 columns.into_par_iter().enumerate().for_each(|(b, (l, n, rho))| {
+                    let sums = sum_block(b);
                     for k in 0..l.len() {
-                        l[k] = correct(b, k, &mut rho[k], &mut n[k], None);
+                        l[k] = finish(&sums[k], &mut rho[k], None);
+                        n[k] = sums[k].inside;
                     }
                 });
             }
@@ -138,6 +151,7 @@ impl<T: PairScalar> CpuEngine<T> {
         dispatch!(numerics.kernel, dimension, self.corrected(), |K, D, CORRECTED| {
             let records = &self.records;
             let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
+            let instructions = self.instructions;
             let Work { xsph, mu, .. } = &mut self.work;
             let Particles { acceleration, energy_rate, mass, .. } = &mut self.particles;
             let mass = &*mass;
@@ -150,10 +164,19 @@ impl<T: PairScalar> CpuEngine<T> {
                 .into_par_iter()
                 .enumerate()
                 .for_each(|(b, (a, e, x, mu))| {
-                    let block = &lists.list.blocks()[b];
-                    for k in 0..a.len() {
+                    let mut sums = [ForceSum::zero(); BLOCK];
+                    let job = ForceJob::<T, K, D, CORRECTED> {
+                        records,
+                        first: b * BLOCK,
+                        block: &lists.list.blocks()[b],
+                        constants,
+                        terms: &terms,
+                        sums: &mut sums,
+                        kernel: PhantomData,
+                    };
+                    run(instructions, job);
+                    for (k, sum) in sums.iter().enumerate().take(a.len()) {
                         let i = b * BLOCK + k;
-                        let sum: ForceSum<T> = force_row::<T, K, D, CORRECTED>(records, i, block, k, constants, &terms);
                         // Weight over mass is 1/rho_i for the volume-weighted form.
                         let outer = if volume_weighted {
                             records.force[i][super::records::force::WEIGHT].to_f64() / mass[i]

@@ -1,0 +1,307 @@
+//! Bundles in 256-bit registers with fused multiply–add.
+
+use super::{Lanes, compress_each, gather_entries};
+use sphorge_physics::Real;
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Eight single-precision numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F32x8(__m256);
+
+/// Four double-precision numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F64x4(__m256d);
+
+// SAFETY of every `unsafe` below: bundles exist only inside jobs started after the processor has been found to have AVX2 and
+// FMA (see `Lanes`); loads and stores stay within slices whose length is asserted or checked by indexing.
+
+macro_rules! arithmetic {
+    ($bundle:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
+     $min:ident, $max:ident, $andnot:ident, $cmp:ident, $blend:ident, $movemask:ident) => {
+        impl Add for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, b: Self) -> Self {
+                Self(unsafe { $add(self.0, b.0) })
+            }
+        }
+        impl Sub for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, b: Self) -> Self {
+                Self(unsafe { $sub(self.0, b.0) })
+            }
+        }
+        impl Mul for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, b: Self) -> Self {
+                Self(unsafe { $mul(self.0, b.0) })
+            }
+        }
+        impl Div for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, b: Self) -> Self {
+                Self(unsafe { $div(self.0, b.0) })
+            }
+        }
+        impl Neg for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::zero() - self
+            }
+        }
+        impl AddAssign for $bundle {
+            #[inline(always)]
+            fn add_assign(&mut self, b: Self) {
+                *self = *self + b;
+            }
+        }
+        impl SubAssign for $bundle {
+            #[inline(always)]
+            fn sub_assign(&mut self, b: Self) {
+                *self = *self - b;
+            }
+        }
+        impl Real for $bundle {
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                Self(unsafe { $set1(value as $element) })
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                Self(unsafe { $fmadd(self.0, a.0, b.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self(unsafe { $min(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self(unsafe { $max(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self(unsafe { $andnot($set1(-0.0), self.0) })
+            }
+            #[inline(always)]
+            fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
+                Self(unsafe { $blend(otherwise.0, then.0, $cmp::<_CMP_LT_OQ>(a.0, b.0)) })
+            }
+        }
+        impl $bundle {
+            #[inline(always)]
+            fn less_mask(a: Self, b: Self) -> u32 {
+                (unsafe { $movemask($cmp::<_CMP_LT_OQ>(a.0, b.0)) }) as u32
+            }
+        }
+    };
+}
+
+arithmetic!(
+    F32x8,
+    f32,
+    _mm256_set1_ps,
+    _mm256_add_ps,
+    _mm256_sub_ps,
+    _mm256_mul_ps,
+    _mm256_div_ps,
+    _mm256_fmadd_ps,
+    _mm256_sqrt_ps,
+    _mm256_min_ps,
+    _mm256_max_ps,
+    _mm256_andnot_ps,
+    _mm256_cmp_ps,
+    _mm256_blendv_ps,
+    _mm256_movemask_ps
+);
+arithmetic!(
+    F64x4,
+    f64,
+    _mm256_set1_pd,
+    _mm256_add_pd,
+    _mm256_sub_pd,
+    _mm256_mul_pd,
+    _mm256_div_pd,
+    _mm256_fmadd_pd,
+    _mm256_sqrt_pd,
+    _mm256_min_pd,
+    _mm256_max_pd,
+    _mm256_andnot_pd,
+    _mm256_cmp_pd,
+    _mm256_blendv_pd,
+    _mm256_movemask_pd
+);
+
+/// Transposes eight rows of eight singles.
+#[inline(always)]
+unsafe fn transpose_8x8(r: [__m256; 8]) -> [__m256; 8] {
+    unsafe {
+        let t0 = _mm256_unpacklo_ps(r[0], r[1]);
+        let t1 = _mm256_unpackhi_ps(r[0], r[1]);
+        let t2 = _mm256_unpacklo_ps(r[2], r[3]);
+        let t3 = _mm256_unpackhi_ps(r[2], r[3]);
+        let t4 = _mm256_unpacklo_ps(r[4], r[5]);
+        let t5 = _mm256_unpackhi_ps(r[4], r[5]);
+        let t6 = _mm256_unpacklo_ps(r[6], r[7]);
+        let t7 = _mm256_unpackhi_ps(r[6], r[7]);
+        let u0 = _mm256_shuffle_ps::<0x44>(t0, t2);
+        let u1 = _mm256_shuffle_ps::<0xEE>(t0, t2);
+        let u2 = _mm256_shuffle_ps::<0x44>(t1, t3);
+        let u3 = _mm256_shuffle_ps::<0xEE>(t1, t3);
+        let u4 = _mm256_shuffle_ps::<0x44>(t4, t6);
+        let u5 = _mm256_shuffle_ps::<0xEE>(t4, t6);
+        let u6 = _mm256_shuffle_ps::<0x44>(t5, t7);
+        let u7 = _mm256_shuffle_ps::<0xEE>(t5, t7);
+        [
+            _mm256_permute2f128_ps::<0x20>(u0, u4),
+            _mm256_permute2f128_ps::<0x20>(u1, u5),
+            _mm256_permute2f128_ps::<0x20>(u2, u6),
+            _mm256_permute2f128_ps::<0x20>(u3, u7),
+            _mm256_permute2f128_ps::<0x31>(u0, u4),
+            _mm256_permute2f128_ps::<0x31>(u1, u5),
+            _mm256_permute2f128_ps::<0x31>(u2, u6),
+            _mm256_permute2f128_ps::<0x31>(u3, u7),
+        ]
+    }
+}
+
+impl Lanes for F32x8 {
+    type Element = f32;
+    const WIDTH: usize = 8;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(unsafe { _mm256_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f32]) -> Self {
+        let values = &values[..8];
+        Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn gather<const F: usize>(records: &[[f32; F]], indices: &[u32]) -> [Self; F] {
+        if !F.is_multiple_of(8) {
+            return gather_entries::<Self, F, 8>(records, indices);
+        }
+        let indices = &indices[..8];
+        let mut lanes = [Self::zero(); F];
+        for first in (0..F).step_by(8) {
+            let mut rows = unsafe { [_mm256_setzero_ps(); 8] };
+            for k in 0..8 {
+                let row = &records[indices[k] as usize][first..first + 8];
+                rows[k] = unsafe { _mm256_loadu_ps(row.as_ptr()) };
+            }
+            let columns = unsafe { transpose_8x8(rows) };
+            for c in 0..8 {
+                lanes[first + c] = Self(columns[c]);
+            }
+        }
+        lanes
+    }
+    #[inline(always)]
+    fn difference(a: Self, b: Self, unit: Self) -> Self {
+        unsafe {
+            let d = _mm256_sub_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0));
+            Self(_mm256_mul_ps(_mm256_cvtepi32_ps(d), unit.0))
+        }
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        unsafe {
+            let s = _mm_add_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let s = _mm_add_ps(s, _mm_movehl_ps(s, s));
+            _mm_cvtss_f32(_mm_add_ss(s, _mm_movehdup_ps(s)))
+        }
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        unsafe {
+            let s = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let s = _mm_max_ps(s, _mm_movehl_ps(s, s));
+            _mm_cvtss_f32(_mm_max_ss(s, _mm_movehdup_ps(s)))
+        }
+    }
+    #[inline(always)]
+    fn less(a: Self, b: Self) -> u32 {
+        Self::less_mask(a, b)
+    }
+    #[inline(always)]
+    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+        compress_each(mask, &indices[..8], out)
+    }
+}
+
+impl Lanes for F64x4 {
+    type Element = f64;
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self(unsafe { _mm256_set1_pd(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> Self {
+        let values = &values[..4];
+        Self(unsafe { _mm256_loadu_pd(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn gather<const F: usize>(records: &[[f64; F]], indices: &[u32]) -> [Self; F] {
+        if !F.is_multiple_of(4) {
+            return gather_entries::<Self, F, 4>(records, indices);
+        }
+        let indices = &indices[..4];
+        let mut lanes = [Self::zero(); F];
+        for first in (0..F).step_by(4) {
+            let mut rows = unsafe { [_mm256_setzero_pd(); 4] };
+            for k in 0..4 {
+                let row = &records[indices[k] as usize][first..first + 4];
+                rows[k] = unsafe { _mm256_loadu_pd(row.as_ptr()) };
+            }
+            unsafe {
+                let t0 = _mm256_unpacklo_pd(rows[0], rows[1]);
+                let t1 = _mm256_unpackhi_pd(rows[0], rows[1]);
+                let t2 = _mm256_unpacklo_pd(rows[2], rows[3]);
+                let t3 = _mm256_unpackhi_pd(rows[2], rows[3]);
+                lanes[first] = Self(_mm256_permute2f128_pd::<0x20>(t0, t2));
+                lanes[first + 1] = Self(_mm256_permute2f128_pd::<0x20>(t1, t3));
+                lanes[first + 2] = Self(_mm256_permute2f128_pd::<0x31>(t0, t2));
+                lanes[first + 3] = Self(_mm256_permute2f128_pd::<0x31>(t1, t3));
+            }
+        }
+        lanes
+    }
+    #[inline(always)]
+    fn difference(a: Self, b: Self, unit: Self) -> Self {
+        (a - b) * unit
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        unsafe {
+            let s = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_add_sd(s, _mm_unpackhi_pd(s, s)))
+        }
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        unsafe {
+            let s = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_max_sd(s, _mm_unpackhi_pd(s, s)))
+        }
+    }
+    #[inline(always)]
+    fn less(a: Self, b: Self) -> u32 {
+        Self::less_mask(a, b)
+    }
+    #[inline(always)]
+    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+        compress_each(mask, &indices[..4], out)
+    }
+}

@@ -1,0 +1,335 @@
+//! Bundles in 512-bit registers.
+
+use super::{Lanes, compress_each, gather_entries};
+use sphorge_physics::Real;
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Sixteen single-precision numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F32x16(__m512);
+
+/// Eight double-precision numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F64x8(__m512d);
+
+// SAFETY of every `unsafe` below: bundles exist only inside jobs started after the processor has been found to have AVX-512
+// (see `Lanes`); loads and stores stay within slices whose length is asserted or checked by indexing.
+
+macro_rules! arithmetic {
+    ($bundle:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
+     $min:ident, $max:ident, $abs:ident, $cmp:ident, $blend:ident) => {
+        impl Add for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, b: Self) -> Self {
+                Self(unsafe { $add(self.0, b.0) })
+            }
+        }
+        impl Sub for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, b: Self) -> Self {
+                Self(unsafe { $sub(self.0, b.0) })
+            }
+        }
+        impl Mul for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, b: Self) -> Self {
+                Self(unsafe { $mul(self.0, b.0) })
+            }
+        }
+        impl Div for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, b: Self) -> Self {
+                Self(unsafe { $div(self.0, b.0) })
+            }
+        }
+        impl Neg for $bundle {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::zero() - self
+            }
+        }
+        impl AddAssign for $bundle {
+            #[inline(always)]
+            fn add_assign(&mut self, b: Self) {
+                *self = *self + b;
+            }
+        }
+        impl SubAssign for $bundle {
+            #[inline(always)]
+            fn sub_assign(&mut self, b: Self) {
+                *self = *self - b;
+            }
+        }
+        impl Real for $bundle {
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                Self(unsafe { $set1(value as $element) })
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                Self(unsafe { $fmadd(self.0, a.0, b.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self(unsafe { $min(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self(unsafe { $max(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self(unsafe { $abs(self.0) })
+            }
+            #[inline(always)]
+            fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
+                Self(unsafe { $blend($cmp::<_CMP_LT_OQ>(a.0, b.0), otherwise.0, then.0) })
+            }
+        }
+    };
+}
+
+arithmetic!(
+    F32x16,
+    f32,
+    _mm512_set1_ps,
+    _mm512_add_ps,
+    _mm512_sub_ps,
+    _mm512_mul_ps,
+    _mm512_div_ps,
+    _mm512_fmadd_ps,
+    _mm512_sqrt_ps,
+    _mm512_min_ps,
+    _mm512_max_ps,
+    _mm512_abs_ps,
+    _mm512_cmp_ps_mask,
+    _mm512_mask_blend_ps
+);
+arithmetic!(
+    F64x8,
+    f64,
+    _mm512_set1_pd,
+    _mm512_add_pd,
+    _mm512_sub_pd,
+    _mm512_mul_pd,
+    _mm512_div_pd,
+    _mm512_fmadd_pd,
+    _mm512_sqrt_pd,
+    _mm512_min_pd,
+    _mm512_max_pd,
+    _mm512_abs_pd,
+    _mm512_cmp_pd_mask,
+    _mm512_mask_blend_pd
+);
+
+/// Transposes eight rows of eight singles, two such blocks side by side (low and high 256 bits).
+#[inline(always)]
+unsafe fn transpose_two_8x8(r: [__m512; 8]) -> [__m512; 8] {
+    unsafe {
+        let t0 = _mm512_unpacklo_ps(r[0], r[1]);
+        let t1 = _mm512_unpackhi_ps(r[0], r[1]);
+        let t2 = _mm512_unpacklo_ps(r[2], r[3]);
+        let t3 = _mm512_unpackhi_ps(r[2], r[3]);
+        let t4 = _mm512_unpacklo_ps(r[4], r[5]);
+        let t5 = _mm512_unpackhi_ps(r[4], r[5]);
+        let t6 = _mm512_unpacklo_ps(r[6], r[7]);
+        let t7 = _mm512_unpackhi_ps(r[6], r[7]);
+        let u0 = _mm512_shuffle_ps::<0x44>(t0, t2);
+        let u1 = _mm512_shuffle_ps::<0xEE>(t0, t2);
+        let u2 = _mm512_shuffle_ps::<0x44>(t1, t3);
+        let u3 = _mm512_shuffle_ps::<0xEE>(t1, t3);
+        let u4 = _mm512_shuffle_ps::<0x44>(t4, t6);
+        let u5 = _mm512_shuffle_ps::<0xEE>(t4, t6);
+        let u6 = _mm512_shuffle_ps::<0x44>(t5, t7);
+        let u7 = _mm512_shuffle_ps::<0xEE>(t5, t7);
+        // u_k holds column k (low 128 of each half) and column k + 4 (high 128), rows 0-3 or 4-7.
+        let low = _mm512_setr_epi32(0, 1, 2, 3, 16, 17, 18, 19, 8, 9, 10, 11, 24, 25, 26, 27);
+        let high = _mm512_setr_epi32(4, 5, 6, 7, 20, 21, 22, 23, 12, 13, 14, 15, 28, 29, 30, 31);
+        [
+            _mm512_permutex2var_ps(u0, low, u4),
+            _mm512_permutex2var_ps(u1, low, u5),
+            _mm512_permutex2var_ps(u2, low, u6),
+            _mm512_permutex2var_ps(u3, low, u7),
+            _mm512_permutex2var_ps(u0, high, u4),
+            _mm512_permutex2var_ps(u1, high, u5),
+            _mm512_permutex2var_ps(u2, high, u6),
+            _mm512_permutex2var_ps(u3, high, u7),
+        ]
+    }
+}
+
+/// Eight columns, starting at entry `first`, of sixteen records.
+#[inline(always)]
+unsafe fn columns_f32<const F: usize>(records: &[[f32; F]], indices: &[u32], first: usize) -> [__m512; 8] {
+    let mut rows = unsafe { [_mm512_setzero_ps(); 8] };
+    for k in 0..8 {
+        let low = &records[indices[k] as usize][first..first + 8];
+        let high = &records[indices[k + 8] as usize][first..first + 8];
+        // SAFETY: both slices are eight long.
+        rows[k] = unsafe {
+            let low = _mm512_castps256_ps512(_mm256_loadu_ps(low.as_ptr()));
+            _mm512_insertf32x8::<1>(low, _mm256_loadu_ps(high.as_ptr()))
+        };
+    }
+    unsafe { transpose_two_8x8(rows) }
+}
+
+impl Lanes for F32x16 {
+    type Element = f32;
+    const WIDTH: usize = 16;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(unsafe { _mm512_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f32]) -> Self {
+        let values = &values[..16];
+        Self(unsafe { _mm512_loadu_ps(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn gather<const F: usize>(records: &[[f32; F]], indices: &[u32]) -> [Self; F] {
+        if !F.is_multiple_of(8) {
+            return gather_entries::<Self, F, 16>(records, indices);
+        }
+        let indices = &indices[..16];
+        let mut lanes = [Self::zero(); F];
+        for first in (0..F).step_by(8) {
+            let columns = unsafe { columns_f32(records, indices, first) };
+            for c in 0..8 {
+                lanes[first + c] = Self(columns[c]);
+            }
+        }
+        lanes
+    }
+    #[inline(always)]
+    fn difference(a: Self, b: Self, unit: Self) -> Self {
+        unsafe {
+            let d = _mm512_sub_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0));
+            Self(_mm512_mul_ps(_mm512_cvtepi32_ps(d), unit.0))
+        }
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        unsafe { _mm512_reduce_add_ps(self.0) }
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        unsafe { _mm512_reduce_max_ps(self.0) }
+    }
+    #[inline(always)]
+    fn less(a: Self, b: Self) -> u32 {
+        u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0) })
+    }
+    #[inline(always)]
+    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+        let (indices, out) = (&indices[..16], &mut out[..16]);
+        // A compressed register and a full store: the compressing store is slow on some processors.
+        unsafe {
+            let kept = _mm512_maskz_compress_epi32(mask as u16, _mm512_loadu_si512(indices.as_ptr().cast()));
+            _mm512_storeu_si512(out.as_mut_ptr().cast(), kept);
+        }
+        mask.count_ones() as usize
+    }
+}
+
+/// From four registers with one 128-bit part per even (or odd) column, the four columns.
+#[inline(always)]
+unsafe fn gather_parts(a: __m512d, b: __m512d, c: __m512d, d: __m512d) -> [__m512d; 4] {
+    unsafe {
+        let x = _mm512_shuffle_f64x2::<0x88>(a, b);
+        let y = _mm512_shuffle_f64x2::<0x88>(c, d);
+        let z = _mm512_shuffle_f64x2::<0xDD>(a, b);
+        let w = _mm512_shuffle_f64x2::<0xDD>(c, d);
+        [
+            _mm512_shuffle_f64x2::<0x88>(x, y),
+            _mm512_shuffle_f64x2::<0x88>(z, w),
+            _mm512_shuffle_f64x2::<0xDD>(x, y),
+            _mm512_shuffle_f64x2::<0xDD>(z, w),
+        ]
+    }
+}
+
+/// Transposes eight rows of eight doubles.
+#[inline(always)]
+unsafe fn transpose_8x8(r: [__m512d; 8]) -> [__m512d; 8] {
+    unsafe {
+        let t0 = _mm512_unpacklo_pd(r[0], r[1]);
+        let t1 = _mm512_unpackhi_pd(r[0], r[1]);
+        let t2 = _mm512_unpacklo_pd(r[2], r[3]);
+        let t3 = _mm512_unpackhi_pd(r[2], r[3]);
+        let t4 = _mm512_unpacklo_pd(r[4], r[5]);
+        let t5 = _mm512_unpackhi_pd(r[4], r[5]);
+        let t6 = _mm512_unpacklo_pd(r[6], r[7]);
+        let t7 = _mm512_unpackhi_pd(r[6], r[7]);
+        // t0: columns 0, 2, 4, 6 of rows 0 and 1 in its four 128-bit parts; t1: columns 1, 3, 5, 7.
+        let [c0, c2, c4, c6] = gather_parts(t0, t2, t4, t6);
+        let [c1, c3, c5, c7] = gather_parts(t1, t3, t5, t7);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+}
+
+impl Lanes for F64x8 {
+    type Element = f64;
+    const WIDTH: usize = 8;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self(unsafe { _mm512_set1_pd(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> Self {
+        let values = &values[..8];
+        Self(unsafe { _mm512_loadu_pd(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn gather<const F: usize>(records: &[[f64; F]], indices: &[u32]) -> [Self; F] {
+        if !F.is_multiple_of(8) {
+            return gather_entries::<Self, F, 8>(records, indices);
+        }
+        let indices = &indices[..8];
+        let mut lanes = [Self::zero(); F];
+        for first in (0..F).step_by(8) {
+            let mut rows = unsafe { [_mm512_setzero_pd(); 8] };
+            for k in 0..8 {
+                let row = &records[indices[k] as usize][first..first + 8];
+                rows[k] = unsafe { _mm512_loadu_pd(row.as_ptr()) };
+            }
+            let columns = unsafe { transpose_8x8(rows) };
+            for c in 0..8 {
+                lanes[first + c] = Self(columns[c]);
+            }
+        }
+        lanes
+    }
+    #[inline(always)]
+    fn difference(a: Self, b: Self, unit: Self) -> Self {
+        (a - b) * unit
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        unsafe { _mm512_reduce_add_pd(self.0) }
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        unsafe { _mm512_reduce_max_pd(self.0) }
+    }
+    #[inline(always)]
+    fn less(a: Self, b: Self) -> u32 {
+        u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0, b.0) })
+    }
+    #[inline(always)]
+    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+        compress_each(mask, &indices[..8], out)
+    }
+}

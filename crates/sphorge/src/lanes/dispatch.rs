@@ -1,0 +1,72 @@
+//! Choice of instructions at run time.
+
+use super::{Lanes, PairScalar};
+
+/// Instructions pair sweeps are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Instructions {
+    /// One number at a time; runs everywhere.
+    Scalar,
+    /// 256-bit registers with fused multiply–add.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// 512-bit registers.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Instructions {
+    /// All this processor has, slowest first.
+    pub(crate) fn available() -> impl Iterator<Item = Self> {
+        let mut all = [Some(Self::Scalar), None, None];
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            all[1] = avx2.then_some(Self::Avx2);
+            let avx512 = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512bw");
+            all[2] = (avx2 && avx512).then_some(Self::Avx512);
+        }
+        all.into_iter().flatten()
+    }
+
+    /// The fastest this processor has.
+    pub(crate) fn best() -> Self {
+        Self::available().last().unwrap_or(Self::Scalar)
+    }
+}
+
+/// Work written over a bundle type.
+pub(crate) trait Job<T: PairScalar> {
+    /// Does the work on bundles `L`. Implementations must be `#[inline(always)]`, and so must everything they call in their
+    /// hot part (no closures handed to library functions): only what is inlined is compiled for the instructions chosen.
+    fn run<L: Lanes<Element = T>>(self);
+}
+
+/// Runs a job on the bundles of an instruction set, which must come from [`Instructions::available`].
+#[inline]
+pub(crate) fn run<T: PairScalar, J: Job<T>>(instructions: Instructions, job: J) {
+    match instructions {
+        Instructions::Scalar => job.run::<T>(),
+        // SAFETY: `available` lists an instruction set only after detecting it.
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2 => unsafe { run_avx2(job) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx512 => unsafe { run_avx512(job) },
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2<T: PairScalar, J: Job<T>>(job: J) {
+    job.run::<T::Avx2>();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq,avx512bw")]
+fn run_avx512<T: PairScalar, J: Job<T>>(job: J) {
+    job.run::<T::Avx512>();
+}

@@ -1,0 +1,276 @@
+//! Bundles of neighbours worked on together, from one number to a SIMD register.
+//!
+//! Pair sums are written once over [`Lanes`]; which bundle they run on is chosen when the program starts ([`Instructions`]).
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod dispatch;
+
+pub(crate) use dispatch::{Instructions, Job, run};
+
+use bytemuck::Pod;
+use sphorge_physics::{Real, Scalar};
+
+/// Element type of pair arithmetic: `f64`, or `f32` with positions in fixed point.
+pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
+    /// Largest magnitude an encoded coordinate may reach, in units.
+    const RANGE: f64;
+
+    /// Bundle of a 512-bit register.
+    #[cfg(target_arch = "x86_64")]
+    type Avx512: Lanes<Element = Self>;
+    /// Bundle of a 256-bit register.
+    #[cfg(target_arch = "x86_64")]
+    type Avx2: Lanes<Element = Self>;
+
+    /// A coordinate, given as a number of units from the origin, in the form records carry it.
+    ///
+    /// Single precision keeps it as a 32-bit integer (stored as the bits of a float): differences of integers are exact, so
+    /// the distance of two close particles does not suffer from their distance to the origin.
+    fn encode(units: f64) -> Self;
+}
+
+/// A bundle of numbers of one element type.
+///
+/// Bundles wider than one use instructions the processor may lack: values of such types are only made inside functions that
+/// [`multiversion`] enters after it has checked.
+pub(crate) trait Lanes: Real {
+    /// One lane.
+    type Element: PairScalar;
+    /// Number of lanes; divides [`crate::neighbors::PAD`].
+    const WIDTH: usize;
+
+    /// The same value in every lane.
+    fn splat(value: Self::Element) -> Self;
+    /// The first `WIDTH` values of a slice.
+    fn load(values: &[Self::Element]) -> Self;
+    /// Takes the records at `WIDTH` indices apart into one bundle per record entry.
+    fn gather<const F: usize>(records: &[[Self::Element; F]], indices: &[u32]) -> [Self; F];
+    /// Difference `a - b` of two encoded coordinates, m; `unit` is the size of a unit, m.
+    fn difference(a: Self, b: Self, unit: Self) -> Self;
+    /// Sum over the lanes, always in the same order.
+    fn sum(self) -> Self::Element;
+    /// Largest lane.
+    fn largest(self) -> Self::Element;
+    /// Bit k set where lane k of `a` is smaller than that of `b`.
+    fn less(a: Self, b: Self) -> u32;
+    /// Writes those of the first `WIDTH` indices whose bit in `mask` is set one behind the other; returns how many. `out` has
+    /// room for `WIDTH`, all of which may be overwritten.
+    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize;
+}
+
+/// A record, every entry in all lanes. Not `array::map`: a closure would not be compiled for the instructions in use.
+#[inline(always)]
+pub(crate) fn splat_record<L: Lanes, const F: usize>(record: &[L::Element; F]) -> [L; F] {
+    let mut lanes = [L::zero(); F];
+    for f in 0..F {
+        lanes[f] = L::splat(record[f]);
+    }
+    lanes
+}
+
+/// Gathers records of any length value by value.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn gather_entries<L: Lanes, const F: usize, const W: usize>(records: &[[L::Element; F]], indices: &[u32]) -> [L; F] {
+    let mut lanes = [L::zero(); F];
+    for f in 0..F {
+        let mut values = [<L::Element as Real>::zero(); W];
+        for k in 0..W {
+            values[k] = records[indices[k] as usize][f];
+        }
+        lanes[f] = L::load(&values);
+    }
+    lanes
+}
+
+/// Compression one index at a time.
+#[inline(always)]
+fn compress_each(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+    let mut count = 0;
+    let mut left = mask;
+    while left != 0 {
+        out[count] = indices[left.trailing_zeros() as usize];
+        count += 1;
+        left &= left - 1;
+    }
+    count
+}
+
+impl PairScalar for f64 {
+    const RANGE: f64 = 1.0;
+    #[cfg(target_arch = "x86_64")]
+    type Avx512 = avx512::F64x8;
+    #[cfg(target_arch = "x86_64")]
+    type Avx2 = avx2::F64x4;
+
+    #[inline(always)]
+    fn encode(units: f64) -> Self {
+        units
+    }
+}
+
+impl PairScalar for f32 {
+    // Half the range of an `i32`: the difference of two coordinates still fits.
+    const RANGE: f64 = (1u32 << 30) as f64;
+    #[cfg(target_arch = "x86_64")]
+    type Avx512 = avx512::F32x16;
+    #[cfg(target_arch = "x86_64")]
+    type Avx2 = avx2::F32x8;
+
+    #[inline(always)]
+    fn encode(units: f64) -> Self {
+        f32::from_bits(units.round() as i32 as u32)
+    }
+}
+
+macro_rules! single_lane {
+    ($t:ident, |$a:ident, $b:ident, $unit:ident| $difference:expr) => {
+        impl Lanes for $t {
+            type Element = Self;
+            const WIDTH: usize = 1;
+
+            #[inline(always)]
+            fn splat(value: Self) -> Self {
+                value
+            }
+            #[inline(always)]
+            fn load(values: &[Self]) -> Self {
+                values[0]
+            }
+            #[inline(always)]
+            fn gather<const F: usize>(records: &[[Self; F]], indices: &[u32]) -> [Self; F] {
+                records[indices[0] as usize]
+            }
+            #[inline(always)]
+            fn difference($a: Self, $b: Self, $unit: Self) -> Self {
+                $difference
+            }
+            #[inline(always)]
+            fn sum(self) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn largest(self) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn less(a: Self, b: Self) -> u32 {
+                u32::from(a < b)
+            }
+            #[inline(always)]
+            fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+                compress_each(mask, indices, out)
+            }
+        }
+    };
+}
+
+single_lane!(f64, |a, b, unit| (a - b) * unit);
+single_lane!(f32, |a, b, unit| (a.to_bits() as i32).wrapping_sub(b.to_bits() as i32) as f32 * unit);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixed_point_keeps_the_distance_of_close_particles_far_from_the_origin() {
+        // Two particles 1.0003 mm apart, 1.4 m from the origin of a 3 m domain.
+        let unit = 1.5 / f32::RANGE;
+        let [a, b] = [1.4, 1.4010003].map(|x: f64| f32::encode(x / unit));
+        let d = f32::difference(b, a, unit as f32);
+        assert!((f64::from(d) - 1.0003e-3).abs() < 2.0 * unit, "{d}");
+        // Plain single precision would be off by its spacing at 1.4, a hundred times more.
+        assert!((f64::from(1.4010003f32 - 1.4f32) - 1.0003e-3).abs() > 10.0 * unit);
+    }
+
+    /// Every operation of a bundle against the same operation lane by lane.
+    #[inline(always)]
+    fn compare<L: Lanes>() {
+        let of = |x: f64| L::Element::of(x);
+        let a: Vec<L::Element> = (0..L::WIDTH).map(|k| of(1.5 + k as f64)).collect();
+        let b: Vec<L::Element> =
+            (0..L::WIDTH).map(|k| of(if k % 3 == 0 { -2.25 } else { 6.5 } + 0.5 * k as f64)).collect();
+        let (x, y) = (L::load(&a), L::load(&b));
+        // The lanes of a bundle, through a dot with unit vectors.
+        let lanes = |v: L| -> Vec<f64> {
+            (0..L::WIDTH)
+                .map(|k| {
+                    let unit: Vec<L::Element> = (0..L::WIDTH).map(|l| of(f64::from(u8::from(l == k)))).collect();
+                    (v * L::load(&unit)).sum().to_f64()
+                })
+                .collect()
+        };
+        let each = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+            a.iter().zip(&b).map(|(x, y)| f(x.to_f64(), y.to_f64())).collect()
+        };
+        let close = |got: Vec<f64>, want: Vec<f64>| {
+            for (g, w) in got.iter().zip(&want) {
+                assert!((g - w).abs() <= 1e-6 * w.abs(), "{got:?} {want:?}");
+            }
+        };
+        close(lanes(x + y), each(&|x, y| x + y));
+        close(lanes(x - y), each(&|x, y| x - y));
+        close(lanes(x * y), each(&|x, y| x * y));
+        close(lanes(x / y), each(&|x, y| x / y));
+        close(lanes(-y), each(&|_, y| -y));
+        close(lanes(x.mul_add(y, x)), each(&|x, y| x * y + x));
+        close(lanes(x.sqrt()), each(&|x, _| x.sqrt()));
+        close(lanes(x.min(y)), each(&f64::min));
+        close(lanes(x.max(y)), each(&f64::max));
+        close(lanes(y.abs()), each(&|_, y| y.abs()));
+        close(lanes(L::select_lt(x, y, x, L::of(9.0))), each(&|x, y| if x < y { x } else { 9.0 }));
+        close(vec![x.sum().to_f64()], vec![a.iter().map(|v| v.to_f64()).sum()]);
+        close(vec![y.largest().to_f64()], vec![b.iter().map(|v| v.to_f64()).fold(f64::MIN, f64::max)]);
+
+        let want: u32 = a.iter().zip(&b).enumerate().map(|(k, (x, y))| u32::from(x < y) << k).sum();
+        let mask = L::less(x, y);
+        assert_eq!(mask, want);
+        let indices: Vec<u32> = (100..100 + L::WIDTH as u32).collect();
+        let mut out = vec![0; 2 * L::WIDTH];
+        let count = L::compress(mask, &indices, &mut out);
+        let kept: Vec<u32> =
+            indices.iter().copied().enumerate().filter(|(k, _)| mask >> k & 1 == 1).map(|(_, i)| i).collect();
+        assert_eq!(out[..count], kept);
+
+        fn gathers<L: Lanes, const F: usize>(lanes: &dyn Fn(L) -> Vec<f64>) {
+            let records: Vec<[L::Element; F]> =
+                (0..40).map(|r| std::array::from_fn(|f| L::Element::of((100 * r + f) as f64))).collect();
+            let indices: Vec<u32> = (0..L::WIDTH as u32).map(|k| (7 * k + 3) % 40).collect();
+            for (f, bundle) in L::gather(&records, &indices).into_iter().enumerate() {
+                assert_eq!(
+                    lanes(bundle),
+                    indices.iter().map(|&i| (100 * i as usize + f) as f64).collect::<Vec<_>>(),
+                    "{F} {f}"
+                );
+            }
+        }
+        gathers::<L, 8>(&lanes);
+        gathers::<L, 9>(&lanes);
+        gathers::<L, 16>(&lanes);
+
+        let unit = 1e-3;
+        let encoded: Vec<L::Element> = (0..L::WIDTH).map(|k| L::Element::encode(f64::from(k as u32) * 17.0)).collect();
+        let first = L::splat(L::Element::encode(5.0));
+        let d = L::difference(first, L::load(&encoded), L::of(unit));
+        close(lanes(d), (0..L::WIDTH).map(|k| (5.0 - 17.0 * k as f64) * unit).collect());
+    }
+
+    struct Compare;
+    impl<T: PairScalar> Job<T> for Compare {
+        #[inline(always)]
+        fn run<L: Lanes<Element = T>>(self) {
+            compare::<L>();
+        }
+    }
+
+    #[test]
+    fn every_bundle_of_this_machine_computes_what_single_numbers_do() {
+        for instructions in Instructions::available() {
+            run::<f32, _>(instructions, Compare);
+            run::<f64, _>(instructions, Compare);
+        }
+    }
+}
