@@ -1,6 +1,7 @@
 //! The history: one row of `history.csv` per history time.
 //!
-//! All values are SI; column names are plain, and `history-columns.json` gives name, unit and meaning of each. Columns of
+//! All values are SI; column names are plain, and `history-columns.json` gives name, unit and meaning of each. Sums over
+//! particles are per metre of thickness in plane strain and per square metre of section in one dimension. Columns of
 //! one body, wall, driven region are named `body.NAME.momentum_x`, `wall.NAME.force_x`, `motion.NAME.force_x`; a measure
 //! has its own name (`measure.NAME` where that is taken by another column). An empty cell means that there is no value
 //! (yet).
@@ -17,7 +18,7 @@ use super::{
     sync::Pacing,
 };
 use crate::{
-    model::{MeasureKind, Model},
+    model::{Dimensions, MeasureKind, Model},
     particles::find_field,
     solver::{Energies, Ledger, VoteReason},
 };
@@ -80,12 +81,18 @@ impl Cell {
 }
 
 /// Columns under construction, each with its value: names and cells cannot get out of step.
-struct Row(Vec<(HistoryColumn, Cell)>);
+struct Row {
+    cells: Vec<(HistoryColumn, Cell)>,
+    /// What sums over particles are taken per: nothing, metre of thickness, square metre of section.
+    per: &'static str,
+}
 
 impl Row {
     fn add(&mut self, name: impl Into<String>, unit: &str, meaning: &str, cell: impl Into<Cell>) {
-        let column = HistoryColumn { name: name.into(), unit: unit.into(), meaning: meaning.into() };
-        self.0.push((column, cell.into()));
+        // Sums over particles; momentum is `kg m/s`.
+        let per = if unit.starts_with(['J', 'N']) || unit.starts_with("kg") { self.per } else { "" };
+        let column = HistoryColumn { name: name.into(), unit: format!("{unit}{per}"), meaning: meaning.into() };
+        self.cells.push((column, cell.into()));
     }
 
     fn number(&mut self, name: &str, unit: &str, meaning: &str, value: f64) {
@@ -106,11 +113,19 @@ impl Row {
     }
 }
 
+/// How a column says that it is a measure.
+pub(crate) const MEASURE_MEANING: &str = "measure declared in the deck";
+
 /// Every column with its value.
 fn row(model: &Model, sample: &HistorySample) -> Row {
     let ledger = sample.ledger;
     let total = &ledger.total;
-    let mut row = Row(Vec::new());
+    let per = match model.dimensions {
+        Dimensions::One => "/m^2",
+        Dimensions::PlaneStrain => "/m",
+        Dimensions::Three => "",
+    };
+    let mut row = Row { cells: Vec::new(), per };
     row.number("time", "s", "time", sample.time);
     row.add("step", "", "steps done", Cell::Count(sample.step));
     row.number("dt", "s", "last time step that was not shortened to land on an output time", sample.dt);
@@ -150,9 +165,11 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         row.vector(&format!("motion.{region}.force"), "N", "force that drives the region", *force);
     }
     for (measure, value) in model.measures.iter().zip(sample.measures) {
-        let taken = row.0.iter().any(|(column, _)| column.name == measure.name);
+        let taken = row.cells.iter().any(|(column, _)| column.name == measure.name);
         let name = if taken { format!("measure.{}", measure.name) } else { measure.name.clone() };
-        row.add(name, measure_unit(&measure.kind), "measure declared in the deck", *value);
+        // A measure is of a field or a length, never a sum.
+        let unit = measure_unit(&measure.kind).to_owned();
+        row.cells.push((HistoryColumn { name, unit, meaning: MEASURE_MEANING.into() }, (*value).into()));
     }
     row
 }
@@ -199,7 +216,7 @@ impl History {
             pairs: None,
             measures: &vec![None; model.measures.len()],
         };
-        let columns: Vec<HistoryColumn> = row(model, &sample).0.into_iter().map(|(column, _)| column).collect();
+        let columns: Vec<HistoryColumn> = row(model, &sample).cells.into_iter().map(|(column, _)| column).collect();
         write_file(&directory.history_columns(), Durability::Disk, |out| {
             serde_json::to_writer_pretty(&mut *out, &columns)?;
             out.write_all(b"\n")
@@ -212,7 +229,7 @@ impl History {
 
     /// Adds a row.
     pub(crate) fn add(&mut self, model: &Model, sample: &HistorySample) -> Result<(), OutputError> {
-        self.append(row(model, sample).0.iter().map(|(_, cell)| cell.text()))?;
+        self.append(row(model, sample).cells.iter().map(|(_, cell)| cell.text()))?;
         if self.pacing.is_due() { self.save() } else { Ok(()) }
     }
 

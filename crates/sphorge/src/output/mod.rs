@@ -23,7 +23,7 @@ pub use vtp::{FrameHeader, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 
 pub(crate) use atomic::{Durability, write_file};
-pub(crate) use history::{History, HistorySample, measure_unit};
+pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use series::write_series;
 pub(crate) use sync::DiskSync;
 

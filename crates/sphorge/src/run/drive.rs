@@ -8,9 +8,9 @@ use super::{
     stepper::Stepper,
 };
 use crate::{
-    model::{Model, TimeControl},
+    deck::Setup,
+    model::TimeControl,
     output::{Durability, EndReason, FailureRecord, OutputError, RunDirectory, Summary, write_file},
-    particles::Particles,
     solver::{Simulation, StepReport},
 };
 use std::{
@@ -29,20 +29,19 @@ pub struct RunOptions {
     pub threads: Option<usize>,
 }
 
-/// Runs a model from its start to its end time, a stop rule of its deck, or until `stop` becomes true, and writes
-/// everything a run writes. `deck_text` is kept in the folder as what was run.
+/// Runs a deck from its start to its end time, a stop rule of the deck, or until `stop` becomes true, and writes
+/// everything a run writes.
 ///
 /// # Errors
 /// See [`RunError`]. A stop by the user is no error: the summary says so.
-pub fn execute_model(
-    model: Model,
-    particles: Particles,
-    deck_text: &str,
+pub fn execute(
+    setup: Setup,
     options: &RunOptions,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Summary, RunError> {
-    drive(deck_text, options, stop, observer, || Simulation::new(model, particles))
+    let Setup { model, particles, deck_text } = setup;
+    drive(&deck_text, options, stop, observer, || Simulation::new(model, particles))
 }
 
 /// Runs what `engine` builds, which is called inside the pool of threads that the run uses.

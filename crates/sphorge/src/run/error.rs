@@ -3,7 +3,7 @@
 use crate::output::{FailureRecord, OutputError, Summary};
 use std::path::PathBuf;
 
-/// Why [`super::execute_model`] did not return a summary.
+/// Why [`super::execute`] did not return a summary.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum RunError {
     /// The folder was refused; nothing was written or computed.

@@ -20,7 +20,7 @@ mod record;
 mod schedule;
 mod stepper;
 
-pub use drive::{RunOptions, execute_model};
+pub use drive::{RunOptions, execute};
 pub use error::RunError;
 pub use progress::{Observer, Progress, RunStart, Silent};
 

@@ -88,7 +88,7 @@ impl Pace {
     pub(super) fn report(&mut self, step: u64, fraction: f64, now: bool) -> Option<(f64, Option<f64>)> {
         let seconds = self.seconds();
         let since = seconds - self.last_seconds;
-        if since < REPORT_INTERVAL && !now || since <= 0.0 {
+        if since < REPORT_INTERVAL && !now || since <= 0.0 || step == self.last_step {
             return None;
         }
         let rate = (fraction - self.last_fraction) / since;

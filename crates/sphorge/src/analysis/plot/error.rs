@@ -1,0 +1,53 @@
+//! What can go wrong with a picture.
+
+use crate::output::OutputError;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum PlotError {
+    /// A file of the run cannot be read, or the picture cannot be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Output(#[from] OutputError),
+    /// The frames do not have that field.
+    #[error("the frames have no field `{name}`")]
+    #[diagnostic(code(sphorge::plot::field), help("they have: {available}; a component is written as in `stress.xy`"))]
+    Field {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        available: String,
+    },
+    /// The history does not have that column.
+    #[error("the history has no column `{name}`")]
+    #[diagnostic(code(sphorge::plot::column), help("it has: {available}"))]
+    Column {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        available: String,
+    },
+    /// There is nothing to draw.
+    #[error("there is nothing to draw: {reason}")]
+    #[diagnostic(code(sphorge::plot::empty))]
+    Empty {
+        /// What is missing.
+        reason: String,
+    },
+    /// The page is too small or too large.
+    #[error("a picture of {width} x {height} pixels cannot be made")]
+    #[diagnostic(code(sphorge::plot::size), help("choose sides between 200 and 20000 pixels"))]
+    Size {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// The picture could not be encoded.
+    #[error("the picture could not be encoded: {reason}")]
+    #[diagnostic(code(sphorge::plot::encode))]
+    Encode {
+        /// What the encoder said.
+        reason: String,
+    },
+}

@@ -1,0 +1,129 @@
+//! Pictures of runs written by hand.
+
+use super::*;
+use crate::{
+    Particles,
+    output::{FrameHeader, SeriesEntry, write_frame_file, write_series},
+};
+use std::{fs, path::Path};
+
+/// A run of two frames of a 20 by 10 lattice; pressure grows with x, from -1 to 1 GPa.
+fn run(folder: &Path, dimensions: usize) -> RunDirectory {
+    let run = RunDirectory::create(&folder.join("run"), false).unwrap();
+    let mut particles = Particles::new(200);
+    for i in 0..200 {
+        particles.position[i] = [1e-3 * (i % 20) as f64, 1e-3 * (i / 20) as f64, 1e-4 * i as f64];
+        particles.pressure[i] = 1e9 * ((i % 20) as f64 / 9.5 - 1.0);
+        particles.velocity[i] = [3.0, 4.0, 0.0];
+    }
+    let fields = ["body", "pressure", "velocity", "stress"].map(str::to_owned);
+    let mut entries = Vec::new();
+    for (k, time) in [0.0, 1e-5].into_iter().enumerate() {
+        let header = FrameHeader { time, step: k as u64, dimensions, body_spacing: vec![1e-3] };
+        let file = RunDirectory::frame_name(k);
+        write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
+        entries.push(SeriesEntry { time, file });
+    }
+    write_series(&run.series(), &entries).unwrap();
+    run
+}
+
+fn pixels(path: &Path) -> tiny_skia::Pixmap {
+    tiny_skia::Pixmap::load_png(path).unwrap()
+}
+
+fn count(picture: &tiny_skia::Pixmap, [r, g, b]: [u8; 3]) -> usize {
+    picture.pixels().iter().filter(|p| (p.red(), p.green(), p.blue()) == (r, g, b)).count()
+}
+
+#[test]
+fn particles_have_the_colours_of_the_bar() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    let to = folder.path().join("new/folder/p.png");
+    let picture = FieldPicture { size: Some((800, 500)), ..FieldPicture::new("pressure") };
+    plot_field(&run, &picture, &to).unwrap();
+    let drawn = pixels(&to);
+    assert_eq!((drawn.width(), drawn.height()), (800, 500));
+    // Both signs: diverging, the ends at the two ends of the lattice.
+    for end in [0.0, 1.0] {
+        assert!(count(&drawn, ColorMap::Diverging.color(end)) > 500);
+    }
+    // Beyond a given range the ends of the map stand for everything.
+    let picture = FieldPicture { range: Some((5e9, 6e9)), color_map: Some(ColorMap::Viridis), ..picture };
+    plot_field(&run, &picture, &to).unwrap();
+    assert!(count(&pixels(&to), ColorMap::Viridis.color(0.0)) > 20_000);
+}
+
+#[test]
+fn several_frames_views_components_and_sections_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 3);
+    let to = folder.path().join("p.png");
+    let frames = vec![FrameChoice::First, FrameChoice::Index(1), FrameChoice::Time(2e-6)];
+    for view in [None, Some(View::Xy), Some(View::Xz), Some(View::Yz)] {
+        let picture = FieldPicture { frames: frames.clone(), view, section: true, ..FieldPicture::new("stress.xx") };
+        plot_field(&run, &picture, &to).unwrap();
+        assert!(pixels(&to).pixels().iter().any(|p| p.red() != p.green()), "{view:?}");
+    }
+}
+
+#[test]
+fn a_norm_is_the_length_of_the_vector() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    let scene = scene::Scene::read(&run, &FieldPicture::new("velocity")).unwrap();
+    assert_eq!((scene.extremes, scene.unit, scene.label.as_str()), ((5.0, 5.0), "m/s", "magnitude of velocity"));
+    let scene = scene::Scene::read(&run, &FieldPicture::new("velocity.y")).unwrap();
+    assert_eq!((scene.extremes, scene.label.as_str()), ((4.0, 4.0), "velocity y"));
+    // Pressure alone: the norm of -p I is sqrt(3) p.
+    let scene = scene::Scene::read(&run, &FieldPicture::new("stress")).unwrap();
+    assert!((scene.extremes.1 - 3f64.sqrt() * 1e9).abs() < 1e3);
+}
+
+#[test]
+fn what_is_not_there_is_an_error_that_says_what_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    let to = folder.path().join("p.png");
+    for field in ["temperature", "velocity.q", "pressure.x"] {
+        let error = plot_field(&run, &FieldPicture::new(field), &to).unwrap_err();
+        let PlotError::Field { available, .. } = error else { panic!("{error}") };
+        assert_eq!(available, "body, pressure, velocity, stress");
+    }
+    let late = FieldPicture { frames: vec![FrameChoice::Index(2)], ..FieldPicture::new("pressure") };
+    assert!(matches!(plot_field(&run, &late, &to), Err(PlotError::Empty { .. })));
+    let tiny = FieldPicture { size: Some((100, 100)), ..FieldPicture::new("pressure") };
+    assert!(matches!(plot_field(&run, &tiny, &to), Err(PlotError::Size { .. })));
+    assert!(matches!(plot_columns(&run, &["time".into()], &to), Err(PlotError::Output(_))));
+    fs::write(run.series(), "<VTKFile><Collection/></VTKFile>").unwrap();
+    assert!(matches!(plot_field(&run, &FieldPicture::new("pressure"), &to), Err(PlotError::Output(_))));
+    assert!(!to.exists());
+}
+
+#[test]
+fn usual_pictures_are_made_from_what_a_run_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    fs::write(run.history(), "time,kinetic_energy,energy_drift\n0,1,0\n1e-6,0.5,1e-9\n").unwrap();
+    let names: Vec<_> =
+        plot_run(&run).unwrap().iter().map(|file| file.file_name().unwrap().to_str().unwrap().to_owned()).collect();
+    assert_eq!(names, ["pressure-last.png", "velocity-last.png", "pressure-before-after.png", "history-energy.png"]);
+    plot_columns(&run, &["kinetic_energy".into()], &folder.path().join("c.png")).unwrap();
+    let error = plot_columns(&run, &["potential_energy".into()], &folder.path().join("c.png")).unwrap_err();
+    assert!(matches!(error, PlotError::Column { .. }));
+}
+
+#[test]
+fn frames_are_chosen_by_word_number_or_time() {
+    for (text, choice) in [
+        ("first", FrameChoice::First),
+        ("last", FrameChoice::Last),
+        ("12", FrameChoice::Index(12)),
+        ("6e-5", FrameChoice::Time(6e-5)),
+        ("0.5", FrameChoice::Time(0.5)),
+    ] {
+        assert_eq!(text.parse(), Ok(choice));
+    }
+    assert!("soon".parse::<FrameChoice>().is_err() && "inf".parse::<FrameChoice>().is_err());
+}
