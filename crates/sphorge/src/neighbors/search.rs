@@ -81,6 +81,12 @@ impl<T: PairScalar> Searcher<T> {
         frame
     }
 
+    /// Indices of the points in the order of cells of the given size, m.
+    pub(crate) fn cell_order(&mut self, points: &[Vector<f64>], size: f64) -> &[u32] {
+        self.grid.sort(points, size);
+        self.grid.order()
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let columns: usize = self.x.iter().chain([&self.h]).map(|c| c.capacity() * size_of::<T>()).sum();

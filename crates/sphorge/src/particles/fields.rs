@@ -94,7 +94,9 @@ mod tests {
             particles.id[i] = i as u32;
             particles.velocity[i] = [i as f64, 0.0, 0.0];
         }
-        particles.reorder(&[2, 0, 1]);
+        let mut permutation = crate::particles::Permutation::default();
+        permutation.set(&[2, 0, 1]);
+        particles.reorder(&permutation);
         assert_eq!(particles.id, [2, 0, 1]);
         assert_eq!(particles.velocity[0][0], 2.0);
     }

@@ -2,8 +2,10 @@
 
 mod column;
 mod fields;
+mod permutation;
 mod state;
 
 pub use column::{Column, ColumnKind};
 pub use fields::{FIELDS, FieldInfo, find_field};
+pub use permutation::Permutation;
 pub use state::Particles;

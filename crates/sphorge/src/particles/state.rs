@@ -1,6 +1,6 @@
 //! The columns, declared once; storage, reordering and lookup by name follow from the declaration.
 
-use super::Column;
+use super::{Column, Permutation};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 use std::borrow::Cow;
 
@@ -58,9 +58,9 @@ macro_rules! columns {
                 self.position.is_empty()
             }
 
-            /// Puts particle `order[k]` at place `k` in every column.
-            pub fn reorder(&mut self, order: &[u32]) {
-                $( { let old = &self.$name; let new: Vec<$type> = order.iter().map(|&i| old[i as usize]).collect(); self.$name = new; } )+
+            /// Moves every column the same way; see [`Permutation`].
+            pub fn reorder(&mut self, permutation: &Permutation) {
+                $( permutation.apply(&mut self.$name); )+
             }
 
             /// Bytes held by the columns of one particle.

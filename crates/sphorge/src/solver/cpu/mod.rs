@@ -17,8 +17,8 @@ use super::engine::{Engine, SearchReport, Vote};
 use super::{Ledger, RunFailure};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Search};
-use crate::neighbors::{CellGrid, NeighborList, Reach, Searcher};
-use crate::particles::Particles;
+use crate::neighbors::{NeighborList, Reach, Searcher};
+use crate::particles::{Particles, Permutation};
 use external::Walls;
 use halo::Halo;
 use integrate::{Base, ExternalSums, Motions};
@@ -71,6 +71,7 @@ struct Work {
 struct Lists<T> {
     list: NeighborList,
     searcher: Searcher<T>,
+    permutation: Permutation,
     /// Positions of particles and ghosts at the last search.
     points: Vec<Vector<f64>>,
     smoothing_length: Vec<f64>,
@@ -191,34 +192,27 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
     fn sort_particles(&mut self) {
         let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
-        let mut grid = CellGrid::default();
-        grid.sort(&self.particles.position, size);
-        let order = grid.order();
-        self.particles.reorder(order);
-        self.work.reorder(order);
+        let Lists { searcher, permutation, .. } = &mut self.lists;
+        permutation.set(searcher.cell_order(&self.particles.position, size));
+        self.particles.reorder(permutation);
+        self.work.reorder(permutation);
         self.lists.stale = true;
     }
 }
 
 impl Work {
-    fn reorder(&mut self, order: &[u32]) {
-        fn permute<V: Copy>(column: &mut Vec<V>, order: &[u32]) {
-            if !column.is_empty() {
-                *column = order.iter().map(|&i| column[i as usize]).collect();
-            }
-        }
-        permute(&mut self.xsph, order);
-        permute(&mut self.external_acceleration, order);
-        permute(&mut self.evaluated_velocity, order);
-        permute(&mut self.mu, order);
-        permute(&mut self.correction, order);
-        permute(&mut self.motion, order);
+    fn reorder(&mut self, permutation: &Permutation) {
+        permutation.apply(&mut self.xsph);
+        permutation.apply(&mut self.external_acceleration);
+        permutation.apply(&mut self.evaluated_velocity);
+        permutation.apply(&mut self.mu);
+        permutation.apply(&mut self.correction);
+        permutation.apply(&mut self.motion);
     }
 }
 
 impl<T: PairScalar> Engine for CpuEngine<T> {
     fn begin(&mut self, dt: f64) {
-        // Sorting allocates; it happens between steps and seldom.
         if self.lists.searches >= SEARCHES_PER_SORTING {
             self.lists.searches = 0;
             self.sort_particles();
@@ -295,7 +289,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn memory_bytes(&self) -> u64 {
         let count = self.particles.len();
         let columns = count * (Particles::BYTES + Work::BYTES + self.base.bytes_per_particle());
-        let lists = self.lists.list.bytes() + self.lists.searcher.bytes() + 32 * self.lists.points.capacity();
+        let lists = self.lists.list.bytes()
+            + self.lists.searcher.bytes()
+            + self.lists.permutation.bytes()
+            + 32 * self.lists.points.capacity();
         (columns + lists + self.records.bytes()) as u64
     }
 }
