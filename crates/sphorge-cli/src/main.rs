@@ -1,2 +1,29 @@
-//! The program `sphorge`.
-fn main() {}
+//! The program `sphorge`: arguments, progress and diagnostics over the library of the same name.
+
+mod arguments;
+mod commands;
+mod deck_arguments;
+mod failure;
+mod progress;
+mod readable;
+mod signals;
+mod table;
+mod terminal;
+
+use arguments::Arguments;
+use clap::Parser;
+use failure::{Ending, Failure};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let command = Arguments::parse().command;
+    // A fault of ours still ends with an exit code scripts know.
+    let ending: Ending = std::panic::catch_unwind(|| command.execute()).unwrap_or_else(|_| {
+        terminal::note("This is a fault of Sphorge, not of the deck; please report it together with the deck.");
+        Err(Failure::Told)
+    });
+    if let Some(report) = ending.as_ref().err().and_then(Failure::report) {
+        terminal::report(report);
+    }
+    failure::exit_code(&ending)
+}

@@ -4,8 +4,11 @@
 //! measures, plots and compares.
 
 pub mod analysis;
+pub mod bench;
 pub mod boundary;
 pub mod deck;
+pub mod decks;
+pub mod forecast;
 pub mod geometry;
 mod lanes;
 pub mod material;

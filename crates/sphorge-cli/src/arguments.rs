@@ -1,0 +1,51 @@
+//! The command line as a whole; each command declares its own arguments in [`crate::commands`].
+
+use crate::{commands::*, failure::Ending};
+use clap::{Parser, Subcommand};
+
+/// The program `sphorge`.
+#[derive(Debug, Parser)]
+#[command(
+    name = "sphorge",
+    version,
+    arg_required_else_help = true,
+    about = "Smoothed-particle hydrodynamics for metals that yield, flow and break",
+    after_help = "\
+Start with
+  sphorge run taylor-plate          a Taylor impact, a few seconds
+  sphorge plot out/taylor-plate     pictures of it
+  sphorge decks                     what else is shipped
+
+Exit codes: 0 done, 1 the run failed (what was computed is kept), 2 bad input, 130 stopped by the user."
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a deck: write fields, history and summary to a folder
+    Run(run::RunArguments),
+    /// Say what a deck would do: particles, mass, time step, memory, run time
+    Check(check::CheckArguments),
+    /// List the shipped decks, or print one
+    Decks(decks::DecksArguments),
+    /// List the materials of the catalogue, or print one with its constants and reference
+    Materials(materials::MaterialsArguments),
+    /// Measure the speed of this program on this machine
+    Bench(bench::BenchArguments),
+}
+
+impl Command {
+    pub(crate) fn execute(self) -> Ending {
+        match self {
+            Self::Run(arguments) => run::execute(arguments),
+            Self::Check(arguments) => check::execute(arguments),
+            Self::Decks(arguments) => decks::execute(arguments),
+            Self::Materials(arguments) => materials::execute(arguments),
+            Self::Bench(arguments) => bench::execute(arguments),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! `sphorge bench`: the speed of this program on this machine.
+
+use super::run::parse_threads;
+use crate::{
+    failure::{Ending, Failure, Outcome},
+    readable, table, terminal,
+};
+use clap::Args;
+use miette::{IntoDiagnostic, WrapErr};
+use sphorge::bench::{BenchOptions, BenchReport, bench};
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge bench
+  sphorge bench --threads 1 --json > speed.json
+
+Rates are per core: per thread in use. Pairs are ordered pairs inside the kernel support, counted once a step.")]
+pub(crate) struct BenchArguments {
+    /// Print JSON instead of a table
+    #[arg(long)]
+    json: bool,
+    /// Number of threads [default: all of the machine]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<usize>,
+    /// Seconds of each measurement
+    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds)]
+    seconds: f64,
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=3600.0).contains(&seconds) => Ok(seconds),
+        _ => Err("write a number of seconds from 0 to 3600".to_owned()),
+    }
+}
+
+pub(crate) fn execute(arguments: BenchArguments) -> Ending {
+    let options = BenchOptions { threads: arguments.threads, seconds: arguments.seconds };
+    let report = bench(&options, &mut |what| terminal::note(&format!("measuring {what}")))
+        .map_err(|error| Failure::Failed(error.into()))?;
+    let text = if arguments.json {
+        let json = serde_json::to_string_pretty(&report).into_diagnostic().wrap_err("cannot write JSON");
+        format!("{}\n", json.map_err(Failure::Failed)?)
+    } else {
+        tables(&report)
+    };
+    terminal::print(&text)?;
+    Ok(Outcome::Done)
+}
+
+fn tables(report: &BenchReport) -> String {
+    let machine = &report.machine;
+    let cores = machine.cores.map_or(String::new(), |cores| format!(", {cores} cores"));
+    let mut text = format!(
+        "sphorge {} on {}, {} logical processors{cores} ({}), {} in use\n\n",
+        report.version,
+        if machine.processor.is_empty() { "an unknown processor" } else { &machine.processor },
+        machine.logical_processors,
+        machine.vector_instructions.join(", "),
+        readable::threads(report.threads),
+    );
+    let million = |value: f64| format!("{:.3}", value / 1e6);
+    let head = [
+        "case",
+        "precision",
+        "search",
+        "particles",
+        "neighbours",
+        "M particle-steps/s/core",
+        "M pairs/s/core",
+        "bytes/particle",
+    ];
+    let rows = report.rows.iter().map(|row| {
+        vec![
+            row.case.clone(),
+            row.precision.clone(),
+            row.search.clone(),
+            readable::count(row.particles as u64),
+            format!("{:.1}", row.mean_neighbors),
+            million(row.particle_steps_per_second_per_core),
+            format!("{:.1}", row.pairs_per_second_per_core / 1e6),
+            format!("{:.0}", row.bytes_per_particle),
+        ]
+    });
+    text += &table::columns(&head, &[3, 4, 5, 6, 7], rows.collect());
+    text += "\nShare of time by stage, per cent\n\n";
+    let head =
+        ["case", "precision", "search", "search", "kinematics", "stress", "forces", "integrate", "particles searched"];
+    let rows = report.rows.iter().map(|row| {
+        let shares = &row.stage_shares;
+        let stages = [shares.search, shares.kinematics, shares.stress, shares.forces, shares.integrate];
+        let names = [row.case.clone(), row.precision.clone(), row.search.clone()];
+        let numbers = stages.into_iter().chain([row.searched_fraction]).map(|share| format!("{:.1}", 100.0 * share));
+        names.into_iter().chain(numbers).collect()
+    });
+    text += &table::columns(&head, &[3, 4, 5, 6, 7, 8], rows.collect());
+    text
+}

@@ -1,0 +1,93 @@
+//! `sphorge check`: what a deck would do.
+
+use super::run::parse_threads;
+use crate::{
+    deck_arguments::DeckArguments,
+    failure::{Ending, Failure, Outcome},
+    readable, table, terminal,
+};
+use clap::Args;
+use sphorge::forecast::{Forecast, ForecastOptions, forecast};
+
+/// Wall-clock seconds spent on steps.
+const SECONDS: f64 = 1.0;
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge check my.toml
+  sphorge check taylor-bar --set particles.spacing=\"0.1 mm\"
+
+Takes a few real steps to time them and writes nothing. Exit code 2 if the deck cannot be run.")]
+pub(crate) struct CheckArguments {
+    #[command(flatten)]
+    deck: DeckArguments,
+    /// Number of threads [default: all of the machine]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<usize>,
+}
+
+pub(crate) fn execute(arguments: CheckArguments) -> Ending {
+    let setup = arguments.deck.load()?;
+    let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
+    let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
+    terminal::print(&report(&forecast))?;
+    Ok(Outcome::Done)
+}
+
+fn report(forecast: &Forecast) -> String {
+    let unit = forecast.mass_unit();
+    let rows = forecast.bodies.iter().map(|body| {
+        vec![
+            body.name.clone(),
+            body.material.clone(),
+            readable::count(body.particles as u64),
+            readable::quantity(body.spacing, "m"),
+            readable::quantity(body.mass, unit),
+            readable::quantity(body.shape_mass, unit),
+            readable::percent(body.mass / body.shape_mass - 1.0),
+        ]
+    });
+    let head = ["body", "material", "particles", "spacing", "mass", "mass of the shape", "difference"];
+    let bodies = table::columns(&head, &[2, 3, 4, 5, 6], rows.collect());
+    let particles = forecast.particles();
+    let facts = [
+        ("particles", format!("{}, {:.1} neighbours each", readable::count(particles as u64), forecast.mean_neighbors)),
+        (
+            "first time step",
+            format!("{}, limited by {}", readable::quantity(forecast.first_step, "s"), forecast.first_reason.name()),
+        ),
+        (
+            "expected steps",
+            format!("about {} to {}", readable::count(forecast.expected_steps), readable::quantity(forecast.end, "s")),
+        ),
+        (
+            "run time",
+            format!(
+                "about {} on {} ({} a step)",
+                readable::duration(forecast.run_seconds),
+                readable::threads(forecast.threads),
+                readable::duration(forecast.seconds_per_step),
+            ),
+        ),
+        (
+            "memory",
+            format!(
+                "about {} ({:.0} bytes a particle)",
+                readable::bytes(forecast.memory_bytes as f64),
+                forecast.memory_bytes as f64 / particles.max(1) as f64,
+            ),
+        ),
+        (
+            "output",
+            format!(
+                "about {} in {} frames",
+                readable::bytes(forecast.output_bytes as f64),
+                readable::count(forecast.frames)
+            ),
+        ),
+    ];
+    let title = if forecast.title.is_empty() { String::new() } else { format!("{}\n\n", forecast.title) };
+    format!("{title}{bodies}\n{}", table::facts(&facts))
+}

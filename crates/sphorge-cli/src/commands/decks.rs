@@ -1,0 +1,39 @@
+//! `sphorge decks`: the decks that come with the program.
+
+use crate::{
+    failure::{Ending, Failure, Outcome},
+    table, terminal,
+};
+use clap::Args;
+use sphorge::decks::{self, DECKS};
+
+/// Arguments of `decks`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge decks
+  sphorge decks taylor-plate > my.toml      a deck of your own to start from")]
+pub(crate) struct DecksArguments {
+    /// A shipped deck to print
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+}
+
+pub(crate) fn execute(arguments: DecksArguments) -> Ending {
+    let text = match arguments.name {
+        None => {
+            let rows = DECKS.iter().map(|deck| vec![deck.name.to_owned(), deck.title()]);
+            let table = table::columns(&["name", "case"], &[], rows.collect());
+            format!("{table}\n`sphorge run NAME` runs one, `sphorge decks NAME` prints it.\n")
+        }
+        Some(name) => match decks::find(&name) {
+            Some(deck) => deck.text.to_owned(),
+            None => {
+                let message = format!("there is no shipped deck `{name}`");
+                return Err(Failure::bad_input(message, "`sphorge decks` lists them"));
+            }
+        },
+    };
+    terminal::print(&text)?;
+    Ok(Outcome::Done)
+}

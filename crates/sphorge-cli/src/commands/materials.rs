@@ -1,0 +1,83 @@
+//! `sphorge materials`: the catalogue.
+
+use crate::{
+    failure::{Ending, Failure, Outcome},
+    readable, table, terminal,
+};
+use clap::Args;
+use sphorge::material::{self, ConstantLine, LawListing, MaterialListing};
+use std::fmt::Write;
+
+/// Arguments of `materials`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge materials
+  sphorge materials armco-iron
+
+A deck uses one by its name, changes it under [material.<name>], or defines its own.")]
+pub(crate) struct MaterialsArguments {
+    /// A material of the catalogue
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+}
+
+pub(crate) fn execute(arguments: MaterialsArguments) -> Ending {
+    let text = match arguments.name {
+        None => overview(&material::catalogue()),
+        Some(name) => details(&material::find(&name).map_err(|near| {
+            let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
+            let help = format!("{near}`sphorge materials` lists all; a deck can also define its own");
+            Failure::bad_input(format!("there is no material `{name}` in the catalogue"), help)
+        })?),
+    };
+    terminal::print(&text)?;
+    Ok(Outcome::Done)
+}
+
+fn overview(materials: &[MaterialListing]) -> String {
+    let key = |law: &Option<LawListing>| law.as_ref().map_or("-", |law| law.key).to_owned();
+    let rows = materials.iter().map(|m| {
+        let complete = if m.missing.is_empty() { "" } else { "incomplete" };
+        vec![m.name.clone(), m.description.clone(), key(&m.equation_of_state), key(&m.strength), complete.to_owned()]
+    });
+    let table = table::columns(&["name", "material", "pressure", "strength", ""], &[], rows.collect());
+    format!("{table}\n`sphorge materials NAME` prints the constants and where they are published.\n")
+}
+
+fn details(material: &MaterialListing) -> String {
+    let mut text = format!("{}: {}\n", material.name, material.description);
+    for (name, value) in [("reference", &material.reference), ("note", &material.note)] {
+        if !value.is_empty() {
+            let _ = writeln!(text, "{name}: {value}");
+        }
+    }
+    text += &format!("\n{}", constants(&material.constants));
+    for (what, law) in [("pressure", &material.equation_of_state), ("strength", &material.strength)] {
+        if let Some(law) = law {
+            let _ = write!(
+                text,
+                "\n{what}: {}, {} ({})\n\n{}",
+                law.key,
+                law.name,
+                law.reference,
+                constants(&law.constants)
+            );
+        }
+    }
+    if !material.missing.is_empty() {
+        text += "\nA deck that uses this material has to add:\n";
+        for missing in &material.missing {
+            let _ = writeln!(text, "  {missing}");
+        }
+    }
+    text
+}
+
+fn constants(lines: &[ConstantLine]) -> String {
+    let rows = lines.iter().map(|line| {
+        let value = line.value.map_or_else(|| "not given".to_owned(), |value| readable::quantity(value, line.unit));
+        vec![line.key.to_owned(), line.symbol.to_owned(), value, line.meaning.to_owned()]
+    });
+    table::columns(&["key", "symbol", "value", "meaning"], &[2], rows.collect())
+}

@@ -1,0 +1,7 @@
+//! One file per command: its arguments, the call into the library, what is printed.
+
+pub(crate) mod bench;
+pub(crate) mod check;
+pub(crate) mod decks;
+pub(crate) mod materials;
+pub(crate) mod run;

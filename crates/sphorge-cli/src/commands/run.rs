@@ -1,0 +1,133 @@
+//! `sphorge run`: a deck becomes a folder of results.
+
+use crate::{
+    deck_arguments::DeckArguments,
+    failure::{Ending, Failure, Outcome},
+    progress::ProgressDisplay,
+    readable, signals, table, terminal,
+};
+use clap::{Args, ValueEnum};
+use miette::{IntoDiagnostic, WrapErr};
+use sphorge::{
+    output::{EndReason, RunDirectory, Status, Summary},
+    run::{RunError, RunOptions},
+};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge run taylor-plate
+  sphorge run my.toml -o out/fine --set particles.spacing=\"0.15 mm\" --threads 8
+  sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
+
+Ctrl-C stops the run after the present step; frames, history and summary are complete up to there (exit code 130).")]
+pub(crate) struct RunArguments {
+    #[command(flatten)]
+    deck: DeckArguments,
+    /// Folder to write to [default: out/<deck name>]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Number of threads [default: all of the machine]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<usize>,
+    /// What computes
+    #[arg(long, value_name = "ENGINE", default_value = "cpu")]
+    engine: EngineArgument,
+    /// Replace the run that is in the folder
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum EngineArgument {
+    /// The processor
+    Cpu,
+    /// A graphics card
+    Gpu,
+}
+
+/// A number of threads: at least one.
+pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads @ 1..=4096) => Ok(threads),
+        _ => Err("write a number from 1 to 4096".to_owned()),
+    }
+}
+
+pub(crate) fn execute(arguments: RunArguments) -> Ending {
+    if let EngineArgument::Gpu = arguments.engine {
+        let help = "run it with `--engine cpu`, the default";
+        return Err(Failure::bad_input("this build of sphorge has no engine for graphics cards", help));
+    }
+    let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(arguments.deck.name()));
+    // Filling large bodies takes a while: say so before if the folder is in the way.
+    RunDirectory::check(&directory, arguments.overwrite).map_err(|error| Failure::BadInput(error.into()))?;
+    let setup = arguments.deck.load()?;
+
+    let mut display = ProgressDisplay::new();
+    let lines = display.lines();
+    let stop = signals::stop_flag(move || {
+        lines.print("stopping: writing what there is (once more ends the program at once)");
+    })
+    .into_diagnostic()
+    .wrap_err("cannot catch Ctrl-C")
+    .map_err(Failure::Failed)?;
+    let options =
+        RunOptions { directory: directory.clone(), overwrite: arguments.overwrite, threads: arguments.threads };
+    let result =
+        sphorge::run::execute_model(setup.model, setup.particles, &setup.deck_text, &options, &stop, &mut display);
+    drop(display);
+
+    match result {
+        Ok(summary) => {
+            terminal::print(&report(&summary, &directory))?;
+            Ok(if summary.status == Status::Stopped { Outcome::Stopped } else { Outcome::Done })
+        }
+        Err(error @ (RunError::Directory(_) | RunError::Threads { .. })) => Err(Failure::BadInput(error.into())),
+        Err(error) => Err(Failure::Failed(error.into())),
+    }
+}
+
+/// What the run did, for people.
+fn report(summary: &Summary, directory: &Path) -> String {
+    let end = match summary.end_reason {
+        EndReason::EndTime => "reached its end time",
+        EndReason::KineticEnergy => "ended: the kinetic energy has fallen to the deck's share",
+        EndReason::MaxSteps => "ended: the deck's number of steps is done",
+        EndReason::User => "stopped by the user",
+        EndReason::Failure => "failed",
+    };
+    let drift =
+        |last: f64, largest: f64| format!("{} (largest {})", readable::percent(last), readable::percent(largest));
+    let energy = &summary.energy;
+    let mut facts = vec![
+        ("run", format!("{end} at {}", readable::quantity(summary.simulated_time, "s"))),
+        (
+            "work",
+            format!(
+                "{} particles x {} steps in {} on {}",
+                readable::count(summary.particles),
+                readable::count(summary.steps),
+                readable::duration(summary.wall_seconds),
+                readable::threads(summary.threads),
+            ),
+        ),
+        ("speed", format!("{} particle-steps/s", readable::large(summary.particle_steps_per_second))),
+        ("memory", readable::bytes(summary.peak_memory_bytes as f64)),
+        ("energy drift", drift(energy.relative_drift, energy.largest_relative_drift)),
+        ("momentum drift", drift(summary.momentum_drift, summary.largest_momentum_drift)),
+    ];
+    for (name, value) in &summary.measures {
+        let unit = summary.measure_units.get(name).map_or("", String::as_str);
+        let value = value.map_or_else(|| "no value yet".to_owned(), |value| readable::quantity(value, unit));
+        facts.push((name, value));
+    }
+    let folder = directory.display();
+    facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
+    facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
+    facts.push(("pictures", format!("sphorge plot {folder}")));
+    table::facts(&facts)
+}

@@ -1,0 +1,93 @@
+//! Arguments that name a deck and change it, shared by the commands that read decks.
+
+use crate::failure::Failure;
+use clap::{Args, ValueEnum};
+use sphorge::deck::{self, Setup};
+use sphorge::decks::{self, ShippedDeck};
+use std::path::{Path, PathBuf};
+
+/// A deck with changes.
+#[derive(Debug, Args)]
+pub(crate) struct DeckArguments {
+    /// A deck file, or the name of a shipped deck (`sphorge decks` lists them)
+    #[arg(value_name = "DECK")]
+    deck: PathBuf,
+    /// Set a key of the deck, such as `particles.spacing="0.2 mm"` or `body.0.velocity=["0 m/s","-150 m/s"]`; repeatable
+    #[arg(long = "set", value_name = "path=value", value_parser = parse_override)]
+    overrides: Vec<(String, String)>,
+    /// Arithmetic of the pair sums, instead of the deck's `numerics.precision`
+    #[arg(long, value_name = "PRECISION")]
+    precision: Option<PrecisionArgument>,
+}
+
+/// Arithmetic of the pair sums.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PrecisionArgument {
+    /// Pair sums in single precision, everything accumulated in double
+    Mixed,
+    /// Everything in double precision
+    Double,
+}
+
+/// Splits at the first `=`: values may hold more of them.
+fn parse_override(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() => Ok((path.trim().to_owned(), value.trim().to_owned())),
+        _ => Err("write the key, `=` and the value: `time.end=\"30 us\"`".to_owned()),
+    }
+}
+
+enum Source {
+    Shipped(&'static ShippedDeck),
+    File(PathBuf),
+}
+
+impl DeckArguments {
+    /// Name of the deck without folder and extension: names the output folder.
+    pub(crate) fn name(&self) -> String {
+        self.deck.file_stem().unwrap_or(self.deck.as_os_str()).to_string_lossy().into_owned()
+    }
+
+    /// Reads the deck and fills its bodies.
+    ///
+    /// # Errors
+    /// There is no such deck, or something is wrong with it.
+    pub(crate) fn load(&self) -> Result<Setup, Failure> {
+        let mut overrides = self.overrides.clone();
+        if let Some(precision) = self.precision {
+            let word = match precision {
+                PrecisionArgument::Mixed => "mixed",
+                PrecisionArgument::Double => "double",
+            };
+            overrides.push(("numerics.precision".to_owned(), format!("\"{word}\"")));
+        }
+        let setup = match self.source()? {
+            Source::Shipped(shipped) => deck::load_text(shipped.name, shipped.text, &overrides),
+            Source::File(path) => deck::load(&path, &overrides),
+        };
+        setup.map_err(|report| Failure::BadInput(report.into()))
+    }
+
+    /// A file if there is one; otherwise a shipped deck of that bare name.
+    fn source(&self) -> Result<Source, Failure> {
+        if self.deck.exists() {
+            return Ok(Source::File(self.deck.clone()));
+        }
+        let bare = self.deck.components().count() == 1;
+        let shipped = bare.then(|| decks::find(&self.name())).flatten();
+        shipped.map(Source::Shipped).ok_or_else(|| missing(&self.deck, &self.name()))
+    }
+}
+
+fn missing(path: &Path, name: &str) -> Failure {
+    let known = decks::DECKS.iter().map(|deck| deck.name);
+    let near = known
+        .map(|known| (strsim::normalized_damerau_levenshtein(known, name), known))
+        .filter(|(likeness, _)| *likeness >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let help = match near {
+        Some((_, known)) => format!("did you mean the shipped deck `{known}`? `sphorge decks` lists all"),
+        None => "give the path of a deck file, or the name of a shipped deck: `sphorge decks` lists them".to_owned(),
+    };
+    Failure::bad_input(format!("there is no deck `{}`", path.display()), help)
+}

@@ -1,0 +1,52 @@
+//! How a command ends, and the exit code scripts see.
+
+use miette::Report;
+use std::process::ExitCode;
+
+/// A command that ended without failing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// All done: exit code 0.
+    Done,
+    /// The user stopped it, its files are complete: exit code 130.
+    Stopped,
+}
+
+/// A command that failed.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// What the user gave cannot be used: exit code 2.
+    BadInput(Report),
+    /// It was well asked for and went wrong on the way: exit code 1.
+    Failed(Report),
+    /// As before, and the command has said so itself: exit code 1.
+    Told,
+}
+
+/// What every command returns.
+pub(crate) type Ending = Result<Outcome, Failure>;
+
+impl Failure {
+    /// Bad input with a message and what to do about it.
+    pub(crate) fn bad_input(message: impl std::fmt::Display, help: impl std::fmt::Display) -> Self {
+        Self::BadInput(miette::miette!(help = help.to_string(), "{message}"))
+    }
+
+    /// The report for people, if it is not told yet.
+    pub(crate) fn report(&self) -> Option<&Report> {
+        match self {
+            Self::BadInput(report) | Self::Failed(report) => Some(report),
+            Self::Told => None,
+        }
+    }
+}
+
+/// The exit code of an ending.
+pub(crate) fn exit_code(ending: &Ending) -> ExitCode {
+    ExitCode::from(match ending {
+        Ok(Outcome::Done) => 0,
+        Err(Failure::Failed(_) | Failure::Told) => 1,
+        Err(Failure::BadInput(_)) => 2,
+        Ok(Outcome::Stopped) => 130,
+    })
+}

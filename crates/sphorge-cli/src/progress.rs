@@ -1,0 +1,104 @@
+//! Shows how far a run is: a bar with the time left on a terminal, a line every tenth part otherwise.
+
+use crate::{readable, terminal};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sphorge::run::{Observer, Progress, RunStart};
+use std::io::{self, IsTerminal};
+
+/// Ticks of the bar.
+const TICKS: u64 = 1000;
+/// Without a terminal, a line comes at least so often, s.
+const LINE_INTERVAL: f64 = 60.0;
+
+/// Prints lines to standard error, above the bar if there is one; standard output holds the result alone.
+#[derive(Clone)]
+pub(crate) struct Lines {
+    bar: Option<ProgressBar>,
+}
+
+impl Lines {
+    pub(crate) fn print(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| terminal::note(text)),
+            None => terminal::note(text),
+        }
+    }
+}
+
+/// Watches a run for the user.
+pub(crate) struct ProgressDisplay {
+    lines: Lines,
+    tenths: u64,
+    last_line: f64,
+}
+
+impl ProgressDisplay {
+    pub(crate) fn new() -> Self {
+        let bar = io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr());
+            match ProgressStyle::with_template("[{bar:30}] {percent:>3} %  {wide_msg}") {
+                Ok(style) => bar.with_style(style.progress_chars("=> ")),
+                Err(_) => bar,
+            }
+        });
+        Self { lines: Lines { bar }, tenths: 0, last_line: 0.0 }
+    }
+
+    /// For messages while the run goes on.
+    pub(crate) fn lines(&self) -> Lines {
+        self.lines.clone()
+    }
+}
+
+impl Observer for ProgressDisplay {
+    fn started(&mut self, start: &RunStart) {
+        if !start.title.is_empty() {
+            self.lines.print(&start.title);
+        }
+        self.lines.print(&format!(
+            "{} particles to {} on {}, writing to {}",
+            readable::count(start.particles as u64),
+            readable::quantity(start.end, "s"),
+            readable::threads(start.threads),
+            start.directory.display(),
+        ));
+    }
+
+    fn progressed(&mut self, progress: &Progress) {
+        let state = state(progress);
+        if let Some(bar) = &self.lines.bar {
+            bar.set_position((progress.fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
+            bar.set_message(state);
+            return;
+        }
+        let tenths = (progress.fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
+        if tenths > self.tenths || progress.seconds - self.last_line >= LINE_INTERVAL {
+            (self.tenths, self.last_line) = (tenths, progress.seconds);
+            terminal::note(&format!("{:>3.0} %  {state}", 100.0 * progress.fraction));
+        }
+    }
+}
+
+impl Drop for ProgressDisplay {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.lines.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// One line on a run under way.
+fn state(progress: &Progress) -> String {
+    let left = match progress.seconds_left {
+        Some(left) if progress.fraction < 1.0 => format!(", {} left", readable::duration(left)),
+        _ => String::new(),
+    };
+    format!(
+        "{}{left}, step {}, dt {} ({}), {} particle-steps/s",
+        readable::quantity(progress.time, "s"),
+        readable::count(progress.step),
+        readable::quantity(progress.dt, "s"),
+        progress.reason.name(),
+        readable::large(progress.particle_steps_per_second),
+    )
+}

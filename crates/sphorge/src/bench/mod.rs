@@ -1,0 +1,117 @@
+//! Measures the speed of the program on this machine.
+//!
+//! Each case is stepped until it is warm, then for a given wall-clock time; nothing is written meanwhile. Rates are per core:
+//! per thread in use, so leave hyper-threads out with the number of threads when comparing machines. Pairs are ordered
+//! pairs `i != j` inside the kernel support, counted once a step whatever the number of sweeps over them.
+
+mod machine;
+mod measure;
+
+pub use machine::Machine;
+pub use measure::{BenchError, StageShares};
+
+use crate::{deck, decks};
+use measure::measure;
+use serde::Serialize;
+
+/// A case of the benchmark: a shipped deck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BenchCase {
+    /// Name of the deck.
+    pub deck: &'static str,
+    /// What it stands for.
+    pub meaning: &'static str,
+}
+
+/// The cases.
+pub const CASES: &[BenchCase] = &[BenchCase {
+    deck: "block",
+    meaning: "a lattice block at rest: the pair sums and the search, nothing else happens",
+}];
+/// Values of `numerics.precision` that are measured.
+const PRECISIONS: &[&str] = &["mixed", "double"];
+/// Values of `search` that are measured.
+const STRATEGIES: &[&str] = &["every-step", "skin"];
+
+/// How to measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BenchOptions {
+    /// Number of threads; all the machine has if not given.
+    pub threads: Option<usize>,
+    /// Wall-clock seconds of each measurement, after the warm-up.
+    pub seconds: f64,
+}
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BenchRow {
+    /// Name of the deck.
+    pub case: String,
+    /// `mixed` or `double`.
+    pub precision: String,
+    /// Search strategy.
+    pub search: String,
+    /// Number of particles.
+    pub particles: usize,
+    /// Neighbours a particle has on average.
+    pub mean_neighbors: f64,
+    /// Steps measured.
+    pub steps: u64,
+    /// Wall-clock seconds they took.
+    pub wall_seconds: f64,
+    /// Particle-steps per second and core.
+    pub particle_steps_per_second_per_core: f64,
+    /// Ordered pairs per second and core.
+    pub pairs_per_second_per_core: f64,
+    /// Share of the particles searched, mean over the steps.
+    pub searched_fraction: f64,
+    /// Share of the time by stage.
+    pub stage_shares: StageShares,
+    /// Bytes of columns, lists and scratch for one particle.
+    pub bytes_per_particle: f64,
+}
+
+/// All measurements of one call.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BenchReport {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Where it was measured.
+    pub machine: Machine,
+    /// Threads in use.
+    pub threads: usize,
+    /// The measurements, in the order they were made.
+    pub rows: Vec<BenchRow>,
+}
+
+/// Measures every case with every precision and strategy. `observe` is called before each measurement with what it is.
+///
+/// # Errors
+/// The threads cannot be started, or a shipped deck does not run.
+pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> Result<BenchReport, BenchError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .build()
+        .map_err(|e| BenchError::Threads(e.to_string()))?;
+    pool.install(|| {
+        let mut rows = Vec::new();
+        for case in CASES {
+            for &precision in PRECISIONS {
+                for &search in STRATEGIES {
+                    observe(&format!("{}, {precision}, {search}", case.deck));
+                    let overrides = [("numerics.precision", precision), ("search", search)]
+                        .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
+                    let text = decks::find(case.deck).map_or("", |deck| deck.text);
+                    let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
+                    rows.push(measure(setup, precision, search, options.seconds)?);
+                }
+            }
+        }
+        Ok(BenchReport {
+            version: env!("CARGO_PKG_VERSION"),
+            machine: Machine::here(),
+            threads: rayon::current_num_threads(),
+            rows,
+        })
+    })
+}

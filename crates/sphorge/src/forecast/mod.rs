@@ -1,0 +1,210 @@
+//! What a run would take: looks at the model, then takes a few real steps and writes nothing.
+
+mod shape;
+
+use crate::{
+    deck::Setup,
+    model::{Dimensions, Model},
+    output::{FrameHeader, write_frame},
+    particles::Particles,
+    solver::{RunFailure, Simulation, VoteReason},
+};
+use shape::exact_size;
+use std::{
+    io::{self, Write},
+    time::Instant,
+};
+
+/// How to forecast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForecastOptions {
+    /// Number of threads; all the machine has if not given.
+    pub threads: Option<usize>,
+    /// Wall-clock seconds to spend on steps, at least one step is taken.
+    pub seconds: f64,
+}
+
+/// What a run would take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forecast {
+    /// Title of the deck.
+    pub title: String,
+    /// Space dimensions.
+    pub dimensions: Dimensions,
+    /// The bodies in deck order.
+    pub bodies: Vec<BodyForecast>,
+    /// End time, s.
+    pub end: f64,
+    /// The first time step, s.
+    pub first_step: f64,
+    /// What limits it.
+    pub first_reason: VoteReason,
+    /// Steps to the end at the mean size of the steps taken here.
+    pub expected_steps: u64,
+    /// Neighbours a particle has on average.
+    pub mean_neighbors: f64,
+    /// Threads in use.
+    pub threads: usize,
+    /// Wall-clock seconds of a step.
+    pub seconds_per_step: f64,
+    /// Wall-clock seconds of the whole run, writing left out.
+    pub run_seconds: f64,
+    /// Bytes of columns, lists and scratch.
+    pub memory_bytes: u64,
+    /// Frames that would be written.
+    pub frames: u64,
+    /// Bytes of all frames and the history.
+    pub output_bytes: u64,
+}
+
+/// One body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyForecast {
+    /// Name in the deck.
+    pub name: String,
+    /// Name of the material.
+    pub material: String,
+    /// Number of particles.
+    pub particles: usize,
+    /// Spacing, m.
+    pub spacing: f64,
+    /// Mass of the particles, kg (per metre of thickness in plane strain, per square metre in one dimension).
+    pub mass: f64,
+    /// Density times the volume of the shape, in the same unit.
+    pub shape_mass: f64,
+}
+
+impl Forecast {
+    /// Number of particles.
+    pub fn particles(&self) -> usize {
+        self.bodies.iter().map(|body| body.particles).sum()
+    }
+
+    /// Unit of the masses.
+    pub fn mass_unit(&self) -> &'static str {
+        match self.dimensions {
+            Dimensions::One => "kg/m^2",
+            Dimensions::PlaneStrain => "kg/m",
+            Dimensions::Three => "kg",
+        }
+    }
+}
+
+/// Why there is no forecast.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ForecastError {
+    /// No pool of threads.
+    #[error("cannot start the threads: {0}")]
+    #[diagnostic(help("ask for fewer with `--threads N`"))]
+    Threads(String),
+    /// The deck can be read but not stepped.
+    #[error("the deck cannot take its first steps: {0}")]
+    Failed(#[from] RunFailure),
+}
+
+/// Forecasts the run of a deck.
+///
+/// # Errors
+/// See [`ForecastError`].
+pub fn forecast(setup: Setup, options: &ForecastOptions) -> Result<Forecast, ForecastError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .build()
+        .map_err(|e| ForecastError::Threads(e.to_string()))?;
+    pool.install(|| Ok(look_ahead(setup, options.seconds)?))
+}
+
+fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
+    let model = setup.model.clone();
+    let bodies = bodies(&model, &setup.particles);
+    let frame_bytes = frame_bytes(&model, &setup.particles);
+
+    let mut simulation = Simulation::new(setup.model, setup.particles);
+    let (first_step, first_reason) = simulation.next_step_estimate()?;
+    // The first step touches memory for the first time: it is taken, not timed.
+    simulation.step(None)?;
+    let (mut steps, start, start_time) = (0_u64, Instant::now(), simulation.time());
+    while steps == 0 || start.elapsed().as_secs_f64() < seconds {
+        simulation.step(None)?;
+        steps += 1;
+    }
+    let seconds_per_step = start.elapsed().as_secs_f64() / steps as f64;
+    let mean_step = (simulation.time() - start_time) / steps as f64;
+    let by_time = (model.time.end / mean_step).ceil() as u64;
+    let expected_steps = by_time.min(model.time.max_steps.unwrap_or(u64::MAX));
+
+    let share = (expected_steps as f64 / by_time.max(1) as f64).min(1.0);
+    let frames = 1 + (share * model.time.end / model.output.frame_interval).ceil() as u64;
+    let rows = 1.0 + share * model.time.end / model.output.history_interval;
+    Ok(Forecast {
+        title: model.title.clone(),
+        dimensions: model.dimensions,
+        bodies,
+        end: model.time.end,
+        first_step,
+        first_reason,
+        expected_steps,
+        mean_neighbors: simulation.mean_neighbors(),
+        threads: rayon::current_num_threads(),
+        seconds_per_step,
+        run_seconds: seconds_per_step * expected_steps as f64,
+        memory_bytes: simulation.memory_bytes(),
+        frames,
+        output_bytes: frames * frame_bytes + (rows * history_row_bytes(&model)) as u64,
+    })
+}
+
+fn bodies(model: &Model, particles: &Particles) -> Vec<BodyForecast> {
+    let mut counts = vec![0; model.bodies.len()];
+    let mut masses = vec![0.0; model.bodies.len()];
+    for (&body, mass) in particles.body.iter().zip(&particles.mass) {
+        counts[body as usize] += 1;
+        masses[body as usize] += mass;
+    }
+    let rows = model.bodies.iter().zip(counts.into_iter().zip(masses));
+    rows.map(|(body, (particles, mass))| {
+        let material = &model.materials[body.material];
+        BodyForecast {
+            name: body.name.clone(),
+            material: material.name.clone(),
+            particles,
+            spacing: body.spacing,
+            mass,
+            shape_mass: material.density * exact_size(&body.shape.solid, model.dimensions),
+        }
+    })
+    .collect()
+}
+
+/// Size of one frame: writes it to nowhere.
+fn frame_bytes(model: &Model, particles: &Particles) -> u64 {
+    struct Counter(u64);
+    impl Write for Counter {
+        fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+            self.0 += data.len() as u64;
+            Ok(data.len())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let header = FrameHeader {
+        time: 0.0,
+        step: 0,
+        dimensions: model.dimensions.count(),
+        body_spacing: model.bodies.iter().map(|body| body.spacing).collect(),
+    };
+    let mut counter = Counter(0);
+    match write_frame(&mut counter, &header, particles, &model.output.fields) {
+        Ok(()) => counter.0,
+        // More particles than a frame can hold: the run will say so.
+        Err(_) => 0,
+    }
+}
+
+/// About the size of a row of the history.
+fn history_row_bytes(model: &Model) -> f64 {
+    const BYTES_PER_CELL: f64 = 18.0;
+    let cells = 24 + 13 * model.bodies.len() + 3 * (model.walls.len() + model.motions.len()) + model.measures.len();
+    BYTES_PER_CELL * cells as f64
+}
