@@ -34,6 +34,8 @@ pub(crate) enum Command {
     Decks(decks::DecksArguments),
     /// List the materials of the catalogue, or print one with its constants and reference
     Materials(materials::MaterialsArguments),
+    /// Draw the particles before and after, and the history curves, of a run
+    Plot(plot::PlotArguments),
     /// Measure the speed of this program on this machine
     Bench(bench::BenchArguments),
 }
@@ -45,6 +47,7 @@ impl Command {
             Self::Check(arguments) => check::execute(arguments),
             Self::Decks(arguments) => decks::execute(arguments),
             Self::Materials(arguments) => materials::execute(arguments),
+            Self::Plot(arguments) => plot::execute(arguments),
             Self::Bench(arguments) => bench::execute(arguments),
         }
     }

@@ -4,4 +4,5 @@ pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod decks;
 pub(crate) mod materials;
+pub(crate) mod plot;
 pub(crate) mod run;

@@ -77,8 +77,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     .map_err(Failure::Failed)?;
     let options =
         RunOptions { directory: directory.clone(), overwrite: arguments.overwrite, threads: arguments.threads };
-    let result =
-        sphorge::run::execute_model(setup.model, setup.particles, &setup.deck_text, &options, &stop, &mut display);
+    let result = sphorge::run::execute(setup, &options, &stop, &mut display);
     drop(display);
 
     match result {
