@@ -1,6 +1,9 @@
 //! What is made of a run: measures while it goes on; pictures and comparisons afterwards.
 
-mod measures;
+pub mod compare;
+pub mod measures;
+mod number;
 pub mod plot;
 
+pub use compare::Comparison;
 pub use measures::Measures;

@@ -7,7 +7,7 @@
 //! (yet).
 //!
 //! The file is replaced as a whole (written aside, renamed), so a reader always sees complete lines, whatever the file
-//! system. So that long histories do not cost the run, it is replaced when twenty times the duration of the last
+//! system. So that long histories do not cost the run, it is replaced when fifty times the duration of the last
 //! replacement has passed: in practice at every row, and at every frame in any case. A killed process loses at most the
 //! rows since then; after a power cut the file is that of some recent moment, complete.
 

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Lets something slow happen as often as it costs at most about a twentieth of the time.
+/// Lets something slow happen as often as it costs at most about a fiftieth of the time.
 #[derive(Debug)]
 pub(super) struct Pacing {
     last: Instant,
@@ -23,9 +23,9 @@ impl Pacing {
         Self { last: Instant::now(), duration: Duration::ZERO }
     }
 
-    /// Whether twenty times the duration of the last time has passed since.
+    /// Whether fifty times the duration of the last time has passed since.
     pub(super) fn is_due(&self) -> bool {
-        self.last.elapsed() >= 20 * self.duration
+        self.last.elapsed() >= 50 * self.duration
     }
 
     /// Does it and notes how long it took.

@@ -1,11 +1,4 @@
-//! Speed of a front.
-//!
-//! The field is averaged in slabs of one spacing across the axis. Seen from the end the front runs to, the front is the
-//! first place where the slab means cross the level, found on the straight line between two slabs (each at the mean
-//! position of its particles). The side of the level on which that end lies in the first sample is the material ahead;
-//! once the end itself has crossed, the front has left and gives no more samples. The speed is the slope of the least-squares
-//! line through positions against times of the samples in the time window, positive in the direction of the front, m/s; it
-//! needs two samples.
+//! Speed of a front; the definition is in [`super`].
 
 use super::selection::{Quantity, Selection};
 

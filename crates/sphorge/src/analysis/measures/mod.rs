@@ -10,9 +10,19 @@
 //! - extreme: largest or smallest value, now or in any row so far; a vector or tensor by its norm unless a component is named.
 //! - mean: `sum m f / sum m`.
 //! - value: `sum (m/rho) f W / sum (m/rho) W` at a point (Shepard), no value where no kernel reaches.
-//! - front speed: see [`front`].
-//! - period: see [`period`].
-//! - reversal time: see [`reversal`].
+//! - front speed: the field is averaged in slabs of one spacing across the axis; seen from the end the front runs to, the
+//!   front is where the slab means first cross the level, on the straight line between two slabs. The side of the level on
+//!   which that end lies in the first sample is the material ahead; once the end itself has crossed, the front has left. The
+//!   speed is the slope of the least-squares line through the positions of the samples in the window, positive in the
+//!   direction of the front; it needs two.
+//! - period: the mean over the particles is a signal in time, its average over all samples the middle. The period is the
+//!   time from the first to the last upward crossing of the middle over the number of cycles between. A crossing counts
+//!   once the signal has gone from below to above the middle by a fifth of its root-mean-square deviation.
+//! - reversal time: when the mean velocity first has the other sign than it first had, on the straight line between the two
+//!   samples around it.
+//!
+//! Fronts, periods, reversals and extremes over time know the rows of the history, nothing between: the history interval
+//! of the deck is their resolution.
 
 mod front;
 mod period;

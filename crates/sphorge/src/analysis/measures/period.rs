@@ -1,9 +1,7 @@
-//! Period of an oscillation.
+//! Period of an oscillation; the definition is in [`super`].
 //!
-//! The mass-weighted mean of the field is sampled; its average over all samples is the middle. The period is the time
-//! from the first to the last upward crossing of the middle over the number of cycles between, s. A crossing counts once
-//! the signal has gone from below to above the middle by a fifth of its root-mean-square deviation, so that noise does not
-//! count; its time is the mean of the first and last crossing on the way, each on the straight line between two samples.
+//! The time of a noisy crossing is the mean of the first and last crossing on the way, each on the straight line between
+//! two samples.
 
 /// A signal over time.
 #[derive(Clone, Debug, Default)]

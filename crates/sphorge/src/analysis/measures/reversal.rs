@@ -1,7 +1,4 @@
-//! Time of a reversal.
-//!
-//! The first time at which the mass-weighted mean velocity along an axis has the other sign than it first had, on the
-//! straight line between the two samples around it, s.
+//! Time of a reversal; the definition is in [`super`].
 
 /// A velocity over time, until it changes sign.
 #[derive(Clone, Debug, Default)]

@@ -3,10 +3,10 @@
 use super::{
     canvas::{Anchor, Area, Canvas, FRAME, GRID, INK},
     color::{LINES, Rgb},
-    number::{scaled_unit, tick_labels, ticks},
 };
+use crate::analysis::number::{scaled_unit, tick_labels, ticks};
 
-pub(super) const TEXT: f64 = 15.0;
+const TEXT: f64 = 15.0;
 const SMALL: f64 = 13.0;
 /// Room a panel needs around its axes: left, top, bottom.
 const LEFT: f64 = 74.0;

@@ -4,12 +4,14 @@ use super::{
     ColorMap, FieldPicture, PlotError,
     canvas::{Anchor, Area, Canvas, FRAME, INK, wrap},
     color::Rgb,
-    number::{four_digits, grouped, quantity, scaled_unit, tick_labels, ticks},
     run_title,
     scene::{Panel, Scene},
     splat::{Dot, splat},
 };
-use crate::output::RunDirectory;
+use crate::{
+    analysis::number::{four_digits, grouped, quantity, scaled_unit, tick_labels, ticks},
+    output::RunDirectory,
+};
 use std::path::Path;
 
 /// Draws a picture of particles to a PNG file.

@@ -114,13 +114,32 @@ pub fn plot_columns(run: &RunDirectory, columns: &[String], to: &Path) -> Result
     page(&charts, 1, &run_title(run))?.save(to)
 }
 
-pub(super) fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
+/// Draws one column of the history of several runs over each other, under the given names.
+///
+/// # Errors
+/// As [`plot_columns`].
+pub fn plot_overlay(runs: &[(String, RunDirectory)], column: &str, to: &Path) -> Result<(), PlotError> {
+    let mut chart = Chart { quantity: column.replace('_', " "), unit: String::new(), curves: Vec::new() };
+    for (name, run) in runs {
+        let table = HistoryTable::read(run)?;
+        let (description, _) = table.column(column).ok_or_else(|| unknown_column(&table, column))?;
+        chart.unit = description.unit.clone();
+        chart.curves.extend(curve(&table, column, name));
+    }
+    if !chart.has_values() {
+        return Err(PlotError::Empty { reason: format!("no run has a number in `{column}`") });
+    }
+    let title = runs.first().map_or(String::new(), |(_, run)| run_title(run));
+    page(&[chart], 1, &title)?.save(to)
+}
+
+fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
     let available = table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
     PlotError::Column { name: name.to_owned(), available }
 }
 
 /// A column over time.
-pub(super) fn curve(table: &HistoryTable, column: &str, name: &str) -> Option<Curve> {
+fn curve(table: &HistoryTable, column: &str, name: &str) -> Option<Curve> {
     let (_, times) = table.column("time")?;
     let (_, values) = table.column(column)?;
     Some(Curve { name: name.to_owned(), points: times.iter().copied().zip(values.iter().copied()).collect() })

@@ -9,7 +9,6 @@ mod error;
 mod field;
 mod history;
 mod light;
-mod number;
 mod scene;
 mod splat;
 mod view;
@@ -17,7 +16,7 @@ mod view;
 pub use color::ColorMap;
 pub use error::PlotError;
 pub use field::plot_field;
-pub use history::{HistoryPicture, plot_columns, plot_history};
+pub use history::{HistoryPicture, plot_columns, plot_history, plot_overlay};
 pub use view::View;
 
 use crate::output::{FrameFile, RunDirectory, read_series};

@@ -1,7 +1,7 @@
 //! Numbers for people: round steps, SI prefixes, no more digits than needed.
 
 /// Positions of ticks between `low` and `high`: multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most`.
-pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+pub(crate) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let step = round_step((high - low) / most.max(2) as f64);
     if !(step > 0.0 && step.is_finite()) {
         return Vec::new();
@@ -20,7 +20,7 @@ fn round_step(rough: f64) -> f64 {
 }
 
 /// The numbers of an axis, all with the decimals the step needs.
-pub(super) fn tick_labels(ticks: &[f64], scale: f64) -> Vec<String> {
+pub(crate) fn tick_labels(ticks: &[f64], scale: f64) -> Vec<String> {
     let step = ticks.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min) / scale;
     let decimals = (0..9).find(|&d| {
         let shifted = step * 10f64.powi(d);
@@ -31,14 +31,14 @@ pub(super) fn tick_labels(ticks: &[f64], scale: f64) -> Vec<String> {
 }
 
 /// A value with its unit, to four digits: `60 µs`, `1.234 GPa`.
-pub(super) fn quantity(value: f64, unit: &str) -> String {
+pub(crate) fn quantity(value: f64, unit: &str) -> String {
     let (scale, unit) = scaled_unit(value.abs(), unit);
     let text = four_digits(value / scale);
     if unit.is_empty() { text } else { format!("{text} {unit}") }
 }
 
 /// Four significant digits without trailing zeros.
-pub(super) fn four_digits(value: f64) -> String {
+pub(crate) fn four_digits(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
@@ -56,7 +56,7 @@ fn minus(text: String) -> String {
 
 /// Divisor and unit text for values up to `largest` in an SI `unit`: a prefix where the unit takes one, else a power of
 /// ten where the numbers would be long.
-pub(super) fn scaled_unit(largest: f64, unit: &str) -> (f64, String) {
+pub(crate) fn scaled_unit(largest: f64, unit: &str) -> (f64, String) {
     const PREFIXES: [(f64, &str); 9] = [
         (1e12, "T"),
         (1e9, "G"),
@@ -102,7 +102,7 @@ fn superscript(number: i32) -> String {
 }
 
 /// A whole number with thin spaces between groups of three digits.
-pub(super) fn grouped(number: usize) -> String {
+pub(crate) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {

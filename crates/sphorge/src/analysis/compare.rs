@@ -1,0 +1,204 @@
+//! Runs side by side: measures, times, conservation.
+
+use super::number::{four_digits, quantity};
+use crate::output::{OutputError, RunDirectory, Status, Summary};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use serde::Serialize;
+use std::{fmt, path::PathBuf};
+
+/// Several runs and what can be said of each in one number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Names of the runs: their folders, or where two are called the same their paths.
+    pub runs: Vec<String>,
+    /// How each ended.
+    pub status: Vec<Status>,
+    /// One row for each quantity, measures first.
+    pub rows: Vec<ComparisonRow>,
+}
+
+/// A quantity in every run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComparisonRow {
+    /// What it is.
+    pub quantity: String,
+    /// SI unit, empty for pure numbers.
+    pub unit: String,
+    /// Whether a difference to the first run is worth showing: so for measures.
+    pub is_measure: bool,
+    /// Values by run, SI; none where a run does not have it.
+    pub values: Vec<Option<f64>>,
+}
+
+impl Comparison {
+    /// Reads the summaries of the runs.
+    ///
+    /// # Errors
+    /// [`OutputError::Read`] for a folder without a summary (the run has not ended), [`OutputError::Damaged`] for one that
+    /// is not a summary.
+    pub fn read(paths: &[PathBuf]) -> Result<Self, OutputError> {
+        let summaries =
+            paths.iter().map(|path| Summary::read(&RunDirectory::open(path)?)).collect::<Result<Vec<_>, _>>()?;
+        let status = summaries.iter().map(|summary| summary.status).collect();
+        Ok(Self { runs: run_names(paths), status, rows: rows(&summaries) })
+    }
+}
+
+/// Short names that tell the runs apart.
+pub fn run_names(paths: &[PathBuf]) -> Vec<String> {
+    let short = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let is_unique = |name: &Option<String>| paths.iter().filter(|path| short(path) == *name).count() == 1;
+    paths
+        .iter()
+        .map(|path| short(path).filter(|name| is_unique(&Some(name.clone()))).unwrap_or(path.display().to_string()))
+        .collect()
+}
+
+fn rows(summaries: &[Summary]) -> Vec<ComparisonRow> {
+    let mut rows: Vec<ComparisonRow> = Vec::new();
+    for (name, unit) in summaries.iter().flat_map(|summary| &summary.measure_units) {
+        if rows.iter().all(|row| row.quantity != *name) {
+            let values = summaries.iter().map(|summary| summary.measures.get(name).copied().flatten()).collect();
+            rows.push(ComparisonRow { quantity: name.clone(), unit: unit.clone(), is_measure: true, values });
+        }
+    }
+    let mut add = |quantity: &str, unit: &str, value: &dyn Fn(&Summary) -> f64| {
+        let values = summaries.iter().map(|summary| Some(value(summary)).filter(|x| x.is_finite())).collect();
+        rows.push(ComparisonRow { quantity: quantity.into(), unit: unit.into(), is_measure: false, values });
+    };
+    let first_seconds = summaries.first().map_or(0.0, |summary| summary.wall_seconds);
+    add("particles", "", &|s| s.particles as f64);
+    add("steps", "", &|s| s.steps as f64);
+    add("simulated time", "s", &|s| s.simulated_time);
+    add("wall-clock time", "s", &|s| s.wall_seconds);
+    add("speed-up", "", &|s| first_seconds / s.wall_seconds);
+    add("time in search", "s", &|s| s.stage_seconds.search);
+    add("searched fraction", "", &|s| s.searched_fraction);
+    add("neighbors", "", &|s| s.mean_neighbors);
+    add("particle-steps per second", "1/s", &|s| s.particle_steps_per_second);
+    add("peak memory", "B", &|s| s.peak_memory_bytes as f64);
+    add("energy drift", "", &|s| s.energy.relative_drift);
+    add("momentum drift", "", &|s| s.momentum_drift);
+    add("threads", "", &|s| s.threads as f64);
+    rows
+}
+
+impl ComparisonRow {
+    /// The value in run `k` for people; a measure with its difference to the first run.
+    fn text(&self, k: usize) -> String {
+        let Some(value) = self.values[k] else { return "\u{2013}".into() };
+        let text = match self.unit.as_str() {
+            "B" => format!("{} MiB", four_digits(value / (1u64 << 20) as f64)),
+            "1/s" => format!("{value:.3e}"),
+            "" if value != 0.0 && value.abs() < 1e-3 => format!("{value:.2e}"),
+            // Seconds of waiting are not counted in kiloseconds.
+            "s" if value >= 1.0 => format!("{} s", four_digits(value)),
+            unit => quantity(value, unit),
+        };
+        match self.values[0].filter(|first| self.is_measure && k > 0 && *first != 0.0) {
+            Some(first) => format!("{text} ({:+.2} %)", 100.0 * (value / first - 1.0)),
+            None => text,
+        }
+    }
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut table = Table::new();
+        table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_header(std::iter::once(String::new()).chain(self.runs.iter().cloned()));
+        let status = self.status.iter().map(|status| status.name().to_owned());
+        table.add_row(std::iter::once("status".to_owned()).chain(status));
+        for row in &self.rows {
+            let texts = (0..self.runs.len()).map(|k| row.text(k));
+            table.add_row(std::iter::once(row.quantity.clone()).chain(texts));
+        }
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        write!(f, "{table}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::{EndReason, EnergyRecord, StageSecondsRecord};
+    use std::{collections::BTreeMap, fs, path::Path};
+
+    fn summary(seconds: f64, measures: &[(&str, Option<f64>)]) -> Summary {
+        Summary {
+            status: Status::Completed,
+            end_reason: EndReason::EndTime,
+            failure: None,
+            title: "A test".into(),
+            deck: "test".into(),
+            version: "0.1.0".into(),
+            particles: 1000,
+            steps: 50,
+            simulated_time: 6e-5,
+            wall_seconds: seconds,
+            threads: 2,
+            engine: "cpu".into(),
+            precision: "mixed".into(),
+            stage_seconds: StageSecondsRecord { search: 0.1 * seconds, ..Default::default() },
+            mean_neighbors: 17.5,
+            particle_steps_per_second: 5e4 / seconds,
+            pairs_per_second: 1e6,
+            searched_fraction: 0.25,
+            peak_memory_bytes: 10 << 20,
+            energy: EnergyRecord { relative_drift: -1e-9, ..Default::default() },
+            momentum_drift: 1e-12,
+            largest_momentum_drift: 1e-12,
+            measures: measures.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
+            measure_units: measures.iter().map(|(name, _)| ((*name).into(), "m".into())).collect::<BTreeMap<_, _>>(),
+        }
+    }
+
+    fn save(folder: &Path, name: &str, summary: &Summary) -> PathBuf {
+        let run = RunDirectory::create(&folder.join(name), false).unwrap();
+        summary.write(&run).unwrap();
+        run.path().to_owned()
+    }
+
+    #[test]
+    fn runs_are_set_against_the_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = save(folder.path(), "a", &summary(4.0, &[("height", Some(0.02)), ("width", Some(0.015))]));
+        let second = save(folder.path(), "b", &summary(2.0, &[("height", Some(0.021)), ("period", None)]));
+        let comparison = Comparison::read(&[first, second]).unwrap();
+        let row = |name: &str| comparison.rows.iter().find(|row| row.quantity == name).unwrap();
+        assert_eq!(row("height").values, [Some(0.02), Some(0.021)]);
+        assert_eq!(row("width").values, [Some(0.015), None]);
+        assert_eq!(row("period").values, [None, None]);
+        assert_eq!(row("speed-up").values, [Some(1.0), Some(2.0)]);
+        assert_eq!((row("height").text(0), row("height").text(1)), ("20 mm".into(), "21 mm (+5.00 %)".into()));
+        assert_eq!((row("peak memory").text(1), row("width").text(1)), ("10 MiB".into(), "–".into()));
+        let table = comparison.to_string();
+        assert!(
+            table.contains("searched fraction")
+                && table.contains("0.25")
+                && table.contains("4 s")
+                && table.contains("-1.00e-9"),
+            "{table}"
+        );
+        assert_eq!(comparison.status, [Status::Completed, Status::Completed]);
+    }
+
+    #[test]
+    fn runs_of_one_name_are_called_by_their_path() {
+        let names = run_names(&["x/run".into(), "y/run".into(), "x/other".into()]);
+        assert_eq!(names, ["x/run", "y/run", "other"]);
+    }
+
+    #[test]
+    fn a_run_without_or_with_a_broken_summary_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = save(folder.path(), "a", &summary(1.0, &[]));
+        fs::write(run.join("summary.json"), "{\"status\": \"completed\"").unwrap();
+        assert!(matches!(Comparison::read(std::slice::from_ref(&run)), Err(OutputError::Damaged { .. })));
+        fs::remove_file(run.join("summary.json")).unwrap();
+        assert!(matches!(Comparison::read(&[run]), Err(OutputError::Read { .. })));
+        assert!(matches!(Comparison::read(&[folder.path().join("none")]), Err(OutputError::Read { .. })));
+    }
+}

@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""Checks with VTK, which ParaView is built on, that the frames of a run open and hold what the run says.
+
+usage: check_vtk.py RUN_DIRECTORY...        needs: pip install vtk
+"""
+
+import csv
+import json
+import math
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+import numpy
+
+SYMMETRIC = ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+
+
+class Complaint(Exception):
+    """Something in the run is not as it should be."""
+
+
+def require(condition, complaint):
+    if not condition:
+        raise Complaint(complaint)
+
+
+def read(path):
+    """The polydata of a frame; a warning of VTK is an error here."""
+    complaints = []
+    reader = vtkXMLPolyDataReader()
+    for event in ("ErrorEvent", "WarningEvent"):
+        reader.AddObserver(event, lambda caller, name: complaints.append(name))
+    require(reader.CanReadFile(str(path)), f"{path}: VTK does not take it for polydata")
+    reader.SetFileName(str(path))
+    reader.Update()
+    require(not complaints and reader.GetErrorCode() == 0, f"{path}: VTK complains")
+    return reader.GetOutput()
+
+
+def check_frame(path, time, particles):
+    """One frame; returns the names of its fields."""
+    frame = read(path)
+    require(frame.GetNumberOfPoints() == particles, f"{path}: {frame.GetNumberOfPoints()} points, {particles} particles")
+    require(frame.GetNumberOfVerts() == particles, f"{path}: {frame.GetNumberOfVerts()} vertex cells")
+    connectivity = vtk_to_numpy(frame.GetVerts().GetConnectivityArray())
+    require((connectivity == numpy.arange(particles)).all(), f"{path}: vertices are not the points in order")
+    value = frame.GetFieldData().GetArray("TimeValue")
+    require(value is not None and value.GetValue(0) == time, f"{path}: TimeValue is not {time}")
+    positions = vtk_to_numpy(frame.GetPoints().GetData())
+    require(positions.dtype == numpy.float64, f"{path}: positions are {positions.dtype}")
+    require(numpy.isfinite(positions).all(), f"{path}: a position is not finite")
+    fields = frame.GetPointData()
+    names = []
+    for k in range(fields.GetNumberOfArrays()):
+        array = fields.GetArray(k)
+        name = array.GetName()
+        names.append(name)
+        require(array.GetNumberOfTuples() == particles, f"{path}: {name} has {array.GetNumberOfTuples()} values")
+        require(numpy.isfinite(vtk_to_numpy(array)).all(), f"{path}: {name} is not finite everywhere")
+        components = [array.GetComponentName(c) for c in range(array.GetNumberOfComponents())]
+        if len(components) == 6:
+            require(components == SYMMETRIC, f"{path}: components of {name} are {components}")
+    require("density" not in names or fields.GetArray("density").GetRange()[0] > 0, f"{path}: a density is not positive")
+    return names
+
+
+def check_history(run, summary):
+    """Whole lines, known columns, time up to where the summary says."""
+    known = [column["name"] for column in json.loads((run / "history-columns.json").read_text())]
+    with open(run / "history.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    require(rows and list(rows[0]) == known, "history.csv: other columns than history-columns.json")
+    require(all(None not in row.values() and None not in row for row in rows), "history.csv: a line is not whole")
+    times = [float(row["time"]) for row in rows]
+    require(all(a < b for a, b in zip(times, times[1:])), "history.csv: time does not grow")
+    require(summary["status"] == "failed" or times[-1] == summary["simulated_time"], "history.csv: ends elsewhere")
+    require(all(math.isfinite(float(row["kinetic_energy"])) for row in rows), "history.csv: an energy is not finite")
+    return len(rows)
+
+
+def check(run):
+    summary = json.loads((run / "summary.json").read_text())
+    series = ElementTree.parse(run / "fields.pvd").getroot()
+    require(series.get("type") == "Collection", "fields.pvd: not a collection")
+    entries = [(float(entry.get("timestep")), entry.get("file")) for entry in series.iter("DataSet")]
+    require(entries, "fields.pvd: no frame")
+    require(all(a < b for (a, _), (b, _) in zip(entries, entries[1:])), "fields.pvd: times do not grow")
+    require(entries[0][0] == 0.0, "fields.pvd: the first frame is not at time zero")
+    require(
+        summary["status"] == "failed" or entries[-1][0] == summary["simulated_time"],
+        "fields.pvd: the last frame is not at the end",
+    )
+    listed = {file for _, file in entries}
+    present = {f"fields/{path.name}" for path in (run / "fields").glob("*.vtp")}
+    require(listed == present, f"fields.pvd lists other files than there are: {sorted(listed ^ present)}")
+    names = {tuple(check_frame(run / file, time, summary["particles"])) for time, file in entries}
+    require(len(names) == 1, "frames hold different fields")
+    rows = check_history(run, summary)
+    print(f"{run}: {len(entries)} frames of {summary['particles']} particles, {len(next(iter(names)))} fields, {rows} rows")
+
+
+def main():
+    runs = [Path(argument) for argument in sys.argv[1:]]
+    if not runs:
+        sys.exit(__doc__)
+    for run in runs:
+        try:
+            check(run)
+        except (Complaint, OSError, KeyError, ValueError, ElementTree.ParseError) as trouble:
+            sys.exit(f"{run}: {type(trouble).__name__}: {trouble}")
+
+
+if __name__ == "__main__":
+    main()
