@@ -2,8 +2,8 @@
 //!
 //! The Jaumann rate `dS/dt = 2 G dev(D) + W S - S W`, `D = sym L`, `W = skew L` (Patiño et al. Eq 20 prints
 //! `- w S - S w`, which is antisymmetric; Fraser Eq 9; both print the deviator without its third, `eps - tr(eps) I`) is
-//! integrated as Hughes & Winget 1980 do: the stress is turned by a proper rotation, then sheared, both with the
-//! velocity gradient at the middle of the step. Plain Euler steps of the rate inflate the stress in rotation.
+//! integrated as Hughes & Winget 1980 do: the stress is turned by a proper rotation and sheared, both with the velocity
+//! gradient at the middle of the step. Plain Euler steps of the rate inflate the stress in rotation.
 
 use crate::tensor::{self, determinant, inverse, multiply};
 use crate::{Scalar, SymmetricTensor, Tensor};
@@ -53,12 +53,16 @@ pub fn rotation<T: Scalar>(l: &Tensor<T>, dt: T) -> Tensor<T> {
     ]
 }
 
-/// Deviatoric stress (Pa) after an elastic step: `Q S Q^T + 2 G dev(D) dt`, with the mid-step velocity gradient `l`.
+/// Deviatoric stress (Pa) after an elastic step, with the mid-step velocity gradient `l`:
+/// `Q (S + G dev(D) dt) Q^T + G dev(D) dt`.
+///
+/// Half of the shear comes before the turn and half after it: the shear of a step turns half as far as the stress it is
+/// added to. All of it after the turn (as Hughes & Winget print it) is first order only, and gains energy in a body that
+/// spins and swings.
 #[inline]
 pub fn trial_deviator<T: Scalar>(s: SymmetricTensor<T>, l: &Tensor<T>, shear_modulus: T, dt: T) -> SymmetricTensor<T> {
-    let turned = s.congruence(&rotation(l, dt));
-    let shear = SymmetricTensor::symmetric_part(l).deviator();
-    turned + shear * (T::of(2.0) * shear_modulus * dt)
+    let half_shear = SymmetricTensor::symmetric_part(l).deviator() * (shear_modulus * dt);
+    (s + half_shear).congruence(&rotation(l, dt)) + half_shear
 }
 
 /// Density (kg/m^3) after a step: `rho exp(-tr(L) dt)`, the solution of `drho/dt = -rho div v` at constant `div v`.
@@ -156,6 +160,23 @@ mod tests {
         let stretch = [[300.0f64, 0.0, 0.0], [0.0; 3], [0.0; 3]];
         let s = trial_deviator(SymmetricTensor::diagonal(1.0e6, -1.0e6, 0.0), &stretch, 45.0e9, 5e-7);
         assert!((s.xx - 10.0e6).abs() < 1e-6 && (s.yy + 5.5e6).abs() < 1e-6 && (s.zz + 4.5e6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn simple_shear_follows_the_jaumann_solution_to_second_order() {
+        // Truesdell 1956: under dv_x/dy = k the Jaumann rate gives S_xy = G sin(kt), S_xx = -S_yy = G (1 - cos(kt)).
+        let error = |steps: u32| {
+            let (g, total) = (80.0e9f64, 2.0);
+            let l = [[0.0, 1.0, 0.0], [0.0; 3], [0.0; 3]];
+            let mut s = SymmetricTensor::zero();
+            for _ in 0..steps {
+                s = trial_deviator(s, &l, g, total / f64::from(steps));
+            }
+            let (xy, xx) = (g * total.sin(), g * (1.0 - total.cos()));
+            ((s.xy - xy).powi(2) + (s.xx - xx).powi(2) + (s.yy + xx).powi(2)).sqrt() / g
+        };
+        let (coarse, fine) = (error(20), error(40));
+        assert!(fine < 1e-3 && coarse / fine > 3.9 && coarse / fine < 4.1, "{coarse} {fine}");
     }
 
     #[test]

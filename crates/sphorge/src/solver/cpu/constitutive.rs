@@ -68,7 +68,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let numerics = &self.model.numerics;
         let commit = numerics.integrator == Integrator::Leapfrog;
         let full = self.step.dt;
-        let dt = if commit { full } else { 0.5 * full };
+        let dt = self.step.dt_to_evaluation(numerics.integrator);
         let model: &Model = &self.model;
         let corrected = numerics.gradient_correction != GradientCorrection::None;
         let dimension = super::dimension(model);
@@ -149,8 +149,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                     record[force::WEIGHT] = match numerics.pair_form {
                         // Adjoint to the last digit: the volumes of the gradient sum.
-                        PairForm::VolumeWeighted if corrected => kinematic_records[i][kinematic::WEIGHT],
-                        PairForm::VolumeWeighted => T::of(mass[i] / density[i]),
+                        PairForm::VolumeWeighted => kinematic_records[i][kinematic::WEIGHT],
                         PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
                     };
                     record[force::C] = T::of(state.sound_speed);

@@ -93,6 +93,16 @@ struct StepState {
     pairs: u64,
 }
 
+impl StepState {
+    /// Time from the start of the step to where sums are evaluated: its end for leapfrog, its middle for the other.
+    fn dt_to_evaluation(&self, integrator: Integrator) -> f64 {
+        match integrator {
+            Integrator::Leapfrog => self.dt,
+            Integrator::PredictorCorrector => 0.5 * self.dt,
+        }
+    }
+}
+
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn new(model: Arc<Model>, mut particles: Particles) -> Self {
         let count = particles.len();
@@ -221,16 +231,11 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         if dt > 0.0 {
             self.step.count += 1;
         }
-        // Walls stand where forces are evaluated: at the end of a leapfrog step, in the middle of the other's.
-        match self.model.numerics.integrator {
-            Integrator::Leapfrog => {
-                self.walls.move_to(self.step.time + dt);
-                self.leapfrog_begin();
-            }
-            Integrator::PredictorCorrector => {
-                self.walls.move_to(self.step.time + 0.5 * dt);
-                self.predict();
-            }
+        let integrator = self.model.numerics.integrator;
+        self.walls.move_to(self.step.time + self.step.dt_to_evaluation(integrator));
+        match integrator {
+            Integrator::Leapfrog => self.leapfrog_begin(),
+            Integrator::PredictorCorrector => self.predict(),
         }
     }
 
