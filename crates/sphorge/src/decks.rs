@@ -19,6 +19,8 @@ macro_rules! shipped {
 }
 
 shipped! {
+    "taylor-plate",
+    "taylor-bar",
     "block",
 }
 

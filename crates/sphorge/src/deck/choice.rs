@@ -25,11 +25,6 @@ macro_rules! words {
 }
 
 words! {
-    DimensionsWord, "number of dimensions", Dimensions {
-        "1d" => Dimensions::One, "motion along x, uniaxial strain; stresses across are carried";
-        "plane-strain" => Dimensions::PlaneStrain, "motion in the x-y plane; the stress out of it is carried";
-        "3d" => Dimensions::Three, "three dimensions";
-    }
     PlacementWord, "lattice placement", LatticePlacement {
         "cell-centres" => LatticePlacement::CellCentres, "the outermost particles are half a spacing inside the faces";
         "on-faces" => LatticePlacement::OnFaces, "the outermost particles lie on the faces";
@@ -79,6 +74,30 @@ words! {
     SideWord, "side", f64 {
         "positive" => 1.0, "towards larger coordinates";
         "negative" => -1.0, "towards smaller coordinates";
+    }
+}
+
+/// Space dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum DimensionsWord {}
+impl Choices for DimensionsWord {
+    type Value = Dimensions;
+    const NAME: &'static str = "DimensionsWord";
+    const WHAT: &'static str = "number of dimensions";
+    fn meant(word: &str) -> Option<&'static str> {
+        match word.to_lowercase().as_str() {
+            "1" | "one" => Some("1d"),
+            "2d" | "2" | "two" | "plane" | "plane strain" => Some("plane-strain"),
+            "3" | "three" => Some("3d"),
+            _ => None,
+        }
+    }
+    fn table() -> Vec<(&'static str, Dimensions, &'static str)> {
+        vec![
+            ("1d", Dimensions::One, "motion along x, uniaxial strain; stresses across are carried"),
+            ("plane-strain", Dimensions::PlaneStrain, "motion in the x-y plane; the stress out of it is carried"),
+            ("3d", Dimensions::Three, "three dimensions"),
+        ]
     }
 }
 

@@ -1,14 +1,14 @@
 //! The way from a text to a setup.
 
-use super::interpret::{self, interpret};
-use super::placement;
+use super::interpret::{self, Places, interpret};
 use super::raw::{RawDeck, RawMaterial};
 use super::report::{DeckReport, Fault, Problems};
+use super::{keys, overrides, placement};
 use crate::material::Constants;
 use crate::{Particles, geometry, model::Model};
 use serde::de::DeserializeOwned;
 use std::{collections::BTreeMap, path::Path};
-use toml::Spanned;
+use toml::{Spanned, de::DeTable};
 
 /// A problem ready to be run.
 #[derive(Clone, Debug)]
@@ -45,41 +45,53 @@ pub fn load_text(name: &str, text: &str, overrides: &[(String, String)]) -> Resu
 }
 
 fn read(shown: &str, name: &str, text: &str, overrides: &[(String, String)]) -> Result<Setup, DeckReport> {
-    if let Some((path, _)) = overrides.first() {
-        return Err(DeckReport::placeless(shown, "override", format!("`{path}` cannot be set from outside yet"), None));
+    let mut deck_text = text.to_owned();
+    let mut shown = shown.to_owned();
+    if !overrides.is_empty()
+        && let Some(changed) = overrides::apply(text, overrides)?
+    {
+        deck_text = changed;
+        shown.push_str(", with --set");
     }
-    let deck_text = text.to_owned();
-    let mut problems = Problems::new(shown, &deck_text);
-    let raw: RawDeck = parse(&mut problems)?;
-    let interpreted = interpret(&raw, name, &mut problems);
-    problems.check()?;
-    let Some((model, places)) = interpreted else {
-        let message = "the deck could not be interpreted, and no fault was found in it".to_owned();
-        return Err(DeckReport::placeless(shown, "internal", message, None));
-    };
+    let mut problems = Problems::new(&shown, &deck_text);
+    let (model, places) = read_model(name, &mut problems)?;
     match geometry::fill(&model) {
         Ok(particles) => Ok(Setup { model, particles, deck_text }),
         Err(errors) => {
             for error in errors {
                 problems.push(placement::fault(error, &model, &places));
             }
-            problems.check()?;
-            Err(DeckReport::placeless(shown, "internal", "the bodies could not be filled".to_owned(), None))
+            Err(problems.report("the bodies could not be filled"))
         }
     }
 }
 
+/// The model of the text of `problems`, without particles.
+pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<(Model, Places), DeckReport> {
+    let text = problems.text().to_owned();
+    match DeTable::parse(&text) {
+        Ok(deck) => keys::check_deck(deck.get_ref(), problems),
+        // What follows the first slip of syntax is mostly its echo.
+        Err(error) => problems.push(toml_fault(&error)),
+    }
+    problems.check()?;
+    let raw: RawDeck = parse(problems)?;
+    let interpreted = interpret(&raw, name, problems);
+    problems.check()?;
+    interpreted.ok_or_else(|| problems.report("the deck could not be interpreted"))
+}
+
+fn toml_fault(error: &toml::de::Error) -> Fault {
+    Fault::new("toml", error.message().trim().to_owned(), error.span().unwrap_or(0..0), "here")
+        .help("a deck is TOML: key = value, text in quotes, [table], [[list of tables]]")
+}
+
 /// Reads the text of `problems` into raw structs.
 fn parse<T: DeserializeOwned>(problems: &mut Problems) -> Result<T, DeckReport> {
-    match toml::from_str(problems.text()) {
-        Ok(raw) => Ok(raw),
-        Err(error) => {
-            let at = error.span().unwrap_or(0..0);
-            problems.push(Fault::new("toml", error.message().to_owned(), at, "here"));
-            problems.check()?;
-            Err(DeckReport::placeless("deck", "internal", error.to_string(), None))
-        }
-    }
+    toml::from_str(problems.text()).map_err(|error| {
+        problems.push(toml_fault(&error));
+        problems.report(error.message())
+    })
 }
 
 /// Reads a text of `[NAME]` tables of materials, as in a deck below `material`.

@@ -6,11 +6,14 @@
 mod choice;
 pub(crate) mod defaults;
 mod interpret;
+mod keys;
 mod load;
+mod overrides;
 mod placement;
 pub(crate) mod quantity;
 pub(crate) mod raw;
 mod report;
+mod schema;
 mod unit;
 mod value;
 
@@ -19,6 +22,7 @@ mod tests;
 
 pub use load::{Setup, load, load_text};
 pub use report::{DeckReport, Problem};
+pub use schema::schema;
 
 pub(crate) use load::read_materials;
 pub(crate) use report::nearest;

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// A kind of quantity a key can ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct QuantityKind {
-    /// Name for people, with its article.
+    /// Name for people.
     pub(crate) name: &'static str,
     /// SI unit, empty for a pure number.
     pub(crate) si_unit: &'static str,
@@ -34,7 +34,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    NUMBER, "pure number", "", (0, 0, 0, 0), r#"0.3 or "30 %""#;
+    NUMBER, "number", "", (0, 0, 0, 0), r#"0.3 or "30 %""#;
     LENGTH, "length", "m", (1, 0, 0, 0), r#""0.3 mm" or "2 cm""#;
     TIME, "time", "s", (0, 0, 1, 0), r#""60 us" or "2 ms""#;
     VELOCITY, "velocity", "m/s", (1, 0, -1, 0), r#""200 m/s" or "6.18 km/s""#;
@@ -49,6 +49,13 @@ kinds! {
     CONDUCTIVITY, "thermal conductivity", "W/(m K)", (1, 1, -3, -1), r#""80.2 W/(m K)""#;
     SPECIFIC_ENERGY, "specific energy", "J/kg", (2, 0, -2, 0), r#""250 kJ/kg""#;
     MASS, "mass", "kg", (0, 1, 0, 0), r#""12 g""#;
+}
+
+impl QuantityKind {
+    /// The article of the name.
+    pub(crate) fn article(self) -> &'static str {
+        if self.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
+    }
 }
 
 impl From<PhysicalQuantity> for QuantityKind {
@@ -150,7 +157,7 @@ pub(crate) fn parse_quantity(text: &str, kind: QuantityKind) -> Result<f64, Quan
 }
 
 fn with_article(kind: QuantityKind) -> String {
-    let article = if kind.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    let article = kind.article();
     if kind.si_unit.is_empty() {
         format!("{article} {}", kind.name)
     } else {
@@ -175,7 +182,7 @@ fn described(dimension: Dimension) -> String {
         QuantityKind::MASS,
     ];
     match known.iter().find(|k| k.dimension == dimension) {
-        Some(kind) => format!("a {}", kind.name),
+        Some(kind) => format!("{} {}", kind.article(), kind.name),
         None => "another dimension".to_owned(),
     }
 }

@@ -184,6 +184,17 @@ impl Problems {
         self.faults.is_empty()
     }
 
+    /// Everything that is wrong, or `otherwise` if no fault has been found although there must be one.
+    pub(crate) fn report(&mut self, otherwise: &str) -> DeckReport {
+        match self.check() {
+            Err(report) => report,
+            Ok(()) => {
+                let help = "this is a fault of Sphorge, please report it with the deck".to_owned();
+                DeckReport::placeless(self.source.name(), "internal", otherwise.to_owned(), Some(help))
+            }
+        }
+    }
+
     /// Nothing if nothing is wrong, else everything that is.
     pub(crate) fn check(&mut self) -> Result<(), DeckReport> {
         if self.faults.is_empty() {

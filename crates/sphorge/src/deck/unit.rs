@@ -129,6 +129,25 @@ fn symbol(name: &str) -> Option<Unit> {
     })
 }
 
+/// The table for people: symbol, what it is in SI units, whether it takes prefixes.
+#[cfg(test)]
+pub(super) fn table() -> Vec<(&'static str, String, bool)> {
+    let mut rows = Vec::new();
+    for Symbol(name, factor, exponent, dimension, prefixes) in SYMBOLS {
+        let value = format!("{factor}e{exponent}").parse::<f64>().unwrap();
+        let base =
+            [("m", dimension.length), ("kg", dimension.mass), ("s", dimension.time), ("K", dimension.temperature)];
+        let powers: Vec<String> = base
+            .iter()
+            .filter(|(_, power)| *power != 0)
+            .map(|(unit, power)| if *power == 1 { (*unit).to_owned() } else { format!("{unit}^{power}") })
+            .collect();
+        rows.push((*name, format!("{value} {}", powers.join(" ")).trim().to_owned(), *prefixes));
+    }
+    rows.extend(CELSIUS.iter().map(|&symbol| (symbol, "K, less 273.15; only on its own".to_owned(), false)));
+    rows
+}
+
 /// Every symbol a user can write, for suggestions.
 fn spellings() -> Vec<String> {
     let prefixed = SYMBOLS.iter().filter(|s| s.4).flat_map(|s| PREFIXES.iter().map(|p| format!("{}{}", p.0, s.0)));

@@ -116,7 +116,7 @@ impl Scalar {
                 }
             },
             _ => {
-                let fault = self.fault("wrong-type", format!("expected a {}", kind.name));
+                let fault = self.fault("wrong-type", format!("expected {} {}", kind.article(), kind.name));
                 problems.push(fault.help(format!("write it as {}", kind.examples)));
                 return None;
             }
@@ -312,6 +312,10 @@ pub(crate) trait Choices {
     const NAME: &'static str;
     /// What is chosen, for people.
     const WHAT: &'static str;
+    /// The word that is meant by another one in use elsewhere, for a suggestion.
+    fn meant(_: &str) -> Option<&'static str> {
+        None
+    }
     /// Word, value, meaning.
     fn table() -> Vec<(&'static str, Self::Value, &'static str)>;
 }
@@ -324,7 +328,10 @@ impl<C: Choices> Choice<C> {
             if let Some(entry) = table.iter().find(|entry| entry.0 == text) {
                 return Some(entry.1.clone());
             }
-            let near = nearest(text, words()).map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
+            let near = C::meant(text)
+                .or_else(|| nearest(text, words()))
+                .map(|n| format!("did you mean `{n}`? "))
+                .unwrap_or_default();
             let fault = Fault::new("unknown-choice", format!("unknown {} `{text}`", C::WHAT), self.span(), "not known");
             problems.push(fault.help(format!("{near}Choose {}.", listed(words(), "or"))));
             return None;
@@ -397,7 +404,7 @@ impl<K: Kind> JsonSchema for Given<K> {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let kind = K::KIND;
         json_schema!({
-            "description": format!("a {}: {}, or a plain number in SI", kind.name, kind.examples),
+            "description": format!("{} {}: {}, or a plain number in SI", kind.article(), kind.name, kind.examples),
             "type": ["number", "string"],
             "x-unit": kind.si_unit,
         })

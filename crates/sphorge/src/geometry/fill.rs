@@ -151,8 +151,8 @@ pub fn fill(model: &Model) -> Result<Particles, Vec<FillError>> {
     }
     select_regions(&mut particles, model, &mut errors);
     overlap::check_bodies(&particles.position, &starts, model, &mut errors);
-    overlap::check_periodic(&particles.position, &particles.body, model, &mut errors);
     check_surroundings(&particles, model, &mut errors);
+    overlap::check_periodic(&particles.position, &particles.body, model, &mut errors);
     check_motions(&particles, model, &mut errors);
     if errors.is_empty() { Ok(particles) } else { Err(errors) }
 }

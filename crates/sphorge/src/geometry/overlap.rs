@@ -1,10 +1,11 @@
-//! Particles of two bodies in one place.
+//! Bodies in one place.
 //!
-//! Bodies that touch leave half a spacing of each between their outermost particles. Half of that distance is the limit; it
-//! allows for edges that are no multiple of the spacing.
+//! Two bodies overlap if a particle of one is inside the shape of the other, or if two particles are too near. Bodies that touch
+//! leave half a spacing of each between their outermost particles; half of that distance is the limit, which allows for edges
+//! that are no multiple of the spacing.
 
 use super::fill::FillError;
-use crate::model::Model;
+use crate::model::{LatticePlacement, Model};
 use std::collections::HashMap;
 
 /// The limit over the distance of touching bodies, less rounding.
@@ -39,7 +40,9 @@ impl<'a> Cells<'a> {
         let mut least = self.edge * self.edge;
         let mut found = false;
         for step in 0..27 {
-            let cell = [home[0] + step % 3 - 1, home[1] + step / 3 % 3 - 1, home[2] + step / 9 - 1];
+            // Cells far out saturate; they may wrap, distances decide.
+            let offset = [step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1];
+            let cell: [i64; 3] = std::array::from_fn(|k| home[k].wrapping_add(offset[k]));
             for &i in self.cells.get(&cell).into_iter().flatten() {
                 let other = self.points[i as usize];
                 let squared: f64 = (0..3).map(|k| (point[k] - other[k]).powi(2)).sum();
@@ -72,20 +75,32 @@ pub(super) fn check_bodies(positions: &[[f64; 3]], starts: &[usize], model: &Mod
             let touching = 0.5 * (model.bodies[first].spacing + model.bodies[second].spacing);
             let limit = LIMIT * touching;
             let near = |body: usize, other: usize| -> Vec<[f64; 3]> {
-                of(body).iter().filter(|p| within(p, &boxes[other], limit)).copied().collect()
+                of(body).iter().filter(|p| within(p, &boxes[other], touching)).copied().collect()
             };
-            let candidates = near(second, first);
-            if candidates.is_empty() {
+            let (ours, theirs) = (near(first, second), near(second, first));
+            if ours.is_empty() || theirs.is_empty() {
                 continue;
             }
-            let cells = Cells::new(&candidates, limit);
-            let hits: Vec<([f64; 3], f64)> =
-                near(first, second).into_iter().filter_map(|p| cells.nearest(p).map(|d| (p, d))).collect();
-            if let Some((position, _)) = hits.iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
-                errors.push(FillError::Overlap { first, second, position: *position, count: hits.len() });
+            let cells = Cells::new(&theirs, limit);
+            let mut hits: Vec<[f64; 3]> = Vec::new();
+            hits.extend(ours.iter().filter(|p| cells.nearest(**p).is_some() || is_inside(**p, first, second, model)));
+            hits.extend(theirs.iter().filter(|p| is_inside(**p, second, first, model)));
+            if let Some(&position) = hits.first() {
+                errors.push(FillError::Overlap { first, second, position, count: hits.len() });
             }
         }
     }
+}
+
+/// Whether a particle of a body is inside the shape of another one.
+fn is_inside(point: [f64; 3], body: usize, other: usize, model: &Model) -> bool {
+    // Particles at cell centres stay inside their own shape; those on faces lie on it, a quarter of a spacing off where
+    // the edge was rounded.
+    let share = match model.bodies[body].lattice.placement {
+        LatticePlacement::CellCentres => 1e-6,
+        LatticePlacement::OnFaces => 0.25 + 1e-6,
+    };
+    model.bodies[other].shape.contains(point, model.dimensions, -share * model.bodies[body].spacing)
 }
 
 /// Particles at one end of a periodic cell that meet those at the other end.
@@ -95,6 +110,10 @@ pub(super) fn check_periodic(positions: &[[f64; 3]], bodies: &[u32], model: &Mod
     let limit = LIMIT * coarsest;
     for (axis, cell) in model.periodic.iter().enumerate() {
         let Some((low, high)) = *cell else { continue };
+        // Bodies that reach out of the cell overlap their images, of course.
+        if errors.iter().any(|e| matches!(e, FillError::OutsideCell { axis: a, .. } if *a == axis)) {
+            continue;
+        }
         let lower: Vec<[f64; 3]> = positions.iter().filter(|p| p[axis] < low + limit).copied().collect();
         let cells = Cells::new(&lower, limit);
         let upper = (0..positions.len()).filter(|&i| positions[i][axis] > high - limit);

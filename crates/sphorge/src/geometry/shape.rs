@@ -37,7 +37,7 @@ impl Transform {
 }
 
 impl Shape {
-    /// Whether a point of space is inside the solid grown by `tolerance` (m).
+    /// Whether a point of space is inside the solid grown by `tolerance` (m), or shrunk if that is negative.
     pub fn contains(&self, point: [f64; 3], dimensions: Dimensions, tolerance: f64) -> bool {
         let local = self.transform.apply_inverse(point);
         let count = dimensions.count();
@@ -45,14 +45,16 @@ impl Shape {
             Solid::Box { min, max } => {
                 (0..count).all(|k| local[k] >= min[k] - tolerance && local[k] <= max[k] + tolerance)
             }
-            Solid::Ball { centre, radius } => distance_squared(local, *centre, count) <= (radius + tolerance).powi(2),
+            Solid::Ball { centre, radius } => {
+                distance_squared(local, *centre, count) <= (radius + tolerance).max(0.0).powi(2)
+            }
             Solid::Cylinder { from, to, radius } => {
                 let axis = subtract(*to, *from);
                 let length = dot(axis, axis).sqrt();
                 let offset = subtract(local, *from);
                 let along = dot(offset, axis) / length;
                 let across = (dot(offset, offset) - along * along).max(0.0);
-                along >= -tolerance && along <= length + tolerance && across <= (radius + tolerance).powi(2)
+                along >= -tolerance && along <= length + tolerance && across <= (radius + tolerance).max(0.0).powi(2)
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::build::{Incomplete, build};
 use super::constants::{Constants, LawConstants};
+use crate::deck::defaults::REFERENCE_TEMPERATURE;
 use sphorge_physics::{
     eos::EQUATIONS_OF_STATE,
     flow::FLOW_LAWS,
@@ -62,7 +63,10 @@ fn law<L>(entry: &LawEntry<L>, given: &LawConstants, material: &Constants) -> La
     let shared = |key: &str| match key {
         "density" => material.density,
         "young-modulus" => material.elastic.completed()?.young,
-        "reference-temperature" => material.reference_temperature,
+        "reference-temperature" => material.reference_temperature.or(Some(REFERENCE_TEMPERATURE)),
+        "sound-speed" if entry.key == "linear" => {
+            Some((material.elastic.completed()?.bulk? / material.density?).sqrt())
+        }
         _ => None,
     };
     let line = |p: &Parameter| ConstantLine {
@@ -111,13 +115,16 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
             })
             .collect(),
     };
+    // Elastic constants alone give the linear law.
+    let linear = constants.elastic.completed().map(|_| LawConstants::default());
+    let state = constants.equation_of_state.clone().or(linear);
     MaterialListing {
         name: name.to_owned(),
         description: constants.description.clone().unwrap_or_default(),
         reference: constants.reference.clone().unwrap_or_default(),
         note: constants.note.clone().unwrap_or_default(),
         constants: all.into_iter().filter(|line| line.value.is_some()).collect(),
-        equation_of_state: constants.equation_of_state.as_ref().map(|c| law(&EQUATIONS_OF_STATE[c.law], c, constants)),
+        equation_of_state: state.as_ref().map(|c| law(&EQUATIONS_OF_STATE[c.law], c, constants)),
         strength: constants.strength.as_ref().map(|c| law(&FLOW_LAWS[c.law], c, constants)),
         missing,
     }

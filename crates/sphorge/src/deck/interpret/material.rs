@@ -233,7 +233,7 @@ fn report(name: &str, incomplete: Incomplete, word: &Word, own: Option<&Own>, pr
             Some(own) => Fault::new(code, message, own.at.clone(), "this material").also(word.span(), "used here"),
             None => Fault::new(code, message, word.span(), "a material of the catalogue, to be completed"),
         };
-        let base = if own.is_none() { format!("; [material.{name}] starts from the catalogue") } else { String::new() };
+        let base = if own.is_none() { "; such a table starts from the catalogue's constants" } else { "" };
         (fault, base)
     };
     match incomplete {
@@ -249,7 +249,7 @@ fn report(name: &str, incomplete: Incomplete, word: &Word, own: Option<&Own>, pr
                 let table =
                     if constant.table.is_empty() { name.to_owned() } else { format!("{name}.{}", constant.table) };
                 problems.push(
-                    fault.help(format!("add `{}` to [material.{table}]{base}: {}", constant.key, constant.meaning)),
+                    fault.help(format!("add `{}`, {}, to [material.{table}]{base}", constant.key, constant.meaning)),
                 );
             }
         }

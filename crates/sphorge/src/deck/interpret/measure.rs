@@ -178,11 +178,19 @@ fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> 
         None => Some(None),
         Some(w) => match (vector(&w.min, scene.dimensions, problems), vector(&w.max, scene.dimensions, problems)) {
             (Some(min), Some(max)) => super::body::check_corners(&w.min, &w.max, min, max, scene.dimensions, problems)
-                .map(|()| Some((min, max))),
+                .map(|()| Some(unbounded_across(min, max, scene.dimensions))),
             _ => None,
         },
     };
     Some(Probe { body: body?, region: region?, window: window? })
+}
+
+/// A window that ends on no axis the deck does not have.
+fn unbounded_across(mut min: [f64; 3], mut max: [f64; 3], dimensions: Dimensions) -> ([f64; 3], [f64; 3]) {
+    for axis in dimensions.count()..3 {
+        (min[axis], max[axis]) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    (min, max)
 }
 
 /// Names of the components of a field, in the order of [`ColumnKind`].

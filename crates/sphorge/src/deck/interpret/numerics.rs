@@ -11,6 +11,10 @@ use sphorge_physics::parameter::Bound;
 /// Exponents above give a force that is zero or infinite in all but name.
 const LARGEST_EXPONENT: u64 = 16;
 
+/// More frames or rows than these are a slip of units, and would fill a disk.
+const MOST_FRAMES: f64 = 1e5;
+const MOST_ROWS: f64 = 1e7;
+
 /// The value of a key, or its default.
 macro_rules! or_default {
     ($given:expr, $default:expr, $read:expr) => {
@@ -151,9 +155,19 @@ pub(crate) fn output(raw: &RawOutput, end: Option<f64>, problems: &mut Problems)
         }
     };
     let end = end?;
-    Some(OutputControl {
-        frame_interval: frame_interval?.unwrap_or(end / frames? as f64),
-        history_interval: history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64),
-        fields: fields?,
-    })
+    let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);
+    let history_interval = history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64);
+    let place = |given: &Option<Given<crate::deck::value::Time>>| given.as_ref().map_or(0..0, |g| g.span());
+    let frames_at = raw.frames.as_ref().map_or_else(|| place(&raw.frame_interval), |f| f.0.span.clone());
+    for (what, interval, most, at) in [
+        ("frames", frame_interval, MOST_FRAMES, frames_at),
+        ("rows of the history", history_interval, MOST_ROWS, place(&raw.history_interval)),
+    ] {
+        let count = end / interval;
+        if count > most {
+            let message = format!("this makes {count:.1e} {what}; at most {most:.0e} are written");
+            problems.push(Fault::new("out-of-range", message, at, "here").help("choose a longer interval"));
+        }
+    }
+    Some(OutputControl { frame_interval, history_interval, fields: fields? })
 }

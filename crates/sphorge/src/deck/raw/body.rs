@@ -17,21 +17,21 @@ pub(crate) struct RawBody {
     /// Shape in the initial configuration.
     pub(crate) shape: RawShape,
     /// Initial velocity.
-    #[schemars(extend("examples" = [["0 m/s", "-200 m/s"]], "default" = "at rest"))]
+    #[schemars(extend("examples" = [["0 m/s", "-200 m/s"]], "x-default" = "at rest"))]
     pub(crate) velocity: Option<VectorOf<Velocity>>,
     /// Initial rotation, added to the velocity.
     pub(crate) spin: Option<RawSpin>,
     /// Initial temperature.
-    #[schemars(extend("examples" = ["20 degC"], "default" = "the material's `reference-temperature`"))]
+    #[schemars(extend("examples" = ["20 degC"], "x-default" = "the material's `reference-temperature`"))]
     pub(crate) temperature: Option<Given<Temperature>>,
     /// Particle spacing of this body.
-    #[schemars(extend("examples" = ["0.3 mm"], "default" = "that of `particles`"))]
+    #[schemars(extend("examples" = ["0.3 mm"], "x-default" = "that of `particles`"))]
     pub(crate) spacing: Option<Given<Length>>,
     /// Smoothing length over spacing of this body.
-    #[schemars(extend("examples" = [1.2], "default" = "that of `particles`"))]
+    #[schemars(extend("examples" = [1.2], "x-default" = "that of `particles`"))]
     pub(crate) smoothing: Option<Given<Number>>,
     /// Where the lattice sits in this body.
-    #[schemars(extend("examples" = ["on-faces"], "default" = "that of `particles`"))]
+    #[schemars(extend("examples" = ["on-faces"], "x-default" = "that of `particles`"))]
     pub(crate) placement: Option<Choice<PlacementWord>>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct RawShape {
     /// Rotation, done before the shift.
     pub(crate) rotate: Option<RawRotate>,
     /// Translation.
-    #[schemars(extend("examples" = [["5 mm", "0 mm"]], "default" = "none"))]
+    #[schemars(extend("examples" = [["5 mm", "0 mm"]], "x-default" = "none"))]
     pub(crate) shift: Option<VectorOf<Length>>,
 }
 
@@ -99,13 +99,13 @@ pub(crate) struct RawCylinder {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(crate) struct RawRotate {
     /// Direction of the axis, any length; three components. In plane strain it is z and may be left out.
-    #[schemars(extend("examples" = [[0, 0, 1]], "default" = "z in plane strain"))]
+    #[schemars(extend("examples" = [[0, 0, 1]], "x-default" = "z in plane strain"))]
     pub(crate) axis: Option<VectorOf<Number>>,
     /// Angle.
     #[schemars(extend("examples" = ["30 deg"]))]
     pub(crate) angle: Given<Angle>,
     /// A point on the axis.
-    #[schemars(extend("examples" = [["0 mm", "10 mm"]], "default" = "the origin"))]
+    #[schemars(extend("examples" = [["0 mm", "10 mm"]], "x-default" = "the origin"))]
     pub(crate) about: Option<VectorOf<Length>>,
 }
 
@@ -117,7 +117,7 @@ pub(crate) struct RawSpin {
     #[schemars(extend("examples" = ["1200 rpm"]))]
     pub(crate) rate: ScalarOr<Given<AngularVelocity>, Vec<Given<AngularVelocity>>>,
     /// Centre of the rotation.
-    #[schemars(extend("examples" = [["0 mm", "0 mm"]], "default" = "the origin"))]
+    #[schemars(extend("examples" = [["0 mm", "0 mm"]], "x-default" = "the origin"))]
     pub(crate) centre: Option<VectorOf<Length>>,
 }
 
@@ -129,7 +129,7 @@ pub(crate) struct RawRegion {
     #[schemars(extend("examples" = ["left-end"]))]
     pub(crate) name: Word,
     /// Only particles of this body.
-    #[schemars(extend("examples" = ["bar"], "default" = "all bodies"))]
+    #[schemars(extend("examples" = ["bar"], "x-default" = "all bodies"))]
     pub(crate) body: Option<Word>,
     /// Only particles inside this shape or on its surface.
     pub(crate) shape: Option<RawShape>,

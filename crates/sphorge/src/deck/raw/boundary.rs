@@ -19,7 +19,7 @@ pub(crate) struct RawWall {
     /// Straight two-sided segment, in plane strain.
     pub(crate) segment: Option<RawSegment>,
     /// Velocity of the wall, by axis: a constant, or rows of time and velocity (linear between rows, constant outside).
-    #[schemars(extend("examples" = [["0 m/s", [["0 s", "0 m/s"], ["5 ms", "1 m/s"]]]], "default" = "at rest"))]
+    #[schemars(extend("examples" = [["0 m/s", [["0 s", "0 m/s"], ["5 ms", "1 m/s"]]]], "x-default" = "at rest"))]
     pub(crate) velocity: Option<Vec<ScalarOr<Given<Velocity>, Rows<Velocity>>>>,
     /// How the wall pushes.
     #[schemars(extend("examples" = [{ "penalty": { "friction": 0.2 } }], "default" = "monaghan-kos"))]
@@ -65,7 +65,7 @@ pub(crate) struct RawContact {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(crate) struct RawMonaghanKos {
     /// Distance at which the repulsion begins.
-    #[schemars(extend("examples" = ["0.3 mm"], "default" = "`particles.spacing`"))]
+    #[schemars(extend("examples" = ["0.3 mm"], "x-default" = "`particles.spacing`"))]
     pub(crate) range: Option<Given<Length>>,
 }
 
@@ -104,13 +104,13 @@ pub(crate) struct RawSymmetry {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(crate) struct RawPeriodic {
     /// Ends along x.
-    #[schemars(extend("examples" = [["0 mm", "5 mm"]], "default" = "not periodic"))]
+    #[schemars(extend("examples" = [["0 mm", "5 mm"]], "x-default" = "not periodic"))]
     pub(crate) x: Option<VectorOf<Length>>,
     /// Ends along y.
-    #[schemars(extend("examples" = [["0 mm", "5 mm"]], "default" = "not periodic"))]
+    #[schemars(extend("examples" = [["0 mm", "5 mm"]], "x-default" = "not periodic"))]
     pub(crate) y: Option<VectorOf<Length>>,
     /// Ends along z.
-    #[schemars(extend("examples" = [["0 mm", "5 mm"]], "default" = "not periodic"))]
+    #[schemars(extend("examples" = [["0 mm", "5 mm"]], "x-default" = "not periodic"))]
     pub(crate) z: Option<VectorOf<Length>>,
 }
 

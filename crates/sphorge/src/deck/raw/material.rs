@@ -12,7 +12,7 @@ use toml::Spanned;
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(crate) struct RawMaterial {
     /// Material to start from; a material named as one of the catalogue starts from that.
-    #[schemars(extend("examples" = ["armco-iron"], "default" = "the catalogue's material of this name, if any"))]
+    #[schemars(extend("examples" = ["armco-iron"], "x-default" = "the catalogue's material of this name, if any"))]
     pub(crate) base: Option<Word>,
     /// What the material is.
     #[schemars(extend("examples" = ["4340 steel, Rockwell C 30"], "default" = ""))]
@@ -24,31 +24,31 @@ pub(crate) struct RawMaterial {
     #[schemars(extend("examples" = ["no equation of state"], "default" = ""))]
     pub(crate) note: Option<Word>,
     /// Density at rest.
-    #[schemars(extend("examples" = ["7890 kg/m^3"]))]
+    #[schemars(extend("examples" = ["7890 kg/m^3"], "x-default" = "must be given"))]
     pub(crate) density: Option<Given<Density>>,
     /// Shear modulus G.
-    #[schemars(extend("examples" = ["80 GPa"]))]
+    #[schemars(extend("examples" = ["80 GPa"], "x-default" = "from two of them"))]
     pub(crate) shear_modulus: Option<Given<Stress>>,
     /// Young's modulus E.
-    #[schemars(extend("examples" = ["210 GPa"]))]
+    #[schemars(extend("examples" = ["210 GPa"], "x-default" = "from two of them"))]
     pub(crate) young_modulus: Option<Given<Stress>>,
     /// Poisson's ratio nu.
-    #[schemars(extend("examples" = [0.3]))]
+    #[schemars(extend("examples" = [0.3], "x-default" = "from two of them"))]
     pub(crate) poisson_ratio: Option<Given<Number>>,
     /// Bulk modulus K.
-    #[schemars(extend("examples" = ["170 GPa"]))]
+    #[schemars(extend("examples" = ["170 GPa"], "x-default" = "from two of them"))]
     pub(crate) bulk_modulus: Option<Given<Stress>>,
     /// Pressure law.
     #[schemars(extend("examples" = [{ "mie-gruneisen": { "sound-speed": "3630 m/s", "shock-slope": 1.8, "gruneisen": 1.81 } }], "default" = "linear"))]
     pub(crate) equation_of_state: Option<RawLaw<EquationOfStateWord>>,
     /// Flow law.
-    #[schemars(extend("examples" = [{ "perfectly-plastic": { "yield-stress": "350 MPa" } }]))]
+    #[schemars(extend("examples" = [{ "perfectly-plastic": { "yield-stress": "350 MPa" } }], "x-default" = "must be given"))]
     pub(crate) strength: Option<RawLaw<StrengthWord>>,
     /// How the trial stress returns to the yield surface.
     #[schemars(extend("examples" = ["benz-asphaug"], "default" = "radial-return"))]
     pub(crate) return_rule: Option<Choice<ReturnRuleWord>>,
     /// Specific heat; without it the temperature stays.
-    #[schemars(extend("examples" = ["452 J/(kg K)"], "default" = "none: the temperature stays"))]
+    #[schemars(extend("examples" = ["452 J/(kg K)"], "x-default" = "none: the temperature stays"))]
     pub(crate) specific_heat: Option<Given<SpecificHeat>>,
     /// Thermal conductivity.
     #[schemars(extend("examples" = ["80.2 W/(m K)"], "default" = 0.0))]
@@ -130,9 +130,16 @@ impl<C: LawTable> JsonSchema for LawTableValue<C> {
                     "type": ["number", "string"],
                     "x-unit": kind.si_unit,
                 });
-                if let Some(default) = parameter.default {
-                    schema.insert("default".to_owned(), default.into());
-                }
+                let given = match (parameter.key, entry.key) {
+                    ("density" | "young-modulus" | "reference-temperature", _) => Some("the material's"),
+                    ("sound-speed", "linear") => Some("from the elastic constants"),
+                    _ => None,
+                };
+                match (parameter.default, given) {
+                    (Some(default), _) => schema.insert("default".to_owned(), default.into()),
+                    (None, Some(given)) => schema.insert("x-default".to_owned(), given.into()),
+                    (None, None) => schema.insert("x-default".to_owned(), "must be given".into()),
+                };
                 constants.insert(parameter.key.to_owned(), schema.to_value());
             }
             let description = format!("{}: {}", entry.name, entry.reference);

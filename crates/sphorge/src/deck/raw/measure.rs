@@ -59,13 +59,13 @@ macro_rules! probed {
         #[serde(deny_unknown_fields, rename_all = "kebab-case")]
         pub(crate) struct $name {
             /// Only particles of this body.
-            #[schemars(extend("examples" = ["bar"], "default" = "all"))]
+            #[schemars(extend("examples" = ["bar"], "x-default" = "all"))]
             pub(crate) body: Option<Word>,
             /// Only particles of this region.
-            #[schemars(extend("examples" = ["left-end"], "default" = "all"))]
+            #[schemars(extend("examples" = ["left-end"], "x-default" = "all"))]
             pub(crate) region: Option<Word>,
             /// Only particles that are inside this box at the time.
-            #[schemars(extend("default" = "everywhere"))]
+            #[schemars(extend("x-default" = "everywhere"))]
             pub(crate) window: Option<RawWindow>,
             $( $(#[$attribute])* pub(crate) $field: $type, )*
         }
@@ -90,7 +90,7 @@ probed! {
         #[schemars(extend("examples" = ["velocity"]))]
         field: Choice<FieldWord>,
         /// Component of a vector or tensor: `x` to `z`, `xx` to `zz`.
-        #[schemars(extend("examples" = ["y"], "default" = "the magnitude"))]
+        #[schemars(extend("examples" = ["y"], "x-default" = "the magnitude"))]
         component: Option<Word>,
     }
     /// An extremum of a field.
@@ -99,7 +99,7 @@ probed! {
         #[schemars(extend("examples" = ["temperature"]))]
         field: Choice<FieldWord>,
         /// Component of a vector or tensor: `x` to `z`, `xx` to `zz`.
-        #[schemars(extend("examples" = ["y"], "default" = "the magnitude"))]
+        #[schemars(extend("examples" = ["y"], "x-default" = "the magnitude"))]
         component: Option<Word>,
         /// Over all rows of the history so far rather than now.
         #[schemars(extend("examples" = [true], "default" = false))]
@@ -111,7 +111,7 @@ probed! {
         #[schemars(extend("examples" = ["pressure"]))]
         field: Choice<FieldWord>,
         /// Component of a vector or tensor: `x` to `z`, `xx` to `zz`.
-        #[schemars(extend("examples" = ["y"], "default" = "the magnitude"))]
+        #[schemars(extend("examples" = ["y"], "x-default" = "the magnitude"))]
         component: Option<Word>,
         /// The point.
         #[schemars(extend("examples" = [["0 mm", "5 mm"]]))]
@@ -123,7 +123,7 @@ probed! {
         #[schemars(extend("examples" = ["pressure"]))]
         field: Choice<FieldWord>,
         /// Component of a vector or tensor: `x` to `z`, `xx` to `zz`.
-        #[schemars(extend("examples" = ["y"], "default" = "the magnitude"))]
+        #[schemars(extend("examples" = ["y"], "x-default" = "the magnitude"))]
         component: Option<Word>,
         /// Axis the front runs along.
         #[schemars(extend("examples" = ["x"]))]
@@ -135,7 +135,7 @@ probed! {
         #[schemars(extend("examples" = ["positive"], "default" = "positive"))]
         side: Option<Choice<SideWord>>,
         /// First and last time of the rows used.
-        #[schemars(extend("examples" = [["1 us", "4 us"]], "default" = "the whole run"))]
+        #[schemars(extend("examples" = [["1 us", "4 us"]], "x-default" = "the whole run"))]
         during: Option<VectorOf<Time>>,
     }
 }

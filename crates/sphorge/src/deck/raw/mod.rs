@@ -35,7 +35,7 @@ pub(crate) struct RawDeck {
     #[schemars(extend("examples" = ["every-step"], "default" = "skin"))]
     pub(crate) search: Option<ScalarOr<Choice<SearchWord>, RawSearch>>,
     /// Acceleration of every particle.
-    #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2"]], "default" = "none"))]
+    #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2"]], "x-default" = "none"))]
     pub(crate) gravity: Option<VectorOf<Acceleration>>,
     /// Particles: resolution and smoothing.
     pub(crate) particles: RawParticles,
@@ -100,16 +100,16 @@ pub(crate) struct RawTime {
     #[schemars(extend("examples" = [0.3], "default" = 0.3))]
     pub(crate) courant: Option<Given<Number>>,
     /// Upper bound of the time step.
-    #[schemars(extend("examples" = ["10 ns"], "default" = "none"))]
+    #[schemars(extend("examples" = ["10 ns"], "x-default" = "none"))]
     pub(crate) max_step: Option<Given<Time>>,
     /// Time step to use instead of the stable one; larger than the stable one stops the run.
-    #[schemars(extend("examples" = ["5 ns"], "default" = "none"))]
+    #[schemars(extend("examples" = ["5 ns"], "x-default" = "none"))]
     pub(crate) fixed_step: Option<Given<Time>>,
     /// Stop when the kinetic energy has fallen below this share of its initial value.
-    #[schemars(extend("examples" = [0.01], "default" = "none"))]
+    #[schemars(extend("examples" = [0.01], "x-default" = "none"))]
     pub(crate) stop_kinetic_fraction: Option<Given<Number>>,
     /// Stop after this many steps.
-    #[schemars(extend("examples" = [1000], "default" = "none"))]
+    #[schemars(extend("examples" = [1000], "x-default" = "none"))]
     pub(crate) max_steps: Option<Count>,
 }
 
@@ -121,12 +121,12 @@ pub(crate) struct RawOutput {
     #[schemars(extend("examples" = [50], "default" = 50))]
     pub(crate) frames: Option<Count>,
     /// Time between frames, instead of `frames`.
-    #[schemars(extend("examples" = ["1 us"], "default" = "end / frames"))]
+    #[schemars(extend("examples" = ["1 us"], "x-default" = "end / frames"))]
     pub(crate) frame_interval: Option<Given<Time>>,
     /// Time between rows of `history.csv`.
-    #[schemars(extend("examples" = ["0.1 us"], "default" = "end / 500"))]
+    #[schemars(extend("examples" = ["0.1 us"], "x-default" = "end / 500"))]
     pub(crate) history_interval: Option<Given<Time>>,
     /// Fields to write to frames.
-    #[schemars(extend("examples" = [["velocity", "plastic_strain"]], "default" = "the usual ones"))]
+    #[schemars(extend("examples" = [["velocity", "plastic_strain"]], "x-default" = "the usual ones"))]
     pub(crate) fields: Option<Vec<Choice<FieldWord>>>,
 }

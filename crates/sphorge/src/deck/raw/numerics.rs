@@ -33,7 +33,7 @@ pub(crate) struct RawNumerics {
     #[schemars(extend("examples" = [0.5], "default" = 0.0))]
     pub(crate) xsph: Option<Given<Number>>,
     /// Restore the density by moving least squares every so many steps.
-    #[schemars(extend("examples" = [20], "default" = "never"))]
+    #[schemars(extend("examples" = [20], "x-default" = "never"))]
     pub(crate) mls_interval: Option<Count>,
     /// How pair work is shared between the two particles.
     #[schemars(extend("examples" = ["symmetric"], "default" = "own-stress"))]

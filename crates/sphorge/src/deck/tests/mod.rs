@@ -1,5 +1,9 @@
 //! Decks read whole.
 
+mod diagnostics;
+mod reference;
+mod whole;
+
 use super::*;
 use crate::model::*;
 
@@ -30,6 +34,14 @@ plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
 name = "height"
 extent = { body = "bar", axis = "y" }
 "#;
+
+/// The deck with a piece replaced.
+#[track_caller]
+fn changed(old: &str, new: &str) -> String {
+    let deck = FLAVOUR.replacen(old, new, 1);
+    assert_ne!(deck, FLAVOUR, "`{old}` is not in the deck");
+    deck
+}
 
 #[test]
 fn the_flavour_of_a_deck_becomes_a_setup() {

@@ -1,0 +1,267 @@
+//! `--set path=value`: changes worked into the text of a deck before it is read, so that what is stored is what is run.
+//!
+//! A path follows the keys of the deck; an entry of a list is chosen by its place (from 0) or by its `name`:
+//! `particles.spacing`, `body.bar.velocity.1`, `body.0.material`, `material.armco-iron.density`.
+
+use super::keys;
+use super::report::{DeckReport, Fault, Problems, suggest};
+use super::schema::{Form, Node};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+
+/// The text with the overrides worked in; `None` if the text is no TOML, which reading it will report.
+pub(crate) fn apply(text: &str, overrides: &[(String, String)]) -> Result<Option<String>, DeckReport> {
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(None) };
+    for (path, value) in overrides {
+        let mut problems = Problems::new("--set", &format!("{path}={value}"));
+        if let Err(fault) = set(&mut document, path, value) {
+            problems.push(fault);
+        }
+        problems.check()?;
+    }
+    Ok(Some(document.to_string()))
+}
+
+/// A value as TOML, or as the text it is.
+fn parse_value(text: &str) -> Value {
+    match text.trim().parse::<Value>() {
+        Ok(Value::Datetime(_)) | Err(_) => Value::from(text.trim()),
+        Ok(value) => value,
+    }
+}
+
+/// A segment of a path and its place in it.
+struct Segment {
+    key: String,
+    at: std::ops::Range<usize>,
+}
+
+fn segments(path: &str) -> Result<Vec<Segment>, Fault> {
+    let whole = 0..path.len();
+    let keys = Key::parse(path).map_err(|_| {
+        Fault::new("override", format!("`{path}` is not a path of keys"), whole, "this path")
+            .help("join keys with dots: particles.spacing, body.bar.velocity, body.0.material")
+    })?;
+    let mut from = 0;
+    let mut found = Vec::with_capacity(keys.len());
+    for key in keys {
+        let start = path[from..].find(key.get()).map_or(from, |offset| from + offset);
+        let end = (start + key.get().len()).min(path.len());
+        found.push(Segment { key: key.get().to_owned(), at: start..end });
+        from = end;
+    }
+    Ok(found)
+}
+
+fn set(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Fault> {
+    let segments = segments(path)?;
+    set_in_table(document.as_table_mut(), Node::deck(), &segments, "", parse_value(value), false)
+}
+
+/// An entry of a document a path can lead through.
+enum Place<'a> {
+    Item(&'a mut Item),
+    Value(&'a mut Value),
+    Table(&'a mut dyn TableLike, bool),
+}
+
+fn set_in_table(
+    table: &mut dyn TableLike,
+    node: Node<'_>,
+    path: &[Segment],
+    above: &str,
+    value: Value,
+    inline: bool,
+) -> Result<(), Fault> {
+    let [segment, rest @ ..] = path else { return Ok(()) };
+    let Some(child) = node.key(&segment.key) else {
+        return Err(keys::unknown(&segment.key, node, above).at(segment.at.clone()));
+    };
+    let here = if above.is_empty() { segment.key.clone() } else { format!("{above}.{}", segment.key) };
+    if rest.is_empty() {
+        let mut value = value;
+        // The comment behind a value stays.
+        if let Some(old) = table.get(&segment.key).and_then(Item::as_value) {
+            *value.decor_mut() = old.decor().clone();
+        }
+        table.insert(&segment.key, Item::Value(value));
+        return Ok(());
+    }
+    let composed = |item: &Item| item.is_table_like() || item.is_array() || item.is_array_of_tables();
+    if !table.get(&segment.key).is_some_and(composed) {
+        if !child.allows(Form::Table) {
+            return Err(nothing_below(&segment.key, child, &rest[0], table.contains_key(&segment.key)));
+        }
+        // `search = "skin"` gives way to `search.skin.fraction`.
+        let empty = if inline { Item::Value(Value::InlineTable(InlineTable::new())) } else { Item::Table(implicit()) };
+        table.insert(&segment.key, empty);
+    }
+    match table.get_mut(&segment.key) {
+        Some(item) => set_in(Place::Item(item), child, rest, &here, value),
+        None => Ok(()),
+    }
+}
+
+/// A table whose header is left out as long as nothing but tables is in it.
+fn implicit() -> Table {
+    let mut table = Table::new();
+    table.set_implicit(true);
+    table
+}
+
+fn nothing_below(name: &str, node: Node<'_>, next: &Segment, present: bool) -> Fault {
+    let at = next.at.clone();
+    if node.allows(Form::List) && !present {
+        return Fault::new("override", format!("the deck has no `{name}` to change"), at, "not in the deck");
+    }
+    Fault::new("override", format!("`{name}` is a single value"), at, "nothing is below it").help("end the path there")
+}
+
+fn set_in(place: Place<'_>, node: Node<'_>, path: &[Segment], above: &str, value: Value) -> Result<(), Fault> {
+    match place {
+        Place::Table(table, inline) => set_in_table(table, node, path, above, value, inline),
+        Place::Item(Item::Table(table)) => set_in_table(table, node, path, above, value, false),
+        Place::Item(Item::ArrayOfTables(tables)) => {
+            let names = tables.iter().map(|t| t.get("name").and_then(Item::as_str).map(str::to_owned)).collect();
+            let index = choose(names, &path[0], above)?;
+            match (tables.get_mut(index), path.len()) {
+                (Some(_), 1) => Err(whole_entry(&path[0])),
+                (Some(table), _) => descend(Place::Table(table, false), node, index, path, above, value),
+                (None, _) => Ok(()),
+            }
+        }
+        Place::Item(Item::Value(inner)) | Place::Value(inner) => match inner {
+            Value::InlineTable(table) => set_in_table(table, node, path, above, value, true),
+            Value::Array(entries) => set_in_array(entries, node, path, above, value),
+            _ => Err(nothing_below(above, node, &path[0], true)),
+        },
+        Place::Item(Item::None) => Ok(()),
+    }
+}
+
+fn set_in_array(entries: &mut Array, node: Node<'_>, path: &[Segment], above: &str, value: Value) -> Result<(), Fault> {
+    let name = |v: &Value| v.as_inline_table().and_then(|t| t.get("name")).and_then(Value::as_str).map(str::to_owned);
+    let index = choose(entries.iter().map(name).collect(), &path[0], above)?;
+    match (entries.get_mut(index), path.len()) {
+        (Some(entry), 1) => {
+            let decor = entry.decor().clone();
+            *entry = value;
+            *entry.decor_mut() = decor;
+            Ok(())
+        }
+        (Some(entry), _) => descend(Place::Value(entry), node, index, path, above, value),
+        (None, _) => Ok(()),
+    }
+}
+
+fn descend(
+    place: Place<'_>,
+    node: Node<'_>,
+    index: usize,
+    path: &[Segment],
+    above: &str,
+    value: Value,
+) -> Result<(), Fault> {
+    match node.item(index) {
+        Some(item) => set_in(place, item, &path[1..], &format!("{above}.{}", path[0].key), value),
+        None => Err(nothing_below(above, node, &path[0], true)),
+    }
+}
+
+fn whole_entry(segment: &Segment) -> Fault {
+    let fault = Fault::new("override", "a whole entry cannot be replaced", segment.at.clone(), "this entry");
+    fault.help("add one of its keys to the path")
+}
+
+/// The entry of a list a segment chooses, by place or by name.
+fn choose(names: Vec<Option<String>>, segment: &Segment, list: &str) -> Result<usize, Fault> {
+    let by_place = segment.key.parse::<usize>().ok().filter(|&index| index < names.len());
+    let by_name = names.iter().position(|name| name.as_deref() == Some(segment.key.as_str()));
+    by_name.or(by_place).ok_or_else(|| {
+        let message = format!("`{list}` has no entry `{}`", segment.key);
+        let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
+        let help = if known.is_empty() {
+            format!("its entries are numbered from 0 to {}", names.len().saturating_sub(1))
+        } else {
+            suggest(&segment.key, known.iter().copied(), "such entry")
+        };
+        Fault::new("override", message, segment.at.clone(), "not in the deck").help(help)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DECK: &str = r#"
+title = "t"
+search = "skin"
+
+[particles]
+spacing = "0.3 mm" # fine
+
+[[body]]
+name = "bar"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["1 mm", "1 mm"] } }
+
+[[body]]
+name = "plate"
+velocity = ["0 m/s", "1 m/s"]
+
+[output]
+fields = ["velocity"]
+"#;
+
+    fn with(path: &str, value: &str) -> String {
+        apply(DECK, &[(path.to_owned(), value.to_owned())]).unwrap().unwrap()
+    }
+
+    fn refused(path: &str, value: &str) -> (String, String) {
+        let report = apply(DECK, &[(path.to_owned(), value.to_owned())]).unwrap_err();
+        let problem = &report.problems()[0];
+        (problem.to_string(), problem.help().unwrap_or_default().to_owned())
+    }
+
+    #[test]
+    fn values_are_toml_or_else_text_and_comments_stay() {
+        assert!(with("particles.spacing", "0.6 mm").contains("spacing = \"0.6 mm\" # fine"));
+        assert!(with("particles.spacing", "\"0.6 mm\"").contains("spacing = \"0.6 mm\" # fine"));
+        assert!(with("particles.spacing", "6e-4").contains("spacing = 6e-4 # fine"));
+        assert!(with("title", "2020-01-01").contains("title = \"2020-01-01\""));
+        assert!(with("output.fields", "[\"stress\"]").contains("fields = [\"stress\"]"));
+    }
+
+    #[test]
+    fn entries_of_lists_are_reached_by_place_and_by_name() {
+        assert!(with("body.plate.velocity.1", "7 m/s").contains("velocity = [\"0 m/s\", \"7 m/s\"]"));
+        assert_eq!(with("body.1.velocity.1", "7 m/s"), with("body.plate.velocity.1", "7 m/s"));
+        assert!(with("body.bar.shape.box.max.0", "2 mm").contains("max = [\"2 mm\", \"1 mm\"]"));
+        assert!(with("body.bar.spin.rate", "5 rpm").contains("[body.spin]\nrate = \"5 rpm\""));
+        assert!(with("output.fields.0", "stress").contains("fields = [\"stress\"]"));
+    }
+
+    #[test]
+    fn tables_that_are_not_there_are_made() {
+        assert!(with("numerics.viscosity.alpha", "2").contains("[numerics.viscosity]\nalpha = 2"));
+        let skin = with("search.skin.fraction", "0.2");
+        assert!(skin.contains("fraction = 0.2") && !skin.contains("\"skin\""), "{skin}");
+        assert!(with("material.armco-iron.strength.johnson-cook.A", "1 GPa").contains("A = \"1 GPa\""));
+    }
+
+    #[test]
+    fn what_is_not_there_is_refused_with_the_nearest() {
+        let (message, help) = refused("particles.spaceing", "1 mm");
+        assert_eq!(message, "unknown key `spaceing` in `particles`");
+        assert!(help.starts_with("did you mean `spacing`?"), "{help}");
+        let (message, help) = refused("body.plat.velocity", "[]");
+        assert_eq!(message, "`body` has no entry `plat`");
+        assert!(help.starts_with("did you mean `plate`?"), "{help}");
+        assert_eq!(refused("wall.anvil.contact", "penalty").0, "the deck has no `wall` to change");
+        assert_eq!(refused("title.x", "1").0, "`title` is a single value");
+        assert_eq!(refused("body.0", "1").0, "a whole entry cannot be replaced");
+        assert_eq!(refused("body.7.name", "1").0, "`body` has no entry `7`");
+        for path in ["", ".", "a..b", "particles.", "\"", "particles.spacing.x"] {
+            refused(path, "1");
+        }
+    }
+}
