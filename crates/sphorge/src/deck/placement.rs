@@ -2,9 +2,8 @@
 
 use super::interpret::Places;
 use super::report::Fault;
-use crate::geometry::{FillError, MAX_PARTICLES};
+use crate::geometry::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES};
 use crate::model::Model;
-use crate::particles::Particles;
 
 /// A length for people.
 fn millimetres(length: f64) -> String {
@@ -32,18 +31,15 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &Places) -> Fault {
                     millimetres(thickness)
                 ))
         }
-        FillError::TooMany { body, count } => {
-            let gigabytes = count * Particles::BYTES as f64 / 1e9;
-            let message =
-                format!("the deck makes about {count:.2e} particles, {gigabytes:.0} GB for their columns alone");
+        FillError::TooMany { body, count, limit } => {
+            let gigabytes = count * BYTES_PER_PARTICLE / 1e9;
+            let message = format!("the deck makes about {count:.2e} particles, which take about {gigabytes:.1e} GB");
+            let why = if limit < MAX_PARTICLES { "the free memory of this machine holds" } else { "the limit is" };
             let d = model.dimensions.count() as f64;
             let coarser = model.bodies[body].spacing * (count / 1e6).powf(1.0 / d);
             Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")
                 .also(places.bodies[body].clone(), "most of them here")
-                .help(format!(
-                    "the limit is {MAX_PARTICLES:.0e}; a spacing of {} makes a million",
-                    millimetres(coarser)
-                ))
+                .help(format!("{why} {limit:.0e}; a spacing of {} makes a million", millimetres(coarser)))
         }
         FillError::Overlap { first, second, position, count } => {
             let message = format!("bodies `{}` and `{}` overlap", name(first), name(second));

@@ -7,8 +7,22 @@ use crate::particles::Particles as Columns;
 
 /// Regions a deck can have: one bit each.
 pub const MAX_REGIONS: usize = 32;
-/// Particles a run can have.
+/// Particles a run can have on a machine of any size.
 pub const MAX_PARTICLES: f64 = 2e8;
+/// Memory of a run per particle, bytes, rounded: columns, the arrays of the engine and neighbour lists in three dimensions.
+pub const BYTES_PER_PARTICLE: f64 = 1000.0;
+
+/// Particles that can be run on this machine now.
+fn particle_limit() -> f64 {
+    let free = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| available_bytes(&text));
+    free.map_or(MAX_PARTICLES, |bytes| (bytes / BYTES_PER_PARTICLE).min(MAX_PARTICLES))
+}
+
+/// `MemAvailable` of Linux's `/proc/meminfo`, bytes.
+fn available_bytes(meminfo: &str) -> Option<f64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? * 1024.0)
+}
 
 /// Why bodies cannot be filled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -24,12 +38,14 @@ pub enum FillError {
         spacing: f64,
     },
     /// More particles than can be run.
-    #[error("about {count:.3e} particles")]
+    #[error("about {count:.3e} particles, at most {limit:.1e} can be run here")]
     TooMany {
         /// Index of the body with most of them.
         body: usize,
         /// Estimated number of all particles.
         count: f64,
+        /// Number that can be run.
+        limit: f64,
     },
     /// Two bodies in one place.
     #[error("bodies overlap at {position:?}")]
@@ -124,9 +140,10 @@ pub fn fill(model: &Model) -> Result<Particles, Vec<FillError>> {
     }
     let counts = estimated_count(model);
     let total: f64 = counts.iter().sum();
-    if total > MAX_PARTICLES {
+    let limit = particle_limit();
+    if total > limit {
         let body = (0..counts.len()).max_by(|&a, &b| counts[a].total_cmp(&counts[b])).unwrap_or(0);
-        errors.push(FillError::TooMany { body, count: total });
+        errors.push(FillError::TooMany { body, count: total, limit });
     }
     if !errors.is_empty() {
         return Err(errors);
@@ -247,5 +264,92 @@ fn check_motions(particles: &Particles, model: &Model, errors: &mut Vec<FillErro
                 errors.push(FillError::DrivenTwice { first, second, axis });
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deck::load_text;
+
+    fn deck(dimensions: &str, rest: &str) -> Particles {
+        let text = format!(
+            "dimensions = \"{dimensions}\"\n[particles]\nspacing = 0.5\n[time]\nend = 1\n\
+             [material.m]\ndensity = 1000\nyoung-modulus = 1e9\npoisson-ratio = 0.3\nstrength = \"elastic\"\n{rest}"
+        );
+        match load_text("deck", &text, &[]) {
+            Ok(setup) => setup.particles,
+            Err(report) => panic!("{:?}", report.problems()),
+        }
+    }
+
+    const BOX: &str = "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = { box = { min = [0, 0], max = [1, 1] } }\n";
+
+    #[test]
+    fn particles_move_and_turn_as_their_body() {
+        let particles =
+            deck("plane-strain", &format!("{BOX}velocity = [3, 0]\nspin = {{ rate = 2, centre = [1, 0] }}\n"));
+        assert_eq!(particles.position[1], [0.75, 0.25, 0.0]);
+        // v + w x r with w = 2 about z and r = (-0.25, 0.25).
+        assert_eq!(particles.velocity[1], [3.0 - 0.5, -0.5, 0.0]);
+        assert_eq!((particles.id[3], particles.mass[3], particles.density[3]), (3, 250.0, 1000.0));
+        assert_eq!((particles.smoothing_length[0], particles.temperature[0]), (0.6, 293.15));
+        // c0 = sqrt(K/rho), K = E/(3 (1 - 2 nu)).
+        assert!((particles.sound_speed[0] - (1e9f64 / 1.2 / 1000.0).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn spin_in_space_is_about_its_vector() {
+        let body = "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n";
+        let particles = deck("3d", &format!("{body}spin = {{ rate = [0, 4, 0] }}\n"));
+        // w = (0, 4, 0), r = (0.25, 0.25, 0.25): w x r = (1, 0, -1).
+        assert_eq!(particles.velocity[0], [1.0, 0.0, -1.0]);
+        assert_eq!((particles.len(), particles.mass[0]), (8, 125.0));
+    }
+
+    #[test]
+    fn regions_are_bits_of_what_body_and_shape_choose() {
+        let regions = "[[region]]\nname = \"left\"\nshape = { box = { min = [0, 0], max = [0.25, 1] } }\n\
+                       [[region]]\nname = \"second\"\nbody = \"c\"\n\
+                       [[region]]\nname = \"low\"\nbody = \"b\"\nshape = { box = { min = [0, 0], max = [1, 0.5] } }\n";
+        let other = BOX.replace("\"b\"", "\"c\"").replace("[0, 0]", "[1, 0]").replace("[1, 1]", "[2, 1]");
+        let particles = deck("plane-strain", &format!("{BOX}{other}{regions}"));
+        // Particles on the surface of a region belong to it.
+        assert_eq!(particles.regions, [0b101, 0b100, 0b001, 0, 0b010, 0b010, 0b010, 0b010]);
+        assert_eq!(particles.body, [0, 0, 0, 0, 1, 1, 1, 1]);
+    }
+
+    #[test]
+    fn a_turned_box_has_a_turned_lattice() {
+        let turned =
+            BOX.replace("[1, 1] } }", "[1, 1] }, rotate = { angle = \"90 deg\", about = [1, 0] }, shift = [0, 2] }");
+        let particles = deck("plane-strain", &turned);
+        // (0.25, 0.25) turns about (1, 0) to (0.75, -0.75) and is shifted by 2.
+        assert!((particles.position[0][0] - 0.75).abs() < 1e-15 && (particles.position[0][1] - 1.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn bodies_of_unlike_spacing_touch_and_overlap() {
+        let fine = |min: &str| {
+            format!(
+                "{BOX}[[body]]\nname = \"fine\"\nmaterial = \"m\"\nspacing = 0.1\n\
+                 shape = {{ box = {{ min = [{min}, 0], max = [2, 1] }} }}\n"
+            )
+        };
+        assert_eq!(deck("plane-strain", &fine("1")).len(), 4 + 100);
+        let text = format!(
+            "dimensions = \"plane-strain\"\n[particles]\nspacing = 0.5\n[time]\nend = 1\n\
+             [material.m]\nbase = \"armco-iron\"\n{}",
+            fine("0.7")
+        );
+        let Err(report) = load_text("deck", &text, &[]) else { panic!("they overlap") };
+        assert_eq!(report.problems()[0].to_string(), "bodies `b` and `fine` overlap");
+    }
+
+    #[test]
+    fn free_memory_is_read_as_linux_writes_it() {
+        let text = "MemTotal:       24000000 kB\nMemFree:         1000000 kB\nMemAvailable:   20000000 kB\n";
+        assert_eq!(available_bytes(text), Some(20_000_000.0 * 1024.0));
+        assert_eq!(available_bytes("nothing"), None);
     }
 }

@@ -5,4 +5,4 @@ mod lattice;
 mod overlap;
 mod shape;
 
-pub use fill::{FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
+pub use fill::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};

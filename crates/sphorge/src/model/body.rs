@@ -19,7 +19,7 @@ pub struct Material {
     pub flow_law: FlowLaw<f64>,
     /// How the trial stress returns to the yield surface.
     pub return_rule: ReturnRule,
-    /// Specific heat Cp, J/(kg K).
+    /// Specific heat Cp, J/(kg K); infinite where the deck gives none: work does not change the temperature.
     pub specific_heat: f64,
     /// Thermal conductivity k, W/(m K).
     pub conductivity: f64,

@@ -126,7 +126,7 @@ fn too_many_particles_are_counted_before_they_are_made() {
     assert_eq!(problem.code(), "too-many-particles");
     assert!(problem.to_string().contains("about 1.93e12 particles"), "{problem}");
     assert!(problem.to_string().contains("GB"));
-    assert!(problem.help().unwrap().contains("the limit is 2e8"));
+    assert!(problem.help().unwrap().contains("makes a million"));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Decks read whole.
 
 mod diagnostics;
+mod features;
 mod reference;
 mod whole;
 
