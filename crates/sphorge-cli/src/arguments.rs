@@ -36,8 +36,12 @@ pub(crate) enum Command {
     Materials(materials::MaterialsArguments),
     /// Draw the particles before and after, and the history curves, of a run
     Plot(plot::PlotArguments),
+    /// Set runs side by side: time, speed, conservation, measures
+    Compare(compare::CompareArguments),
     /// Measure the speed of this program on this machine
     Bench(bench::BenchArguments),
+    /// Print the JSON schema of decks, for completion in an editor
+    Schema,
 }
 
 impl Command {
@@ -48,7 +52,9 @@ impl Command {
             Self::Decks(arguments) => decks::execute(arguments),
             Self::Materials(arguments) => materials::execute(arguments),
             Self::Plot(arguments) => plot::execute(arguments),
+            Self::Compare(arguments) => compare::execute(arguments),
             Self::Bench(arguments) => bench::execute(arguments),
+            Self::Schema => schema::execute(),
         }
     }
 }

@@ -37,23 +37,32 @@ fn parse_override(text: &str) -> Result<(String, String), String> {
     }
 }
 
+/// A deck that is there, with changes.
+pub(crate) struct FoundDeck {
+    source: Source,
+    overrides: Vec<(String, String)>,
+    name: String,
+}
+
 enum Source {
     Shipped(&'static ShippedDeck),
     File(PathBuf),
 }
 
 impl DeckArguments {
-    /// Name of the deck without folder and extension: names the output folder.
-    pub(crate) fn name(&self) -> String {
-        self.deck.file_stem().unwrap_or(self.deck.as_os_str()).to_string_lossy().into_owned()
-    }
-
-    /// Reads the deck and fills its bodies.
+    /// Finds the deck: a file if there is one, otherwise a shipped deck of that bare name.
     ///
     /// # Errors
-    /// There is no such deck, or something is wrong with it.
-    pub(crate) fn load(&self) -> Result<Setup, Failure> {
-        let mut overrides = self.overrides.clone();
+    /// There is neither.
+    pub(crate) fn find(self) -> Result<FoundDeck, Failure> {
+        let name = self.deck.file_stem().unwrap_or(self.deck.as_os_str()).to_string_lossy().into_owned();
+        let bare = self.deck.components().count() == 1;
+        let source = match decks::find(&name).filter(|_| bare) {
+            _ if self.deck.exists() => Source::File(self.deck),
+            Some(shipped) => Source::Shipped(shipped),
+            None => return Err(missing(&self.deck, &name)),
+        };
+        let mut overrides = self.overrides;
         if let Some(precision) = self.precision {
             let word = match precision {
                 PrecisionArgument::Mixed => "mixed",
@@ -61,21 +70,26 @@ impl DeckArguments {
             };
             overrides.push(("numerics.precision".to_owned(), format!("\"{word}\"")));
         }
-        let setup = match self.source()? {
-            Source::Shipped(shipped) => deck::load_text(shipped.name, shipped.text, &overrides),
-            Source::File(path) => deck::load(&path, &overrides),
-        };
-        setup.map_err(|report| Failure::BadInput(report.into()))
+        Ok(FoundDeck { source, overrides, name })
+    }
+}
+
+impl FoundDeck {
+    /// Name of the deck without folder and extension: names the output folder.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
     }
 
-    /// A file if there is one; otherwise a shipped deck of that bare name.
-    fn source(&self) -> Result<Source, Failure> {
-        if self.deck.exists() {
-            return Ok(Source::File(self.deck.clone()));
-        }
-        let bare = self.deck.components().count() == 1;
-        let shipped = bare.then(|| decks::find(&self.name())).flatten();
-        shipped.map(Source::Shipped).ok_or_else(|| missing(&self.deck, &self.name()))
+    /// Reads the deck and fills its bodies.
+    ///
+    /// # Errors
+    /// Something is wrong with it.
+    pub(crate) fn load(&self) -> Result<Setup, Failure> {
+        let setup = match &self.source {
+            Source::Shipped(shipped) => deck::load_text(shipped.name, shipped.text, &self.overrides),
+            Source::File(path) => deck::load(path, &self.overrides),
+        };
+        setup.map_err(|report| Failure::BadInput(report.into()))
     }
 }
 

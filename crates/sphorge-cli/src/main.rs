@@ -3,6 +3,8 @@
 mod arguments;
 mod commands;
 mod deck_arguments;
+#[cfg(test)]
+mod documents;
 mod failure;
 mod progress;
 mod readable;

@@ -2,12 +2,15 @@
 
 /// A quantity with its SI unit, such as `20.18 mm`; units that take no prefix are left alone.
 pub(crate) fn quantity(value: f64, unit: &str) -> String {
+    if unit == "kg" && value.abs() < 1.0 {
+        return quantity(1e3 * value, "g");
+    }
     const PREFIXES: [(f64, &str); 8] =
         [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"), (1e-12, "p")];
     let size = value.abs();
     // Lengths above a metre and times above a second are not said in kilo.
-    let largest = if matches!(unit, "m" | "s") { 1.0 } else { 1e9 };
-    let prefixed = matches!(unit, "m" | "s" | "Pa" | "J" | "N" | "W") && (1e-12..1e13).contains(&size);
+    let largest = if matches!(unit, "m" | "s" | "g") { 1.0 } else { 1e9 };
+    let prefixed = matches!(unit, "m" | "s" | "g" | "Pa" | "J" | "N" | "W") && (1e-12..1e13).contains(&size);
     // Engineers say 0.3 mm.
     let share = if unit == "m" { 0.01 } else { 1.0 };
     let fits = |scale: f64| if scale == 1e-3 { size >= 0.99999 * share * scale } else { size >= 0.99999 * scale };
@@ -26,9 +29,8 @@ pub(crate) fn digits(value: f64) -> String {
     if size != 0.0 && !(1e-3..1e6).contains(&size) {
         return format!("{value:.3e}");
     }
-    // Zero and one share their number of decimals.
-    let whole = if size < 1.0 { 1 } else { size.log10().floor() as usize + 1 };
-    let text = format!("{value:.*}", 5_usize.saturating_sub(whole));
+    let order = if size == 0.0 { 0 } else { size.log10().floor() as i32 };
+    let text = format!("{value:.*}", (4 - order).max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
@@ -122,6 +124,9 @@ mod tests {
             (0.3e-3, "m", "0.3 mm"),
             (5e-6, "m", "5 um"),
             (1.0, "1/s", "1 /s"),
+            (0.009_162_34, "kg", "9.1623 g"),
+            (12.0, "kg", "12 kg"),
+            (0.009_162_34, "kg/m", "0.0091623 kg/m"),
             (870.123_45, "K", "870.12 K"),
             (3e-20, "J", "3.000e-20 J"),
         ];

@@ -11,7 +11,7 @@ pub(crate) fn facts<N: AsRef<str>>(facts: &[(N, String)]) -> String {
 /// A table with a head; columns listed in `right` hold numbers.
 pub(crate) fn columns(head: &[&str], right: &[usize], rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(head.iter().copied()).add_rows(rows);
     for &k in right {
         if let Some(column) = table.column_mut(k) {

@@ -27,3 +27,11 @@ pub(crate) fn note(line: &str) {
 pub(crate) fn report(report: &Report) {
     let _ = write!(io::stderr(), "{report:?}");
 }
+
+/// A value as readable JSON.
+///
+/// # Errors
+/// It cannot be written as JSON.
+pub(crate) fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).into_diagnostic().wrap_err("cannot write JSON").map_err(Failure::Failed)
+}

@@ -6,7 +6,6 @@ use crate::{
     readable, table, terminal,
 };
 use clap::Args;
-use miette::{IntoDiagnostic, WrapErr};
 use sphorge::bench::{BenchOptions, BenchReport, bench};
 
 /// Arguments of `bench`.
@@ -41,8 +40,11 @@ pub(crate) fn execute(arguments: BenchArguments) -> Ending {
     let report = bench(&options, &mut |what| terminal::note(&format!("measuring {what}")))
         .map_err(|error| Failure::Failed(error.into()))?;
     let text = if arguments.json {
-        let json = serde_json::to_string_pretty(&report).into_diagnostic().wrap_err("cannot write JSON");
-        format!("{}\n", json.map_err(Failure::Failed)?)
+        format!(
+            "{}
+",
+            terminal::json(&report)?
+        )
     } else {
         tables(&report)
     };

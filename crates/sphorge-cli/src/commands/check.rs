@@ -29,7 +29,7 @@ pub(crate) struct CheckArguments {
 }
 
 pub(crate) fn execute(arguments: CheckArguments) -> Ending {
-    let setup = arguments.deck.load()?;
+    let setup = arguments.deck.find()?.load()?;
     let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
     terminal::print(&report(&forecast))?;
@@ -46,7 +46,7 @@ fn report(forecast: &Forecast) -> String {
             readable::quantity(body.spacing, "m"),
             readable::quantity(body.mass, unit),
             readable::quantity(body.shape_mass, unit),
-            readable::percent(body.mass / body.shape_mass - 1.0),
+            difference(body.mass, body.shape_mass),
         ]
     });
     let head = ["body", "material", "particles", "spacing", "mass", "mass of the shape", "difference"];
@@ -60,7 +60,16 @@ fn report(forecast: &Forecast) -> String {
         ),
         (
             "expected steps",
-            format!("about {} to {}", readable::count(forecast.expected_steps), readable::quantity(forecast.end, "s")),
+            match forecast.most_steps {
+                Some(most) if most <= forecast.expected_steps => {
+                    format!("{}, the most the deck allows", readable::count(most))
+                }
+                _ => format!(
+                    "about {} to {}",
+                    readable::count(forecast.expected_steps),
+                    readable::quantity(forecast.end, "s")
+                ),
+            },
         ),
         (
             "run time",
@@ -90,4 +99,10 @@ fn report(forecast: &Forecast) -> String {
     ];
     let title = if forecast.title.is_empty() { String::new() } else { format!("{}\n\n", forecast.title) };
     format!("{title}{bodies}\n{}", table::facts(&facts))
+}
+
+/// Relative difference of two masses; round-off is none.
+fn difference(mass: f64, exact: f64) -> String {
+    let share = mass / exact - 1.0;
+    readable::percent(if share.abs() < 1e-9 { 0.0 } else { share })
 }

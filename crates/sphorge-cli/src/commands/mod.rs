@@ -2,7 +2,9 @@
 
 pub(crate) mod bench;
 pub(crate) mod check;
+pub(crate) mod compare;
 pub(crate) mod decks;
 pub(crate) mod materials;
 pub(crate) mod plot;
 pub(crate) mod run;
+pub(crate) mod schema;

@@ -62,10 +62,11 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
         let help = "run it with `--engine cpu`, the default";
         return Err(Failure::bad_input("this build of sphorge has no engine for graphics cards", help));
     }
-    let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(arguments.deck.name()));
+    let deck = arguments.deck.find()?;
+    let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
     RunDirectory::check(&directory, arguments.overwrite).map_err(|error| Failure::BadInput(error.into()))?;
-    let setup = arguments.deck.load()?;
+    let setup = deck.load()?;
 
     let mut display = ProgressDisplay::new();
     let lines = display.lines();

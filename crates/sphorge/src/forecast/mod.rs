@@ -41,6 +41,8 @@ pub struct Forecast {
     pub first_reason: VoteReason,
     /// Steps to the end at the mean size of the steps taken here.
     pub expected_steps: u64,
+    /// Most steps the deck allows.
+    pub most_steps: Option<u64>,
     /// Neighbours a particle has on average.
     pub mean_neighbors: f64,
     /// Threads in use.
@@ -144,6 +146,7 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
         first_step,
         first_reason,
         expected_steps,
+        most_steps: model.time.max_steps,
         mean_neighbors: simulation.mean_neighbors(),
         threads: rayon::current_num_threads(),
         seconds_per_step,

@@ -1,0 +1,140 @@
+//! Tests that keep the documents true: the paths they name exist, the commands they show parse.
+
+use crate::arguments::Arguments;
+use clap::{CommandFactory, Parser};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn read(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// Code spans and link targets of a Markdown text, fenced blocks left out.
+fn spans_and_links(text: &str) -> (Vec<String>, Vec<String>) {
+    let prose: String = text.split("```").step_by(2).collect();
+    let spans = prose.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    let links = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next()).map(str::to_owned).collect();
+    (spans, links)
+}
+
+/// Whether a code span is meant as a file or folder of the repository: by its ending, and not one a run writes.
+fn is_path(span: &str) -> bool {
+    let made_by_a_run = ["out/", "DIR/", "fields/", "plots/", "fields.pvd", "deck.toml", "my.toml"];
+    let named = [".rs", ".toml", ".md", ".py", ".png", ".ttf"].iter().any(|ending| span.ends_with(ending));
+    (named || span.ends_with('/'))
+        && !span.contains(char::is_whitespace)
+        && !made_by_a_run.iter().any(|own| span.starts_with(own))
+}
+
+#[test]
+fn every_path_in_the_documents_exists() {
+    // Short paths are inside the library or the laws.
+    let bases = ["", "crates/sphorge/src", "crates/sphorge-physics/src", "crates/sphorge-cli/src"];
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let (spans, links) = spans_and_links(&read(document));
+        let mut missing: Vec<_> = spans
+            .iter()
+            .filter(|span| is_path(span))
+            .filter(|span| !bases.iter().any(|base| root().join(base).join(span.as_str()).exists()))
+            .collect();
+        let file = |link: &str| link.split('#').next().unwrap_or_default().to_owned();
+        missing.extend(links.iter().filter(|link| !link.contains("://") && !root().join(file(link)).exists()));
+        assert!(missing.is_empty(), "{document} names what is not there: {missing:?}");
+    }
+}
+
+/// Words of a shell line; quotes group, a comment ends it.
+fn words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
+    for c in line.chars() {
+        match (c, quote) {
+            (c, Some(q)) if c == q => quote = None,
+            ('"' | '\'', None) => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            ('#', None) if word.is_none() => break,
+            (c, None) if c.is_whitespace() => words.extend(word.take()),
+            (c, _) => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    words
+}
+
+/// Arguments of `sphorge` in a shell line, through `cargo run` or not; redirections left out.
+fn arguments(line: &str) -> Option<Vec<String>> {
+    let words = words(line);
+    let own = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["sphorge", ..] => words[1..].to_vec(),
+        ["cargo", "run", "--release", "--", ..] => words[4..].to_vec(),
+        _ => return None,
+    };
+    Some(own.into_iter().take_while(|word| !matches!(word.as_str(), ">" | "|")).collect())
+}
+
+fn assert_parses(line: &str, arguments: Vec<String>) {
+    let words = std::iter::once("sphorge".to_owned()).chain(arguments);
+    if let Err(error) = Arguments::try_parse_from(words) {
+        panic!("`{line}` does not parse: {error}");
+    }
+}
+
+#[test]
+fn every_command_in_the_documents_parses() {
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        for line in read(document).split("```sh").skip(1).flat_map(|s| s.split("```").next()).flat_map(str::lines) {
+            match arguments(line) {
+                Some(arguments) => assert_parses(line, arguments),
+                None => assert!(is_known_shell(&words(line)), "{document}: what does `{line}` run?"),
+            }
+        }
+    }
+}
+
+/// Shell lines that are not ours to parse, with the paths in them that must exist.
+fn is_known_shell(words: &[String]) -> bool {
+    match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        [] | ["git", "clone", ..] | ["cd", ..] | ["paraview", ..] => true,
+        ["cargo", "test", "--workspace"] | ["cargo", "clippy", ..] | ["cargo", "doc", ..] => true,
+        ["cargo", "test", "-p", package] => root().join("crates").join(package).exists(),
+        ["cargo", "install", "--path", path] => root().join(path).join("Cargo.toml").exists(),
+        [script] | ["python3", script, ..] => root().join(script).exists(),
+        _ => false,
+    }
+}
+
+#[test]
+fn every_example_in_the_help_parses() {
+    let mut commands = vec![Arguments::command()];
+    commands.extend(Arguments::command().get_subcommands().cloned());
+    let mut examples = 0;
+    for command in commands {
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        for line in help.lines().filter(|line| line.starts_with("  sphorge ")) {
+            // What an example is for stands behind it, set off by several spaces.
+            let line = line.trim().split("   ").next().unwrap_or_default();
+            assert_parses(line, arguments(line).unwrap_or_default());
+            examples += 1;
+        }
+    }
+    assert!(examples > 10, "only {examples} examples found");
+}
+
+#[test]
+fn the_command_line_is_well_formed() {
+    Arguments::command().debug_assert();
+}
+
+#[test]
+fn shell_words() {
+    let line = r#"sphorge run a.toml --set 'x="1 mm"' --set y="2 mm"  # why"#;
+    assert_eq!(words(line), ["sphorge", "run", "a.toml", "--set", r#"x="1 mm""#, "--set", "y=2 mm"]);
+    assert_eq!(arguments("sphorge schema > deck.json"), Some(vec!["schema".to_owned()]));
+}

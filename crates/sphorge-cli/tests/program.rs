@@ -1,0 +1,85 @@
+//! The commands beside `run`, and the program as a whole.
+
+mod common;
+
+use common::Place;
+use std::{fs, process::Stdio};
+
+#[test]
+fn check_says_what_a_deck_would_do_and_writes_nothing() {
+    let place = Place::new();
+    let ended = place.run(&["check", "plate.toml"]).expect_code(0);
+    for text in ["plate", "armco-iron", "192", "1.5149 kg/m", "first time step", "sound-speed", "memory", "run time"] {
+        assert!(ended.out.contains(text), "`{text}` is not in:\n{}", ended.out);
+    }
+    assert!(!place.path("out").exists());
+}
+
+#[test]
+fn a_deck_that_cannot_take_a_step_fails_the_check() {
+    let place = Place::new();
+    let ended = place.run(&["check", "plate.toml", "--set", "time.fixed-step=\"1 us\""]).expect_code(2);
+    ended.expect_told(&["fixed-step"]);
+}
+
+#[test]
+fn shipped_decks_run_by_name_from_anywhere() {
+    let place = Place::new();
+    let listed = place.run(&["decks"]).expect_code(0).out;
+    assert!(listed.contains("block"), "{listed}");
+    let text = place.run(&["decks", "block"]).expect_code(0).out;
+    assert!(text.contains("[[body]]"), "{text}");
+    place.run(&["run", "block", "--set", "particles.spacing=\"10 mm\"", "--set", "time.max-steps=2"]).expect_code(0);
+    assert_eq!(place.summary("out/block")["end_reason"], "max-steps");
+    place.run(&["decks", "blok"]).expect_code(2).expect_told(&["no shipped deck `blok`"]);
+    place.run(&["run", "blok"]).expect_code(2).expect_told(&["there is no deck `blok`", "did you mean", "block"]);
+    // A path is a path: the folder matters.
+    place.run(&["run", "decks/block.toml"]).expect_code(2).expect_told(&["there is no deck"]);
+}
+
+#[test]
+fn materials_are_listed_and_shown() {
+    let place = Place::new();
+    assert!(place.run(&["materials"]).expect_code(0).out.contains("armco-iron"));
+    let shown = place.run(&["materials", "armco-iron"]).expect_code(0).out;
+    for text in ["80 GPa", "175 MPa", "johnson-cook", "Patiño"] {
+        assert!(shown.contains(text), "`{text}` is not in:\n{shown}");
+    }
+    place.run(&["materials", "armco-irn"]).expect_code(2).expect_told(&["did you mean `armco-iron`"]);
+}
+
+#[test]
+fn wrong_usage_exits_with_2_and_help_with_0() {
+    let place = Place::new();
+    for arguments in [
+        ["run"].as_slice(),
+        &["fly"],
+        &["run", "plate.toml", "--set", "time.end"],
+        &["run", "plate.toml", "--threads", "0"],
+        &["run", "plate.toml", "--precision", "quadruple"],
+        &["bench", "--seconds", "-1"],
+    ] {
+        place.run(arguments).expect_code(2);
+    }
+    assert!(place.run(&["--help"]).expect_code(0).out.contains("Exit codes"));
+    assert!(place.run(&["run", "--help"]).expect_code(0).out.contains("Examples:"));
+    assert!(place.run(&["--version"]).expect_code(0).out.starts_with("sphorge "));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let place = Place::new();
+    let mut child = place.command(&["run", "plate.toml"]).spawn().unwrap();
+    drop((child.stdout.take(), child.stderr.take()));
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert_eq!(place.summary("out/plate")["status"], "completed");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_does_not_fit_is_a_failure() {
+    let place = Place::new();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = place.command(&["materials"]).stdout(Stdio::from(full)).output().unwrap();
+    common::Ended::from(output).expect_code(1).expect_told(&["cannot write to standard output"]);
+}

@@ -1,0 +1,113 @@
+//! `sphorge run`: files, messages, exit codes.
+
+mod common;
+
+use common::Place;
+use std::fs;
+
+#[test]
+fn a_run_writes_its_folder_and_says_what_it_did() {
+    let place = Place::new();
+    let ended = place.run(&["run", "plate.toml"]).expect_code(0);
+    for file in ["deck.toml", "fields.pvd", "fields/000004.vtp", "history.csv", "summary.json"] {
+        assert!(place.path("out/plate").join(file).is_file(), "{file} is missing");
+    }
+    let summary = place.summary("out/plate");
+    assert_eq!(summary["status"], "completed");
+    assert_eq!(summary["particles"], 192);
+    assert!(summary["measures"]["height"].as_f64().is_some_and(|height| (0.020..0.024).contains(&height)));
+    for text in ["energy drift", "height", " mm", "paraview out/plate/fields.pvd", "sphorge plot out/plate"] {
+        assert!(ended.out.contains(text), "`{text}` is not in:\n{}", ended.out);
+    }
+}
+
+#[test]
+fn without_a_terminal_progress_comes_in_plain_lines_of_ten_per_cent() {
+    let place = Place::new();
+    let ended = place.run(&["run", "plate.toml"]).expect_code(0);
+    assert!(!ended.err.contains(['\r', '\u{1b}']), "{:?}", ended.err);
+    let lines: Vec<_> = ended.err.lines().filter(|line| line.contains(" %  ")).collect();
+    // A machine that is fast enough does several tenths between two reports.
+    assert!((1..=11).contains(&lines.len()), "{}", ended.err);
+    assert!(lines.last().is_some_and(|line| line.starts_with("100 %")), "{}", ended.err);
+    assert!(lines.iter().all(|line| line.contains("particle-steps/s")));
+}
+
+#[test]
+fn settings_reach_the_run_and_are_kept_with_it() {
+    let place = Place::new();
+    let settings = ["--set", "particles.spacing=\"2 mm\"", "--set", "body.0.velocity=[\"0 m/s\", \"-50 m/s\"]"];
+    let arguments = ["run", "plate.toml", "-o", "coarse", "--precision", "double", "--threads", "1"];
+    place.run(&[arguments.as_slice(), settings.as_slice()].concat()).expect_code(0);
+    let summary = place.summary("coarse");
+    assert_eq!((&summary["particles"], &summary["threads"]), (&48.into(), &1.into()));
+    assert_eq!(summary["precision"], "double");
+    let deck = fs::read_to_string(place.path("coarse/deck.toml")).unwrap();
+    for text in ["2 mm", "-50 m/s", "double"] {
+        assert!(deck.contains(text), "`{text}` is not in:\n{deck}");
+    }
+    // What was run runs again.
+    place.run(&["run", "coarse/deck.toml", "-o", "again"]).expect_code(0);
+    assert_eq!(place.summary("again")["measures"], summary["measures"]);
+}
+
+#[test]
+fn a_bad_deck_is_told_by_line_and_nothing_is_written() {
+    let place = Place::new();
+    let deck = common::DECK.replace("spacing = \"1 mm\"", "spacin = \"1 mm\"");
+    fs::write(place.path("bad.toml"), deck).unwrap();
+    let ended = place.run(&["run", "bad.toml"]).expect_code(2);
+    ended.expect_told(&["bad.toml:5", "spacin", "did you mean `spacing`"]);
+    let ended = place.run(&["run", "plate.toml", "--set", "time.end=\"3 kg\""]).expect_code(2);
+    ended.expect_told(&["3 kg", "expected a time"]);
+    let ended = place.run(&["check", "plate.toml", "--set", "particles.spacing=1e-9"]).expect_code(2);
+    ended.expect_told(&["particles"]);
+    assert!(!place.path("out").exists());
+}
+
+#[test]
+fn an_existing_folder_is_left_alone_unless_overwriting_is_asked_for() {
+    let place = Place::new();
+    place.run(&["run", "plate.toml", "-o", "run"]).expect_code(0);
+    let before = fs::read(place.path("run/summary.json")).unwrap();
+    let ended = place.run(&["run", "plate.toml", "-o", "run", "--set", "time.end=\"1 us\""]).expect_code(2);
+    ended.expect_told(&["exists already", "--overwrite"]);
+    assert_eq!(fs::read(place.path("run/summary.json")).unwrap(), before);
+    place.run(&["run", "plate.toml", "-o", "run", "--set", "time.end=\"1 us\"", "--overwrite"]).expect_code(0);
+    assert_eq!(place.summary("run")["simulated_time"], 1e-6);
+
+    fs::create_dir(place.path("mine")).unwrap();
+    fs::write(place.path("mine/thesis.tex"), "").unwrap();
+    let ended = place.run(&["run", "plate.toml", "-o", "mine", "--overwrite"]).expect_code(2);
+    ended.expect_told(&["not the folder of a run"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_made_is_bad_input() {
+    let place = Place::new();
+    let ended = place.run(&["run", "plate.toml", "-o", "plate.toml/run"]).expect_code(2);
+    ended.expect_told(&["cannot write to the output folder"]);
+}
+
+#[test]
+fn a_run_that_breaks_down_keeps_what_it_has_and_exits_with_1() {
+    let place = Place::new();
+    // Far beyond the stable step once the wall is met, within the margin the first step is given.
+    let settings = ["--set", "numerics.viscosity=false", "--set", "time.courant=1", "--set", "time.end=\"200 us\""];
+    let faster = ["--set", "body.0.velocity=[\"0 m/s\", \"-20000 m/s\"]", "-o", "broken"];
+    let ended = place.run(&[["run", "plate.toml"].as_slice(), &settings, &faster].concat()).expect_code(1);
+    ended.expect_told(&["the run failed in step", "particle", "broken"]);
+    let summary = place.summary("broken");
+    assert_eq!(summary["status"], "failed");
+    assert!(summary["failure"]["field"].is_string());
+    assert!(place.path("broken/fields/000000.vtp").is_file());
+}
+
+#[test]
+fn an_engine_that_is_not_there_is_said_to_be_missing() {
+    let place = Place::new();
+    let ended = place.run(&["run", "plate.toml", "--engine", "gpu"]).expect_code(2);
+    ended.expect_told(&["no engine for graphics cards", "--engine cpu"]);
+    assert!(!place.path("out").exists());
+}
