@@ -173,9 +173,11 @@ fn number(node: roxmltree::Node, attribute: &str) -> Option<u64> {
 
 fn frame_array(node: roxmltree::Node) -> Option<FrameArray> {
     let width = number(node, "NumberOfComponents").unwrap_or(1) as usize;
-    let components = (0..width.min(9))
-        .filter_map(|k| node.attribute(format!("ComponentName{k}").as_str()).map(str::to_owned))
-        .collect();
+    if !(1..=9).contains(&width) {
+        return None;
+    }
+    let components =
+        (0..width).filter_map(|k| node.attribute(format!("ComponentName{k}").as_str()).map(str::to_owned)).collect();
     let whole_numbers = match node.attribute("type")? {
         "Float32" => false,
         "UInt32" => true,
@@ -269,6 +271,9 @@ mod tests {
 
     #[test]
     fn a_header_that_promises_too_much_is_an_error() {
+        let text =
+            String::from_utf8_lossy(&frame_bytes()).replace("NumberOfComponents=\"6\"", "NumberOfComponents=\"0\"");
+        assert!(open(text.as_bytes()).1.is_err());
         let text = String::from_utf8_lossy(&frame_bytes())
             .replace("NumberOfPoints=\"3\"", "NumberOfPoints=\"18446744073709551615\"");
         let (_folder, frame) = open(text.as_bytes());

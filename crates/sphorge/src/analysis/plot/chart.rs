@@ -1,6 +1,7 @@
 //! Line charts: panels with axes, grid and legend.
 
 use super::{
+    PlotError,
     canvas::{Anchor, Area, Canvas, FRAME, GRID, INK},
     color::{LINES, Rgb},
 };
@@ -24,10 +25,17 @@ pub(super) struct Curve {
 /// Curves of one quantity over another.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chart {
+    /// Name and SI unit along the page.
+    pub(super) along: (&'static str, &'static str),
     pub(super) quantity: String,
     pub(super) unit: String,
     pub(super) curves: Vec<Curve>,
+    /// Ends of the upright axis; to fit if none. Values beyond are drawn at the end.
+    pub(super) limits: Option<(f64, f64)>,
 }
+
+/// Time along the page.
+pub(super) const TIME: (&str, &str) = ("time", "s");
 
 /// Colour of the k-th curve.
 fn line_color(k: usize) -> Rgb {
@@ -54,7 +62,7 @@ impl Chart {
         self.range(|p| p.1).is_some()
     }
 
-    /// Draws the chart over time into an area of the page.
+    /// Draws the chart into an area of the page.
     pub(super) fn draw(&self, canvas: &mut Canvas, area: Area, legend: f64) {
         let axes = Area {
             x: area.x + LEFT,
@@ -64,9 +72,9 @@ impl Chart {
         };
         let (Some((t_low, t_high)), Some((low, high))) = (self.range(|p| p.0), self.range(|p| p.1)) else { return };
         let (t_low, t_high) = if t_high > t_low { (t_low, t_high) } else { (t_low, t_low + 1.0) };
-        let (low, high) = with_room(low, high);
+        let (low, high) = self.limits.filter(|(low, high)| low < high).unwrap_or_else(|| with_room(low, high));
         let x = |t: f64| axes.x + (t - t_low) / (t_high - t_low) * axes.width;
-        let y = |value: f64| axes.y + axes.height - (value - low) / (high - low) * axes.height;
+        let y = |value: f64| axes.y + axes.height - (value.clamp(low, high) - low) / (high - low) * axes.height;
 
         let (scale, unit) = scaled_unit(low.abs().max(high.abs()), &self.unit);
         let up = ticks(low, high, (axes.height / 45.0) as usize);
@@ -74,14 +82,14 @@ impl Chart {
             canvas.line((axes.x, y(*tick)), (axes.x + axes.width, y(*tick)), 1.0, GRID);
             canvas.text((axes.x - 8.0, y(*tick) + 0.36 * SMALL), SMALL, Anchor::Right, INK, &label);
         }
-        let (t_scale, t_unit) = scaled_unit(t_low.abs().max(t_high.abs()), "s");
+        let (t_scale, t_unit) = scaled_unit(t_low.abs().max(t_high.abs()), self.along.1);
         let along = ticks(t_low, t_high, (axes.width / 80.0) as usize);
         for (tick, label) in along.iter().zip(tick_labels(&along, t_scale)) {
             canvas.line((x(*tick), axes.y), (x(*tick), axes.y + axes.height), 1.0, GRID);
             canvas.text((x(*tick), axes.y + axes.height + 20.0), SMALL, Anchor::Centre, INK, &label);
         }
         let foot = (axes.x + 0.5 * axes.width, axes.y + axes.height + 42.0);
-        canvas.text(foot, TEXT, Anchor::Centre, INK, &format!("time ({t_unit})"));
+        canvas.text(foot, TEXT, Anchor::Centre, INK, &format!("{} ({t_unit})", self.along.0));
         let heading = if unit.is_empty() { self.quantity.clone() } else { format!("{} ({unit})", self.quantity) };
         canvas.text((axes.x, axes.y - 11.0), TEXT, Anchor::Left, INK, &heading);
         canvas.outline(axes, 1.0, FRAME);
@@ -115,7 +123,13 @@ fn with_room(low: f64, high: f64) -> (f64, f64) {
 }
 
 /// Draws charts in rows of `columns` and returns the page.
-pub(super) fn page(charts: &[Chart], columns: usize, title: &str) -> Result<Canvas, super::PlotError> {
+/// The page has `size` pixels, or as many as fit.
+pub(super) fn page(
+    charts: &[Chart],
+    columns: usize,
+    title: &str,
+    size: Option<(u32, u32)>,
+) -> Result<Canvas, PlotError> {
     const MARGIN: f64 = 22.0;
     const TITLE: f64 = 19.0;
     let columns = columns.clamp(1, charts.len().max(1));
@@ -123,10 +137,15 @@ pub(super) fn page(charts: &[Chart], columns: usize, title: &str) -> Result<Canv
     let legend = charts.iter().map(Chart::legend_width).fold(24.0, f64::max);
     let (panel_width, panel_height) =
         if columns == 1 { (720.0 + LEFT + legend, 420.0) } else { (420.0 + LEFT + legend, 330.0) };
-    let width = 2.0 * MARGIN + columns as f64 * panel_width;
+    let width = size.map_or(2.0 * MARGIN + columns as f64 * panel_width, |size| f64::from(size.0));
+    let panel_width = (width - 2.0 * MARGIN) / columns as f64;
     let lines = super::canvas::wrap(title, TITLE, width - 2.0 * MARGIN);
     let top = MARGIN + 1.3 * TITLE * lines.len() as f64 + 6.0;
-    let height = top + rows as f64 * panel_height + 8.0;
+    let height = size.map_or(top + rows as f64 * panel_height + 8.0, |size| f64::from(size.1));
+    let panel_height = (height - top - 8.0) / rows.max(1) as f64;
+    if panel_width < LEFT + legend + 80.0 || panel_height < TOP + BOTTOM + 60.0 {
+        return Err(PlotError::Size { width: width as u32, height: height as u32 });
+    }
     let mut canvas = Canvas::new(width.round() as u32, height.round() as u32)?;
     for (k, line) in lines.iter().enumerate() {
         canvas.text((MARGIN, MARGIN + TITLE * (0.8 + 1.3 * k as f64)), TITLE, Anchor::Left, INK, line);
@@ -158,10 +177,12 @@ mod tests {
 
     #[test]
     fn curves_with_gaps_or_nothing_are_drawn_without_harm() {
-        let nothing = Chart { quantity: "q".into(), unit: String::new(), curves: Vec::new() };
+        let nothing =
+            Chart { along: TIME, quantity: "q".into(), unit: String::new(), curves: Vec::new(), limits: None };
         let gap = Curve { name: "a".into(), points: vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)] };
-        let charts = [nothing, Chart { quantity: "q".into(), unit: "m".into(), curves: vec![gap] }];
+        let charts = [nothing.clone(), Chart { curves: vec![gap], ..nothing }];
         assert!(!charts[0].has_values() && charts[1].has_values());
-        page(&charts, 2, "Title").unwrap();
+        page(&charts, 2, "Title", None).unwrap();
+        assert!(matches!(page(&charts, 2, "Title", Some((300, 300))), Err(PlotError::Size { .. })));
     }
 }

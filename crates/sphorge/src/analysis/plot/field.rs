@@ -3,6 +3,7 @@
 use super::{
     ColorMap, FieldPicture, PlotError,
     canvas::{Anchor, Area, Canvas, FRAME, INK, wrap},
+    chart::{Chart, Curve, page},
     color::Rgb,
     run_title,
     scene::{Panel, Scene},
@@ -22,7 +23,27 @@ use std::path::Path;
 pub fn plot_field(run: &RunDirectory, picture: &FieldPicture, to: &Path) -> Result<(), PlotError> {
     let scene = Scene::read(run, picture)?;
     let title = picture.title.clone().unwrap_or_else(|| run_title(run));
-    draw(&scene, picture, &title)?.save(to)
+    let page = if scene.line { draw_line(&scene, picture, &title) } else { draw(&scene, picture, &title) };
+    page?.save(to)
+}
+
+/// A problem of one dimension is a curve over x for each frame.
+fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Canvas, PlotError> {
+    let curve = |panel: &Panel| {
+        let mut points: Vec<_> = panel.marks.iter().map(|mark| (mark.right, mark.value)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some([(low, high), _]) = picture.window {
+            points.retain(|(x, _)| (low..=high).contains(x));
+        }
+        Curve { name: format!("t = {}", quantity(panel.time, "s")), points }
+    };
+    let curves: Vec<_> = scene.panels.iter().map(curve).collect();
+    let title = match &curves[..] {
+        [only] => format!("{title},  {}", only.name),
+        _ => title.to_owned(),
+    };
+    let (quantity, unit) = (scene.label.clone(), scene.unit.to_owned());
+    page(&[Chart { along: ("x", "m"), quantity, unit, curves, limits: picture.range }], 1, &title, picture.size)
 }
 
 const TITLE: f64 = 19.0;
@@ -252,9 +273,14 @@ struct Colors {
 
 impl Colors {
     fn new(scene: &Scene, picture: &FieldPicture) -> Self {
-        let inside = |(low, high): (f64, f64)| high - low;
-        let stretched = inside(scene.extremes) > 1.5 * inside(scene.bulk) && inside(scene.bulk) > 0.0;
-        let (low, high) = if stretched { scene.bulk } else { scene.extremes };
+        let (extremes, bulk) = (scene.extremes, scene.bulk);
+        let inside = bulk.1 - bulk.0;
+        let stretched = extremes.1 - extremes.0 > 1.5 * inside && inside > 0.0;
+        // An end that outliers move little is the extreme itself.
+        let end = |bulk: f64, extreme: f64| {
+            if stretched && (extreme - bulk).abs() > 0.2 * inside { bulk } else { extreme }
+        };
+        let (low, high) = (end(bulk.0, extremes.0), end(bulk.1, extremes.1));
         // Zero is worth a colour of its own where both signs matter.
         let both_signs = low < -0.2 * high.abs() && high > -0.2 * low;
         let map = picture.color_map.unwrap_or(if both_signs { ColorMap::Diverging } else { ColorMap::Viridis });

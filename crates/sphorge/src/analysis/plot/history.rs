@@ -2,7 +2,7 @@
 
 use super::{
     PlotError,
-    chart::{Chart, Curve, page},
+    chart::{Chart, Curve, TIME, page},
     run_title,
 };
 use crate::output::{HistoryTable, MEASURE_MEANING, RunDirectory};
@@ -50,6 +50,8 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, to: &Path) -> R
         let some: Vec<_> = curves.iter().filter(|c| size(c) > 1e-6 * largest).cloned().collect();
         let unit = columns.first().and_then(|(column, _)| table.column(column)).map(|(column, _)| column.unit.clone());
         Chart {
+            along: TIME,
+            limits: None,
             quantity: quantity.into(),
             unit: unit.unwrap_or_default(),
             curves: if some.is_empty() { curves } else { some },
@@ -85,7 +87,7 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, to: &Path) -> R
         return Ok(false);
     }
     let columns = if picture == HistoryPicture::Measures && charts.len() > 1 { 2 } else { 1 };
-    page(&charts, columns, &run_title(run))?.save(to)?;
+    page(&charts, columns, &run_title(run), None)?.save(to)?;
     Ok(true)
 }
 
@@ -105,13 +107,19 @@ pub fn plot_columns(run: &RunDirectory, columns: &[String], to: &Path) -> Result
                 chart.quantity = format!("{}, {name}", chart.quantity);
                 chart.curves.push(curve);
             }
-            None => charts.push(Chart { quantity: name.clone(), unit: column.unit.clone(), curves: vec![curve] }),
+            None => charts.push(Chart {
+                along: TIME,
+                quantity: name.clone(),
+                unit: column.unit.clone(),
+                curves: vec![curve],
+                limits: None,
+            }),
         }
     }
     if !charts.iter().any(Chart::has_values) {
         return Err(PlotError::Empty { reason: "the columns hold no number".into() });
     }
-    page(&charts, 1, &run_title(run))?.save(to)
+    page(&charts, 1, &run_title(run), None)?.save(to)
 }
 
 /// Draws one column of the history of several runs over each other, under the given names.
@@ -119,7 +127,13 @@ pub fn plot_columns(run: &RunDirectory, columns: &[String], to: &Path) -> Result
 /// # Errors
 /// As [`plot_columns`].
 pub fn plot_overlay(runs: &[(String, RunDirectory)], column: &str, to: &Path) -> Result<(), PlotError> {
-    let mut chart = Chart { quantity: column.replace('_', " "), unit: String::new(), curves: Vec::new() };
+    let mut chart = Chart {
+        along: TIME,
+        quantity: column.replace('_', " "),
+        unit: String::new(),
+        curves: Vec::new(),
+        limits: None,
+    };
     for (name, run) in runs {
         let table = HistoryTable::read(run)?;
         let (description, _) = table.column(column).ok_or_else(|| unknown_column(&table, column))?;
@@ -130,7 +144,7 @@ pub fn plot_overlay(runs: &[(String, RunDirectory)], column: &str, to: &Path) ->
         return Err(PlotError::Empty { reason: format!("no run has a number in `{column}`") });
     }
     let title = runs.first().map_or(String::new(), |(_, run)| run_title(run));
-    page(&[chart], 1, &title)?.save(to)
+    page(&[chart], 1, &title, None)?.save(to)
 }
 
 fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {

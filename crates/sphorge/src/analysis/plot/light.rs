@@ -12,7 +12,7 @@ const LIGHT: [f64; 3] = [-0.36, 0.56, 0.746];
 /// Neighbours looked at, in spacings.
 const REACH: f64 = 1.8;
 /// Share of the light a surface turned away loses.
-const DARKEST: f64 = 0.38;
+const DARKEST: f64 = 0.28;
 
 /// Sets how each mark is lit.
 pub(super) fn light(marks: &mut [Mark]) {

@@ -52,7 +52,7 @@ impl std::str::FromStr for FrameChoice {
     }
 }
 
-/// A picture of particles.
+/// A picture of particles; of a problem in one dimension, a curve over x for each frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldPicture {
     /// Field, or a component as in `stress.xy`. A vector or tensor without component is shown by its norm.
@@ -63,7 +63,7 @@ pub struct FieldPicture {
     pub view: Option<View>,
     /// Leave out what is before the middle, to look inside.
     pub section: bool,
-    /// Values of the ends of the colour bar. If not given: the extremes shown, or where a few outliers stretch them by half
+    /// Values of the ends of the colour bar (or the upright axis). If not given: the extremes shown, or where a few outliers stretch them by half
     /// or more, the range of 99 % of the particles; arrows at the bar then give the extremes.
     pub range: Option<(f64, f64)>,
     /// Colours; viridis, or diverging where values of both signs matter, if not given.

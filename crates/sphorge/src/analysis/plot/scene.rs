@@ -34,6 +34,8 @@ pub(super) struct Scene {
     pub(super) projection: Projection,
     /// More than one layer of particles towards the eye.
     pub(super) deep: bool,
+    /// Particles on a line along x.
+    pub(super) line: bool,
     /// Field and component for people, and its unit.
     pub(super) label: String,
     pub(super) unit: &'static str,
@@ -51,6 +53,7 @@ impl Scene {
         let mut panels = Vec::new();
         let mut view = picture.view;
         let mut deep = false;
+        let mut line = false;
         let (name, component) = match picture.field.split_once('.') {
             Some((name, component)) => (name, Some(component)),
             None => (picture.field.as_str(), None),
@@ -59,6 +62,7 @@ impl Scene {
         for choice in &picture.frames {
             let mut frame = FrameFile::open(choice.pick(&series)?)?;
             deep |= frame.header.dimensions == 3;
+            line |= frame.header.dimensions == 1;
             let view = *view.get_or_insert(if frame.header.dimensions == 3 { View::Corner } else { View::Xy });
             let values = values(&mut frame, name, component, &picture.field)?;
             label = field_label(name, component, values.width > 1);
@@ -76,11 +80,17 @@ impl Scene {
         let window = side(|mark| mark.right).zip(side(|mark| mark.up));
         let nothing = || PlotError::Empty { reason: "no particle with a finite position and value".into() };
         let ((right, up), (extremes, bulk)) = window.zip(ranges(&mut values)).ok_or_else(nothing)?;
+        // Particles of no known size all in one place still take room.
+        let size = (right.1 - right.0).max(up.1 - up.0);
+        let room = if size > 0.0 { 1e-3 * size } else { 1.0 };
+        let [right, up] =
+            [right, up].map(|(low, high)| if high - low < room { (low - room, high + room) } else { (low, high) });
         let view = view.unwrap_or_default();
         Ok(Self {
             view,
             projection: view.projection(),
             deep,
+            line,
             label,
             unit: find_field(name).map_or("", |field| field.unit),
             extremes,

@@ -56,6 +56,54 @@ fn particles_have_the_colours_of_the_bar() {
 }
 
 #[test]
+fn outliers_do_not_stretch_the_bar() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = RunDirectory::create(&folder.path().join("run"), false).unwrap();
+    let mut particles = Particles::new(1000);
+    for i in 0..1000 {
+        particles.position[i] = [1e-3 * (i % 40) as f64, 1e-3 * (i / 40) as f64, 0.0];
+        particles.plastic_strain[i] = if i < 500 { 0.0 } else { 1.0 };
+    }
+    particles.plastic_strain[7] = 50.0;
+    let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
+    let file = RunDirectory::frame_name(0);
+    write_frame_file(&run.path().join(&file), &header, &particles, &["plastic_strain".to_owned()]).unwrap();
+    write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+    let to = folder.path().join("p.png");
+    plot_field(&run, &FieldPicture::new("plastic_strain"), &to).unwrap();
+    // Half of the particles have the last colour, not the one at 1/50.
+    let drawn = pixels(&to);
+    assert!(count(&drawn, ColorMap::Viridis.color(1.0)) > 100_000);
+    assert!(count(&drawn, ColorMap::Viridis.color(0.02)) < 5_000);
+}
+
+#[test]
+fn a_problem_in_one_dimension_is_a_curve_for_each_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 1);
+    let to = folder.path().join("p.png");
+    let frames = vec![FrameChoice::First, FrameChoice::Last];
+    plot_field(&run, &FieldPicture { frames, size: Some((900, 500)), ..FieldPicture::new("pressure") }, &to).unwrap();
+    let drawn = pixels(&to);
+    assert_eq!((drawn.width(), drawn.height()), (900, 500));
+    // The second curve covers the first; both are in the legend.
+    assert!(count(&drawn, color::LINES[0]) > 20 && count(&drawn, color::LINES[1]) > 200);
+}
+
+#[test]
+fn a_single_particle_without_size_is_drawn_or_refused_but_never_a_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    for (k, dimensions) in [1, 2, 3].into_iter().enumerate() {
+        let run = RunDirectory::create(&folder.path().join(k.to_string()), false).unwrap();
+        let header = FrameHeader { time: 0.0, step: 0, dimensions, body_spacing: vec![] };
+        let file = RunDirectory::frame_name(0);
+        write_frame_file(&run.path().join(&file), &header, &Particles::new(1), &["pressure".to_owned()]).unwrap();
+        write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+        plot_field(&run, &FieldPicture::new("pressure"), &folder.path().join("p.png")).unwrap();
+    }
+}
+
+#[test]
 fn several_frames_views_components_and_sections_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let run = run(folder.path(), 3);
