@@ -5,35 +5,8 @@
 //! integrated as Hughes & Winget 1980 do: the stress is turned by a proper rotation and sheared, both with the velocity
 //! gradient at the middle of the step. Plain Euler steps of the rate inflate the stress in rotation.
 
-use crate::tensor::{self, determinant, inverse, multiply};
+use crate::tensor;
 use crate::{Scalar, SymmetricTensor, Tensor};
-
-/// Smallest volume ratio of the half step for which [`midpoint_gradient`] trusts the inverse.
-const SMALLEST_HALF_STEP_RATIO: f64 = 1e-3;
-
-/// Velocity gradient with respect to the positions at mid-step, from the one `l_end` (1/s) taken with the same
-/// velocities at the positions at the end of the step `dt` (s): `L = L' (I - dt/2 L')^-1`.
-///
-/// Exact where velocity is affine: `x_end = (I + dt/2 L) x_mid`, so `L' = L (I + dt/2 L)^-1`. Gives `l_end` back where
-/// the half step would have crushed the volume to a thousandth or inverted it.
-#[inline]
-pub fn midpoint_gradient<T: Scalar>(l_end: &Tensor<T>, dt: T) -> Tensor<T> {
-    let half = T::of(0.5) * dt;
-    let mut backward = tensor::identity();
-    for a in 0..3 {
-        for b in 0..3 {
-            backward[a][b] -= half * l_end[a][b];
-        }
-    }
-    let mut l = *l_end;
-    // The determinant is the volume at mid-step over that at the end.
-    let ratio = determinant(&backward);
-    let least = T::of(SMALLEST_HALF_STEP_RATIO);
-    if ratio > least && ratio * least < T::one() {
-        l = multiply(l_end, &inverse(&backward));
-    }
-    l
-}
 
 /// Rotation of a step, `Q = (I - dt/2 W)^-1 (I + dt/2 W)`, `W = skew L`: proper and orthogonal to round-off for any step.
 ///
@@ -74,7 +47,7 @@ pub fn density_after<T: Scalar>(rho: T, l: &Tensor<T>, dt: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tensor::transpose;
+    use crate::tensor::{determinant, inverse, multiply, transpose};
 
     fn assert_near(a: &Tensor<f64>, b: &Tensor<f64>, tolerance: f64) {
         for i in 0..3 {
@@ -87,25 +60,6 @@ mod tests {
     /// `A + s B`.
     fn plus(a: &Tensor<f64>, s: f64, b: &Tensor<f64>) -> Tensor<f64> {
         core::array::from_fn(|i| core::array::from_fn(|j| a[i][j] + s * b[i][j]))
-    }
-
-    #[test]
-    fn midpoint_gradient_is_exact_for_affine_motion() {
-        let l = [[120.0, -340.0, 55.0], [610.0, -80.0, 10.0], [-90.0, 33.0, 240.0]];
-        let dt = 1e-3;
-        let l_end = multiply(&l, &inverse(&plus(&tensor::identity(), 0.5 * dt, &l)));
-        assert_near(&midpoint_gradient(&l_end, dt), &l, 1e-9);
-        // By hand: stretching at 100/s over 2 ms; x_end = 1.1 x_mid, L' = 100/1.1.
-        let stretch = [[100.0f64 / 1.1, 0.0, 0.0], [0.0; 3], [0.0; 3]];
-        assert!((midpoint_gradient(&stretch, 2e-3)[0][0] - 100.0).abs() < 1e-11);
-    }
-
-    #[test]
-    fn midpoint_gradient_falls_back_where_it_is_singular() {
-        for rate in [1000.0, 999.9999, 3000.0] {
-            let l_end = [[rate, 0.0, 0.0], [0.0; 3], [0.0; 3]];
-            assert_eq!(midpoint_gradient(&l_end, 2e-3), l_end);
-        }
     }
 
     #[test]

@@ -75,6 +75,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
         let Work { correction, evaluated_velocity, .. } = &self.work;
         let Particles {
+            position,
             material,
             density,
             energy,
@@ -94,8 +95,9 @@ impl<T: PairScalar> CpuEngine<T> {
         } = &mut self.particles;
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
+        let position = &*position;
         let count = density.len();
-        let kinematic_records = &self.records.kinematic;
+        let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
         let extra_on = !self.records.extra.is_empty();
         let extra_length = if extra_on { count } else { 0 };
         let corrected_length = if corrected { count } else { 0 };
@@ -140,16 +142,19 @@ impl<T: PairScalar> CpuEngine<T> {
                     let scale = stress_scale(numerics.pair_form, density[i]);
                     let sigma = (update.deviator - SymmetricTensor::isotropic(state.pressure)) * scale;
                     let components = sigma.to_array();
+                    let x = frame.encode::<T>(&position[i]);
                     for a in 0..3 {
-                        record[force::X + a] = kinematic_records[i][kinematic::X + a];
+                        record[force::X + a] = x[a];
                         record[force::V + a] = T::of(evaluated_velocity[i][a]);
                     }
                     for (slot, value) in components.into_iter().enumerate() {
                         record[force::S + slot] = T::of(value);
                     }
                     record[force::WEIGHT] = match numerics.pair_form {
-                        // Adjoint to the last digit: the volumes of the gradient sum.
-                        PairForm::VolumeWeighted => kinematic_records[i][kinematic::WEIGHT],
+                        // Adjoint to the last digit: the volumes of the gradient correction, or of the gradient sum at the
+                        // same positions.
+                        PairForm::VolumeWeighted if corrected || !commit => kinematic_records[i][kinematic::WEIGHT],
+                        PairForm::VolumeWeighted => T::of(mass[i] / density[i]),
                         PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
                     };
                     record[force::C] = T::of(state.sound_speed);

@@ -6,7 +6,6 @@
 use super::records::{Records, extra, force, kinematic};
 use crate::lanes::PairScalar;
 use crate::model::{Model, SymmetryPlane};
-use crate::neighbors::Frame;
 use sphorge_physics::Vector;
 
 /// One ghost.
@@ -99,18 +98,19 @@ impl Halo {
         }
     }
 
-    /// Fills the kinematic records of ghosts, which follow those of the `count` particles.
+    /// Fills the kinematic records of ghosts, which follow those of the `count` particles; `place` tells where a particle is.
     pub(super) fn exchange_kinematics<T: PairScalar>(
         &self,
-        positions: &[Vector<f64>],
+        count: usize,
+        place: impl Fn(usize) -> Vector<f64>,
         records: &mut Records<T>,
-        frame: &Frame,
     ) {
-        let (own, ghosts) = records.kinematic.split_at_mut(positions.len());
+        let frame = records.frame;
+        let (own, ghosts) = records.kinematic.split_at_mut(count);
         for (ghost, record) in self.ghosts.iter().zip(ghosts) {
             let source = ghost.source as usize;
             *record = own[source];
-            let x = frame.encode::<T>(&ghost.position(&positions[source]));
+            let x = frame.encode::<T>(&ghost.position(&place(source)));
             for a in 0..3 {
                 record[kinematic::X + a] = x[a];
                 record[kinematic::V + a] = record[kinematic::V + a] * T::of(ghost.sign[a]);
@@ -119,15 +119,17 @@ impl Halo {
     }
 
     /// Fills the force records of ghosts.
-    pub(super) fn exchange_stress<T: PairScalar>(&self, count: usize, records: &mut Records<T>) {
+    pub(super) fn exchange_stress<T: PairScalar>(&self, positions: &[Vector<f64>], records: &mut Records<T>) {
+        let (count, frame) = (positions.len(), records.frame);
         // Axis pairs of the symmetric components xx, yy, zz, xy, yz, xz.
         const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
         for (k, ghost) in self.ghosts.iter().enumerate() {
             let source = ghost.source as usize;
             let sign = ghost.sign.map(T::of);
             let mut record = records.force[source];
+            let x = frame.encode::<T>(&ghost.position(&positions[source]));
             for a in 0..3 {
-                record[force::X + a] = records.kinematic[count + k][kinematic::X + a];
+                record[force::X + a] = x[a];
                 record[force::V + a] = record[force::V + a] * sign[a];
             }
             for (c, (a, b)) in PAIRS.into_iter().enumerate() {

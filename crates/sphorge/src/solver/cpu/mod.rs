@@ -248,14 +248,14 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn kinematics(&mut self) {
-        self.pack_kinematics();
         self.sum_gradients();
         self.restore_density();
+        self.correct_forces();
     }
 
     fn stress(&mut self) {
         self.update_stress();
-        self.halo.exchange_stress(self.particles.len(), &mut self.records);
+        self.halo.exchange_stress(&self.particles.position, &mut self.records);
     }
 
     fn forces(&mut self) {

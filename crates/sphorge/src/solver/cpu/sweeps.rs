@@ -11,7 +11,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{Dimension, Tensor, dispatch_kernel, gradient_correction, stress, tensor};
+use sphorge_physics::{Dimension, Tensor, Vector, dispatch_kernel, gradient_correction, stress, tensor};
 use std::marker::PhantomData;
 
 /// Runs an expression with the kernel shape `K`, the dimension `D` and the choice `CORRECTED` as compile-time constants.
@@ -33,8 +33,9 @@ impl<T: PairScalar> CpuEngine<T> {
         self.model.numerics.gradient_correction != GradientCorrection::None
     }
 
-    /// Writes position, velocity, weight and smoothing length of every particle and ghost into its kinematic record.
-    pub(super) fn pack_kinematics(&mut self) {
+    /// Writes velocity, smoothing length, the position a time `back` (s) ago and the weight expected a time `ahead` (s) of the
+    /// present density, of every particle and ghost, into its kinematic record.
+    fn pack_kinematics(&mut self, back: f64, ahead: f64) {
         let numerics = &self.model.numerics;
         let extra = numerics.artificial_stress.is_some() || numerics.balsara;
         let count = self.particles.len();
@@ -42,37 +43,47 @@ impl<T: PairScalar> CpuEngine<T> {
 
         let form = numerics.pair_form;
         let frame = self.records.frame;
-        let dt = self.step.dt_to_evaluation(numerics.integrator);
         let Particles { position, velocity, velocity_gradient, mass, density, smoothing_length, .. } = &self.particles;
+        let Work { xsph, motion, .. } = &self.work;
+        let motions = &self.motions;
+        let place = |i: usize| match back {
+            0.0 => position[i],
+            _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
+        };
         self.records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
             for (k, record) in records.iter_mut().enumerate() {
                 let i = b * BLOCK + k;
-                let x = frame.encode::<T>(&position[i]);
+                let x = frame.encode::<T>(&place(i));
                 for a in 0..3 {
                     record[kinematic::X + a] = x[a];
                     record[kinematic::V + a] = T::of(velocity[i][a]);
                 }
                 record[kinematic::WEIGHT] = T::of(match form {
                     PairForm::VolumeWeighted | PairForm::Mixed => {
-                        mass[i] / predicted_density(density[i], &velocity_gradient[i], dt)
+                        mass[i] / predicted_density(density[i], &velocity_gradient[i], ahead)
                     }
                     PairForm::DensityWeighted => mass[i],
                 });
                 record[kinematic::H] = T::of(smoothing_length[i]);
             }
         });
-        self.halo.exchange_kinematics(position, &mut self.records, &frame);
+        self.halo.exchange_kinematics(count, place, &mut self.records);
     }
 
-    /// Velocity gradient and density at the evaluation point.
+    /// Velocity gradient and density. With leapfrog the gradient is taken with the positions of mid-step, where its
+    /// velocities are: the step is then the same forwards and backwards in time, and what stress gains in it is the work of
+    /// the forces before and after it, to second order.
     pub(super) fn sum_gradients(&mut self) {
+        let half = 0.5 * self.step.dt;
+        // The predictor has its positions at mid-step already.
+        let leapfrog = self.model.numerics.integrator == Integrator::Leapfrog;
+        self.pack_kinematics(if leapfrog { half } else { 0.0 }, half);
         let model = &*self.model;
         let dimension = super::dimension(model);
         dispatch!(model.numerics.kernel, dimension, self.corrected(), |K, D, CORRECTED| {
             let records = &self.records.kinematic;
             let constants = &self.constants;
             let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
-            let leapfrog = model.numerics.integrator == Integrator::Leapfrog;
             let dt = self.step.dt_to_evaluation(model.numerics.integrator);
             let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
             let (list, instructions) = (&self.lists.list, self.instructions);
@@ -92,16 +103,12 @@ impl<T: PairScalar> CpuEngine<T> {
             };
             let finish =
                 |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
-                    let scale = if per_density { 1.0 / predicted_density(*rho, last, dt) } else { 1.0 };
+                    let scale = if per_density { 1.0 / predicted_density(*rho, last, half) } else { 1.0 };
                     let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
                     if let Some(b_i) = correction {
                         let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
                         *b_i = gradient_correction::gradient_correction(&moment, dimension);
                         l = tensor::multiply(&l, &tensor::transpose(b_i));
-                    }
-                    if leapfrog {
-                        // Positions are those of the end of the step, velocities those of its middle.
-                        l = stress::midpoint_gradient(&l, dt);
                     }
                     *rho = stress::density_after(*rho, &l, dt);
                     l
@@ -133,6 +140,41 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         });
         self.step.pairs = self.particles.neighbors.iter().map(|&n| u64::from(n)).sum();
+    }
+
+    /// Gradient correction at the positions and densities forces are evaluated with, where those are not the ones of the
+    /// velocity gradient. Torques cancel only if force and correction see the same.
+    pub(super) fn correct_forces(&mut self) {
+        let moved = self.model.numerics.integrator == Integrator::Leapfrog && self.step.dt > 0.0;
+        if !(self.corrected() && moved) {
+            return;
+        }
+        self.pack_kinematics(0.0, 0.0);
+        let model = &*self.model;
+        let dimension = super::dimension(model);
+        let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
+        dispatch!(model.numerics.kernel, dimension, true, |K, D, CORRECTED| {
+            let (records, constants) = (&self.records.kinematic, &self.constants);
+            let (list, instructions) = (&self.lists.list, self.instructions);
+            let density = &self.particles.density;
+            self.work.correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
+                let mut sums = [GradientSum::zero(); BLOCK];
+                let job = GradientJob::<T, K, D, CORRECTED> {
+                    records,
+                    first: b * BLOCK,
+                    block: &list.blocks()[b],
+                    constants,
+                    sums: &mut sums,
+                    kernel: PhantomData,
+                };
+                run(instructions, job);
+                for (k, b_i) in correction.iter_mut().enumerate() {
+                    let scale = if per_density { 1.0 / density[b * BLOCK + k] } else { 1.0 };
+                    let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
+                    *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                }
+            });
+        });
     }
 
     /// Acceleration by pair forces, energy rate, XSPH velocity.
@@ -221,4 +263,11 @@ fn predicted_density(density: f64, last_gradient: &Tensor<f64>, dt: f64) -> f64 
     let divergence = last_gradient[0][0] + last_gradient[1][1] + last_gradient[2][2];
     // The bound matters only to a run about to fail.
     density * (1.0 - dt * divergence).max(0.1)
+}
+
+/// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.
+#[inline(always)]
+fn earlier(x: Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], back: f64) -> Vector<f64> {
+    // A prescribed axis has no XSPH; its velocity is the one it drifted with.
+    [0, 1, 2].map(|a| x[a] - back * if prescribed[a].is_some() { v[a] } else { v[a] + xsph[a] })
 }
