@@ -21,6 +21,10 @@ macro_rules! shipped {
 shipped! {
     "taylor-plate",
     "taylor-bar",
+    "plate-impact",
+    "elastic-plastic-piston",
+    "elastic-bar",
+    "rotating-rod",
     "block",
 }
 

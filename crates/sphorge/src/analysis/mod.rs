@@ -4,6 +4,7 @@ pub mod compare;
 pub mod measures;
 mod number;
 pub mod plot;
+pub mod validate;
 
 pub use compare::Comparison;
 pub use measures::Measures;

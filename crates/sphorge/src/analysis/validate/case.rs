@@ -1,0 +1,74 @@
+//! What a case is.
+
+use super::{pictures::Picture, report::Findings, runs::Runs};
+use serde::{Deserialize, Serialize};
+
+/// How much to compute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effort {
+    /// Coarse spacings: every check in all about two minutes on two cores.
+    Quick,
+    /// The spacings of the sources, and convergence studies.
+    #[default]
+    Full,
+}
+
+/// A case with a known answer.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// One line for people.
+    pub title: &'static str,
+    /// What it shows, where its answers come from, what to know when reading the numbers.
+    pub about: &'static str,
+    /// Name of its shipped deck.
+    pub deck: &'static str,
+    /// The runs.
+    pub variants: fn(Effort) -> Vec<Variant>,
+    /// Sets the runs beside the answers.
+    pub(super) judge: fn(&Runs, &mut Findings),
+    /// Pictures of the report.
+    pub(super) pictures: &'static [Picture],
+}
+
+/// A run of the deck with some of its values changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Name of the run, unique within the case.
+    pub label: String,
+    /// Part of a series of refinements, coarse to fine.
+    pub series: Option<&'static str>,
+    /// Changes to the deck: path and value, as `--set` takes them.
+    pub overrides: Vec<(String, String)>,
+}
+
+impl Variant {
+    /// The deck as it is.
+    pub fn new(label: impl Into<String>) -> Self {
+        Self { label: label.into(), series: None, overrides: Vec::new() }
+    }
+
+    /// A member of a series of refinements.
+    pub fn of_series(label: impl Into<String>, series: &'static str) -> Self {
+        Self { series: Some(series), ..Self::new(label) }
+    }
+
+    /// Changes a value of the deck.
+    pub fn set(mut self, path: &str, value: &str) -> Self {
+        self.overrides.push((path.to_owned(), value.to_owned()));
+        self
+    }
+
+    /// Changes the spacing.
+    pub fn spacing(self, spacing: &str) -> Self {
+        self.set("particles.spacing", spacing)
+    }
+}
+
+/// Members of a series, one for each spacing, coarse to fine; labels begin with `prefix`.
+pub(super) fn refinements(series: &'static str, prefix: &str, spacings: &[&str]) -> Vec<Variant> {
+    let label = |spacing: &str| format!("{prefix}{spacing}");
+    spacings.iter().map(|spacing| Variant::of_series(label(spacing), series).spacing(spacing)).collect()
+}

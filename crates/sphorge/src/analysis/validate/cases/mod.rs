@@ -1,0 +1,20 @@
+//! The cases, one file each.
+
+mod elastic_bar;
+mod elastic_plastic_piston;
+mod plate_impact;
+mod rotating_rod;
+mod taylor_bar;
+mod taylor_plate;
+
+use super::Case;
+
+/// Every case, in the order they are shown in.
+pub const CASES: &[Case] = &[
+    taylor_plate::CASE,
+    taylor_bar::CASE,
+    plate_impact::CASE,
+    elastic_plastic_piston::CASE,
+    elastic_bar::CASE,
+    rotating_rod::CASE,
+];

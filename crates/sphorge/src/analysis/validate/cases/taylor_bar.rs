@@ -1,0 +1,51 @@
+//! Taylor impact of a round bar of the same iron.
+
+use super::super::{
+    Bounds, Case, Effort, Finding, Study, Unit, Variant,
+    case::refinements,
+    pictures::{Picture, Subject},
+    report::Findings,
+    runs::Runs,
+};
+
+const SPACING: &str = "spacing";
+
+pub(super) const CASE: Case = Case {
+    name: "taylor-bar",
+    title: "Taylor impact of a round bar of Armco iron at 200 m/s",
+    about: "The plate of `taylor-plate` made round, in three dimensions. No published number: the trend with the spacing, and \
+            what is conserved.",
+    deck: "taylor-bar",
+    variants,
+    judge,
+    pictures: &[Picture {
+        series: SPACING,
+        subject: Subject::BeforeAfter("plastic_strain"),
+        caption: "Plastic strain before the impact and at 60 us",
+    }],
+};
+
+fn variants(effort: Effort) -> Vec<Variant> {
+    let spacings: &[&str] = match effort {
+        Effort::Quick => &["1.2 mm"],
+        Effort::Full => &["0.8 mm", "0.5 mm", "0.4 mm"],
+    };
+    refinements(SPACING, "", spacings)
+}
+
+fn judge(runs: &Runs, findings: &mut Findings) {
+    for (name, measure) in [("length", "length"), ("foot diameter", "foot_diameter")] {
+        findings.study(runs.series(SPACING).fold(Study::trend(name, Unit::MILLIMETRE), |study, run| {
+            study.point(run.label(), run.spacing, run.measure(measure))
+        }));
+    }
+    for run in runs.series(SPACING) {
+        let rounding = "pair sums in single precision: some thousand steps of their rounding";
+        let drift = run.summary().map(|s| s.energy.largest_relative_drift);
+        let energy = Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift);
+        findings.add(energy.must(Bounds::AtMost(1e-6), rounding));
+        let drift = run.summary().map(|s| s.largest_momentum_drift);
+        let momentum = Finding::new("drift of linear momentum", Unit::NONE, run.label(), drift);
+        findings.add(momentum.must(Bounds::AtMost(1e-6), rounding));
+    }
+}

@@ -1,0 +1,61 @@
+//! Why a validation could not be done.
+
+use super::CASES;
+use crate::{output::OutputError, run::RunError};
+use std::path::PathBuf;
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ValidateError {
+    /// There is no case of that name.
+    #[error("there is no case `{name}`")]
+    #[diagnostic(
+        code(sphorge::validate::unknown_case),
+        help("{}the cases are: {known}", nearest.as_ref().map_or(String::new(), |n| format!("did you mean `{n}`? ")))
+    )]
+    UnknownCase {
+        /// The name.
+        name: String,
+        /// The most similar name, if any is similar.
+        nearest: Option<String>,
+        /// All names.
+        known: String,
+    },
+    /// The folder holds something that is not a validation.
+    #[error("{} is not empty and not the folder of a validation", path.display())]
+    #[diagnostic(code(sphorge::validate::folder), help("choose another folder; nothing was changed"))]
+    NotAValidation {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder or a file in it cannot be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Output(#[from] OutputError),
+    /// A run could not be started, or not be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Run(RunError),
+    /// The user stopped it.
+    #[error("the validation was stopped; runs done so far are in {}", directory.display())]
+    #[diagnostic(code(sphorge::validate::stopped))]
+    Stopped {
+        /// Folder of the validation.
+        directory: PathBuf,
+    },
+}
+
+/// Names less similar than this are not worth suggesting.
+const SIMILAR: f64 = 0.7;
+
+impl ValidateError {
+    pub(super) fn unknown(name: &str) -> Self {
+        let similarity = |case: &str| strsim::jaro_winkler(name, case);
+        let nearest = CASES.iter().map(|case| case.name).max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+        Self::UnknownCase {
+            name: name.to_owned(),
+            nearest: nearest.filter(|case| similarity(case) > SIMILAR).map(str::to_owned),
+            known: CASES.iter().map(|case| case.name).collect::<Vec<_>>().join(", "),
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The folder of a validation.
+
+use super::{Report, ValidateError};
+use crate::output::{Durability, OutputError, write_file};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// File that marks the folder of a validation, there from the start.
+const MARK: &str = "validation.txt";
+
+/// A folder this validation may write to.
+#[derive(Clone, Debug)]
+pub(super) struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// Makes the folder, or takes over that of a former validation.
+    pub(super) fn claim(path: &Path) -> Result<Self, ValidateError> {
+        let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
+        match fs::read_dir(path) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => fs::create_dir_all(path).map_err(unwritable)?,
+            Err(e) => return Err(unwritable(e).into()),
+            Ok(mut entries) => {
+                if entries.next().is_some() && !path.join(MARK).is_file() {
+                    return Err(ValidateError::NotAValidation { path: path.to_owned() });
+                }
+            }
+        }
+        let folder = Self { path: path.to_owned() };
+        // The old report does not belong to the runs that are about to replace the old ones.
+        for name in ["report.md", "report.json"] {
+            match fs::remove_file(path.join(name)) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritable(e).into()),
+                _ => {}
+            }
+        }
+        write_file(&path.join(MARK), Durability::Disk, |out| {
+            out.write_all(b"Written by `sphorge validate`, and replaced by the next one in this folder.\n")
+        })?;
+        Ok(folder)
+    }
+
+    /// Folder of a run.
+    pub(super) fn run(&self, case: &str, label: &str) -> PathBuf {
+        self.path.join(case).join(slug(label))
+    }
+
+    /// Folder of the pictures of a case.
+    pub(super) fn pictures(&self, case: &str) -> PathBuf {
+        self.path.join(case).join("pictures")
+    }
+
+    /// A path inside, relative to the report.
+    pub(super) fn relative(&self, path: &Path) -> String {
+        let inside = path.strip_prefix(&self.path).unwrap_or(path);
+        inside.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
+    }
+
+    /// Writes the report.
+    pub(super) fn write(&self, report: &Report) -> Result<(), ValidateError> {
+        write_file(&self.path.join("report.md"), Durability::Disk, |out| out.write_all(report.markdown().as_bytes()))?;
+        write_file(&self.path.join("report.json"), Durability::Disk, |out| {
+            serde_json::to_writer_pretty(&mut *out, report)?;
+            out.write_all(b"\n")
+        })?;
+        Ok(())
+    }
+}
+
+/// A label as the name of a folder.
+pub(super) fn slug(label: &str) -> String {
+    let keep = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c.to_ascii_lowercase() } else { '-' };
+    let mut name = String::new();
+    for c in label.chars().map(keep) {
+        if c != '-' || !name.ends_with('-') {
+            name.push(c);
+        }
+    }
+    name.trim_matches('-').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_become_names_of_folders() {
+        assert_eq!(slug("plain sums, 0.4 mm"), "plain-sums-0.4-mm");
+        assert_eq!(slug("Leapfrog"), "leapfrog");
+    }
+
+    #[test]
+    fn a_folder_of_something_else_is_refused_and_a_former_validation_is_replaced() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("validate");
+        Folder::claim(&path).unwrap();
+        fs::write(path.join("report.md"), "old").unwrap();
+        Folder::claim(&path).unwrap();
+        assert!(!path.join("report.md").exists());
+
+        let other = place.path().join("thesis");
+        fs::create_dir(&other).unwrap();
+        Folder::claim(&other).unwrap();
+        fs::remove_file(other.join(MARK)).unwrap();
+        fs::write(other.join("report.md"), "mine").unwrap();
+        assert!(matches!(Folder::claim(&other), Err(ValidateError::NotAValidation { .. })));
+        assert_eq!(fs::read_to_string(other.join("report.md")).unwrap(), "mine");
+    }
+}

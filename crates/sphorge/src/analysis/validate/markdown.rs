@@ -1,0 +1,114 @@
+//! The report for a browser.
+
+use super::{
+    Effort,
+    number::significant,
+    report::{CaseReport, Report, RunEntry},
+    text::{finding_rows, study_rows},
+};
+use std::fmt::Write;
+
+impl Report {
+    /// The report as Markdown, with pictures by relative links.
+    pub fn markdown(&self) -> String {
+        let mut text = String::new();
+        let effort = match self.effort {
+            Effort::Quick => "low resolution (`--quick`)",
+            Effort::Full => "full resolution",
+        };
+        let outcome = if self.passed { "**All cases passed.**" } else { "**Not all cases passed.**" };
+        text += &format!(
+            "# Validation of Sphorge {}\n\n{outcome} Computed at {effort} in {:.0} s.\n\n",
+            self.version, self.seconds
+        );
+        text += "| case | what | verdict | checks passed |\n|---|---|---|---|\n";
+        for case in &self.cases {
+            let (passed, asked) = case.checks();
+            let (name, verdict) = (case.name, case.verdict.name());
+            text += &format!("| [{name}](#{name}) | {} | {verdict} | {passed} of {asked} |\n", case.title);
+        }
+        for case in &self.cases {
+            text.push('\n');
+            case.write_markdown(&mut text);
+        }
+        text
+    }
+}
+
+impl CaseReport {
+    fn write_markdown(&self, text: &mut String) {
+        *text += &format!("## {}\n\n{}. {}\n\n", self.name, self.title, self.about);
+        for run in &self.runs {
+            if let Some(failure) = &run.failure {
+                *text += &format!("Run `{}` **failed**: {failure}\n\n", run.label);
+            }
+        }
+        if !self.findings.is_empty() {
+            *text += "| quantity | run | ours | reference | deviation | asked | verdict |\n";
+            *text += "|---|---|---:|---|---:|---|---|\n";
+            rows(text, self.findings.iter().flat_map(finding_rows));
+            let reasons = self.findings.iter().filter_map(|f| Some((f.quantity.as_str(), f.tolerance.as_ref()?)));
+            for (k, (quantity, tolerance)) in reasons.enumerate() {
+                *text += if k == 0 { "\nWhy these tolerances:\n\n" } else { "" };
+                *text += &format!("- {quantity}: {}\n", tolerance.reason);
+            }
+            text.push('\n');
+        }
+        if !self.studies.is_empty() {
+            *text += "| against spacing | run | ours | exact | error | order | verdict |\n";
+            *text += "|---|---|---:|---:|---:|---:|---|\n";
+            rows(text, self.studies.iter().flat_map(study_rows));
+            for study in &self.studies {
+                if let Some(demand) = &study.demand {
+                    *text += &format!("\n- {}: {}", study.quantity, demand.reason);
+                }
+            }
+            *text += "\n\n";
+        }
+        for note in &self.notes {
+            *text += &format!("{note}\n\n");
+        }
+        for picture in &self.pictures {
+            match (&picture.file, &picture.trouble) {
+                (Some(file), _) => *text += &format!("![{}]({file})\n\n{}\n\n", picture.caption, picture.caption),
+                (None, trouble) => {
+                    let trouble = trouble.as_deref().unwrap_or_default();
+                    *text += &format!("No picture of {}: {trouble}\n\n", picture.caption);
+                }
+            }
+        }
+        *text += "| run | particles | steps | seconds | largest energy drift | largest momentum drift | command |\n";
+        *text += "|---|---:|---:|---:|---:|---:|---|\n";
+        for run in &self.runs {
+            let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), significant);
+            let count = |value: Option<u64>| value.map_or_else(|| "-".to_owned(), |v| v.to_string());
+            *text += &format!(
+                "| [{}]({}) | {} | {} | {} | {} | {} | `{}` |\n",
+                run.label,
+                run.folder,
+                count(run.particles),
+                count(run.steps),
+                run.seconds.map_or_else(|| "-".to_owned(), |s| format!("{s:.1}")),
+                number(run.energy_drift),
+                number(run.momentum_drift),
+                command(self.deck, run),
+            );
+        }
+    }
+}
+
+fn rows(text: &mut String, rows: impl Iterator<Item = [String; 7]>) {
+    for row in rows {
+        *text += &format!("| {} |\n", row.join(" | "));
+    }
+}
+
+/// What to type to repeat a run.
+fn command(deck: &str, run: &RunEntry) -> String {
+    let mut command = format!("sphorge run {deck}");
+    for (path, value) in &run.overrides {
+        // Writing to a string does not fail.
+        let _ = write!(command, " --set {path}='{value}'");
+    }
+    command
+}
