@@ -38,6 +38,8 @@ pub(crate) enum Command {
     Plot(plot::PlotArguments),
     /// Set runs side by side: time, speed, conservation, measures
     Compare(compare::CompareArguments),
+    /// Run the cases with known answers and set our numbers beside them
+    Validate(validate::ValidateArguments),
     /// Measure the speed of this program on this machine
     Bench(bench::BenchArguments),
     /// Print the JSON schema of decks, for completion in an editor
@@ -53,6 +55,7 @@ impl Command {
             Self::Materials(arguments) => materials::execute(arguments),
             Self::Plot(arguments) => plot::execute(arguments),
             Self::Compare(arguments) => compare::execute(arguments),
+            Self::Validate(arguments) => validate::execute(arguments),
             Self::Bench(arguments) => bench::execute(arguments),
             Self::Schema => schema::execute(),
         }

@@ -8,3 +8,4 @@ pub(crate) mod materials;
 pub(crate) mod plot;
 pub(crate) mod run;
 pub(crate) mod schema;
+pub(crate) mod validate;

@@ -1,0 +1,83 @@
+//! `sphorge validate`: the cases with known answers.
+
+use super::run::parse_threads;
+use crate::{
+    failure::{Ending, Failure, Outcome},
+    signals, terminal,
+};
+use clap::Args;
+use miette::{IntoDiagnostic, WrapErr};
+use sphorge::analysis::validate::{
+    Case, CaseReport, Effort, ValidateError, ValidateOptions, Variant, Watcher, validate,
+};
+use sphorge::run::Observer;
+use std::path::PathBuf;
+
+/// Arguments of `validate`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge validate --quick
+  sphorge validate taylor-plate plate-impact
+
+Every number of ours is printed beside the published or exact one, with the deviation and what is asked of it. The folder holds
+report.md with pictures, report.json, and every run. Exit code 1 if a check failed.")]
+pub(crate) struct ValidateArguments {
+    /// Names of cases [default: all]
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Low resolution: about two minutes on two cores
+    #[arg(long)]
+    quick: bool,
+    /// Folder of the report and the runs
+    #[arg(short, long, value_name = "DIR", default_value = "out/validate")]
+    output: PathBuf,
+    /// Number of threads [default: all of the machine]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<usize>,
+}
+
+pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
+    let options = ValidateOptions {
+        directory: arguments.output,
+        cases: arguments.cases,
+        effort: if arguments.quick { Effort::Quick } else { Effort::Full },
+        threads: arguments.threads,
+    };
+    let stop = signals::stop_flag(|| terminal::note("stopping after this step (once more ends the program at once)"))
+        .into_diagnostic()
+        .wrap_err("cannot catch Ctrl-C")
+        .map_err(Failure::Failed)?;
+    match validate(&options, &stop, &mut Lines) {
+        Ok(report) => {
+            terminal::print(&format!("{report}report      {}\n", options.directory.join("report.md").display()))?;
+            if report.passed { Ok(Outcome::Done) } else { Err(Failure::Told) }
+        }
+        Err(ValidateError::Stopped { directory }) => {
+            terminal::note(&format!("stopped; the runs done so far are in {}", directory.display()));
+            Ok(Outcome::Stopped)
+        }
+        Err(error @ ValidateError::Run(_)) => Err(Failure::Failed(error.into())),
+        Err(error) => Err(Failure::BadInput(error.into())),
+    }
+}
+
+/// A line for every run and every judged case.
+struct Lines;
+
+impl Observer for Lines {}
+
+impl Watcher for Lines {
+    fn case_started(&mut self, case: &Case, number: usize, count: usize) {
+        terminal::note(&format!("[{number}/{count}] {}: {}", case.name, case.title));
+    }
+
+    fn variant_started(&mut self, variant: &Variant, number: usize, count: usize) {
+        terminal::note(&format!("      run {number} of {count}: {}", variant.label));
+    }
+
+    fn case_judged(&mut self, report: &CaseReport) {
+        let (passed, asked) = report.checks();
+        terminal::note(&format!("      {}: {passed} of {asked} checks", report.verdict.name()));
+    }
+}
