@@ -78,7 +78,7 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, to: &Path) -> R
         ],
         HistoryPicture::Measures => measure_names(&table)
             .iter()
-            .map(|name| chart(&name.replace('_', " "), &[(name, name)]))
+            .map(|name| chart(&name.trim_start_matches("measure.").replace('_', " "), &[(name, name)]))
             .filter(Chart::has_values)
             .collect(),
         HistoryPicture::Step => vec![chart("time step", &[("dt", "dt")])],
