@@ -6,7 +6,7 @@ use crate::{
     readable, table, terminal,
 };
 use clap::Args;
-use sphorge::bench::{BenchOptions, BenchReport, bench};
+use sphorge::bench::{BenchOptions, BenchReport, CASES, bench};
 
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
@@ -39,15 +39,7 @@ pub(crate) fn execute(arguments: BenchArguments) -> Ending {
     let options = BenchOptions { threads: arguments.threads, seconds: arguments.seconds };
     let report = bench(&options, &mut |what| terminal::note(&format!("measuring {what}")))
         .map_err(|error| Failure::Failed(error.into()))?;
-    let text = if arguments.json {
-        format!(
-            "{}
-",
-            terminal::json(&report)?
-        )
-    } else {
-        tables(&report)
-    };
+    let text = if arguments.json { terminal::json(&report)? + "\n" } else { tables(&report) };
     terminal::print(&text)?;
     Ok(Outcome::Done)
 }
@@ -56,18 +48,22 @@ fn tables(report: &BenchReport) -> String {
     let machine = &report.machine;
     let cores = machine.cores.map_or(String::new(), |cores| format!(", {cores} cores"));
     let mut text = format!(
-        "sphorge {} on {}, {} logical processors{cores} ({}), {} in use\n\n",
+        "sphorge {} on {}, {} logical processors{cores} ({}), {} in use\n",
         report.version,
         if machine.processor.is_empty() { "an unknown processor" } else { &machine.processor },
         machine.logical_processors,
         machine.vector_instructions.join(", "),
         readable::threads(report.threads),
     );
+    for case in CASES {
+        text += &format!("{}: {}\n", case.deck, case.meaning);
+    }
+    text.push('\n');
     let million = |value: f64| format!("{:.3}", value / 1e6);
     let head = [
         "case",
         "precision",
-        "search",
+        "strategy",
         "particles",
         "neighbours",
         "M particle-steps/s/core",
@@ -88,8 +84,17 @@ fn tables(report: &BenchReport) -> String {
     });
     text += &table::columns(&head, &[3, 4, 5, 6, 7], rows.collect());
     text += "\nShare of time by stage, per cent\n\n";
-    let head =
-        ["case", "precision", "search", "search", "kinematics", "stress", "forces", "integrate", "particles searched"];
+    let head = [
+        "case",
+        "precision",
+        "strategy",
+        "search",
+        "kinematics",
+        "stress",
+        "forces",
+        "integrate",
+        "particles searched",
+    ];
     let rows = report.rows.iter().map(|row| {
         let shares = &row.stage_shares;
         let stages = [shares.search, shares.kinematics, shares.stress, shares.forces, shares.integrate];

@@ -24,10 +24,13 @@ pub struct BenchCase {
 }
 
 /// The cases.
-pub const CASES: &[BenchCase] = &[BenchCase {
-    deck: "block",
-    meaning: "a lattice block at rest: the pair sums and the search, nothing else happens",
-}];
+pub const CASES: &[BenchCase] = &[
+    BenchCase {
+        deck: "block",
+        meaning: "a lattice block at rest: pair sums and search at full cost, nothing yields, a skin is never used up",
+    },
+    BenchCase { deck: "taylor-bar", meaning: "a round bar on a rigid wall: shock, plastic flow, heat" },
+];
 /// Values of `numerics.precision` that are measured.
 const PRECISIONS: &[&str] = &["mixed", "double"];
 /// Values of `search` that are measured.
