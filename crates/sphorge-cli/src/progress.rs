@@ -28,6 +28,7 @@ impl Lines {
 /// Watches a run for the user.
 pub(crate) struct ProgressDisplay {
     lines: Lines,
+    particles: usize,
     tenths: u64,
     last_line: f64,
 }
@@ -41,7 +42,7 @@ impl ProgressDisplay {
                 Err(_) => bar,
             }
         });
-        Self { lines: Lines { bar }, tenths: 0, last_line: 0.0 }
+        Self { lines: Lines { bar }, particles: 0, tenths: 0, last_line: 0.0 }
     }
 
     /// For messages while the run goes on.
@@ -52,6 +53,7 @@ impl ProgressDisplay {
 
 impl Observer for ProgressDisplay {
     fn started(&mut self, start: &RunStart) {
+        self.particles = start.particles;
         if !start.title.is_empty() {
             self.lines.print(&start.title);
         }
@@ -65,7 +67,7 @@ impl Observer for ProgressDisplay {
     }
 
     fn progressed(&mut self, progress: &Progress) {
-        let state = state(progress);
+        let state = state(progress, self.particles);
         if let Some(bar) = &self.lines.bar {
             bar.set_position((progress.fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
             bar.set_message(state);
@@ -88,7 +90,7 @@ impl Drop for ProgressDisplay {
 }
 
 /// One line on a run under way.
-fn state(progress: &Progress) -> String {
+fn state(progress: &Progress, particles: usize) -> String {
     let left = match progress.seconds_left {
         Some(left) if progress.fraction < 1.0 => format!(", {} left", readable::duration(left)),
         _ => String::new(),
@@ -99,6 +101,7 @@ fn state(progress: &Progress) -> String {
         readable::count(progress.step),
         readable::quantity(progress.dt, "s"),
         progress.reason.name(),
-        readable::large(progress.particle_steps_per_second),
+        // The mean so far: that of the last tenth of a second jumps with every frame written.
+        readable::large(particles as f64 * progress.step as f64 / progress.seconds.max(1e-9)),
     )
 }
