@@ -1,0 +1,98 @@
+//! What no force may change.
+
+use super::setup::{COLLISION, norm, run_steps, run_to, simulation};
+use sphorge::solver::Simulation;
+
+/// Largest drift of total energy and of linear momentum over a run, relative to the first total and to the first
+/// `sum m |v|`.
+fn drifts(simulation: &mut Simulation, end: f64) -> (f64, f64) {
+    simulation.next_step_estimate().unwrap();
+    let first = simulation.ledger().total;
+    let energy = |e: sphorge::solver::Energies| e.kinetic + e.internal;
+    let (mut energy_drift, mut momentum_drift) = (0.0f64, 0.0f64);
+    while simulation.time() < end {
+        simulation.step(Some(end)).unwrap();
+        let now = simulation.ledger().total;
+        energy_drift = energy_drift.max((energy(now.energies) / energy(first.energies) - 1.0).abs());
+        let change = [0, 1, 2].map(|a| now.momentum[a] - first.momentum[a]);
+        momentum_drift = momentum_drift.max(norm(change) / first.momentum_scale);
+    }
+    (energy_drift, momentum_drift)
+}
+
+#[test]
+fn a_collision_keeps_energy_and_momentum_to_round_off() {
+    for (integrator, correction, form, split) in [
+        ("leapfrog", "none", "volume-weighted", "own-stress"),
+        ("leapfrog", "none", "volume-weighted", "symmetric"),
+        ("leapfrog", "linear", "volume-weighted", "own-stress"),
+        ("leapfrog", "none", "density-weighted", "own-stress"),
+        ("leapfrog", "none", "mixed", "symmetric"),
+        ("predictor-corrector", "none", "volume-weighted", "own-stress"),
+        ("predictor-corrector", "linear", "density-weighted", "symmetric"),
+    ] {
+        let overrides = [
+            ("numerics.integrator", integrator),
+            ("numerics.gradient-correction", correction),
+            ("numerics.pair-form", form),
+            ("numerics.energy-split", split),
+        ];
+        let mut simulation = simulation(COLLISION, &overrides);
+        let (energy, momentum) = drifts(&mut simulation, 10e-6);
+        let yielded = simulation.particles().plastic_strain.iter().fold(0.0, |m: f64, &e| m.max(e));
+        assert!(yielded > 0.05, "nothing happened: {yielded}");
+        assert!(energy < 1e-12 && momentum < 1e-12, "{overrides:?}: energy {energy:.1e}, momentum {momentum:.1e}");
+    }
+}
+
+#[test]
+fn single_precision_pair_sums_keep_energy_and_momentum_to_their_rounding() {
+    let mut simulation = simulation(COLLISION, &[("numerics.precision", "mixed")]);
+    let (energy, momentum) = drifts(&mut simulation, 10e-6);
+    assert!(energy < 1e-6 && momentum < 1e-6, "energy {energy:.1e}, momentum {momentum:.1e}");
+}
+
+const DISC: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double", viscosity = false }
+time = { end = "1 ms" }
+
+[material.metal]
+density = "7890 kg/m^3"
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "disc"
+material = "metal"
+shape = { disc = { centre = ["3 mm", "-5 mm"], radius = "10 mm" } }
+spin = { rate = "100 rad/s", centre = ["3 mm", "-5 mm"] }
+"#;
+
+#[test]
+fn a_turning_disc_is_stressed_by_its_inertia_alone_where_gradients_are_corrected() {
+    // A turn by 0.02 rad at a rim speed of 1 m/s: inertia makes stresses of some rho v^2 = 8 kPa.
+    let inertia = 7890.0 * 1.0;
+    let stress = |correction: &str| {
+        let mut simulation = simulation(DISC, &[("numerics.gradient-correction", correction)]);
+        run_to(&mut simulation, 2e-4);
+        simulation.particles().deviator.iter().map(|s| s.von_mises()).fold(0.0, f64::max)
+    };
+    let (corrected, plain) = (stress("linear"), stress("none"));
+    assert!(corrected < 5.0 * inertia, "{corrected:.3e}");
+    // Plain sums see a strain at the rim.
+    assert!(plain > 100.0 * inertia, "{plain:.3e}");
+}
+
+#[test]
+fn corrected_sums_keep_angular_momentum_to_round_off() {
+    let mut simulation = simulation(DISC, &[("numerics.gradient-correction", "linear")]);
+    simulation.next_step_estimate().unwrap();
+    let first = simulation.ledger().total.angular_momentum[2];
+    run_steps(&mut simulation, 500);
+    let drift = simulation.ledger().total.angular_momentum[2] / first - 1.0;
+    assert!(drift.abs() < 1e-12, "{drift:.1e}");
+}

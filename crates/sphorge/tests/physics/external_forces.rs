@@ -1,0 +1,125 @@
+//! Gravity, friction, prescribed motion: motions known in closed form.
+
+use super::setup::{run_to, simulation};
+
+/// A soft block of 10 x 5 particles, so that contact is soft and steps are long.
+const SOFT_BLOCK: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "10 mm" }
+numerics = { precision = "double" }
+time = { end = "1 s" }
+gravity = ["0 m/s^2", "-10 m/s^2"]
+
+[material.soft]
+density = "1000 kg/m^3"
+young-modulus = "20 MPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "block"
+material = "soft"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["100 mm", "50 mm"] } }
+velocity = ["1 m/s", "0 m/s"]
+"#;
+
+/// Mass of the block, kg/m.
+const MASS: f64 = 5.0;
+
+#[test]
+fn free_fall_is_a_parabola() {
+    for integrator in ["leapfrog", "predictor-corrector"] {
+        let mut simulation = simulation(SOFT_BLOCK, &[("numerics.integrator", integrator)]);
+        let first = simulation.ledger().total;
+        run_to(&mut simulation, 0.05);
+        let ledger = simulation.ledger();
+        let (now, t) = (&ledger.total, 0.05);
+        assert!((now.mass - MASS).abs() < 1e-12);
+        for (a, v, x) in [(0, 1.0, t), (1, -10.0 * t, -5.0 * t * t)] {
+            assert!((now.momentum[a] / MASS - v).abs() < 1e-12, "{integrator} {a}");
+            assert!((now.centre[a] - first.centre[a] - x).abs() < 1e-12, "{integrator} {a}");
+        }
+        assert!((ledger.external_work - MASS * 10.0 * 5.0 * t * t).abs() < 1e-12, "{integrator}");
+        // No strain: nothing but gravity acts.
+        assert!(now.energies.elastic < 1e-20, "{integrator} {}", now.energies.elastic);
+    }
+}
+
+#[test]
+fn friction_decelerates_a_sliding_block_by_its_coefficient_times_gravity() {
+    let floor = r#"
+[[wall]]
+name = "floor"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+contact = { penalty = { stiffness = 1.0, damping = 0.3, friction = 0.25 } }
+"#;
+    let mut simulation = simulation(&format!("{SOFT_BLOCK}{floor}"), &[]);
+    let t = 0.2;
+    run_to(&mut simulation, t);
+    let ledger = simulation.ledger();
+    let velocity = ledger.total.momentum[0] / MASS;
+    assert!((velocity - (1.0 - 0.25 * 10.0 * t)).abs() < 5e-3, "{velocity}");
+    // Coulomb's law for the impulses of the floor, whatever the block does on it.
+    let normal = ledger.external_impulse[1] + MASS * 10.0 * t;
+    assert!((ledger.external_impulse[0] + 0.25 * normal).abs() < 1e-9, "{:?}", ledger.external_impulse);
+    // It rests on the floor: its weight is what the floor carries, and it does not sink.
+    assert!((ledger.total.momentum[1] / MASS).abs() < 5e-3);
+    let lowest = simulation.particles().position.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
+    assert!((4.8e-3..5.2e-3).contains(&lowest), "{lowest}");
+}
+
+#[test]
+fn friction_stops_a_block_and_holds_it() {
+    let floor = r#"
+[[wall]]
+name = "floor"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+contact = { penalty = { stiffness = 1.0, damping = 0.3, friction = 0.25 } }
+"#;
+    let mut simulation = simulation(&format!("{SOFT_BLOCK}{floor}"), &[]);
+    // It would stop after 0.4 s.
+    run_to(&mut simulation, 0.6);
+    let velocity = simulation.ledger().total.momentum[0] / MASS;
+    assert!(velocity.abs() < 0.02, "{velocity}");
+}
+
+#[test]
+fn prescribed_motion_follows_its_table_and_its_force_is_mass_times_acceleration() {
+    // From 0 to 2 m/s over 10 ms, then constant; nothing else acts.
+    let driven = r#"
+[[region]]
+name = "all"
+body = "block"
+
+[[motion]]
+region = "all"
+velocity = [[["0 ms", "0 m/s"], ["10 ms", "2 m/s"]], "free"]
+"#;
+    for integrator in ["leapfrog", "predictor-corrector"] {
+        let overrides = [("numerics.integrator", integrator), ("gravity", "[0, 0]")];
+        let mut simulation = simulation(&format!("{SOFT_BLOCK}{driven}"), &overrides);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger();
+        run_to(&mut simulation, 5e-3);
+        let half_way = simulation.ledger();
+        assert!((half_way.total.momentum[0] / MASS - 1.0).abs() < 1e-12, "{integrator}");
+        assert!((half_way.total.centre[0] - first.total.centre[0] - 2.5e-3).abs() < 1e-12, "{integrator}");
+        assert!(
+            (half_way.motion_forces[0][0] - MASS * 200.0).abs() < 1e-6,
+            "{integrator}: {:?}",
+            half_way.motion_forces
+        );
+        assert!(half_way.motion_forces[0][1].abs() < 1e-9);
+        // The work of the drive is the kinetic energy gained: m v^2/2 from 0 to 1 m/s.
+        let work = half_way.external_work - first.external_work;
+        let gained = half_way.total.energies.kinetic - first.total.energies.kinetic;
+        assert!((work - gained).abs() < 1e-12 * MASS, "{integrator}: {work} {gained}");
+        run_to(&mut simulation, 20e-3);
+        let end = simulation.ledger();
+        assert!((end.total.momentum[0] / MASS - 2.0).abs() < 1e-12, "{integrator}");
+        // A step may stride over the corner of the table.
+        assert!((end.total.centre[0] - first.total.centre[0] - 30e-3).abs() < 1e-5, "{integrator}");
+        assert!(end.motion_forces[0][0].abs() < 1e-6, "{integrator}: {:?}", end.motion_forces);
+    }
+}

@@ -1,0 +1,8 @@
+//! Runs of a few seconds whose answer is known: from theory, from symmetry, or from another way to compute the same.
+
+mod conservation;
+mod external_forces;
+mod failure;
+mod setup;
+mod symmetry;
+mod two_ways;
