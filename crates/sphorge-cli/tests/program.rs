@@ -49,6 +49,49 @@ fn materials_are_listed_and_shown() {
 }
 
 #[test]
+fn a_run_is_drawn_and_compared() {
+    let place = Place::new();
+    place.run(&["run", "plate.toml", "-o", "a"]).expect_code(0);
+    place.run(&["run", "plate.toml", "-o", "b", "--set", "search=skin"]).expect_code(0);
+
+    let drawn = place.run(&["plot", "a"]).expect_code(0).out;
+    assert!(drawn.contains("before-after"), "{drawn}");
+    for file in drawn.lines() {
+        assert!(fs::read(place.path(file)).unwrap().starts_with(b"\x89PNG"), "{file}");
+    }
+    let one = ["plot", "a", "--field", "stress.xy", "--frames", "first,2,1e-6", "--range", "-1e9,1e9"];
+    assert_eq!(place.run(&one).expect_code(0).out, "a/plots/stress.xy-first-2-1e-6s.png\n");
+    let curve = place.run(&["plot", "a", "--column", "height"]).expect_code(0).out;
+    assert_eq!(curve, "a/plots/history-height.png\n");
+    place.run(&["plot", "a", "--field", "stres"]).expect_code(2).expect_told(&["no field `stres`", "von_mises_stress"]);
+    place.run(&["plot", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
+    place.run(&["plot", "a", "--section"]).expect_code(2);
+
+    let table = place.run(&["compare", "a", "b"]).expect_code(0).out;
+    assert!(table.contains("height") && table.contains("searched fraction"), "{table}");
+    let json = place.run(&["compare", "a", "b", "--json"]).expect_code(0).out;
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["runs"], serde_json::json!(["a", "b"]));
+    place.run(&["compare", "a", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
+}
+
+#[test]
+fn the_schema_knows_every_key_of_a_deck() {
+    let schema = Place::new().run(&["schema"]).expect_code(0).out;
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    for key in ["title", "particles", "time", "output", "body", "wall", "measure"] {
+        assert!(schema["properties"][key].is_object(), "{key} is missing");
+    }
+}
+
+#[test]
+fn a_case_that_is_not_there_is_bad_input() {
+    let place = Place::new();
+    place.run(&["validate", "taylor-plat"]).expect_code(2).expect_told(&["taylor-plat"]);
+    assert!(!place.path("out").exists());
+}
+
+#[test]
 fn wrong_usage_exits_with_2_and_help_with_0() {
     let place = Place::new();
     for arguments in [

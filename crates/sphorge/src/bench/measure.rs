@@ -114,4 +114,28 @@ mod tests {
         assert_eq!(shares, expected);
         assert_eq!(StageShares::between(after, after), StageShares::default());
     }
+
+    #[test]
+    fn rates_fit_together() {
+        let deck = r#"
+            dimensions = "plane-strain"
+            particles.spacing = "1 mm"
+            time.end = "1 ms"
+            [[body]]
+            name = "square"
+            material = "armco-iron"
+            shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "10 mm"] } }
+        "#;
+        let setup = crate::deck::load_text("square", deck, &[]).unwrap();
+        let row = measure(setup, "mixed", "skin", 0.0).unwrap();
+        assert_eq!((row.case.as_str(), row.particles, row.steps), ("square", 100, LEAST_STEPS));
+        // At rest every step has the same pairs.
+        let ratio = row.pairs_per_second_per_core / row.particle_steps_per_second_per_core;
+        assert!((ratio / row.mean_neighbors - 1.0).abs() < 1e-12);
+        let cores = rayon::current_num_threads() as f64;
+        let steps = row.particle_steps_per_second_per_core * row.wall_seconds * cores;
+        assert!((steps / (100 * LEAST_STEPS) as f64 - 1.0).abs() < 1e-12);
+        assert_eq!(row.searched_fraction, 0.0);
+        assert!(row.bytes_per_particle > 500.0);
+    }
 }

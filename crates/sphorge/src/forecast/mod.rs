@@ -211,3 +211,52 @@ fn history_row_bytes(model: &Model) -> f64 {
     let cells = 24 + 13 * model.bodies.len() + 3 * (model.walls.len() + model.motions.len()) + model.measures.len();
     BYTES_PER_CELL * cells as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deck::load_text;
+
+    const DECK: &str = r#"
+        dimensions = "3d"
+        [particles]
+        spacing = "1 mm"
+        [time]
+        end = "10 us"
+        max-steps = 20
+        [output]
+        frames = 4
+        [[body]]
+        name = "left"
+        material = "armco-iron"
+        shape = { box = { min = ["0 mm", "0 mm", "0 mm"], max = ["4 mm", "5 mm", "6 mm"] } }
+        [[body]]
+        name = "right"
+        material = "armco-iron"
+        shape = { sphere = { centre = ["20 mm", "0 mm", "0 mm"], radius = "4 mm" } }
+        spacing = "0.8 mm"
+    "#;
+
+    #[test]
+    fn bodies_steps_and_output_are_those_of_a_run() {
+        let setup = load_text("test", DECK, &[]).unwrap();
+        let particles = setup.particles.clone();
+        let model = setup.model.clone();
+        let forecast = forecast(setup, &ForecastOptions { threads: Some(1), seconds: 0.0 }).unwrap();
+        let [left, right] = &forecast.bodies[..] else { panic!("{:?}", forecast.bodies) };
+        assert_eq!((left.particles, right.particles), (120, particles.len() - 120));
+        assert!((left.mass - 7890.0 * 120e-9).abs() < 1e-12 && (left.shape_mass - left.mass).abs() < 1e-12);
+        assert!((right.shape_mass - 7890.0 * 4.0 / 3.0 * std::f64::consts::PI * 64e-9).abs() < 1e-12);
+        assert_eq!((forecast.most_steps, forecast.threads), (Some(20), 1));
+
+        // The courant number over the longitudinal sound speed, on the smaller smoothing length.
+        let speed = (3630_f64.powi(2) + 4.0 / 3.0 * 80e9 / 7890.0).sqrt();
+        assert!((forecast.first_step - 0.3 * 1.2 * 0.8e-3 / speed).abs() < 1e-3 * forecast.first_step);
+        assert_eq!(forecast.first_reason, VoteReason::SoundSpeed);
+        assert_eq!(forecast.expected_steps, 20);
+        // Twenty steps of 48 ns are short of the first frame interval: the initial frame and that of the end.
+        assert_eq!(forecast.frames, 2);
+        assert!(forecast.output_bytes > 2 * frame_bytes(&model, &particles));
+        assert!(forecast.memory_bytes > particles.len() as u64 * 500);
+    }
+}
