@@ -18,7 +18,7 @@ pub use wendland_c4::WendlandC4;
 
 use crate::{Dimension, Real};
 
-/// The shape of a smoothing kernel, a type so that hot loops are compiled for it.
+/// The shape of a smoothing kernel.
 pub trait KernelShape: Copy + Send + Sync + 'static {
     /// Name in a deck.
     const KEY: &'static str;
@@ -37,9 +37,8 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     fn dw_over_q<T: Real>(q: T) -> T;
 }
 
-// `$d` is a dollar sign: it lets the table write the macro that dispatches on it.
 macro_rules! kernels {
-    (($d:tt) $($(#[$attribute:meta])* $kernel:ident,)*) => {
+    ($($(#[$attribute:meta])* $kernel:ident,)*) => {
         /// The kernels a deck can choose.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub enum Kernel {
@@ -91,24 +90,10 @@ macro_rules! kernels {
                 match self { $(Self::$kernel => <$kernel as KernelShape>::dw_over_q(q),)* }
             }
         }
-
-        /// Evaluates an expression with a type name standing for the [`KernelShape`](crate::kernel::KernelShape) of a
-        /// [`Kernel`](crate::kernel::Kernel): `dispatch_kernel!(kernel, K => sweep::<K>(particles))`.
-        #[macro_export]
-        macro_rules! dispatch_kernel {
-            ($d kernel:expr, $d shape:ident => $d body:expr) => {
-                match $d kernel {
-                    $($crate::kernel::Kernel::$kernel => {
-                        type $d shape = $crate::kernel::$kernel;
-                        $d body
-                    })*
-                }
-            };
-        }
     };
 }
 
-kernels! { ($)
+kernels! {
     #[default]
     CubicSpline,
     WendlandC2,

@@ -10,8 +10,7 @@ use super::records::{CORRECTED_LEN, Records, extra};
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::viscosity::{ViscosityParameters, monaghan_gingold};
-use sphorge_physics::{Vector, artificial_stress, kernel::KernelShape};
-use std::marker::PhantomData;
+use sphorge_physics::{Vector, artificial_stress};
 
 /// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +70,7 @@ fn tensor_dot<L: Lanes, const D: usize>(g: &[L; CORRECTED_LEN], x: &Vector<L>) -
 
 /// Row `k` of a block, particle `own`.
 #[inline(always)]
-fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
+fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     records: &Records<L::Element>,
     own: usize,
     block: &Block,
@@ -105,7 +104,7 @@ fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
         }
         let (h, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
         let q = r2.sqrt() * inverse_h;
-        let weighted_f = K::dw_over_q(q) * scale * record_j[WEIGHT];
+        let weighted_f = constants.kernel.dw_over_q(q) * scale * record_j[WEIGHT];
 
         let density_mean = (record_i[RHO] + record_j[RHO]) * half;
         let sound_mean = (record_i[C] + record_j[C]) * half;
@@ -130,7 +129,7 @@ fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
                 pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
             }
             if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
-                let w = K::w(q) * scale * h * h;
+                let w = constants.kernel.w(q) * scale * h * h;
                 let factor = artificial_stress::pair_factor(w, L::splat(inverse_w_spacing), exponent);
                 let mut r = [L::zero(); 6];
                 for c in 0..6 {
@@ -151,7 +150,7 @@ fn force_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
         energy_rate -= work * weighted_f;
         if terms.xsph {
             let mass = if terms.volume_weighted { record_j[WEIGHT] * record_j[RHO] } else { record_j[WEIGHT] };
-            let w = K::w(q) * scale * h * h * mass / density_mean;
+            let w = constants.kernel.w(q) * scale * h * h * mass / density_mean;
             for a in 0..D {
                 xsph[a] -= v[a] * w;
             }
@@ -176,7 +175,7 @@ impl<T: PairScalar> ForceSum<T> {
 }
 
 /// The sums of a block of particles.
-pub(super) struct ForceJob<'a, T, K, const D: usize, const CORRECTED: bool> {
+pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool> {
     pub(super) records: &'a Records<T>,
     /// First particle of the block.
     pub(super) first: usize,
@@ -184,16 +183,14 @@ pub(super) struct ForceJob<'a, T, K, const D: usize, const CORRECTED: bool> {
     pub(super) constants: &'a PairConstants<T>,
     pub(super) terms: &'a ForceTerms<T>,
     pub(super) sums: &'a mut [ForceSum<T>; BLOCK],
-    pub(super) kernel: PhantomData<K>,
 }
 
-impl<T: PairScalar, K: KernelShape, const D: usize, const CORRECTED: bool> Job<T> for ForceJob<'_, T, K, D, CORRECTED> {
+impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for ForceJob<'_, T, D, CORRECTED> {
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
         for k in 0..self.block.len() {
             let own = self.first + k;
-            self.sums[k] =
-                force_row::<L, K, D, CORRECTED>(self.records, own, self.block, k, self.constants, self.terms);
+            self.sums[k] = force_row::<L, D, CORRECTED>(self.records, own, self.block, k, self.constants, self.terms);
         }
     }
 }

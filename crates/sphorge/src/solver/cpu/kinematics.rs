@@ -6,14 +6,16 @@
 use super::records::kinematic::{H, LEN, V, WEIGHT, X};
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
-use sphorge_physics::{Real, Scalar, Tensor, kernel::KernelShape};
-use std::marker::PhantomData;
+use sphorge_physics::kernel::Kernel;
+use sphorge_physics::{Real, Scalar, Tensor};
 
 /// Constants of a pair sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairConstants<T> {
     /// Size of a coordinate unit, m.
     pub(super) unit: T,
+    /// The kernel: chosen by a branch within the sweep that always goes the same way, which costs nothing beside the gathers.
+    pub(super) kernel: Kernel,
     /// Normalisation `sigma_d` of the kernel.
     pub(super) sigma: T,
     /// The smoothing length all particles share, if they do.
@@ -46,7 +48,7 @@ pub(super) struct GradientSum<T> {
 
 /// Row `k` of a block, particle `own`.
 #[inline(always)]
-fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>(
+fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     records: &[[L::Element; LEN]],
     own: usize,
     block: &Block,
@@ -55,7 +57,7 @@ fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>
 ) -> GradientSum<L::Element> {
     let record_i: [L; LEN] = splat_record(&records[own]);
     let unit = L::splat(constants.unit);
-    let support = L::of(K::SUPPORT);
+    let support = L::of(constants.kernel.support());
     let mut gradient = [[L::zero(); 3]; 3];
     let mut moment = [[L::zero(); 3]; 3];
     let mut inside = L::zero();
@@ -71,7 +73,7 @@ fn gradient_row<L: Lanes, K: KernelShape, const D: usize, const CORRECTED: bool>
         let (_, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
         let q = r2.sqrt() * inverse_h;
         // grad_i W_ij = F x_ij, times the weight of the neighbour.
-        let weighted_f = K::dw_over_q(q) * scale * record_j[WEIGHT];
+        let weighted_f = constants.kernel.dw_over_q(q) * scale * record_j[WEIGHT];
         inside += L::select_lt(q, support, L::one(), L::zero());
         for a in 0..D {
             let v = (record_j[V + a] - record_i[V + a]) * weighted_f;
@@ -108,24 +110,20 @@ impl<T: PairScalar> GradientSum<T> {
 }
 
 /// The sums of a block of particles.
-pub(super) struct GradientJob<'a, T, K, const D: usize, const CORRECTED: bool> {
+pub(super) struct GradientJob<'a, T, const D: usize, const CORRECTED: bool> {
     pub(super) records: &'a [[T; LEN]],
     /// First particle of the block.
     pub(super) first: usize,
     pub(super) block: &'a Block,
     pub(super) constants: &'a PairConstants<T>,
     pub(super) sums: &'a mut [GradientSum<T>; BLOCK],
-    pub(super) kernel: PhantomData<K>,
 }
 
-impl<T: PairScalar, K: KernelShape, const D: usize, const CORRECTED: bool> Job<T>
-    for GradientJob<'_, T, K, D, CORRECTED>
-{
+impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for GradientJob<'_, T, D, CORRECTED> {
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
         for k in 0..self.block.len() {
-            self.sums[k] =
-                gradient_row::<L, K, D, CORRECTED>(self.records, self.first + k, self.block, k, self.constants);
+            self.sums[k] = gradient_row::<L, D, CORRECTED>(self.records, self.first + k, self.block, k, self.constants);
         }
     }
 }

@@ -114,8 +114,12 @@ impl<T: PairScalar> CpuEngine<T> {
         let numerics = &model.numerics;
         let h = &particles.smoothing_length;
         let uniform_h = h.first().copied().filter(|first| h.iter().all(|h| h == first)).map(T::of);
-        let constants =
-            PairConstants { unit: T::one(), sigma: T::of(numerics.kernel.normalisation(dimension(&model))), uniform_h };
+        let constants = PairConstants {
+            unit: T::one(),
+            kernel: numerics.kernel,
+            sigma: T::of(numerics.kernel.normalisation(dimension(&model))),
+            uniform_h,
+        };
         let corrected = numerics.gradient_correction != crate::model::GradientCorrection::None;
         let work = Work {
             xsph: vec![[0.0; 3]; count],

@@ -11,20 +11,43 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{Dimension, Tensor, Vector, dispatch_kernel, gradient_correction, stress, tensor};
-use std::marker::PhantomData;
+use sphorge_physics::{Dimension, Tensor, Vector, gradient_correction, stress, tensor};
 
-/// Runs an expression with the kernel shape `K`, the dimension `D` and the choice `CORRECTED` as compile-time constants.
+/// Runs an expression with the dimension `D` and the choice `CORRECTED` as compile-time constants.
 macro_rules! dispatch {
-    ($kernel:expr, $dimension:expr, $corrected:expr, |$shape:ident, $d:ident, $c:ident| $body:expr) => {
-        dispatch_kernel!($kernel, $shape => match ($dimension, $corrected) {
-            (Dimension::One, false) => { const $d: usize = 1; const $c: bool = false; $body }
-            (Dimension::Two, false) => { const $d: usize = 2; const $c: bool = false; $body }
-            (Dimension::Three, false) => { const $d: usize = 3; const $c: bool = false; $body }
-            (Dimension::One, true) => { const $d: usize = 1; const $c: bool = true; $body }
-            (Dimension::Two, true) => { const $d: usize = 2; const $c: bool = true; $body }
-            (Dimension::Three, true) => { const $d: usize = 3; const $c: bool = true; $body }
-        })
+    ($dimension:expr, $corrected:expr, |$d:ident, $c:ident| $body:expr) => {
+        match ($dimension, $corrected) {
+            (Dimension::One, false) => {
+                const $d: usize = 1;
+                const $c: bool = false;
+                $body
+            }
+            (Dimension::Two, false) => {
+                const $d: usize = 2;
+                const $c: bool = false;
+                $body
+            }
+            (Dimension::Three, false) => {
+                const $d: usize = 3;
+                const $c: bool = false;
+                $body
+            }
+            (Dimension::One, true) => {
+                const $d: usize = 1;
+                const $c: bool = true;
+                $body
+            }
+            (Dimension::Two, true) => {
+                const $d: usize = 2;
+                const $c: bool = true;
+                $body
+            }
+            (Dimension::Three, true) => {
+                const $d: usize = 3;
+                const $c: bool = true;
+                $body
+            }
+        }
     };
 }
 
@@ -80,7 +103,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.pack_kinematics(if leapfrog { half } else { 0.0 }, half);
         let model = &*self.model;
         let dimension = super::dimension(model);
-        dispatch!(model.numerics.kernel, dimension, self.corrected(), |K, D, CORRECTED| {
+        dispatch!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records.kinematic;
             let constants = &self.constants;
             let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
@@ -90,14 +113,8 @@ impl<T: PairScalar> CpuEngine<T> {
             let sum_block = |b: usize| {
                 let mut sums = [GradientSum::zero(); BLOCK];
                 let block = &list.blocks()[b];
-                let job = GradientJob::<T, K, D, CORRECTED> {
-                    records,
-                    first: b * BLOCK,
-                    block,
-                    constants,
-                    sums: &mut sums,
-                    kernel: PhantomData,
-                };
+                let job =
+                    GradientJob::<T, D, CORRECTED> { records, first: b * BLOCK, block, constants, sums: &mut sums };
                 run(instructions, job);
                 sums
             };
@@ -153,19 +170,18 @@ impl<T: PairScalar> CpuEngine<T> {
         let model = &*self.model;
         let dimension = super::dimension(model);
         let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
-        dispatch!(model.numerics.kernel, dimension, true, |K, D, CORRECTED| {
+        dispatch!(dimension, true, |D, CORRECTED| {
             let (records, constants) = (&self.records.kinematic, &self.constants);
             let (list, instructions) = (&self.lists.list, self.instructions);
             let density = &self.particles.density;
             self.work.correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
                 let mut sums = [GradientSum::zero(); BLOCK];
-                let job = GradientJob::<T, K, D, CORRECTED> {
+                let job = GradientJob::<T, D, CORRECTED> {
                     records,
                     first: b * BLOCK,
                     block: &list.blocks()[b],
                     constants,
                     sums: &mut sums,
-                    kernel: PhantomData,
                 };
                 run(instructions, job);
                 for (k, b_i) in correction.iter_mut().enumerate() {
@@ -194,7 +210,7 @@ impl<T: PairScalar> CpuEngine<T> {
             volume_weighted,
             own_stress_work: numerics.energy_split == EnergySplit::OwnStress,
         };
-        dispatch!(numerics.kernel, dimension, self.corrected(), |K, D, CORRECTED| {
+        dispatch!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records;
             let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
             let instructions = self.instructions;
@@ -211,14 +227,13 @@ impl<T: PairScalar> CpuEngine<T> {
                 .enumerate()
                 .for_each(|(b, (a, e, x, mu))| {
                     let mut sums = [ForceSum::zero(); BLOCK];
-                    let job = ForceJob::<T, K, D, CORRECTED> {
+                    let job = ForceJob::<T, D, CORRECTED> {
                         records,
                         first: b * BLOCK,
                         block: &lists.list.blocks()[b],
                         constants,
                         terms: &terms,
                         sums: &mut sums,
-                        kernel: PhantomData,
                     };
                     run(instructions, job);
                     for (k, sum) in sums.iter().enumerate().take(a.len()) {
