@@ -21,6 +21,7 @@ macro_rules! shipped {
 shipped! {
     "taylor-plate",
     "taylor-bar",
+    "high-shear",
     "plate-impact",
     "elastic-plastic-piston",
     "elastic-bar",

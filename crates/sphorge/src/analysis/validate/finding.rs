@@ -27,6 +27,8 @@ impl Unit {
     pub const CENTIMETRE: Self = Self { symbol: "cm", size: 1e-2 };
     /// Millimetres.
     pub const MILLIMETRE: Self = Self { symbol: "mm", size: 1e-3 };
+    /// Kelvins.
+    pub const KELVIN: Self = Self { symbol: "K", size: 1.0 };
     /// Microseconds.
     pub const MICROSECOND: Self = Self { symbol: "us", size: 1e-6 };
     /// Kilojoules per kilogram.
@@ -84,6 +86,8 @@ pub enum Bounds {
     InRange,
     /// A size of at most this, SI.
     AtMost(f64),
+    /// A value of at least this, SI.
+    AtLeast(f64),
 }
 
 /// What passes, and why.
@@ -183,6 +187,7 @@ impl Finding {
             }
             Bounds::InRange => values().any(|r| r <= value) && values().any(|r| value <= r),
             Bounds::AtMost(limit) => value.abs() <= limit,
+            Bounds::AtLeast(limit) => value >= limit,
         });
         self.verdict = if inside { Verdict::Passed } else { Verdict::Failed };
     }
@@ -199,6 +204,7 @@ impl Finding {
                 self.unit.show(values().fold(f64::NEG_INFINITY, f64::max)),
             ),
             Bounds::AtMost(limit) => format!("at most {}", self.unit.show(limit)),
+            Bounds::AtLeast(limit) => format!("at least {}", self.unit.show(limit)),
         }
     }
 }
@@ -248,6 +254,8 @@ mod tests {
         let nonsense = Finding::new("height", Unit::NONE, "run", Some(f64::NAN)).must(Bounds::AtMost(1.0), "");
         assert_eq!(judged(nonsense), Verdict::Failed);
         assert_eq!(judged(of(-2.0).must(Bounds::AtMost(1.0), "")), Verdict::Failed);
+        assert_eq!(judged(of(2.0).must(Bounds::AtLeast(1.0), "")), Verdict::Passed);
+        assert_eq!(judged(of(-2.0).must(Bounds::AtLeast(1.0), "")), Verdict::Failed);
         assert_eq!(judged(of(1.0)), Verdict::Shown);
     }
 

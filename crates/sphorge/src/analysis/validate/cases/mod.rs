@@ -2,6 +2,7 @@
 
 mod elastic_bar;
 mod elastic_plastic_piston;
+mod high_shear;
 mod plate_impact;
 mod rotating_rod;
 mod taylor_bar;
@@ -13,6 +14,7 @@ use super::Case;
 pub const CASES: &[Case] = &[
     taylor_plate::CASE,
     taylor_bar::CASE,
+    high_shear::CASE,
     plate_impact::CASE,
     elastic_plastic_piston::CASE,
     elastic_bar::CASE,
