@@ -45,7 +45,11 @@ fn report(forecast: &Forecast) -> String {
             readable::count(body.particles as u64),
             readable::quantity(body.spacing, "m"),
             readable::quantity(body.mass, unit),
-            readable::quantity(body.shape_mass, unit),
+            format!(
+                "{}{}",
+                if body.shape_mass_is_estimate { "about " } else { "" },
+                readable::quantity(body.shape_mass, unit)
+            ),
             difference(body.mass, body.shape_mass),
         ]
     });

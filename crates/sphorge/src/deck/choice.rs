@@ -2,7 +2,8 @@
 
 use super::value::{Choices, Given, Scalar, Velocity};
 use crate::model::{
-    Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision, TemperatureSource,
+    Arrangement, CraterEdge, Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision,
+    TemperatureSource,
 };
 use crate::particles::{FIELDS, FieldInfo};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -25,6 +26,11 @@ macro_rules! words {
 }
 
 words! {
+    ArrangementWord, "lattice", Arrangement {
+        "square" => Arrangement::Square, "square in the plane, cubic in space";
+        "hexagonal" => Arrangement::Hexagonal, "triangular in the plane, hexagonal close-packed in space";
+        "rings" => Arrangement::Rings, "concentric rings of equally spaced particles; for discs and cylinders";
+    }
     PlacementWord, "lattice placement", LatticePlacement {
         "cell-centres" => LatticePlacement::CellCentres, "the outermost particles are half a spacing inside the faces";
         "on-faces" => LatticePlacement::OnFaces, "the outermost particles lie on the faces";
@@ -70,6 +76,11 @@ words! {
         "x" => 0, "first axis";
         "y" => 1, "second axis";
         "z" => 2, "third axis";
+    }
+    EdgeWord, "edge of a crater", CraterEdge {
+        "clear" => CraterEdge::Clear, "the clear opening";
+        "entry-lips" => CraterEdge::EntryLips, "from crest to crest of the lips on the side the projectile comes from";
+        "exit-lips" => CraterEdge::ExitLips, "from crest to crest of the lips on the side it leaves by";
     }
     SideWord, "side", f64 {
         "positive" => 1.0, "towards larger coordinates";

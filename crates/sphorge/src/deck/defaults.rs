@@ -20,3 +20,5 @@ pub(crate) const HISTORY_ROWS: u64 = 500;
 pub(crate) const TAYLOR_QUINNEY: f64 = 0.9;
 /// Temperature of a material that names none, K.
 pub(crate) const REFERENCE_TEMPERATURE: f64 = 293.15;
+/// Distance up to which particles of a plate hang together, in spacings.
+pub(crate) const LINK: f64 = 1.5;

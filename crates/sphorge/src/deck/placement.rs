@@ -31,6 +31,12 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &Places) -> Fault {
                     millimetres(thickness)
                 ))
         }
+        FillError::NoSite { body, spacing } => {
+            let message = format!("body `{}` holds no particles", name(body));
+            Fault::new("empty-body", message, places.bodies[body].clone(), "none falls into its shape")
+                .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
+                .help("check where the parts of its shape lie, or make the spacing smaller")
+        }
         FillError::TooMany { body, count, limit } => {
             let gigabytes = count * BYTES_PER_PARTICLE / 1e9;
             let message = format!("the deck makes about {count:.2e} particles, which take about {gigabytes:.1e} GB");

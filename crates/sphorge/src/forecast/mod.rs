@@ -1,7 +1,5 @@
 //! What a run would take: looks at the model, then takes a few real steps and writes nothing.
 
-mod shape;
-
 use crate::{
     deck::Setup,
     model::{Dimensions, Model},
@@ -9,7 +7,6 @@ use crate::{
     particles::Particles,
     solver::{RunFailure, Simulation, VoteReason},
 };
-use shape::exact_size;
 use std::{
     io::{self, Write},
     time::Instant,
@@ -74,6 +71,8 @@ pub struct BodyForecast {
     pub mass: f64,
     /// Density times the volume of the shape, in the same unit.
     pub shape_mass: f64,
+    /// Whether that volume is counted on a grid, to about a thousandth, rather than exact.
+    pub shape_mass_is_estimate: bool,
 }
 
 impl Forecast {
@@ -167,13 +166,15 @@ fn bodies(model: &Model, particles: &Particles) -> Vec<BodyForecast> {
     let rows = model.bodies.iter().zip(counts.into_iter().zip(masses));
     rows.map(|(body, (particles, mass))| {
         let material = &model.materials[body.material];
+        let volume = body.shape.volume(model.dimensions);
         BodyForecast {
             name: body.name.clone(),
             material: material.name.clone(),
             particles,
             spacing: body.spacing,
             mass,
-            shape_mass: material.density * exact_size(&body.shape.solid, model.dimensions),
+            shape_mass: material.density * volume.size,
+            shape_mass_is_estimate: !volume.is_exact,
         }
     })
     .collect()

@@ -1,6 +1,6 @@
 //! From bodies to particles.
 
-use super::{lattice, overlap};
+use super::{overlap, pattern::Pattern};
 use crate::Particles;
 use crate::model::{Body, Model, Region, WallSurface};
 use crate::particles::Particles as Columns;
@@ -27,13 +27,21 @@ fn available_bytes(meminfo: &str) -> Option<f64> {
 /// Why bodies cannot be filled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FillError {
-    /// A body thinner than its spacing, or without a lattice site inside.
+    /// A body thinner than its spacing.
     #[error("body has no particles: it is {thickness} m thick and the spacing is {spacing} m")]
     Empty {
         /// Index of the body.
         body: usize,
         /// Shortest edge or diameter, m.
         thickness: f64,
+        /// Spacing, m.
+        spacing: f64,
+    },
+    /// A body no particle of its lattice falls into.
+    #[error("body has no particles: none falls into its shape at a spacing of {spacing} m")]
+    NoSite {
+        /// Index of the body.
+        body: usize,
         /// Spacing, m.
         spacing: f64,
     },
@@ -113,19 +121,19 @@ pub enum FillError {
     },
 }
 
-fn count_of(model: &Model, body: &Body) -> f64 {
-    lattice::estimate(&body.shape.solid, model.dimensions, body.spacing, body.lattice.placement)
+fn pattern(model: &Model, body: &Body) -> Pattern {
+    Pattern { dimensions: model.dimensions, spacing: body.spacing, lattice: body.lattice }
 }
 
-/// Number of particles of each body, without making them: exact for boxes, from the volume for round solids.
+/// Number of particles of each body, without making them: exact for boxes, from the volume for others.
 pub fn estimated_count(model: &Model) -> Vec<f64> {
-    model.bodies.iter().map(|body| count_of(model, body)).collect()
+    model.bodies.iter().map(|body| pattern(model, body).estimate(&body.shape)).collect()
 }
 
 /// Fills every body and selects the regions.
 ///
-/// Particles are numbered body by body. Mass is density times spacing to the power of the dimensions: per metre of
-/// thickness in plane strain, per square metre in one dimension.
+/// Particles are numbered body by body. Mass is density times the volume a particle stands for, on a lattice spacing to the
+/// power of the dimensions: per metre of thickness in plane strain, per square metre in one dimension.
 ///
 /// # Errors
 /// Everything that is wrong with the placement of bodies, regions, walls, symmetry planes and periodic cells.
@@ -149,20 +157,22 @@ pub fn fill(model: &Model) -> Result<Particles, Vec<FillError>> {
         return Err(errors);
     }
     let mut positions: Vec<[f64; 3]> = Vec::with_capacity(total as usize);
+    let mut volumes: Vec<f64> = Vec::with_capacity(total as usize);
     let mut starts = Vec::with_capacity(model.bodies.len() + 1);
     for (index, body) in model.bodies.iter().enumerate() {
         starts.push(positions.len());
-        lattice::for_each_site(&body.shape.solid, model.dimensions, body.spacing, body.lattice.placement, |site| {
-            positions.push(body.shape.transform.apply(site));
+        pattern(model, body).for_each_site(&body.shape, |site, volume| {
+            positions.push(site);
+            volumes.push(volume);
         });
         if starts[index] == positions.len() {
-            let thickness = body.shape.thickness(model.dimensions);
-            errors.push(FillError::Empty { body: index, thickness, spacing: body.spacing });
+            errors.push(FillError::NoSite { body: index, spacing: body.spacing });
         }
     }
     starts.push(positions.len());
     let mut particles = Columns::new(positions.len());
     particles.position = positions;
+    particles.mass = volumes;
     for (index, body) in model.bodies.iter().enumerate() {
         initialise(&mut particles, starts[index]..starts[index + 1], index, body, model);
     }
@@ -174,9 +184,9 @@ pub fn fill(model: &Model) -> Result<Particles, Vec<FillError>> {
     if errors.is_empty() { Ok(particles) } else { Err(errors) }
 }
 
+/// State of the particles of a body; their mass still is the volume they stand for.
 fn initialise(particles: &mut Particles, range: std::ops::Range<usize>, index: usize, body: &Body, model: &Model) {
     let material = &model.materials[body.material];
-    let mass = material.density * body.spacing.powi(model.dimensions.count() as i32);
     for i in range {
         let x = particles.position[i];
         let r: [f64; 3] = std::array::from_fn(|k| x[k] - body.spin_centre[k]);
@@ -185,7 +195,7 @@ fn initialise(particles: &mut Particles, range: std::ops::Range<usize>, index: u
         particles.id[i] = i as u32;
         particles.body[i] = index as u32;
         particles.material[i] = body.material as u32;
-        particles.mass[i] = mass;
+        particles.mass[i] *= material.density;
         particles.smoothing_length[i] = body.smoothing_length;
         particles.velocity[i] = std::array::from_fn(|k| body.velocity[k] + turning[k]);
         particles.density[i] = material.density;

@@ -1,8 +1,12 @@
-//! Shapes, and the lattices of particles that fill them.
+//! Shapes, and the patterns of particles that fill them.
 
 mod fill;
 mod lattice;
 mod overlap;
+mod pattern;
+mod rings;
 mod shape;
+mod volume;
 
 pub use fill::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
+pub(crate) use pattern::rings_fill;

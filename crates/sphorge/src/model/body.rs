@@ -63,7 +63,7 @@ pub struct Shape {
     pub transform: Transform,
 }
 
-/// Primitive solids (own frame). In plane strain z is ignored, in one dimension y and z.
+/// Solids in their own frame. In plane strain z is ignored, in one dimension y and z.
 #[derive(Clone, Debug)]
 pub enum Solid {
     /// Axis-aligned box between two corners, m.
@@ -73,14 +73,16 @@ pub enum Solid {
         /// Upper corner.
         max: [f64; 3],
     },
-    /// Disc (plane strain) or sphere (3D).
+    /// Disc (plane strain) or sphere (3D), or with a hole a ring or a shell.
     Ball {
         /// Centre, m.
         centre: [f64; 3],
         /// Radius, m.
         radius: f64,
+        /// Radius of the hole, m; 0 for none.
+        inner_radius: f64,
     },
-    /// Solid circular cylinder between two axis points.
+    /// Circular cylinder between two axis points, or with a hole a tube.
     Cylinder {
         /// Centre of one end, m.
         from: [f64; 3],
@@ -88,7 +90,52 @@ pub enum Solid {
         to: [f64; 3],
         /// Radius, m.
         radius: f64,
+        /// Radius of the hole, m; 0 for none.
+        inner_radius: f64,
     },
+    /// What lies between an axis and a profile turned about it; in plane strain the profile and its mirror image.
+    Revolution {
+        /// Point of the axis the axial distances are counted from, m.
+        from: [f64; 3],
+        /// Unit vector along the axis.
+        axis: [f64; 3],
+        /// Axial distance and radius of the points of the profile, m; axial distances never fall, two equal ones are a step.
+        profile: Vec<[f64; 2]>,
+    },
+    /// Round bar with a tangent ogive at one end: the nose is an arc of a circle that leaves the bar without a kink.
+    Ogive {
+        /// Centre of the flat end, m.
+        from: [f64; 3],
+        /// Tip, m.
+        to: [f64; 3],
+        /// Radius of the bar, m.
+        radius: f64,
+        /// Length of the nose, m, at least the radius and at most the whole length.
+        nose_length: f64,
+    },
+    /// Area inside a closed line of corners, in plane strain.
+    Polygon {
+        /// Corners in order, m; the last is joined to the first.
+        corners: Vec<[f64; 2]>,
+    },
+    /// Shapes put together.
+    Composed {
+        /// How.
+        operation: Operation,
+        /// The shapes, at least one; each is placed in the frame of the whole.
+        parts: Vec<Shape>,
+    },
+}
+
+/// How shapes are put together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// What is in any of them.
+    Union,
+    /// What is in the first and in no other.
+    Difference,
+    /// What is in all of them.
+    Intersection,
 }
 
 /// A rotation followed by a translation.
@@ -106,14 +153,28 @@ impl Default for Transform {
     }
 }
 
-/// Arrangement of particles; it turns with the shape.
+/// How the particles of a body are arranged; the arrangement turns with the shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lattice {
-    /// Where particles sit with respect to the faces of the shape.
+    /// Pattern of the particles.
+    pub arrangement: Arrangement,
+    /// Where the particles of a square or cubic lattice sit with respect to the faces of the shape.
     pub placement: LatticePlacement,
 }
 
-/// Square (2D) or cubic (3D) lattice placement.
+/// Pattern of particles. The spacing is the edge of the square or cube a particle stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// Square in the plane, cubic in space.
+    #[default]
+    Square,
+    /// Triangular in the plane, hexagonal close-packed in space.
+    Hexagonal,
+    /// Concentric rings of equally spaced particles, in discs and cylinders.
+    Rings,
+}
+
+/// Placement of a square or cubic lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LatticePlacement {
     /// Particles at cell centres: the outermost layer is half a spacing inside the face.

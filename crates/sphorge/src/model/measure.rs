@@ -29,6 +29,41 @@ pub struct Probe {
     pub window: Option<([f64; 3], [f64; 3])>,
 }
 
+/// A plate, and the flight of what goes through it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Perforation {
+    /// Body that is perforated.
+    pub plate: usize,
+    /// Axis 0, 1, 2 of flight.
+    pub axis: usize,
+    /// Flight towards larger (+1) or smaller (-1) coordinates.
+    pub direction: f64,
+    /// A point of the line of flight, m.
+    pub point: [f64; 3],
+    /// Particles of the plate hang together up to this distance, in spacings of the plate.
+    pub link: f64,
+}
+
+/// Which edge of a hole is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CraterEdge {
+    /// The clear opening.
+    Clear,
+    /// From crest to crest of the lips on the side the projectile came from.
+    EntryLips,
+    /// From crest to crest of the lips on the side it left by.
+    ExitLips,
+}
+
+/// Which extent of a debris cloud is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CloudExtent {
+    /// Along the flight, from the back of the plate to the foremost particle.
+    Length,
+    /// Across the flight.
+    Width,
+}
+
 /// Kinds of measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeasureKind {
@@ -113,5 +148,21 @@ pub enum MeasureKind {
         probe: Probe,
         /// Axis 0, 1, 2.
         axis: usize,
+    },
+    /// Diameter of the hole in a plate, m.
+    CraterDiameter {
+        /// The plate and the flight.
+        perforation: Perforation,
+        /// Which edge.
+        edge: CraterEdge,
+    },
+    /// Extent of the debris behind a plate, m.
+    Cloud {
+        /// The plate and the flight.
+        perforation: Perforation,
+        /// Which extent.
+        extent: CloudExtent,
+        /// Share of the mass of the cloud that is left out at its outer end.
+        leave_out: f64,
     },
 }

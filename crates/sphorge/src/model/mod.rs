@@ -7,9 +7,9 @@ mod boundary;
 mod measure;
 mod numerics;
 
-pub use body::{Body, Lattice, LatticePlacement, Material, Region, Shape, Solid, Transform};
+pub use body::{Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform};
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
-pub use measure::{Extremum, Measure, MeasureKind, Probe};
+pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};
 pub use numerics::{
     ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision, Search,
     TemperatureSource, TimeControl,

@@ -177,7 +177,10 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
 /// SI unit of a measure.
 pub(crate) fn measure_unit(kind: &MeasureKind) -> &'static str {
     match kind {
-        MeasureKind::Extent { .. } | MeasureKind::Diameter { .. } => "m",
+        MeasureKind::Extent { .. }
+        | MeasureKind::Diameter { .. }
+        | MeasureKind::CraterDiameter { .. }
+        | MeasureKind::Cloud { .. } => "m",
         MeasureKind::Extreme { field, .. } | MeasureKind::Mean { field, .. } | MeasureKind::Value { field, .. } => {
             find_field(field).map_or("", |field| field.unit)
         }

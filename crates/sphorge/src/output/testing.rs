@@ -10,7 +10,10 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
     let body = |name: &&str| Body {
         name: (*name).to_owned(),
         material: 0,
-        shape: Shape { solid: Solid::Ball { centre: [0.0; 3], radius: 1.0 }, transform: Transform::default() },
+        shape: Shape {
+            solid: Solid::Ball { centre: [0.0; 3], radius: 1.0, inner_radius: 0.0 },
+            transform: Transform::default(),
+        },
         lattice: Lattice::default(),
         spacing: 0.1,
         smoothing_length: 0.12,

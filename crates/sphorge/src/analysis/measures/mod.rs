@@ -21,22 +21,34 @@
 //! - reversal time: when the mean velocity first has the other sign than it first had, on the straight line between the two
 //!   samples around it.
 //!
+//! - crater diameter, cloud length and width: what is left of a plate are its particles in pieces of at least a tenth of its mass,
+//!   where particles hang together up to `link` spacings. About the line of flight there are the two sides in the plane, in space
+//!   36 sectors. The clear opening is twice the mean over sectors of the smallest `r - s/2` of what is left; from lip to lip, of the
+//!   `r` of the particle that stands furthest out of the undeformed face. The cloud is every other particle of any body behind
+//!   the undeformed back face: its length goes from that face to `max(x + s/2)` along the flight, its width is the reach `max(r +
+//!   s/2)` of one side plus that of the other, in space twice `max(r + s/2)`; where only one side has particles, the other is taken
+//!   to be alike. `leave-out` drops that share of the mass from the outer end before.
+//!
 //! Fronts, periods, reversals and extremes over time know the rows of the history, nothing between: the history interval
 //! of the deck is their resolution.
 
 mod front;
+mod perforation;
 mod period;
+mod remains;
 mod reversal;
 mod selection;
 mod shape;
 mod value;
 
 use crate::{
-    model::{Extremum, MeasureKind, Model},
+    model::{Extremum, MeasureKind, Model, Perforation},
     particles::Particles,
 };
 use front::FrontSpeed;
+use perforation::Flight;
 use period::Period;
+use remains::remains;
 use reversal::Reversal;
 use selection::{Quantity, Selection};
 
@@ -86,8 +98,9 @@ impl Measures {
 
     /// Takes the state at `time` (s, later than any before) into account.
     pub fn sample(&mut self, model: &Model, time: f64, particles: &Particles) {
+        let mut shared = Shared::default();
         for (evaluator, value) in self.evaluators.iter_mut().zip(&mut self.values) {
-            *value = evaluator.sample(model, time, particles).filter(|value| value.is_finite());
+            *value = evaluator.sample(model, time, particles, &mut shared).filter(|value| value.is_finite());
         }
     }
 
@@ -97,8 +110,31 @@ impl Measures {
     }
 }
 
+/// What several measures of one moment look at: what is left of plates, by plate and link.
+#[derive(Debug, Default)]
+struct Shared {
+    remains: Vec<((usize, u64), Vec<bool>)>,
+}
+
+impl Shared {
+    fn flight<'a>(
+        &'a mut self,
+        model: &'a Model,
+        particles: &'a Particles,
+        perforation: &'a Perforation,
+    ) -> Flight<'a> {
+        let key = (perforation.plate, perforation.link.to_bits());
+        let place = self.remains.iter().position(|(other, _)| *other == key).unwrap_or_else(|| {
+            let link = perforation.link * model.bodies[perforation.plate].spacing;
+            self.remains.push((key, remains(model, particles, perforation.plate, link)));
+            self.remains.len() - 1
+        });
+        Flight { model, particles, perforation, remains: &self.remains[place].1 }
+    }
+}
+
 impl Evaluator {
-    fn sample(&mut self, model: &Model, time: f64, particles: &Particles) -> Option<f64> {
+    fn sample(&mut self, model: &Model, time: f64, particles: &Particles, shared: &mut Shared) -> Option<f64> {
         match &self.kind {
             MeasureKind::Extent { probe, axis } => shape::extent(&Selection::new(model, particles, probe), *axis),
             MeasureKind::Diameter { probe, axis } => shape::diameter(&Selection::new(model, particles, probe), *axis),
@@ -142,6 +178,12 @@ impl Evaluator {
                     reversal.sample(time, mean);
                 }
                 reversal.time()
+            }
+            MeasureKind::CraterDiameter { perforation, edge } => {
+                shared.flight(model, particles, perforation).crater(*edge).map(|span| span.length)
+            }
+            MeasureKind::Cloud { perforation, extent, leave_out } => {
+                shared.flight(model, particles, perforation).cloud(*extent, *leave_out).map(|span| span.length)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    model::{Probe, SymmetryPlane},
+    model::{CloudExtent, CraterEdge, Perforation, Probe, Shape, Solid, SymmetryPlane, Transform},
     output::testing::measuring,
 };
 
@@ -205,4 +205,77 @@ fn period_and_reversal_of_a_swinging_body() {
         let value = measures.values()[0].unwrap();
         assert!((value - expected).abs() < 2e-3, "{value} {expected}");
     }
+}
+
+/// A plate of two rows from x = -2 to 2, y = -0.1 to 0.1, with a hole between -0.6 and 0.5, a lip of three particles upwards at
+/// either edge of it, and debris of both bodies below; flight along -y.
+fn perforated() -> (Model, Particles, Perforation) {
+    let mut places = Vec::new();
+    for i in 0..40 {
+        let x = -1.95 + 0.1 * f64::from(i);
+        if !(-0.6..=0.5).contains(&x) {
+            places.extend([[x, -0.05], [x, 0.05]]);
+        }
+    }
+    for k in 1..=3 {
+        let k = f64::from(k);
+        places.extend([[-0.65 - 0.02 * k, 0.05 + 0.1 * k], [0.55 + 0.04 * k, 0.05 + 0.1 * k]]);
+    }
+    let plate = places.len();
+    // Plate debris in the hole and behind it, debris of the other body, one far away.
+    places.extend([[0.0, 0.0], [0.3, -0.5], [-0.4, -0.7], [0.1, -1.0], [0.0, -3.0]]);
+    let mut particles = Particles::new(places.len());
+    for (i, place) in places.iter().enumerate() {
+        particles.position[i] = [place[0], place[1], 0.0];
+        particles.mass[i] = 1.0;
+        particles.body[i] = u32::from(i >= plate + 3);
+    }
+    let perforation = Perforation { plate: 0, axis: 1, direction: -1.0, point: [0.0; 3], link: 1.5 };
+    let mut model = measuring(MeasureKind::ReversalTime { probe: Probe::default(), axis: 0 });
+    let solid = Solid::Box { min: [-2.0, -0.1, 0.0], max: [2.0, 0.1, 0.0] };
+    model.bodies[0].shape = Shape { solid, transform: Transform::default() };
+    (model, particles, perforation)
+}
+
+fn of_perforated(kind: impl Fn(Perforation) -> MeasureKind) -> Option<f64> {
+    let (mut model, particles, perforation) = perforated();
+    model.measures[0].kind = kind(perforation);
+    let mut measures = Measures::new(&model);
+    measures.sample(&model, 0.0, &particles);
+    measures.values()[0]
+}
+
+#[test]
+fn a_crater_is_clear_between_its_edges_or_goes_from_lip_to_lip() {
+    let crater = |edge| of_perforated(|perforation| MeasureKind::CraterDiameter { perforation, edge });
+    // Outermost particles at -0.65 and 0.55, half a spacing of 0.1 clear of each; debris in the hole does not count.
+    close(crater(CraterEdge::Clear), 0.6 + 0.5);
+    close(crater(CraterEdge::EntryLips), 0.71 + 0.67);
+    assert_eq!(crater(CraterEdge::ExitLips), None);
+}
+
+#[test]
+fn a_cloud_is_what_flies_behind_the_plate() {
+    let cloud = |extent, leave_out| of_perforated(|perforation| MeasureKind::Cloud { perforation, extent, leave_out });
+    close(cloud(CloudExtent::Length, 0.0), 3.0 + 0.05 - 0.1);
+    // A quarter of four particles is one.
+    close(cloud(CloudExtent::Length, 0.25), 1.0 + 0.05 - 0.1);
+    close(cloud(CloudExtent::Width, 0.0), 0.35 + 0.45);
+}
+
+#[test]
+fn pieces_of_a_plate_hang_together_in_space_too() {
+    // A row of 20 along z, 0.1 apart, a gap of 0.2, a piece of two, which is a tenth of 22 less a bit: debris.
+    let mut particles = Particles::new(22);
+    for i in 0..22 {
+        let z = 0.1 * i as f64 + if i >= 20 { 0.1 } else { 0.0 };
+        particles.position[i] = [0.3, -0.2, z - 1.0];
+        particles.mass[i] = 1.0;
+    }
+    let mut model = measuring(MeasureKind::ReversalTime { probe: Probe::default(), axis: 0 });
+    model.dimensions = crate::model::Dimensions::Three;
+    let left = remains(&model, &particles, 0, 0.15);
+    assert_eq!(left.iter().filter(|l| **l).count(), 20);
+    assert!(remains(&model, &particles, 0, 0.21).iter().all(|l| *l));
+    assert!(remains(&model, &particles, 1, 0.21).iter().all(|l| !l));
 }

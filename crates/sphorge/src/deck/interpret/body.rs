@@ -1,11 +1,12 @@
-//! Bodies and shapes.
+//! Bodies.
 
-use super::{described, exactly_one, material::Chosen, vector};
+use super::{material::Chosen, shape::shape, vector};
 use crate::deck::defaults;
-use crate::deck::raw::{RawBall, RawBody, RawBox, RawCylinder, RawParticles, RawRotate, RawShape, RawSpin};
+use crate::deck::raw::{RawBody, RawParticles, RawSpin};
 use crate::deck::report::{Fault, Problems};
-use crate::deck::value::{Choice, Given, Number, ScalarOr, VectorOf};
-use crate::model::{Body, Dimensions, Lattice, LatticePlacement, Shape, Solid, Transform};
+use crate::deck::value::{Choice, Choices, Given, Number, ScalarOr};
+use crate::geometry::rings_fill;
+use crate::model::{Arrangement, Body, Dimensions, Lattice, LatticePlacement, Shape};
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;
 
@@ -16,6 +17,7 @@ const SMOOTHING_RANGE: Bound = Bound::Between(0.6, 4.0);
 pub(crate) struct ParticleDefaults {
     spacing: Option<f64>,
     smoothing: Option<f64>,
+    arrangement: Option<Arrangement>,
     placement: Option<LatticePlacement>,
 }
 
@@ -25,7 +27,8 @@ impl ParticleDefaults {
         Self {
             spacing,
             smoothing: smoothing(raw.smoothing.as_ref(), Some(defaults::SMOOTHING), problems),
-            placement: placement(raw.placement.as_ref(), Some(LatticePlacement::default()), problems),
+            arrangement: chosen(raw.lattice.as_ref(), Some(Arrangement::default()), problems),
+            placement: chosen(raw.placement.as_ref(), Some(LatticePlacement::default()), problems),
         }
     }
 }
@@ -34,12 +37,40 @@ fn smoothing(given: Option<&Given<Number>>, default: Option<f64>, problems: &mut
     given.map_or(default, |s| s.within(SMOOTHING_RANGE, problems))
 }
 
-fn placement(
-    given: Option<&Choice<crate::deck::choice::PlacementWord>>,
-    default: Option<LatticePlacement>,
+fn chosen<C: Choices>(
+    given: Option<&Choice<C>>,
+    default: Option<C::Value>,
     problems: &mut Problems,
-) -> Option<LatticePlacement> {
-    given.map_or(default, |p| p.get(problems))
+) -> Option<C::Value> {
+    given.map_or(default, |word| word.get(problems))
+}
+
+/// The arrangement of a body, if it can fill the shape.
+fn lattice(
+    raw: &RawBody,
+    shape: Option<&Shape>,
+    dimensions: Dimensions,
+    particles: &ParticleDefaults,
+    problems: &mut Problems,
+) -> Option<Lattice> {
+    let arrangement = chosen(raw.lattice.as_ref(), particles.arrangement, problems);
+    let placement = chosen(raw.placement.as_ref(), particles.placement, problems);
+    let (arrangement, placement, shape) = (arrangement?, placement?, shape?);
+    let at = raw.lattice.as_ref().map_or(raw.name.span(), |word| word.span());
+    if arrangement == Arrangement::Rings && !rings_fill(shape, dimensions) {
+        let message = "rings fill a `disc`, a `cylinder`, or a `difference` or `intersection` that begins with one";
+        problems.push(
+            Fault::new("wrong-lattice", message, at, "this body is none").help("use \"square\" or \"hexagonal\""),
+        );
+        return None;
+    }
+    if arrangement != Arrangement::Square && placement != LatticePlacement::CellCentres {
+        let message = "only the square lattice can have its particles on the faces";
+        let at = raw.placement.as_ref().map_or(at, |word| word.span());
+        problems.push(Fault::new("wrong-lattice", message, at, "with another lattice").help("leave `placement` out"));
+        return None;
+    }
+    Some(Lattice { arrangement, placement })
 }
 
 /// A body.
@@ -56,7 +87,7 @@ pub(crate) fn body(
     let spin = raw.spin.as_ref().map_or(Some(([0.0; 3], [0.0; 3])), |s| spin(s, dimensions, raw.name.span(), problems));
     let spacing = raw.spacing.as_ref().map_or(particles.spacing, |s| s.positive(problems));
     let ratio = smoothing(raw.smoothing.as_ref(), particles.smoothing, problems);
-    let placement = placement(raw.placement.as_ref(), particles.placement, problems);
+    let lattice = lattice(raw, shape.as_ref(), dimensions, particles, problems);
     let temperature = raw.temperature.as_ref().map(|t| t.within(Bound::NonNegative, problems));
     let material = material?;
     let (spin, spin_centre) = spin?;
@@ -64,7 +95,7 @@ pub(crate) fn body(
         name: raw.name.text(problems)?.to_owned(),
         material,
         shape: shape?,
-        lattice: Lattice { placement: placement? },
+        lattice: lattice?,
         spacing: spacing?,
         smoothing_length: ratio? * spacing?,
         velocity: velocity?,
@@ -116,172 +147,4 @@ fn spin(
         }
     }
     Some((rate, centre?))
-}
-
-/// A placed solid; `at` marks what it belongs to.
-pub(crate) fn shape(
-    raw: &RawShape,
-    dimensions: Dimensions,
-    at: Range<usize>,
-    problems: &mut Problems,
-) -> Option<Shape> {
-    enum Given<'a> {
-        Box(&'a RawBox),
-        Disc(&'a RawBall),
-        Sphere(&'a RawBall),
-        Cylinder(&'a RawCylinder),
-    }
-    let options = vec![
-        ("box", raw.cuboid.as_ref().map(Given::Box)),
-        ("disc", raw.disc.as_ref().map(Given::Disc)),
-        ("sphere", raw.sphere.as_ref().map(Given::Sphere)),
-        ("cylinder", raw.cylinder.as_ref().map(Given::Cylinder)),
-    ];
-    let given = exactly_one(options, "a shape", at.clone(), problems);
-    let transform = transform(raw, dimensions, at.clone(), problems);
-    let solid = match given? {
-        Given::Box(cuboid) => solid_box(cuboid, dimensions, problems),
-        Given::Disc(ball) => only_in(
-            Dimensions::PlaneStrain,
-            "disc",
-            "`box`, `sphere` or `cylinder`",
-            dimensions,
-            ball.radius.span(),
-            problems,
-        )
-        .and_then(|()| solid_ball(ball, dimensions, problems)),
-        Given::Sphere(ball) => {
-            only_in(Dimensions::Three, "sphere", "`box` or `disc`", dimensions, ball.radius.span(), problems)
-                .and_then(|()| solid_ball(ball, dimensions, problems))
-        }
-        Given::Cylinder(cylinder) => {
-            only_in(Dimensions::Three, "cylinder", "`box` or `disc`", dimensions, cylinder.radius.span(), problems)
-                .and_then(|()| solid_cylinder(cylinder, dimensions, problems))
-        }
-    };
-    Some(Shape { solid: solid?, transform: transform? })
-}
-
-fn only_in(
-    wanted: Dimensions,
-    what: &str,
-    instead: &str,
-    found: Dimensions,
-    at: Range<usize>,
-    problems: &mut Problems,
-) -> Option<()> {
-    if wanted == found {
-        return Some(());
-    }
-    let message = format!("{}: there is no {what}", described(found));
-    let instead = if found == Dimensions::One { "`box`" } else { instead };
-    problems
-        .push(Fault::new("wrong-dimensions", message, at, format!("part of a {what}")).help(format!("use {instead}")));
-    None
-}
-
-fn solid_box(raw: &RawBox, dimensions: Dimensions, problems: &mut Problems) -> Option<Solid> {
-    let (min, max) = (vector(&raw.min, dimensions, problems), vector(&raw.max, dimensions, problems));
-    let (min, max) = (min?, max?);
-    check_corners(&raw.min, &raw.max, min, max, dimensions, problems)?;
-    Some(Solid::Box { min, max })
-}
-
-/// Corners of a box in the right order.
-pub(crate) fn check_corners<K>(
-    raw_min: &VectorOf<K>,
-    raw_max: &VectorOf<K>,
-    min: [f64; 3],
-    max: [f64; 3],
-    dimensions: Dimensions,
-    problems: &mut Problems,
-) -> Option<()> {
-    for axis in 0..dimensions.count() {
-        if min[axis] >= max[axis] {
-            let message = format!("along {} the box ends where it begins or before", ["x", "y", "z"][axis]);
-            let at = raw_max.components.get(axis).map_or(raw_max.span.clone(), |c| c.span());
-            let from = raw_min.components.get(axis).map_or(raw_min.span.clone(), |c| c.span());
-            problems.push(
-                Fault::new("out-of-range", message, at, "must be above `min`")
-                    .also(from, "`min` here")
-                    .help("swap the two"),
-            );
-            return None;
-        }
-    }
-    Some(())
-}
-
-fn solid_ball(raw: &RawBall, dimensions: Dimensions, problems: &mut Problems) -> Option<Solid> {
-    let (centre, radius) = (vector(&raw.centre, dimensions, problems), raw.radius.positive(problems));
-    Some(Solid::Ball { centre: centre?, radius: radius? })
-}
-
-fn solid_cylinder(raw: &RawCylinder, dimensions: Dimensions, problems: &mut Problems) -> Option<Solid> {
-    let (from, to) = (vector(&raw.from, dimensions, problems), vector(&raw.to, dimensions, problems));
-    let radius = raw.radius.positive(problems);
-    let (from, to) = (from?, to?);
-    if from == to {
-        problems.push(Fault::new(
-            "out-of-range",
-            "the cylinder has no length",
-            raw.to.span.clone(),
-            "the same as `from`",
-        ));
-        return None;
-    }
-    Some(Solid::Cylinder { from, to, radius: radius? })
-}
-
-fn transform(raw: &RawShape, dimensions: Dimensions, at: Range<usize>, problems: &mut Problems) -> Option<Transform> {
-    let shift = raw.shift.as_ref().map_or(Some([0.0; 3]), |s| vector(s, dimensions, problems));
-    let Some(rotate) = &raw.rotate else {
-        return Some(Transform { translation: shift?, ..Transform::default() });
-    };
-    if dimensions == Dimensions::One {
-        problems.push(Fault::new("wrong-dimensions", "a shape cannot turn in one dimension", at, "has a `rotate`"));
-        return None;
-    }
-    let about = rotate.about.as_ref().map_or(Some([0.0; 3]), |a| vector(a, dimensions, problems));
-    let angle = rotate.angle.si(problems);
-    let axis = rotation_axis(rotate, dimensions, problems);
-    let (shift, about) = (shift?, about?);
-    let mut transform = Transform::about_axis(axis?, angle?, about);
-    for k in 0..3 {
-        transform.translation[k] += shift[k];
-    }
-    Some(transform)
-}
-
-fn rotation_axis(raw: &RawRotate, dimensions: Dimensions, problems: &mut Problems) -> Option<[f64; 3]> {
-    let Some(axis) = &raw.axis else {
-        if dimensions == Dimensions::PlaneStrain {
-            return Some([0.0, 0.0, 1.0]);
-        }
-        let fault = Fault::new(
-            "missing-key",
-            "in three dimensions a rotation needs an `axis`",
-            raw.angle.span(),
-            "about what?",
-        );
-        problems.push(fault.help("add `axis = [0, 0, 1]`"));
-        return None;
-    };
-    // An axis has three components even where positions have two.
-    let direction = vector(axis, Dimensions::Three, problems)?;
-    let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if !(length > 0.0 && length.is_finite()) {
-        problems.push(Fault::new("out-of-range", "the axis has no direction", axis.span.clone(), "must not be zero"));
-        return None;
-    }
-    if dimensions == Dimensions::PlaneStrain && (direction[0] != 0.0 || direction[1] != 0.0) {
-        problems.push(Fault::new(
-            "wrong-dimensions",
-            "in plane strain shapes turn about z",
-            axis.span.clone(),
-            "another axis",
-        ));
-        return None;
-    }
-    Some(direction.map(|c| c / length))
 }

@@ -2,13 +2,18 @@
 
 use super::{Names, check_axis, exactly_one, vector};
 use crate::deck::choice::{AxisWord, FieldWord};
+use crate::deck::defaults;
 use crate::deck::quantity::QuantityKind;
-use crate::deck::raw::{RawAlongAxis, RawExtreme, RawFieldMeasure, RawFrontSpeed, RawMeasure, RawProbe, RawValue};
+use crate::deck::raw::{
+    RawAlongAxis, RawCloud, RawCrater, RawExtreme, RawFieldMeasure, RawFrontSpeed, RawMeasure, RawPerforation,
+    RawProbe, RawValue,
+};
 use crate::deck::report::{Fault, Problems, listed};
 use crate::deck::unit::parse_unit;
 use crate::deck::value::{Choice, Word};
-use crate::model::{Dimensions, Extremum, Measure, MeasureKind, Probe};
+use crate::model::{CloudExtent, CraterEdge, Dimensions, Extremum, Measure, MeasureKind, Perforation, Probe};
 use crate::particles::{ColumnKind, FieldInfo};
+use sphorge_physics::parameter::Bound;
 
 /// What measures can refer to.
 pub(crate) struct Scene<'a> {
@@ -34,6 +39,8 @@ enum Given<'a> {
     FrontSpeed(&'a RawFrontSpeed),
     Period(&'a RawFieldMeasure),
     ReversalTime(&'a RawAlongAxis),
+    Crater(&'a RawCrater),
+    Cloud(CloudExtent, &'a RawCloud),
 }
 
 fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Option<Measure> {
@@ -47,6 +54,9 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
         ("front-speed", raw.front_speed.as_ref().map(Given::FrontSpeed)),
         ("period", raw.period.as_ref().map(Given::Period)),
         ("reversal-time", raw.reversal_time.as_ref().map(Given::ReversalTime)),
+        ("crater-diameter", raw.crater_diameter.as_ref().map(Given::Crater)),
+        ("cloud-length", raw.cloud_length.as_ref().map(|cloud| Given::Cloud(CloudExtent::Length, cloud))),
+        ("cloud-width", raw.cloud_width.as_ref().map(|cloud| Given::Cloud(CloudExtent::Width, cloud))),
     ];
     let kind = match exactly_one(options, "a measure", raw.name.span(), problems)? {
         Given::Extent(m) => {
@@ -81,12 +91,36 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
             let (probe, axis) = along_axis(m, scene, problems);
             MeasureKind::ReversalTime { probe: probe?, axis: axis? }
         }
+        Given::Crater(m) => {
+            let perforation = perforation(m.perforation(), scene, problems);
+            let edge = m.edge.as_ref().map_or(Some(CraterEdge::Clear), |e| e.get(problems));
+            MeasureKind::CraterDiameter { perforation: perforation?, edge: edge? }
+        }
+        Given::Cloud(extent, m) => {
+            let perforation = perforation(m.perforation(), scene, problems);
+            let leave_out = m.leave_out.as_ref().map_or(Some(0.0), |s| s.within(Bound::Between(0.0, 0.5), problems));
+            MeasureKind::Cloud { perforation: perforation?, extent, leave_out: leave_out? }
+        }
     };
     Some(Measure { name: raw.name.text(problems)?.to_owned(), kind })
 }
 
 fn along_axis(raw: &RawAlongAxis, scene: &Scene<'_>, problems: &mut Problems) -> (Option<Probe>, Option<usize>) {
     (read_probe(raw.probe(), scene, problems), read_axis(&raw.axis, scene, problems))
+}
+
+fn perforation(raw: RawPerforation<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<Perforation> {
+    if scene.dimensions == Dimensions::One {
+        let message = "the deck is one-dimensional: a plate cannot be perforated";
+        problems.push(Fault::new("wrong-dimensions", message, raw.body.span(), "of this body"));
+        return None;
+    }
+    let plate = scene.bodies.find(raw.body, problems);
+    let axis = read_axis(raw.axis, scene, problems);
+    let direction = raw.side.map_or(Some(1.0), |s| s.get(problems));
+    let point = raw.point.map_or(Some([0.0; 3]), |p| vector(p, scene.dimensions, problems));
+    let link = raw.link.map_or(Some(defaults::LINK), |l| l.within(Bound::Between(1.0, 10.0), problems));
+    Some(Perforation { plate: plate?, axis: axis?, direction: direction?, point: point?, link: link? })
 }
 
 fn of_field(
@@ -177,7 +211,7 @@ fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> 
     let window = match raw.window {
         None => Some(None),
         Some(w) => match (vector(&w.min, scene.dimensions, problems), vector(&w.max, scene.dimensions, problems)) {
-            (Some(min), Some(max)) => super::body::check_corners(&w.min, &w.max, min, max, scene.dimensions, problems)
+            (Some(min), Some(max)) => super::shape::check_corners(&w.min, &w.max, min, max, scene.dimensions, problems)
                 .map(|()| Some(unbounded_across(min, max, scene.dimensions))),
             _ => None,
         },

@@ -5,6 +5,7 @@ mod boundary;
 pub(crate) mod material;
 mod measure;
 mod numerics;
+mod shape;
 
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
@@ -237,7 +238,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
 fn region(raw: &RawRegion, bodies: &Names, dimensions: Dimensions, problems: &mut Problems) -> Option<Region> {
     let body = raw.body.as_ref().map(|b| bodies.find(b, problems));
     let at = raw.name.span();
-    let shape = raw.shape.as_ref().map(|s| body::shape(s, dimensions, at.clone(), problems));
+    let shape = raw.shape.as_ref().map(|s| shape::shape(s, dimensions, at.clone(), problems));
     if body.is_none() && shape.is_none() {
         let fault = Fault::new("empty-region", "a region needs a `body`, a `shape` or both", at, "chooses nothing");
         problems.push(fault);

@@ -30,6 +30,12 @@ pub(crate) struct RawMeasure {
     pub(crate) period: Option<RawFieldMeasure>,
     /// Time at which the mean velocity along an axis changes sign, s.
     pub(crate) reversal_time: Option<RawAlongAxis>,
+    /// Diameter of the hole in a plate, m.
+    pub(crate) crater_diameter: Option<RawCrater>,
+    /// Length of the debris cloud behind a plate, m: from the undeformed back face to the foremost debris, along the flight.
+    pub(crate) cloud_length: Option<RawCloud>,
+    /// Width of the debris cloud behind a plate across the flight, m.
+    pub(crate) cloud_width: Option<RawCloud>,
 }
 
 /// An axis-aligned window in space.
@@ -137,5 +143,68 @@ probed! {
         /// First and last time of the rows used.
         #[schemars(extend("examples" = [["1 us", "4 us"]], "x-default" = "the whole run"))]
         during: Option<VectorOf<Time>>,
+    }
+}
+
+/// A plate that is perforated, and the flight of the projectile, in every measure of the perforation.
+macro_rules! perforation {
+    ($( $(#[$doc:meta])* $name:ident { $( $(#[$attribute:meta])* $field:ident : $type:ty, )* } )+) => { $(
+        $(#[$doc])*
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields, rename_all = "kebab-case")]
+        pub(crate) struct $name {
+            /// The plate.
+            #[schemars(extend("examples" = ["plate"]))]
+            pub(crate) body: Word,
+            /// Axis of flight.
+            #[schemars(extend("examples" = ["y"]))]
+            pub(crate) axis: Choice<AxisWord>,
+            /// Whether the flight is towards larger or smaller coordinates.
+            #[schemars(extend("examples" = ["negative"], "default" = "positive"))]
+            pub(crate) side: Option<Choice<SideWord>>,
+            /// A point of the line of flight.
+            #[schemars(extend("examples" = [["0 mm", "0 mm"]], "x-default" = "the origin"))]
+            pub(crate) point: Option<VectorOf<Length>>,
+            /// Particles of the plate hang together up to this distance, in its spacings. What hangs together with a piece of at
+            /// least a tenth of the plate's mass is the plate, all else is debris.
+            #[schemars(extend("examples" = [1.5], "default" = 1.5))]
+            pub(crate) link: Option<Given<Number>>,
+            $( $(#[$attribute])* pub(crate) $field: $type, )*
+        }
+        impl $name {
+            pub(crate) fn perforation(&self) -> RawPerforation<'_> {
+                RawPerforation {
+                    body: &self.body,
+                    axis: &self.axis,
+                    side: self.side.as_ref(),
+                    point: self.point.as_ref(),
+                    link: self.link.as_ref(),
+                }
+            }
+        }
+    )+ };
+}
+
+/// The plate and the flight of a measure.
+pub(crate) struct RawPerforation<'a> {
+    pub(crate) body: &'a Word,
+    pub(crate) axis: &'a Choice<AxisWord>,
+    pub(crate) side: Option<&'a Choice<SideWord>>,
+    pub(crate) point: Option<&'a VectorOf<Length>>,
+    pub(crate) link: Option<&'a Given<Number>>,
+}
+
+perforation! {
+    /// The hole in a plate.
+    RawCrater {
+        /// Which edge of the hole is measured.
+        #[schemars(extend("examples" = ["entry-lips"], "default" = "clear"))]
+        edge: Option<Choice<EdgeWord>>,
+    }
+    /// The debris behind a plate: all particles, of any body, that are no longer part of the plate.
+    RawCloud {
+        /// Share of the mass of the cloud to leave out at its outer end, where a few particles fly alone; 0 to 0.5.
+        #[schemars(extend("examples" = [0.01], "default" = 0.0))]
+        leave_out: Option<Given<Number>>,
     }
 }

@@ -6,12 +6,14 @@ mod boundary;
 mod material;
 mod measure;
 mod numerics;
+mod shape;
 
 pub(crate) use body::*;
 pub(crate) use boundary::*;
 pub(crate) use material::*;
 pub(crate) use measure::*;
 pub(crate) use numerics::*;
+pub(crate) use shape::*;
 
 use super::choice::*;
 use super::value::*;
@@ -84,7 +86,10 @@ pub(crate) struct RawParticles {
     /// Smoothing length over spacing, h / spacing.
     #[schemars(extend("examples" = [1.2], "default" = 1.2))]
     pub(crate) smoothing: Option<Given<Number>>,
-    /// Where the lattice sits in a shape.
+    /// How particles are arranged.
+    #[schemars(extend("examples" = ["hexagonal"], "default" = "square"))]
+    pub(crate) lattice: Option<Choice<ArrangementWord>>,
+    /// Where a square or cubic lattice sits in a shape.
     #[schemars(extend("examples" = ["on-faces"], "default" = "cell-centres"))]
     pub(crate) placement: Option<Choice<PlacementWord>>,
 }

@@ -3,6 +3,7 @@
 mod diagnostics;
 mod features;
 mod reference;
+mod shapes;
 mod whole;
 
 use super::*;

@@ -28,15 +28,24 @@ given if they are zero.
 
 ## How shapes are filled
 
-The lattice is square or cubic, is anchored to its shape and turns with it, so a symmetric shape gets a symmetric lattice.
+A lattice is anchored to its shape and turns with it, so a symmetric shape gets a symmetric lattice.
 
 - Along the edge of a box, or along a cylinder, the number of cells is the length over the spacing, rounded. The lattice is
   centred: an edge that is no multiple of the spacing is over- or underfilled by less than a quarter of a spacing at either end.
-- In a disc, a sphere and across a cylinder the lattice is centred with a cell corner on the centre or axis, and the particles
-  whose centre is inside are kept. With `placement = "on-faces"` a particle sits on the centre or axis.
+- In a disc, a sphere and across a cylinder, an ogive or a bar of revolution the lattice is centred with a cell corner on the
+  centre or axis, and the particles whose centre is inside are kept. With `placement = "on-faces"` a particle sits on the centre
+  or axis. A polygon has the lattice of the box around it.
+- Composed shapes carry on the lattice of their first part: a plate with a hole has the lattice of the plate, a bar with a head
+  that of the bar.
 - The mass of a particle is density times spacing to the power of the dimensions (per metre of thickness in plane strain, per
   square metre in one dimension), so the mass of a body differs from that of its shape by what rounding adds or takes;
   `sphorge check` prints both.
+- `lattice = "hexagonal"`: rows shifted by half against their neighbours, in space layers across the third axis (or across the
+  axis of the bar) stacked as in hexagonal close packing. A particle stands for as much area or volume as in the square or cubic
+  lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.
+- `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
+  each; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
+  what its shape does. Further parts of a `difference` or `intersection` cut particles away.
 - A body has to be at least one spacing thick. Bodies that touch share a face: their outermost particles are then one spacing
   apart. Bodies overlap, and are refused, where particles come nearer than half of that.
 "#;

@@ -1,0 +1,95 @@
+//! Concentric rings of equally spaced particles, for discs and cylinders.
+//!
+//! Between hole and surface lies a whole number of rings of one width, about a spacing; particles sit in the middle of their
+//! ring, as many as make each stand for about a spacing squared. A particle has its share of the area of its ring, so the
+//! body weighs exactly what its shape does. Every second ring is turned by half the distance of its particles. A cylinder is
+//! a whole number of equal slices of rings.
+
+use super::{
+    lattice::frame,
+    shape::{dot, subtract},
+};
+use crate::model::{Dimensions, Solid};
+use std::f64::consts::{PI, TAU};
+
+/// Whether rings fill a solid: one that is round about an axis or a point of the plane, with straight sides.
+pub(crate) fn can_fill(solid: &Solid, dimensions: Dimensions) -> bool {
+    matches!(solid, Solid::Cylinder { .. })
+        || matches!(solid, Solid::Ball { .. }) && dimensions == Dimensions::PlaneStrain
+}
+
+/// Calls `visit` with place and volume (area in the plane) of every particle of a solid that rings can fill.
+pub(super) fn for_each_site(solid: &Solid, spacing: f64, mut visit: impl FnMut([f64; 3], f64)) {
+    match solid {
+        Solid::Ball { centre, radius, inner_radius } => {
+            for_each_of_section(*inner_radius, *radius, spacing, |x, y, area| {
+                visit([centre[0] + x, centre[1] + y, 0.0], area)
+            });
+        }
+        Solid::Cylinder { from, to, radius, inner_radius } => {
+            let axis = subtract(*to, *from);
+            let length = dot(axis, axis).sqrt();
+            let [u, v, w] = frame(axis);
+            let slices = (length / spacing).round().max(1.0);
+            let thickness = length / slices;
+            for slice in 0..slices as u64 {
+                let z = (slice as f64 + 0.5) * thickness;
+                for_each_of_section(*inner_radius, *radius, spacing, |x, y, area| {
+                    visit(std::array::from_fn(|k| from[k] + x * u[k] + y * v[k] + z * w[k]), area * thickness);
+                });
+            }
+        }
+        _ => {}
+    }
+}
+
+fn for_each_of_section(inner: f64, outer: f64, spacing: f64, mut visit: impl FnMut(f64, f64, f64)) {
+    let rings = ((outer - inner) / spacing).round().max(1.0);
+    let width = (outer - inner) / rings;
+    for ring in 0..rings as u64 {
+        let r = inner + (ring as f64 + 0.5) * width;
+        let area = TAU * r * width;
+        let count = (area / (spacing * spacing)).round().max(3.0);
+        let start = if ring % 2 == 0 { 0.0 } else { PI / count };
+        for k in 0..count as u64 {
+            let (sin, cos) = (start + TAU * k as f64 / count).sin_cos();
+            visit(r * cos, r * sin, area / count);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sites(solid: &Solid, spacing: f64) -> Vec<([f64; 3], f64)> {
+        let mut all = Vec::new();
+        for_each_site(solid, spacing, |site, volume| all.push((site, volume)));
+        all
+    }
+
+    #[test]
+    fn a_disc_of_rings_has_its_area_and_its_centre() {
+        let disc = Solid::Ball { centre: [2.0, 1.0, 0.0], radius: 1.0, inner_radius: 0.0 };
+        // Rings of width 0.25 at 1/8, 3/8, 5/8, 7/8 with 3, 9, 16, 22 particles.
+        let all = sites(&disc, 0.25);
+        assert_eq!(all.len(), 3 + 9 + 16 + 22);
+        assert!((all.iter().map(|s| s.1).sum::<f64>() - PI).abs() < 1e-12);
+        let moment = |a: usize| all.iter().map(|s| s.1 * s.0[a]).sum::<f64>() / PI;
+        assert!((moment(0) - 2.0).abs() < 1e-12 && (moment(1) - 1.0).abs() < 1e-12);
+        assert!(all.iter().all(|s| (s.1 / 0.0625 - 1.0).abs() < 0.06));
+    }
+
+    #[test]
+    fn a_tube_of_rings_has_its_volume_whatever_its_axis() {
+        let tube = Solid::Cylinder { from: [0.0; 3], to: [0.6, 0.8, 0.0], radius: 0.5, inner_radius: 0.33 };
+        let all = sites(&tube, 0.07);
+        let volume: f64 = all.iter().map(|s| s.1).sum();
+        assert!((volume / (PI * (0.25 - 0.33 * 0.33)) - 1.0).abs() < 1e-12);
+        // Two rings, 14 slices.
+        let radius = |p: [f64; 3]| super::super::shape::about_axis(p, [0.0; 3], [0.6, 0.8, 0.0]).1;
+        let inner = all.iter().filter(|s| radius(s.0) < 0.415).count();
+        assert_eq!(inner % 14, 0);
+        assert!(all.iter().all(|s| (radius(s.0) - 0.3725).abs() < 1e-12 || (radius(s.0) - 0.4575).abs() < 1e-12));
+    }
+}
