@@ -72,6 +72,10 @@ words! {
         "monaghan-kos" => true, "repulsion of Monaghan & Kos (1999)";
         "penalty" => false, "linear penalty with damping and friction; pushes only";
     }
+    BodyContactWord, "contact between bodies", bool {
+        "kernel-sum" => false, "particles of other bodies are neighbours like any other, as in the papers: bodies stick";
+        "penalty" => true, "bodies push each other and never pull, with damping and friction";
+    }
     AxisWord, "axis", usize {
         "x" => 0, "first axis";
         "y" => 1, "second axis";

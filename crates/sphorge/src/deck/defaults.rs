@@ -12,6 +12,8 @@ pub(crate) const ARTIFICIAL_STRESS: (f64, u32) = (0.3, 4);
 pub(crate) const SKIN_FRACTION: f64 = 0.1;
 /// Stiffness, damping and friction of the penalty contact.
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
+/// Stiffness, damping and friction of the contact between bodies.
+pub(crate) const BODY_CONTACT: (f64, f64, f64) = (1.0, 0.3, 0.0);
 /// Frames over a run.
 pub(crate) const FRAMES: u64 = 50;
 /// Rows of the history over a run.

@@ -4,11 +4,13 @@
 
 mod body;
 mod boundary;
+mod contact;
 mod measure;
 mod numerics;
 
 pub use body::{Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform};
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
+pub use contact::BodyContact;
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};
 pub use numerics::{
     ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision, Search,
@@ -58,6 +60,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Bodies in deck order.
     pub bodies: Vec<Body>,
+    /// How bodies meet.
+    pub contact: BodyContact,
     /// Named regions of particles, selected in the initial configuration.
     pub regions: Vec<Region>,
     /// Rigid walls.

@@ -114,6 +114,21 @@ impl Block {
         &self.indices[start..start + (self.lengths[k] as usize).next_multiple_of(width)]
     }
 
+    /// Keeps the neighbours in row `k` of particle `own` that `keep` allows, in their order, and pads the row anew.
+    pub(crate) fn retain_in_row(&mut self, k: usize, own: u32, mut keep: impl FnMut(u32) -> bool) {
+        let row = &mut self.indices[self.starts[k] as usize..self.starts[k + 1] as usize];
+        let mut kept = 0;
+        for at in 0..self.lengths[k] as usize {
+            let j = row[at];
+            if keep(j) {
+                row[kept] = j;
+                kept += 1;
+            }
+        }
+        row[kept..].fill(own);
+        self.lengths[k] = kept as u32;
+    }
+
     /// Sorts every row. Rows come out in the order of the cells, which moves with the grid.
     pub fn sort_rows(&mut self) {
         for k in 0..self.lengths.len() {

@@ -2,12 +2,14 @@
 
 mod brute_force;
 mod cells;
+mod foreign;
 mod frame;
 mod list;
 mod search;
 
 pub use brute_force::brute_force;
 pub use cells::CellGrid;
+pub(crate) use foreign::ForeignList;
 pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
 pub use search::Reach;

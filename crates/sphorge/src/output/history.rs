@@ -2,7 +2,8 @@
 //!
 //! All values are SI; column names are plain, and `history-columns.json` gives name, unit and meaning of each. Sums over
 //! particles are per metre of thickness in plane strain and per square metre of section in one dimension. Columns of
-//! one body, wall, driven region are named `body.NAME.momentum_x`, `wall.NAME.force_x`, `motion.NAME.force_x`; a measure
+//! one body, pair of bodies, wall, driven region are named `body.NAME.momentum_x`, `contact.NAME.NAME.force_x`,
+//! `wall.NAME.force_x`, `motion.NAME.force_x`; a measure
 //! has its own name (`measure.NAME` where that is taken by another column). An empty cell means that there is no value
 //! (yet).
 //!
@@ -20,7 +21,7 @@ use super::{
 use crate::{
     model::{Dimensions, MeasureKind, Model},
     particles::find_field,
-    solver::{Energies, Ledger, VoteReason},
+    solver::{ContactLedger, Energies, Ledger, VoteReason},
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -135,7 +136,16 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
     let mls = "energy that density re-initialisation gave the pressure field without work so far";
     row.number("mls_energy", "J", mls, ledger.mls_energy);
-    row.number("total_energy", "J", "kinetic plus internal energy", total.energies.kinetic + total.energies.internal);
+    let contact_pairs = model.contact_pairs();
+    if !contact_pairs.is_empty() {
+        let sum = |of: fn(&ContactLedger) -> f64| ledger.contacts.iter().map(of).sum::<f64>();
+        let stored = "energy the contacts between bodies hold: work against their elastic force so far";
+        row.number("contact_stored_energy", "J", stored, sum(|c| c.stored_energy));
+        row.number("contact_friction_work", "J", "heat of friction between bodies so far", sum(|c| c.friction_work));
+        row.number("contact_damping_work", "J", "heat of contact damping so far", sum(|c| c.damping_work));
+    }
+    let meaning = "kinetic plus internal energy, and what contacts between bodies hold";
+    row.number("total_energy", "J", meaning, ledger.total_energy());
     let drift = "total energy less external work and initial total, over the energy in play";
     row.number("energy_drift", "", drift, sample.energy_drift);
     row.vector("momentum", "kg m/s", "linear momentum", total.momentum);
@@ -156,6 +166,15 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         let meaning = "angular momentum of the body about the origin";
         row.vector(&format!("body.{name}.angular_momentum"), "kg m^2/s", meaning, sums.angular_momentum);
         row.vector(&format!("body.{name}.centre"), "m", "centre of mass of the body", sums.centre);
+    }
+    for ((a, b), contact) in contact_pairs.into_iter().zip(&ledger.contacts) {
+        let (a, b) = (&model.bodies[a].name, &model.bodies[b].name);
+        let name = format!("contact.{a}.{b}");
+        row.vector(&format!("{name}.force"), "N", "force of the first body on the second", contact.force);
+        let stored = "work of the two bodies against the elastic contact force so far";
+        row.number(&format!("{name}.stored_energy"), "J", stored, contact.stored_energy);
+        row.number(&format!("{name}.friction_work"), "J", "heat of friction so far", contact.friction_work);
+        row.number(&format!("{name}.damping_work"), "J", "heat of contact damping so far", contact.damping_work);
     }
     for (wall, force) in model.walls.iter().zip(&ledger.wall_forces) {
         row.vector(&format!("wall.{}.force", wall.name), "N", "force of the wall on the particles", *force);
@@ -203,6 +222,7 @@ impl History {
     pub(crate) fn create(directory: &RunDirectory, model: &Model) -> Result<Self, OutputError> {
         let ledger = Ledger {
             bodies: vec![Default::default(); model.bodies.len()],
+            contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
             wall_forces: vec![[0.0; 3]; model.walls.len()],
             motion_forces: vec![[0.0; 3]; model.motions.len()],
             ..Ledger::default()

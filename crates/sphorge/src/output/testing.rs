@@ -52,6 +52,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             max_steps: None,
         },
         materials: Vec::new(),
+        contact: crate::model::BodyContact::KernelSum,
         bodies: bodies.iter().map(body).collect(),
         regions: Vec::new(),
         walls: Vec::new(),

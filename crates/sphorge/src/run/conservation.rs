@@ -32,7 +32,7 @@ struct Start {
 impl Conservation {
     pub(super) fn sample(&mut self, ledger: &Ledger) -> Drift {
         let total = &ledger.total;
-        let energy = total.energies.kinetic + total.energies.internal;
+        let energy = ledger.total_energy();
         let start = *self.start.get_or_insert(Start { energy, momentum: total.momentum });
         self.energy_scale = [start.energy, total.energies.kinetic, ledger.external_work]
             .into_iter()

@@ -7,7 +7,7 @@ pub enum VoteReason {
     SoundSpeed,
     /// Square root of smoothing length over acceleration.
     Acceleration,
-    /// Wall contact stiffness.
+    /// Stiffness of the contact with a wall or between bodies.
     Contact,
     /// The deck's `max-step` or `fixed-step`.
     Deck,
@@ -75,6 +75,20 @@ pub struct BodyLedger {
     pub centre: [f64; 3],
 }
 
+/// Contact of two bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactLedger {
+    /// Force of the first body on the second, N.
+    pub force: [f64; 3],
+    /// Work against the elastic part of the contact since the start, J: what the contact holds. It comes back when the bodies part, to
+    /// second order of the time step.
+    pub stored_energy: f64,
+    /// Work friction turned to heat since the start, J.
+    pub friction_work: f64,
+    /// Work damping turned to heat since the start, J.
+    pub damping_work: f64,
+}
+
 /// Conservation ledger of the whole model at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
@@ -88,10 +102,20 @@ pub struct Ledger {
     pub external_impulse: [f64; 3],
     /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
     pub mls_energy: f64,
+    /// Contact of every pair of bodies, `(0, 1), (0, 2), .. (1, 2), ..`; empty where bodies meet in the kernel sum.
+    pub contacts: Vec<ContactLedger>,
     /// Force of each wall on the particles, N, in deck order.
     pub wall_forces: Vec<[f64; 3]>,
     /// Reaction of each prescribed motion on its particles, N, in deck order.
     pub motion_forces: Vec<[f64; 3]>,
+}
+
+impl Ledger {
+    /// Kinetic, internal and stored contact energy, J: what external work alone changes.
+    pub fn total_energy(&self) -> f64 {
+        let Energies { kinetic, internal, .. } = self.total.energies;
+        kinetic + internal + self.contacts.iter().map(|c| c.stored_energy).sum::<f64>()
+    }
 }
 
 /// State of the run after a step.

@@ -2,6 +2,7 @@
 
 mod body;
 mod boundary;
+mod contact;
 pub(crate) mod material;
 mod measure;
 mod numerics;
@@ -193,6 +194,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
     let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
     let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();
+    let contact = contact::contact(raw.contact.as_ref(), problems);
     let gravity = raw.gravity.as_ref().map_or(Some([0.0; 3]), |g| vector(g, dimensions, problems));
     let scene = measure::Scene { dimensions, bodies: &body_names, regions: &region_names };
     let measures = measure::measures(&raw.measure, &scene, problems);
@@ -223,6 +225,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         time: time?,
         materials: materials.into_materials(),
         bodies: bodies.into_iter().collect::<Option<_>>()?,
+        contact: contact?,
         regions: regions.into_iter().collect::<Option<_>>()?,
         walls: walls.into_iter().collect::<Option<_>>()?,
         symmetry: symmetry?,

@@ -3,6 +3,7 @@
 
 mod body;
 mod boundary;
+mod contact;
 mod material;
 mod measure;
 mod numerics;
@@ -10,6 +11,7 @@ mod shape;
 
 pub(crate) use body::*;
 pub(crate) use boundary::*;
+pub(crate) use contact::*;
 pub(crate) use material::*;
 pub(crate) use measure::*;
 pub(crate) use numerics::*;
@@ -36,6 +38,9 @@ pub(crate) struct RawDeck {
     /// Neighbour search strategy.
     #[schemars(extend("examples" = ["every-step"], "default" = "skin"))]
     pub(crate) search: Option<ScalarOr<Choice<SearchWord>, RawSearch>>,
+    /// How bodies meet.
+    #[schemars(extend("examples" = [{ "penalty": { "friction": 0.1 } }], "default" = "kernel-sum"))]
+    pub(crate) contact: Option<RawContactChoice>,
     /// Acceleration of every particle.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2"]], "x-default" = "none"))]
     pub(crate) gravity: Option<VectorOf<Acceleration>>,

@@ -87,6 +87,10 @@ fn stated_defaults_are_the_real_ones() {
     let spelled = stated("numerics.artificial-stress");
     assert_eq!(spelled.len(), 2);
     assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    let on = ("contact".to_owned(), "penalty".to_owned());
+    let spelled = stated("contact.penalty");
+    assert_eq!(spelled.len(), 3);
+    assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
 }
 
 #[test]

@@ -173,6 +173,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Half a step of velocity and energy with the rates of the last force sum; prescribed velocities are those of `time`.
     fn half_kick(&mut self, time: f64) {
         let half = 0.5 * self.step.dt;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.book(half);
+        }
         self.motions.set_time(&self.model, time);
         let Work { external_acceleration, evaluated_velocity, motion, .. } = &self.work;
         let Particles { velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;
@@ -242,6 +245,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// The whole step with the rates of mid-step.
     pub(super) fn correct(&mut self) {
         let dt = self.step.dt;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.book(dt);
+        }
         self.motions.set_time(&self.model, self.step.time + dt);
         let Work { xsph, external_acceleration, evaluated_velocity, motion, .. } = &self.work;
         let Particles { position, velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;

@@ -1,6 +1,7 @@
 //! The engine for processors.
 
 mod constitutive;
+mod contact;
 mod external;
 mod forces;
 mod guard;
@@ -19,6 +20,7 @@ use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Search};
 use crate::neighbors::{NeighborList, Reach, Searcher};
 use crate::particles::{Particles, Permutation};
+use contact::BodyContacts;
 use external::Walls;
 use halo::Halo;
 use integrate::{Base, ExternalSums, Motions};
@@ -40,6 +42,7 @@ pub(super) struct CpuEngine<T> {
     walls: Walls,
     motions: Motions,
     external: ExternalSums,
+    contacts: Option<BodyContacts>,
     constants: PairConstants<T>,
     instructions: Instructions,
     lists: Lists<T>,
@@ -135,6 +138,7 @@ impl<T: PairScalar> CpuEngine<T> {
             walls: Walls::new(&model),
             motions: Motions::new(&model),
             external: ExternalSums::new(count),
+            contacts: BodyContacts::new(&model, count),
             base: Base::new(numerics.integrator, count),
             records: Records::default(),
             lists: Lists { stale: true, ..Lists::default() },
@@ -199,6 +203,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let reach = Reach { smoothing_length, factor: reach_factor };
         self.records.frame = searcher.search(points, self.particles.len(), &reach, self.instructions, list);
         self.constants.unit = T::of(self.records.frame.unit);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take_pairs(&mut self.lists.list, &self.particles.body, &self.halo.ghosts);
+        }
         self.lists.searches += 1;
         self.lists.stale = false;
     }
@@ -264,6 +271,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn forces(&mut self) {
         self.sum_forces();
+        self.add_body_contact();
         self.add_external_forces();
     }
 
@@ -280,7 +288,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn vote(&self) -> Vote {
-        votes::vote(&self.model, &self.particles, &self.work.mu)
+        let contact = self.contacts.as_ref().map(BodyContacts::limit);
+        votes::vote(&self.model, &self.particles, &self.work.mu, contact)
     }
 
     fn pairs(&self) -> u64 {
@@ -302,7 +311,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             + self.lists.searcher.bytes()
             + self.lists.permutation.bytes()
             + 32 * self.lists.points.capacity();
-        (columns + lists + self.records.bytes()) as u64
+        let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
+        (columns + lists + contacts + self.records.bytes()) as u64
     }
 }
 

@@ -6,8 +6,8 @@ use crate::solver::{Vote, VoteReason};
 use rayon::prelude::*;
 use sphorge_physics::time_step::{acceleration_vote, longitudinal_speed, sound_vote};
 
-/// The smallest vote of all particles and walls.
-pub(super) fn vote(model: &Model, p: &Particles, mu: &[f64]) -> Vote {
+/// The smallest vote of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.
+pub(super) fn vote(model: &Model, p: &Particles, mu: &[f64], contact: Option<f64>) -> Vote {
     let courant = model.time.courant;
     let of_particle = |i: usize| {
         let h = p.smoothing_length[i];
@@ -26,7 +26,8 @@ pub(super) fn vote(model: &Model, p: &Particles, mu: &[f64]) -> Vote {
     let none = Vote { dt: f64::INFINITY, reason: VoteReason::SoundSpeed };
     // A minimum does not depend on the order it is taken in.
     let particles = (0..p.len()).into_par_iter().with_min_len(1024).map(of_particle).reduce(|| none, smaller);
-    model.walls.iter().filter_map(|w| contact_vote(model, &w.contact)).fold(particles, smaller)
+    let contact = contact.map(|limit| Vote { dt: courant * limit, reason: VoteReason::Contact });
+    model.walls.iter().filter_map(|w| contact_vote(model, &w.contact)).chain(contact).fold(particles, smaller)
 }
 
 /// Step that resolves the contact spring of a penalty wall: the Courant share of `2 / omega`.

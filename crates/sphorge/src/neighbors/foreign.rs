@@ -1,0 +1,104 @@
+//! Neighbours in other bodies, taken out of the neighbour list where bodies meet in a contact of their own.
+
+use super::{BLOCK, Block, NeighborList};
+use rayon::prelude::*;
+
+/// Rows of the few particles that have neighbours in other bodies, by block like [`NeighborList`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ForeignList {
+    blocks: Vec<ForeignBlock>,
+}
+
+/// Rows of the particles of one block.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ForeignBlock {
+    /// Particles that have a row, ascending.
+    owners: Vec<u32>,
+    /// End of each row in `indices`.
+    ends: Vec<u32>,
+    indices: Vec<u32>,
+}
+
+impl ForeignList {
+    /// Moves the neighbours whose body is another one out of a list that was just searched; the order of a row stays.
+    pub(crate) fn take_from(&mut self, list: &mut NeighborList, body: impl Fn(u32) -> u32 + Sync) {
+        self.blocks.resize_with(list.blocks().len(), ForeignBlock::default);
+        (list.blocks_mut().par_iter_mut(), self.blocks.par_iter_mut()).into_par_iter().enumerate().for_each(
+            |(b, (block, foreign))| {
+                foreign.owners.clear();
+                foreign.ends.clear();
+                foreign.indices.clear();
+                for k in 0..block.len() {
+                    foreign.take_row((b * BLOCK + k) as u32, k, block, &body);
+                }
+            },
+        );
+    }
+
+    /// The blocks, particle `i` in block `i / BLOCK`.
+    pub(crate) fn blocks(&self) -> &[ForeignBlock] {
+        &self.blocks
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        let of = |b: &ForeignBlock| 4 * (b.owners.capacity() + b.ends.capacity() + b.indices.capacity());
+        self.blocks.iter().map(of).sum()
+    }
+}
+
+impl ForeignBlock {
+    fn take_row(&mut self, own: u32, k: usize, block: &mut Block, body: &impl Fn(u32) -> u32) {
+        let own_body = body(own);
+        let first = self.indices.len();
+        let indices = &mut self.indices;
+        block.retain_in_row(k, own, |j| {
+            let same = body(j) == own_body;
+            if !same {
+                indices.push(j);
+            }
+            same
+        });
+        if self.indices.len() > first {
+            self.owners.push(own);
+            self.ends.push(self.indices.len() as u32);
+        }
+    }
+
+    /// Particles that have neighbours in other bodies, with these neighbours.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        let row =
+            |((&own, start), &end): ((&u32, u32), &u32)| (own as usize, &self.indices[start as usize..end as usize]);
+        self.owners.iter().zip(starts).zip(&self.ends).map(row)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_in_other_bodies_move_to_rows_of_their_own() {
+        let mut list = NeighborList::default();
+        list.resize(4);
+        let block = &mut list.blocks_mut()[0];
+        block.clear();
+        for (own, row) in [vec![3, 1, 2], vec![0, 2], vec![1, 0], vec![0]].into_iter().enumerate() {
+            block.extend(&row);
+            block.end_row(own as u32);
+        }
+        // Bodies 0, 0, 0, 1.
+        let mut foreign = ForeignList::default();
+        foreign.take_from(&mut list, |j| j / 3);
+        assert_eq!(list.row(0), [1, 2]);
+        assert_eq!(list.blocks()[0].padded_row(0, 4), [1, 2, 0, 0]);
+        assert_eq!(list.row(1), [0, 2]);
+        assert!(list.row(3).is_empty());
+        let rows: Vec<_> = foreign.blocks()[0].rows().map(|(own, row)| (own, row.to_vec())).collect();
+        assert_eq!(rows, [(0, vec![3]), (3, vec![0])]);
+        // A second search starts anew.
+        foreign.take_from(&mut list, |_| 0);
+        assert_eq!(foreign.blocks()[0].rows().count(), 0);
+    }
+}
