@@ -18,6 +18,7 @@ Examples:
   sphorge plot out/taylor-plate
   sphorge plot out/taylor-plate --field temperature --frames first,20,last
   sphorge plot out/taylor-bar --field plastic_strain --view xz --section --range 0,1.5
+  sphorge plot out/penetration --field plastic_strain --measures
   sphorge plot out/taylor-plate --column height --column width
 
 Without --field and --column the usual pictures are drawn. Pictures go to the folder `plots` of the run.")]
@@ -37,9 +38,15 @@ pub(crate) struct PlotArguments {
     /// Cut at the middle and look inside
     #[arg(long, requires = "fields")]
     section: bool,
+    /// Show the deck's measures of craters and clouds on the particles
+    #[arg(long, requires = "fields")]
+    measures: bool,
     /// Values at the ends of the colour bar, SI [default: to fit]
     #[arg(long, value_name = "LOW,HIGH", value_parser = parse_range, allow_hyphen_values = true, requires = "fields")]
     range: Option<(f64, f64)>,
+    /// Part of the plane of view to show, m: left, right, bottom, top [default: all]
+    #[arg(long, value_name = "L,R,B,T", value_parser = parse_window, allow_hyphen_values = true, requires = "fields")]
+    window: Option<[(f64, f64); 2]>,
     /// Colours [default: to fit]
     #[arg(long, value_name = "COLOURS", requires = "fields")]
     colors: Option<ColorArgument>,
@@ -67,6 +74,15 @@ fn parse_range(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
+fn parse_window(text: &str) -> Result<[(f64, f64); 2], String> {
+    let sides: Option<Vec<f64>> =
+        text.split(',').map(|side| side.trim().parse().ok().filter(|side: &f64| side.is_finite())).collect();
+    match sides.as_deref() {
+        Some([left, right, bottom, top]) if left < right && bottom < top => Ok([(*left, *right), (*bottom, *top)]),
+        _ => Err("write four numbers in m, left before right, bottom before top: `-0.06,0.06,-0.1,0.02`".to_owned()),
+    }
+}
+
 pub(crate) fn execute(arguments: PlotArguments) -> Ending {
     let run = RunDirectory::open(&arguments.directory).map_err(|error| Failure::BadInput(error.into()))?;
     let files = draw(&run, &arguments).map_err(failure)?;
@@ -85,7 +101,9 @@ fn draw(run: &RunDirectory, arguments: &PlotArguments) -> Result<Vec<PathBuf>, P
             frames: arguments.frames.clone(),
             view: arguments.view,
             section: arguments.section,
+            measures: arguments.measures,
             range: arguments.range,
+            window: arguments.window,
             color_map: arguments.colors.map(|colors| match colors {
                 ColorArgument::Viridis => ColorMap::Viridis,
                 ColorArgument::Inferno => ColorMap::Inferno,
@@ -94,7 +112,8 @@ fn draw(run: &RunDirectory, arguments: &PlotArguments) -> Result<Vec<PathBuf>, P
             ..FieldPicture::new(field)
         };
         let frames: Vec<_> = arguments.frames.iter().map(frame_word).collect();
-        files.push(file(run, &format!("{field}-{}", frames.join("-"))));
+        let measures = if arguments.measures { "-measures" } else { "" };
+        files.push(file(run, &format!("{field}-{}{measures}", frames.join("-"))));
         plot_field(run, &picture, &files[files.len() - 1])?;
     }
     if !arguments.columns.is_empty() {

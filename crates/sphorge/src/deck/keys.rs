@@ -143,10 +143,11 @@ pub(crate) fn unknown(name: &str, node: Node<'_>, path: &str) -> Unknown {
     let options: Vec<&str> = node.keys().into_iter().map(|(key, _)| key).collect();
     let place = if path.is_empty() { "at the top of a deck".to_owned() } else { format!("in `{path}`") };
     let message = format!("unknown key `{name}` {place}");
-    let near = nearest(name, options.iter().copied()).map(|n| format!("did you mean `{n}`? "));
-    let elsewhere = if near.is_none() { tables_with(name) } else { Vec::new() };
+    // A key that is right elsewhere is meant, rather than one that looks alike here.
+    let elsewhere = tables_with(name);
     let elsewhere = (!elsewhere.is_empty()).then(|| format!("`{name}` belongs to {}. ", listed(elsewhere, "or")));
-    let help = near.or(elsewhere).unwrap_or_default() + &format!("Known keys: {}.", listed(options, "and"));
+    let near = || nearest(name, options.iter().copied()).map(|n| format!("did you mean `{n}`? "));
+    let help = elsewhere.or_else(near).unwrap_or_default() + &format!("Known keys: {}.", listed(options, "and"));
     Unknown { message, help }
 }
 

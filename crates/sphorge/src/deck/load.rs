@@ -36,6 +36,19 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Setup, DeckRe
     read(&shown, &name, &text, overrides)
 }
 
+/// The model of a deck file, without particles.
+///
+/// # Errors
+/// Everything that is wrong with the file or the deck.
+pub(crate) fn load_model(path: &Path) -> Result<Model, DeckReport> {
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), None)
+    })?;
+    let mut problems = Problems::new(&shown, &text);
+    Ok(read_model("deck", &mut problems)?.0)
+}
+
 /// Reads a deck from memory; `name` names the model and stands in diagnostics.
 ///
 /// # Errors

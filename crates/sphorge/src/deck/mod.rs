@@ -24,5 +24,5 @@ pub use load::{Setup, load, load_text};
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
 
-pub(crate) use load::read_materials;
+pub(crate) use load::{load_model, read_materials};
 pub(crate) use report::nearest;

@@ -140,6 +140,7 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
                 specific_heat: constants.specific_heat.unwrap_or(NO_HEATING),
                 conductivity: constants.conductivity.unwrap_or(0.0),
                 taylor_quinney: constants.taylor_quinney.unwrap_or(defaults::TAYLOR_QUINNEY),
+                spall_pressure: constants.spall_pressure.unwrap_or(f64::INFINITY),
                 reference_temperature,
             })
         }
@@ -189,6 +190,16 @@ mod tests {
         let FlowLaw::Bilinear(law) = material.flow_law else { panic!("bilinear expected") };
         assert!((law.yield_stress - 350e6).abs() < 1.0);
         assert!(!material.heats());
+    }
+
+    #[test]
+    fn tension_is_cut_off_where_the_material_spalls() {
+        let material = build("steel", &Constants { spall_pressure: Some(1e9), ..steel() }).unwrap();
+        // K = 175 GPa: 0.4 % of expansion is 0.7 GPa, 1 % would be 1.75 GPa.
+        let pressure = |strain: f64| material.pressure(7850.0 * (1.0 - strain), 0.0).pressure;
+        assert!((pressure(0.004) / -0.7e9 - 1.0).abs() < 1e-9 && pressure(0.01) == -1e9);
+        assert!((pressure(-0.01) / 1.75e9 - 1.0).abs() < 1e-9);
+        assert_eq!(build("steel", &steel()).unwrap().spall_pressure, f64::INFINITY);
     }
 
     #[test]

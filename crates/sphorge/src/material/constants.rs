@@ -1,7 +1,7 @@
 //! Constants of a material in SI units, some or all of them given.
 
 use crate::model::Material;
-use sphorge_physics::return_mapping::ReturnRule;
+use sphorge_physics::{eos::PressureState, return_mapping::ReturnRule};
 
 /// A law and those of its constants that are given.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,6 +99,8 @@ pub(crate) struct Constants {
     /// W/(m K).
     pub(crate) conductivity: Option<f64>,
     pub(crate) taylor_quinney: Option<f64>,
+    /// Pa, positive.
+    pub(crate) spall_pressure: Option<f64>,
     /// K.
     pub(crate) reference_temperature: Option<f64>,
 }
@@ -122,6 +124,7 @@ impl Constants {
             specific_heat: over.specific_heat.or(self.specific_heat),
             conductivity: over.conductivity.or(self.conductivity),
             taylor_quinney: over.taylor_quinney.or(self.taylor_quinney),
+            spall_pressure: over.spall_pressure.or(self.spall_pressure),
             reference_temperature: over.reference_temperature.or(self.reference_temperature),
         }
     }
@@ -134,6 +137,14 @@ impl Material {
     /// Whether the material has a specific heat, so that work changes its temperature.
     pub fn heats(&self) -> bool {
         self.specific_heat < NO_HEATING
+    }
+
+    /// Pressure (Pa) and sound speed at a density (kg/m³) and a specific internal energy (J/kg), tension cut off where the
+    /// material spalls.
+    #[inline(always)]
+    pub fn pressure(&self, density: f64, energy: f64) -> PressureState<f64> {
+        let state = self.equation_of_state.pressure(density, energy);
+        PressureState { pressure: state.pressure.max(-self.spall_pressure), ..state }
     }
 }
 

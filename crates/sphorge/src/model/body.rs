@@ -25,6 +25,9 @@ pub struct Material {
     pub conductivity: f64,
     /// Share of plastic work that heats (Taylor–Quinney).
     pub taylor_quinney: f64,
+    /// Tension the material bears before it spalls, Pa, positive: the pressure never falls below its negative. Infinite where the
+    /// deck gives none.
+    pub spall_pressure: f64,
     /// Temperature at which the internal energy is zero, and at which bodies start unless they say otherwise, K.
     pub reference_temperature: f64,
 }

@@ -166,3 +166,10 @@ pub enum MeasureKind {
         leave_out: f64,
     },
 }
+
+impl MeasureKind {
+    /// Whether pictures can show it as a line on the particles.
+    pub fn is_drawn(&self) -> bool {
+        matches!(self, Self::CraterDiameter { .. } | Self::Cloud { .. })
+    }
+}

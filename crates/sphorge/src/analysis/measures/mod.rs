@@ -47,6 +47,7 @@ use crate::{
 };
 use front::FrontSpeed;
 use perforation::Flight;
+pub(crate) use perforation::Span;
 use period::Period;
 use remains::remains;
 use reversal::Reversal;
@@ -130,6 +131,18 @@ impl Shared {
             self.remains.len() - 1
         });
         Flight { model, particles, perforation, remains: &self.remains[place].1 }
+    }
+}
+
+/// Where a measure of a hole or a cloud is taken, for a drawing; none for other measures.
+pub(crate) fn span(kind: &MeasureKind, model: &Model, particles: &Particles) -> Option<Span> {
+    let mut shared = Shared::default();
+    match kind {
+        MeasureKind::CraterDiameter { perforation, edge } => shared.flight(model, particles, perforation).crater(*edge),
+        MeasureKind::Cloud { perforation, extent, leave_out } => {
+            shared.flight(model, particles, perforation).cloud(*extent, *leave_out)
+        }
+        _ => None,
     }
 }
 

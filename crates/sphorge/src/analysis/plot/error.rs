@@ -1,6 +1,6 @@
 //! What can go wrong with a picture.
 
-use crate::output::OutputError;
+use crate::{deck::DeckReport, output::OutputError};
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -27,6 +27,10 @@ pub enum PlotError {
         /// What there is.
         available: String,
     },
+    /// The deck of the run, which says what is measured, cannot be read.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Deck(DeckReport),
     /// There is nothing to draw.
     #[error("there is nothing to draw: {reason}")]
     #[diagnostic(code(sphorge::plot::empty))]

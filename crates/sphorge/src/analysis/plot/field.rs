@@ -7,6 +7,7 @@ use super::{
     color::Rgb,
     run_title,
     scene::{Panel, Scene},
+    spans::draw_spans,
     splat::{Dot, splat},
 };
 use crate::{
@@ -176,6 +177,13 @@ fn draw_panel(canvas: &mut Canvas, scene: &Scene, panel: &Panel, area: Area, sca
         Dot { x, y, depth: mark.towards * scale, radius, color: colors.of(mark.value), light: mark.light }
     });
     splat(canvas, area, dots, scene.deep);
+    if scene.view.axes().is_some() {
+        draw_spans(canvas, &panel.spans, |end| {
+            let [right, up, _] = scene.projection.apply(end);
+            let (x, y) = place(right, up);
+            (area.x + x, area.y + y)
+        });
+    }
 
     let caption = format!("t = {},  {} particles", quantity(panel.time, "s"), grouped(panel.marks.len()));
     let short = format!("t = {}", quantity(panel.time, "s"));

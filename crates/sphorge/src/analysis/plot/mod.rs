@@ -10,6 +10,7 @@ mod field;
 mod history;
 mod light;
 mod scene;
+mod spans;
 mod splat;
 mod view;
 
@@ -63,6 +64,8 @@ pub struct FieldPicture {
     pub view: Option<View>,
     /// Leave out what is before the middle, to look inside.
     pub section: bool,
+    /// Show the crater and cloud measures of the deck as lines on the particles, in views along an axis.
+    pub measures: bool,
     /// Values of the ends of the colour bar (or the upright axis). If not given: the extremes shown, or where a few outliers stretch them by half
     /// or more, the range of 99 % of the particles; arrows at the bar then give the extremes.
     pub range: Option<(f64, f64)>,
@@ -84,6 +87,7 @@ impl FieldPicture {
             frames: vec![FrameChoice::Last],
             view: None,
             section: false,
+            measures: false,
             range: None,
             color_map: None,
             window: None,

@@ -1,6 +1,11 @@
 //! What a picture of particles shows: frames read, projected, coloured by a field.
 
-use super::{FieldPicture, FrameChoice, PlotError, View, light::light, view::Projection};
+use super::{
+    FieldPicture, FrameChoice, PlotError, View,
+    light::light,
+    spans::{NamedSpan, model_of, spans},
+    view::Projection,
+};
 use crate::{
     output::{FrameFile, RunDirectory, read_series},
     particles::find_field,
@@ -24,6 +29,8 @@ pub(super) struct Mark {
 pub(super) struct Panel {
     pub(super) time: f64,
     pub(super) marks: Vec<Mark>,
+    /// Measures to show.
+    pub(super) spans: Vec<NamedSpan>,
 }
 
 /// All panels of a picture and what they have in common.
@@ -59,6 +66,7 @@ impl Scene {
             None => (picture.field.as_str(), None),
         };
         let mut label = String::new();
+        let model = if picture.measures { Some(model_of(run)?) } else { None };
         for choice in &picture.frames {
             let mut frame = FrameFile::open(choice.pick(&series)?)?;
             deep |= frame.header.dimensions == 3;
@@ -66,7 +74,9 @@ impl Scene {
             let view = *view.get_or_insert(if frame.header.dimensions == 3 { View::Corner } else { View::Xy });
             let values = values(&mut frame, name, component, &picture.field)?;
             label = field_label(name, component, values.width > 1);
-            panels.push(panel(&mut frame, view.projection(), values.values, picture.section.then_some(view))?);
+            let spans = model.as_ref().map_or(Ok(Vec::new()), |model| spans(model, &mut frame))?;
+            let section = picture.section.then_some(view);
+            panels.push(Panel { spans, ..panel(&mut frame, view.projection(), values.values, section)? });
         }
         let marks = || panels.iter().flat_map(|panel: &Panel| &panel.marks);
         let mut values: Vec<f64> = marks().map(|mark| mark.value).filter(|value| value.is_finite()).collect();
@@ -202,5 +212,5 @@ fn panel(
     if frame.header.dimensions == 3 {
         light(&mut marks);
     }
-    Ok(Panel { time: frame.header.time, marks })
+    Ok(Panel { time: frame.header.time, marks, spans: Vec::new() })
 }

@@ -175,3 +175,44 @@ fn frames_are_chosen_by_word_number_or_time() {
     }
     assert!("soon".parse::<FrameChoice>().is_err() && "inf".parse::<FrameChoice>().is_err());
 }
+
+/// A plate of 20 by 2 mm with a hole of 4 mm, flight along -y.
+const PERFORATED: &str = "dimensions = \"plane-strain\"\n[particles]\nspacing = \"1 mm\"\n[time]\nend = 1\n\
+    [[body]]\nname = \"plate\"\nmaterial = \"armco-iron\"\n\
+    shape = { box = { min = [\"-10 mm\", \"-1 mm\"], max = [\"10 mm\", \"1 mm\"] } }\n\
+    [[measure]]\nname = \"hole\"\ncrater-diameter = { body = \"plate\", axis = \"y\", side = \"negative\" }\n";
+
+#[test]
+fn measures_are_lines_on_the_particles() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = RunDirectory::create(&folder.path().join("run"), false).unwrap();
+    let mut particles = Particles::new(32);
+    for i in 0..32 {
+        let x = if i % 16 < 8 { -9.5 + (i % 16) as f64 } else { -5.5 + (i % 16) as f64 };
+        particles.position[i] = [1e-3 * x, if i < 16 { -0.5e-3 } else { 0.5e-3 }, 0.0];
+    }
+    let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
+    let file = RunDirectory::frame_name(0);
+    let fields = ["body".to_owned(), "pressure".to_owned()];
+    write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
+    write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+    let to = folder.path().join("p.png");
+    let picture = FieldPicture { measures: true, size: Some((900, 400)), ..FieldPicture::new("pressure") };
+    assert!(matches!(plot_field(&run, &picture, &to), Err(PlotError::Deck(_))));
+    fs::write(
+        run.deck(),
+        PERFORATED.replace(
+            "crater-diameter = { body = \"plate\", axis = \"y\", side = \"negative\" }",
+            "extent = { axis = \"x\" }",
+        ),
+    )
+    .unwrap();
+    assert!(matches!(plot_field(&run, &picture, &to), Err(PlotError::Empty { .. })));
+    fs::write(run.deck(), PERFORATED).unwrap();
+    plot_field(&run, &picture, &to).unwrap();
+    let with = count(&pixels(&to), canvas::INK);
+    plot_field(&run, &FieldPicture { measures: false, ..picture }, &to).unwrap();
+    // A line over 4 of 20 mm of about 700 pixels, half hidden by smoothing, its ends, its leader and a label.
+    let without = count(&pixels(&to), canvas::INK);
+    assert!(with > 140 + without, "{with} {without}");
+}

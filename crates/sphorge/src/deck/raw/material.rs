@@ -56,6 +56,10 @@ pub(crate) struct RawMaterial {
     /// Share of plastic work that heats (Taylor & Quinney), 0 to 1.
     #[schemars(extend("examples" = [0.9], "default" = 0.9))]
     pub(crate) taylor_quinney: Option<Given<Number>>,
+    /// Tension the material bears before it spalls, above zero: the pressure is cut off at its negative, in every pressure law. The
+    /// deviator is not touched.
+    #[schemars(extend("examples" = ["1.2 GPa"], "x-default" = "none: any tension"))]
+    pub(crate) spall_pressure: Option<Given<Stress>>,
     /// Temperature at which the internal energy is zero and at which bodies start unless they say otherwise.
     #[schemars(extend("examples" = ["20 degC"], "default" = "293.15 K"))]
     pub(crate) reference_temperature: Option<Given<Temperature>>,

@@ -125,7 +125,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     let inputs = Inputs { material, deviator: s[k], plastic_strain: ep[k], temperature: t[k] };
                     let update = returned(&inputs, &velocity_gradient[i], dt);
                     let energy_here = energy[i] + 0.5 * full * energy_rate[i];
-                    let state = material.equation_of_state.pressure(density[i], energy_here);
+                    let state = material.pressure(density[i], energy_here);
                     (p[k], c[k]) = (state.pressure, state.sound_speed);
                     if commit {
                         let columns = Committed {
@@ -234,7 +234,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     let inputs = Inputs { material, deviator: s[k], plastic_strain: ep[k], temperature: t[k] };
                     let update = returned(&inputs, &velocity_gradient[i], dt);
                     rho[k] = stress::density_after(base.density[i], &velocity_gradient[i], dt);
-                    let state = material.equation_of_state.pressure(rho[k], energy[i]);
+                    let state = material.pressure(rho[k], energy[i]);
                     (p[k], c[k]) = (state.pressure, state.sound_speed);
                     let columns = Committed {
                         deviator: &mut s[k],
