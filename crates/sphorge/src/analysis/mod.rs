@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod measures;
 mod number;
+pub(crate) mod observed;
 pub mod plot;
 pub mod validate;
 

@@ -24,3 +24,6 @@ pub(crate) const TAYLOR_QUINNEY: f64 = 0.9;
 pub(crate) const REFERENCE_TEMPERATURE: f64 = 293.15;
 /// Distance up to which particles of a plate hang together, in spacings.
 pub(crate) const LINK: f64 = 1.5;
+/// Fields of a tracer; one fixed in space has no use for the first.
+pub(crate) const TRACER_FIELDS: [&str; 6] =
+    ["position", "velocity", "pressure", "von_mises_stress", "plastic_strain", "temperature"];

@@ -1,6 +1,7 @@
 //! What a run would take: looks at the model, then takes a few real steps and writes nothing.
 
 use crate::{
+    analysis::observed::Observed,
     deck::Setup,
     model::{Dimensions, Model},
     output::{FrameHeader, write_frame},
@@ -209,7 +210,9 @@ fn frame_bytes(model: &Model, particles: &Particles) -> u64 {
 /// About the size of a row of the history.
 fn history_row_bytes(model: &Model) -> f64 {
     const BYTES_PER_CELL: f64 = 18.0;
-    let cells = 24 + 13 * model.bodies.len() + 3 * (model.walls.len() + model.motions.len()) + model.measures.len();
+    let observed = Observed::new(model).columns().len();
+    let parts = 16 * model.bodies.len() + 3 * (model.walls.len() + model.motions.len());
+    let cells = 24 + parts + model.measures.len() + observed;
     BYTES_PER_CELL * cells as f64
 }
 

@@ -7,6 +7,7 @@ mod boundary;
 mod contact;
 mod measure;
 mod numerics;
+mod observed;
 
 pub use body::{Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform};
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
@@ -16,6 +17,7 @@ pub use numerics::{
     ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision, Search,
     TemperatureSource, TimeControl,
 };
+pub use observed::{Section, Tracer};
 
 /// Dimensions of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,4 +80,8 @@ pub struct Model {
     pub output: OutputControl,
     /// Declared measures.
     pub measures: Vec<Measure>,
+    /// Followed particles and watched points.
+    pub tracers: Vec<Tracer>,
+    /// Planes the force through which is written.
+    pub sections: Vec<Section>,
 }

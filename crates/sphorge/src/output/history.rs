@@ -53,6 +53,8 @@ pub(crate) struct HistorySample<'a> {
     /// Ordered pairs in the last step.
     pub(crate) pairs: Option<u64>,
     pub(crate) measures: &'a [Option<f64>],
+    /// What tracers and sections add.
+    pub(crate) observed: (&'a [HistoryColumn], &'a [Option<f64>]),
 }
 
 enum Cell {
@@ -166,6 +168,8 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         let meaning = "angular momentum of the body about the origin";
         row.vector(&format!("body.{name}.angular_momentum"), "kg m^2/s", meaning, sums.angular_momentum);
         row.vector(&format!("body.{name}.centre"), "m", "centre of mass of the body", sums.centre);
+        let meaning = "net force on the body, rate of its momentum";
+        row.vector(&format!("body.{name}.force"), "N", meaning, sums.force);
     }
     for ((a, b), contact) in contact_pairs.into_iter().zip(&ledger.contacts) {
         let (a, b) = (&model.bodies[a].name, &model.bodies[b].name);
@@ -183,6 +187,8 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         let region = model.regions.get(motion.region).map_or("", |region| region.name.as_str());
         row.vector(&format!("motion.{region}.force"), "N", "force that drives the region", *force);
     }
+    let (columns, values) = sample.observed;
+    row.cells.extend(columns.iter().cloned().zip(values.iter().map(|value| Cell::from(*value))));
     for (measure, value) in model.measures.iter().zip(sample.measures) {
         let taken = row.cells.iter().any(|(column, _)| column.name == measure.name);
         let name = if taken { format!("measure.{}", measure.name) } else { measure.name.clone() };
@@ -218,8 +224,12 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Writes the line of names and `history-columns.json`.
-    pub(crate) fn create(directory: &RunDirectory, model: &Model) -> Result<Self, OutputError> {
+    /// Writes the line of names and `history-columns.json`; `observed` are the columns of tracers and sections.
+    pub(crate) fn create(
+        directory: &RunDirectory,
+        model: &Model,
+        observed: &[HistoryColumn],
+    ) -> Result<Self, OutputError> {
         let ledger = Ledger {
             bodies: vec![Default::default(); model.bodies.len()],
             contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
@@ -238,6 +248,7 @@ impl History {
             searched_fraction: None,
             pairs: None,
             measures: &vec![None; model.measures.len()],
+            observed: (observed, &vec![None; observed.len()]),
         };
         let columns: Vec<HistoryColumn> = row(model, &sample).cells.into_iter().map(|(column, _)| column).collect();
         write_file(&directory.history_columns(), Durability::Disk, |out| {

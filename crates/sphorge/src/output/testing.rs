@@ -66,6 +66,8 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             fields: ["id", "body", "velocity", "stress"].map(str::to_owned).into(),
         },
         measures: Vec::new(),
+        tracers: Vec::new(),
+        sections: Vec::new(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{conservation::Conservation, memory::peak_resident_bytes, stepper::Stepper};
 use crate::{
-    analysis::Measures,
+    analysis::{Measures, observed::Observed},
     model::{Model, Precision},
     output::{
         DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample, OutputError,
@@ -18,6 +18,7 @@ pub(super) struct Recorder {
     history: History,
     disk: DiskSync,
     measures: Measures,
+    observed: Observed,
     conservation: Conservation,
     frames: Vec<SeriesEntry>,
     last_frame_step: Option<u64>,
@@ -44,8 +45,10 @@ struct StepSums {
 
 impl Recorder {
     pub(super) fn new(directory: RunDirectory, model: &Model) -> Result<Self, OutputError> {
+        let observed = Observed::new(model);
         Ok(Self {
-            history: History::create(&directory, model)?,
+            history: History::create(&directory, model, observed.columns())?,
+            observed,
             disk: DiskSync::new(),
             measures: Measures::new(model),
             directory,
@@ -89,6 +92,7 @@ impl Recorder {
         let ledger = engine.ledger();
         let drift = self.conservation.sample(&ledger);
         self.measures.sample(engine.model(), engine.time(), engine.particles());
+        self.observed.sample(engine.model(), engine.particles());
         let since = self.steps.count - self.steps_at_last_row.count;
         let searched = self.steps.searched - self.steps_at_last_row.searched;
         let sample = HistorySample {
@@ -102,6 +106,7 @@ impl Recorder {
             searched_fraction: (since > 0).then(|| searched / since as f64),
             pairs: self.pairs,
             measures: self.measures.values(),
+            observed: (self.observed.columns(), self.observed.values()),
         };
         self.history.add(engine.model(), &sample)?;
         self.energies = ledger.total.energies;

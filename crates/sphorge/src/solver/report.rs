@@ -73,6 +73,8 @@ pub struct BodyLedger {
     pub momentum_scale: f64,
     /// Centre of mass, m.
     pub centre: [f64; 3],
+    /// Net force, N: sum of mass times acceleration, of driven particles as they are driven.
+    pub force: [f64; 3],
 }
 
 /// Contact of two bodies.

@@ -41,6 +41,7 @@ fn free_fall_is_a_parabola() {
             assert!((now.centre[a] - first.centre[a] - x).abs() < 1e-12, "{integrator} {a}");
         }
         assert!((ledger.external_work - MASS * 10.0 * 5.0 * t * t).abs() < 1e-12, "{integrator}");
+        assert!(now.force[0].abs() < 1e-9 && (now.force[1] + MASS * 10.0).abs() < 1e-9, "{integrator}");
         // No strain: nothing but gravity acts.
         assert!(now.energies.elastic < 1e-20, "{integrator} {}", now.energies.elastic);
     }

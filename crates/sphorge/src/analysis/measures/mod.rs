@@ -51,7 +51,8 @@ pub(crate) use perforation::Span;
 use period::Period;
 use remains::remains;
 use reversal::Reversal;
-use selection::{Quantity, Selection};
+pub(super) use selection::{Quantity, Selection};
+pub(super) use value::shepard;
 
 /// The measures of a run with what they remember of its past.
 #[derive(Clone, Debug)]

@@ -6,19 +6,19 @@ use crate::{
 };
 
 /// Particles of a probe at one time.
-pub(super) struct Selection<'a> {
+pub(in crate::analysis) struct Selection<'a> {
     pub(super) model: &'a Model,
     pub(super) particles: &'a Particles,
     probe: &'a Probe,
 }
 
 impl<'a> Selection<'a> {
-    pub(super) fn new(model: &'a Model, particles: &'a Particles, probe: &'a Probe) -> Self {
+    pub(in crate::analysis) fn new(model: &'a Model, particles: &'a Particles, probe: &'a Probe) -> Self {
         Self { model, particles, probe }
     }
 
     /// Places of the particles in the columns, ascending.
-    pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
+    pub(in crate::analysis) fn indices(&self) -> impl Iterator<Item = usize> {
         (0..self.particles.len()).filter(|&i| self.holds(i))
     }
 
@@ -31,12 +31,12 @@ impl<'a> Selection<'a> {
     }
 
     /// Spacing of the particle's body, m.
-    pub(super) fn spacing(&self, i: usize) -> f64 {
+    pub(in crate::analysis) fn spacing(&self, i: usize) -> f64 {
         self.model.bodies.get(self.particles.body[i] as usize).map_or(self.model.spacing, |body| body.spacing)
     }
 
     /// Mass-weighted mean.
-    pub(super) fn mean(&self, quantity: &Quantity) -> Option<f64> {
+    pub(in crate::analysis) fn mean(&self, quantity: &Quantity) -> Option<f64> {
         let (sum, mass) = self.indices().fold((0.0, 0.0), |(sum, mass), i| {
             let m = self.particles.mass[i];
             (sum + m * quantity.of(i), mass + m)
@@ -46,20 +46,20 @@ impl<'a> Selection<'a> {
 }
 
 /// A field reduced to one number a particle.
-pub(super) struct Quantity<'a> {
+pub(in crate::analysis) struct Quantity<'a> {
     column: Column<'a>,
     component: Option<usize>,
 }
 
 impl<'a> Quantity<'a> {
     /// `None` for an unknown field or component.
-    pub(super) fn new(particles: &'a Particles, field: &str, component: Option<usize>) -> Option<Self> {
+    pub(in crate::analysis) fn new(particles: &'a Particles, field: &str, component: Option<usize>) -> Option<Self> {
         let column = particles.column(field)?;
         component.is_none_or(|k| k < column.kind().width()).then_some(Self { column, component })
     }
 
     /// The component, or without one the value or norm.
-    pub(super) fn of(&self, i: usize) -> f64 {
+    pub(in crate::analysis) fn of(&self, i: usize) -> f64 {
         match self.component {
             Some(k) => self.column.component(i, k),
             None => self.column.magnitude(i),

@@ -3,7 +3,7 @@
 use super::selection::{Quantity, Selection};
 
 /// `sum (m/rho) f W / sum (m/rho) W` (Shepard). The normalisation of the kernel cancels, but for its `1/h^d`.
-pub(super) fn shepard(selection: &Selection, quantity: &Quantity, point: [f64; 3]) -> Option<f64> {
+pub(in crate::analysis) fn shepard(selection: &Selection, quantity: &Quantity, point: [f64; 3]) -> Option<f64> {
     let p = selection.particles;
     let kernel = selection.model.numerics.kernel;
     let dimensions = selection.model.dimensions.count();

@@ -6,6 +6,7 @@ mod contact;
 pub(crate) mod material;
 mod measure;
 mod numerics;
+mod observed;
 mod shape;
 
 use super::raw::{RawDeck, RawRegion};
@@ -198,6 +199,8 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let gravity = raw.gravity.as_ref().map_or(Some([0.0; 3]), |g| vector(g, dimensions, problems));
     let scene = measure::Scene { dimensions, bodies: &body_names, regions: &region_names };
     let measures = measure::measures(&raw.measure, &scene, problems);
+    let tracers = observed::tracers(&raw.tracer, &scene, problems);
+    let sections = observed::sections(&raw.section, &scene, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
     if numerics.as_ref().is_some_and(|n| n.temperature == crate::model::TemperatureSource::Energy) {
         materials.need_specific_heat(problems);
@@ -234,6 +237,8 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         gravity: gravity?,
         output: output?,
         measures: measures?,
+        tracers: tracers?,
+        sections: sections?,
     };
     Some((model, places))
 }

@@ -198,14 +198,20 @@ fn solid_cylinder(raw: &RawCylinder, dimensions: Dimensions, problems: &mut Prob
     Some(Solid::Cylinder { from, to, radius, inner_radius })
 }
 
-/// Unit vector along a direction.
-fn direction(raw: &VectorOf<Number>, dimensions: Dimensions, problems: &mut Problems) -> Option<[f64; 3]> {
+/// Unit vector along a direction; `what` it is the direction of.
+pub(crate) fn direction(
+    raw: &VectorOf<Number>,
+    what: &str,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> Option<[f64; 3]> {
     let direction = vector(raw, dimensions, problems)?;
     let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() {
         return Some(direction.map(|c| c / length));
     }
-    problems.push(Fault::new("out-of-range", "the axis has no direction", raw.span.clone(), "must not be zero"));
+    let message = format!("the {what} has no direction");
+    problems.push(Fault::new("out-of-range", message, raw.span.clone(), "must not be zero"));
     None
 }
 
@@ -230,7 +236,7 @@ fn pairs(raw: &[VectorOf<Length>], what: &str, problems: &mut Problems) -> Optio
 
 fn revolution(raw: &RawRevolution, dimensions: Dimensions, problems: &mut Problems) -> Option<Solid> {
     let from = raw.from.as_ref().map_or(Some([0.0; 3]), |f| vector(f, dimensions, problems));
-    let axis = direction(&raw.axis, dimensions, problems);
+    let axis = direction(&raw.axis, "axis", dimensions, problems);
     let profile = pairs(&raw.profile, "an axial distance and a radius", problems)?;
     let fault =
         |k: usize, message: &str, label: &str| Fault::new("bad-profile", message, raw.profile[k].span.clone(), label);

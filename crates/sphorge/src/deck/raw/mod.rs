@@ -7,6 +7,7 @@ mod contact;
 mod material;
 mod measure;
 mod numerics;
+mod observed;
 mod shape;
 
 pub(crate) use body::*;
@@ -15,6 +16,7 @@ pub(crate) use contact::*;
 pub(crate) use material::*;
 pub(crate) use measure::*;
 pub(crate) use numerics::*;
+pub(crate) use observed::*;
 pub(crate) use shape::*;
 
 use super::choice::*;
@@ -75,6 +77,12 @@ pub(crate) struct RawDeck {
     /// Numbers to report: columns of `history.csv`, entries of `summary.json`.
     #[serde(default)]
     pub(crate) measure: Vec<RawMeasure>,
+    /// Particles to follow and points to watch: columns of `history.csv`.
+    #[serde(default)]
+    pub(crate) tracer: Vec<RawTracer>,
+    /// Planes the force through which is written: columns of `history.csv`.
+    #[serde(default)]
+    pub(crate) section: Vec<RawSection>,
     /// Own materials, or changes to those of the catalogue, by name.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, RawMaterial>")]

@@ -101,6 +101,23 @@ value = { body = "ball", field = "velocity", component = "z", point = [0, 0, "30
 name = "swing"
 period = { field = "position", component = "y" }
 
+[[tracer]]
+name = "tip"
+point = [0, 0, "20 mm"]
+body = "rod"
+
+[[tracer]]
+name = "gauge"
+point = [0, 0, "5 mm"]
+fixed = true
+fields = ["pressure", "stress"]
+
+[[section]]
+name = "middle"
+point = [0, 0, "10 mm"]
+normal = [0, 3, 4]
+body = "rod"
+
 [[measure]]
 name = "rebound"
 reversal-time = { axis = "z" }
@@ -215,6 +232,24 @@ fn measures_arrive() {
         MeasureKind::Period { probe: probe.clone(), field: "position".to_owned(), component: Some(1) }
     );
     assert_eq!(kind("rebound"), MeasureKind::ReversalTime { probe, axis: 2 });
+}
+
+#[test]
+fn tracers_and_sections_arrive() {
+    let model = model(THREE);
+    let usual = ["position", "velocity", "pressure", "von_mises_stress", "plastic_strain", "temperature"];
+    let tip = Tracer {
+        name: "tip".into(),
+        point: [0.0, 0.0, 0.02],
+        body: Some(0),
+        is_fixed: false,
+        fields: usual.map(String::from).to_vec(),
+    };
+    let fields = vec!["pressure".to_owned(), "stress".to_owned()];
+    let gauge = Tracer { name: "gauge".into(), point: [0.0, 0.0, 0.005], body: None, is_fixed: true, fields };
+    assert_eq!(model.tracers, [tip, gauge]);
+    let middle = Section { name: "middle".into(), point: [0.0, 0.0, 0.01], normal: [0.0, 0.6, 0.8], body: Some(0) };
+    assert_eq!(model.sections, [middle]);
 }
 
 #[test]

@@ -11,7 +11,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let model = &*self.model;
         let p = &self.particles;
         let mut bodies = vec![BodyLedger::default(); model.bodies.len()];
+        let driven: Vec<_> = (0..model.motions.len()).map(|k| self.prescribed_acceleration(k)).collect();
         for i in 0..p.len() {
+            let motion = (self.work.motion[i] as usize).checked_sub(1).map_or([None; 3], |k| driven[k]);
             let body = &mut bodies[p.body[i] as usize];
             let material = &model.materials[p.material[i] as usize];
             let (m, x, v) = (p.mass[i], p.position[i], p.velocity[i]);
@@ -27,6 +29,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 body.momentum[a] += m * v[a];
                 body.angular_momentum[a] += m * (x[b] * v[c] - x[c] * v[b]);
                 body.centre[a] += m * x[a];
+                body.force[a] += m * motion[a].unwrap_or(p.acceleration[i][a]);
             }
         }
         let mut total = BodyLedger::default();
@@ -41,6 +44,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 total.momentum[a] += body.momentum[a];
                 total.angular_momentum[a] += body.angular_momentum[a];
                 total.centre[a] += body.centre[a];
+                total.force[a] += body.force[a];
                 body.centre[a] /= body.mass;
             }
         }
