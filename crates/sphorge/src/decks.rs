@@ -25,6 +25,7 @@ shipped! {
     "plate-impact",
     "elastic-plastic-piston",
     "elastic-bar",
+    "oscillating-plate",
     "rotating-rod",
     "block",
 }

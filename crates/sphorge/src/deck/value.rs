@@ -165,7 +165,7 @@ macro_rules! kind_types {
 }
 kind_types! {
     Number => NUMBER, Length => LENGTH, Time => TIME, Velocity => VELOCITY, Acceleration => ACCELERATION, Angle => ANGLE,
-    AngularVelocity => ANGULAR_VELOCITY, Density => DENSITY, Stress => PRESSURE, Temperature => TEMPERATURE,
+    AngularVelocity => ANGULAR_VELOCITY, Rate => RATE, Density => DENSITY, Stress => PRESSURE, Temperature => TEMPERATURE,
     SpecificHeat => SPECIFIC_HEAT, Conductivity => CONDUCTIVITY,
 }
 

@@ -189,15 +189,12 @@ fn initialise(particles: &mut Particles, range: std::ops::Range<usize>, index: u
     let material = &model.materials[body.material];
     for i in range {
         let x = particles.position[i];
-        let r: [f64; 3] = std::array::from_fn(|k| x[k] - body.spin_centre[k]);
-        let w = body.spin;
-        let turning = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
         particles.id[i] = i as u32;
         particles.body[i] = index as u32;
         particles.material[i] = body.material as u32;
         particles.mass[i] *= material.density;
         particles.smoothing_length[i] = body.smoothing_length;
-        particles.velocity[i] = std::array::from_fn(|k| body.velocity[k] + turning[k]);
+        particles.velocity[i] = body.initial_velocity(x);
         particles.density[i] = material.density;
         particles.temperature[i] = body.temperature;
         particles.sound_speed[i] = material.equation_of_state.reference_sound_speed();
@@ -315,6 +312,22 @@ mod tests {
         // w = (0, 4, 0), r = (0.25, 0.25, 0.25): w x r = (1, 0, -1).
         assert_eq!(particles.velocity[0], [1.0, 0.0, -1.0]);
         assert_eq!((particles.len(), particles.mass[0]), (8, 125.0));
+    }
+
+    #[test]
+    fn initial_velocities_vary_in_space_as_asked() {
+        let particles = deck(
+            "plane-strain",
+            &format!(
+                "{BOX}velocity = [3, 0]\nvelocity-gradient = {{ rows = [[1, 10], [100, 1000]], centre = [0, 0.75] }}\n\
+                 velocity-profile = {{ along = \"x\", amplitude = [0, 8], rows = [[0.5, 0], [1, 1]] }}\n"
+            ),
+        );
+        // At (0.75, 0.25), (0.75, -0.5) from the centre, half of the amplitude.
+        assert_eq!(particles.position[1], [0.75, 0.25, 0.0]);
+        assert_eq!(particles.velocity[1], [3.0 + 0.75 - 5.0, 75.0 - 500.0 + 4.0, 0.0]);
+        // At (0.25, 0.25) the profile is what it is at its first row.
+        assert_eq!(particles.velocity[0], [3.0 + 0.25 - 5.0, 25.0 - 500.0, 0.0]);
     }
 
     #[test]

@@ -53,8 +53,47 @@ pub struct Body {
     pub spin: [f64; 3],
     /// Centre of the initial spin, m.
     pub spin_centre: [f64; 3],
+    /// Gradient of an initial velocity linear in space, 1/s, about `gradient_centre`; added to `velocity`.
+    pub velocity_gradient: [[f64; 3]; 3],
+    /// Where that velocity is zero, m.
+    pub gradient_centre: [f64; 3],
+    /// Initial velocity by a table along an axis, added to `velocity`.
+    pub velocity_profile: Option<VelocityProfile>,
     /// Initial temperature, K.
     pub temperature: f64,
+}
+
+/// A velocity that varies along one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VelocityProfile {
+    /// Axis 0, 1, 2 it varies along.
+    pub along: usize,
+    /// Velocity where the table says one, m/s.
+    pub amplitude: [f64; 3],
+    /// Place on the axis, m, and share of the amplitude; places increase. Linear between rows, constant outside.
+    pub rows: Vec<(f64, f64)>,
+}
+
+impl Body {
+    /// Initial velocity of the body at a point, m/s.
+    pub fn initial_velocity(&self, x: [f64; 3]) -> [f64; 3] {
+        let r: [f64; 3] = std::array::from_fn(|k| x[k] - self.spin_centre[k]);
+        let w = self.spin;
+        let turning = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
+        let d: [f64; 3] = std::array::from_fn(|k| x[k] - self.gradient_centre[k]);
+        let g = &self.velocity_gradient;
+        let shape = self.velocity_profile.as_ref().map_or([0.0; 3], |profile| profile.at(x));
+        std::array::from_fn(|k| {
+            self.velocity[k] + turning[k] + (g[k][0] * d[0] + g[k][1] * d[1] + g[k][2] * d[2]) + shape[k]
+        })
+    }
+}
+
+impl VelocityProfile {
+    fn at(&self, x: [f64; 3]) -> [f64; 3] {
+        let share = super::boundary::linear(&self.rows, x[self.along]);
+        self.amplitude.map(|v| v * share)
+    }
 }
 
 /// A solid, placed: points are turned about the origin and shifted.

@@ -15,12 +15,17 @@ impl TimeTable {
 
     /// Value at time `t`.
     pub fn at(&self, t: f64) -> f64 {
-        let next = self.points.partition_point(|p| p.0 <= t);
-        match (next.checked_sub(1).and_then(|k| self.points.get(k)), self.points.get(next)) {
-            (Some(&(t0, v0)), Some(&(t1, v1))) => v0 + (v1 - v0) * (t - t0) / (t1 - t0),
-            (Some(&(_, v)), None) | (None, Some(&(_, v))) => v,
-            (None, None) => 0.0,
-        }
+        linear(&self.points, t)
+    }
+}
+
+/// Value of a table at `x`: linear between rows, constant outside.
+pub(super) fn linear(rows: &[(f64, f64)], x: f64) -> f64 {
+    let next = rows.partition_point(|row| row.0 <= x);
+    match (next.checked_sub(1).and_then(|k| rows.get(k)), rows.get(next)) {
+        (Some(&(x0, v0)), Some(&(x1, v1))) => v0 + (v1 - v0) * (x - x0) / (x1 - x0),
+        (Some(&(_, v)), None) | (None, Some(&(_, v))) => v,
+        (None, None) => 0.0,
     }
 }
 

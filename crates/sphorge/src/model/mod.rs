@@ -9,7 +9,9 @@ mod measure;
 mod numerics;
 mod observed;
 
-pub use body::{Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform};
+pub use body::{
+    Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform, VelocityProfile,
+};
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
 pub use contact::BodyContact;
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};

@@ -20,6 +20,9 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         velocity: [0.0; 3],
         spin: [0.0; 3],
         spin_centre: [0.0; 3],
+        velocity_gradient: [[0.0; 3]; 3],
+        gradient_centre: [0.0; 3],
+        velocity_profile: None,
         temperature: 293.15,
     };
     Model {

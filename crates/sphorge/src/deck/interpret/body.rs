@@ -1,6 +1,6 @@
 //! Bodies.
 
-use super::{material::Chosen, shape::shape, vector};
+use super::{material::Chosen, shape::shape, vector, velocity};
 use crate::deck::defaults;
 use crate::deck::raw::{RawBody, RawParticles, RawSpin};
 use crate::deck::report::{Fault, Problems};
@@ -90,7 +90,13 @@ pub(crate) fn body(
     let lattice = lattice(raw, shape.as_ref(), dimensions, particles, problems);
     let temperature = raw.temperature.as_ref().map(|t| t.within(Bound::NonNegative, problems));
     let material = material?;
+    let gradient = raw
+        .velocity_gradient
+        .as_ref()
+        .map_or(Some(([[0.0; 3]; 3], [0.0; 3])), |g| velocity::gradient(g, dimensions, raw.name.span(), problems));
+    let profile = raw.velocity_profile.as_ref().map(|p| velocity::profile(p, dimensions, raw.name.span(), problems));
     let (spin, spin_centre) = spin?;
+    let (velocity_gradient, gradient_centre) = gradient?;
     Some(Body {
         name: raw.name.text(problems)?.to_owned(),
         material,
@@ -101,6 +107,9 @@ pub(crate) fn body(
         velocity: velocity?,
         spin,
         spin_centre,
+        velocity_gradient,
+        gradient_centre,
+        velocity_profile: profile.map_or(Some(None), |p| p.map(Some))?,
         temperature: temperature.unwrap_or_else(|| materials.reference_temperature(material))?,
     })
 }

@@ -8,6 +8,7 @@ mod measure;
 mod numerics;
 mod observed;
 mod shape;
+mod velocity;
 
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};

@@ -22,6 +22,10 @@ pub(crate) struct RawBody {
     pub(crate) velocity: Option<VectorOf<Velocity>>,
     /// Initial rotation, added to the velocity.
     pub(crate) spin: Option<RawSpin>,
+    /// Initial velocity linear in space, added to the velocity.
+    pub(crate) velocity_gradient: Option<RawVelocityGradient>,
+    /// Initial velocity by a table along an axis, added to the velocity.
+    pub(crate) velocity_profile: Option<RawVelocityProfile>,
     /// Initial temperature.
     #[schemars(extend("examples" = ["20 degC"], "x-default" = "the material's `reference-temperature`"))]
     pub(crate) temperature: Option<Given<Temperature>>,
@@ -49,6 +53,33 @@ pub(crate) struct RawSpin {
     /// Centre of the rotation.
     #[schemars(extend("examples" = [["0 mm", "0 mm"]], "x-default" = "the origin"))]
     pub(crate) centre: Option<VectorOf<Length>>,
+}
+
+/// Initial velocity linear in space.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawVelocityGradient {
+    /// One row per component of the velocity: how it changes along each axis.
+    #[schemars(extend("examples" = [[["0 /s", "1000 /s"], ["0 /s", "0 /s"]]]))]
+    pub(crate) rows: Vec<VectorOf<Rate>>,
+    /// Where this velocity is zero.
+    #[schemars(extend("examples" = [["0 mm", "0 mm"]], "x-default" = "the origin"))]
+    pub(crate) centre: Option<VectorOf<Length>>,
+}
+
+/// Initial velocity that varies along an axis, such as the shape of a mode of vibration.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawVelocityProfile {
+    /// The axis.
+    #[schemars(extend("examples" = ["x"]))]
+    pub(crate) along: Choice<AxisWord>,
+    /// Velocity where the table says 1.
+    #[schemars(extend("examples" = [["0 m/s", "0.57 m/s"]]))]
+    pub(crate) amplitude: VectorOf<Velocity>,
+    /// Rows of place on the axis and share of the amplitude, places increasing: linear between rows, constant outside.
+    #[schemars(extend("examples" = [[["0 mm", 0.0], ["200 mm", 1.0]]]))]
+    pub(crate) rows: Vec<(Given<Length>, Given<Number>)>,
 }
 
 /// A named set of particles, chosen in the initial configuration; `body`, `shape` or both.
