@@ -22,6 +22,7 @@ shipped! {
     "taylor-plate",
     "taylor-bar",
     "high-shear",
+    "penetration",
     "plate-impact",
     "elastic-plastic-piston",
     "elastic-bar",

@@ -29,6 +29,8 @@ impl Unit {
     pub const MILLIMETRE: Self = Self { symbol: "mm", size: 1e-3 };
     /// Kelvins.
     pub const KELVIN: Self = Self { symbol: "K", size: 1.0 };
+    /// Milliseconds.
+    pub const MILLISECOND: Self = Self { symbol: "ms", size: 1e-3 };
     /// Microseconds.
     pub const MICROSECOND: Self = Self { symbol: "us", size: 1e-6 };
     /// Kilojoules per kilogram.

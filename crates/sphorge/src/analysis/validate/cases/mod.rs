@@ -3,6 +3,8 @@
 mod elastic_bar;
 mod elastic_plastic_piston;
 mod high_shear;
+mod oscillating_plate;
+mod penetration;
 mod plate_impact;
 mod rotating_rod;
 mod taylor_bar;
@@ -15,8 +17,10 @@ pub const CASES: &[Case] = &[
     taylor_plate::CASE,
     taylor_bar::CASE,
     high_shear::CASE,
+    penetration::CASE,
     plate_impact::CASE,
     elastic_plastic_piston::CASE,
     elastic_bar::CASE,
+    oscillating_plate::CASE,
     rotating_rod::CASE,
 ];

@@ -1,0 +1,102 @@
+//! Aluminium disc through an aluminium plate: Patiño et al., test 3.
+
+use super::super::{
+    Bounds, Case, Effort, Finding, ReferenceKind, Study, Unit, Variant,
+    case::refinements,
+    pictures::{Picture, Subject},
+    report::Findings,
+    runs::{Run, Runs},
+};
+
+const SPACING: &str = "spacing";
+const CHOICES: &str = "choices";
+
+/// Diameter of the crater in m and length over width of the cloud of three codes (Patiño et al., Table 6).
+const PUBLISHED: [(&str, f64, f64); 3] =
+    [("Patiño et al.", 0.032, 1.388), ("Liu et al.", 0.0335, 1.33), ("Hiermaier et al.", 0.035, 1.11)];
+
+pub(super) const CASE: Case = Case {
+    name: "penetration",
+    title: "Aluminium disc through an aluminium plate at 6180 m/s",
+    about: "Patiño et al., test 3, at 20 us. The crater is the clear opening of the plate (what hangs together with it), the cloud \
+            everything that is no longer part of the plate; its length counts from the back face of the undeformed plate, and the \
+            outermost per cent of its mass is left out. The paper does not say how it measures either.",
+    deck: "penetration",
+    variants,
+    judge,
+    pictures: &[
+        Picture {
+            series: SPACING,
+            subject: Subject::BeforeAfter("plastic_strain"),
+            caption: "Plastic strain before the impact and at 20 us (the paper's Figures 7 and 8)",
+        },
+        Picture {
+            series: SPACING,
+            subject: Subject::History(&["crater_diameter", "cloud_length", "cloud_width"]),
+            caption: "Crater and cloud over time",
+        },
+    ],
+};
+
+fn variants(effort: Effort) -> Vec<Variant> {
+    let spacings: &[&str] = match effort {
+        Effort::Quick => &["0.4 mm"],
+        Effort::Full => &["0.4 mm", "0.2 mm"],
+    };
+    let mut variants = refinements(SPACING, "", spacings);
+    if effort == Effort::Full {
+        let choice = |label: &str, path: &str, value: &str| {
+            Variant::of_series(label, CHOICES).spacing("0.4 mm").set(path, value)
+        };
+        variants.push(choice("0.4 mm, viscosity 1, 2", "numerics.viscosity", "{ alpha = 1.0, beta = 2.0 }"));
+        variants.push(choice("0.4 mm, no XSPH", "numerics.xsph", "0.0"));
+        variants.push(choice("0.4 mm, no artificial stress", "numerics.artificial-stress", "false"));
+        variants.push(choice("0.4 mm, leapfrog", "numerics.integrator", "leapfrog"));
+        variants.push(choice("0.4 mm, temperature from plastic work", "numerics.temperature", "plastic-work"));
+    }
+    variants
+}
+
+/// Length over width of the cloud.
+fn slenderness(run: &Run) -> Option<f64> {
+    run.measure("cloud_length").zip(run.measure("cloud_width")).map(|(length, width)| length / width)
+}
+
+fn judge(runs: &Runs, findings: &mut Findings) {
+    for run in runs.series(SPACING).chain(runs.series(CHOICES)) {
+        let at_the_papers = run.label() == "0.2 mm";
+        let beside = |finding: Finding, of: fn(&(&str, f64, f64)) -> f64| {
+            PUBLISHED.iter().fold(finding, |f, row| f.beside(ReferenceKind::Published, row.0, of(row)))
+        };
+        let crater = Finding::new("crater diameter", Unit::CENTIMETRE, run.label(), run.measure("crater_diameter"))
+            .beside(ReferenceKind::Experiment, "experiment, least", 0.0275)
+            .beside(ReferenceKind::Experiment, "experiment, most", 0.0345);
+        findings.add(if at_the_papers {
+            crater.must(Bounds::InRange, "inside the experiments")
+        } else {
+            beside(crater, |row| row.1)
+        });
+        let cloud = Finding::new("length over width of the cloud", Unit::NONE, run.label(), slenderness(run));
+        let cloud = beside(cloud.beside(ReferenceKind::Experiment, "experiment", 1.39), |row| row.2);
+        findings.add(if at_the_papers {
+            cloud.must(Bounds::Relative(0.137), "1.2 to 1.58: the experiment, and what another measuring rule changes")
+        } else {
+            cloud
+        });
+        let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
+        let rounding = "pair sums in single precision: some thousand steps of their rounding";
+        let energy = run.summary().map(|s| s.energy.largest_relative_drift);
+        findings.add(finding("drift of the energy ledger", energy).must(Bounds::AtMost(1e-6), rounding));
+        let momentum = run.summary().map(|s| s.largest_momentum_drift);
+        findings.add(finding("drift of linear momentum", momentum).must(Bounds::AtMost(1e-6), rounding));
+    }
+    let trend = |name: &str, unit, of: &dyn Fn(&Run) -> Option<f64>| {
+        runs.series(SPACING).fold(Study::trend(name, unit), |study, run| study.point(run.label(), run.spacing, of(run)))
+    };
+    findings.study(trend("crater diameter", Unit::CENTIMETRE, &|run| run.measure("crater_diameter")));
+    findings.study(trend("length over width of the cloud", Unit::NONE, &slenderness));
+    findings.note(
+        "Temperatures of single particles in the cloud are not to be trusted: the material has no tensile strength of its own \
+         here, and a fragment stretched far below its density at rest has a cold energy that no metal has.",
+    );
+}
