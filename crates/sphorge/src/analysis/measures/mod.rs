@@ -4,7 +4,8 @@
 //! position; all conditions hold). A particle reaches half a spacing of its body beyond its centre on every side. A
 //! measure has no value while no particle is selected.
 //!
-//! - extent: `max(x + s/2) - min(x - s/2)` along the axis: the extent of the particles plus one spacing `s`.
+//! - extent: `max(x + s/2) - min(x - s/2)` along the axis: the extent of the particles plus one spacing `s`, but
+//!   not beyond a plane of symmetry.
 //! - diameter: `2 max(r + s/2)` with `r` the distance from a line along the axis. The line runs through the mean position of
 //!   the particles; where a symmetry plane contains the axis, it runs in that plane (a quarter model knows its axis).
 //! - extreme: largest or smallest value, now or in any row so far; a vector or tensor by its norm unless a component is named.

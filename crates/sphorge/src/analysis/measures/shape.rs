@@ -2,13 +2,21 @@
 
 use super::selection::Selection;
 
-/// `max(x + s/2) - min(x - s/2)`, m.
+/// `max(x + s/2) - min(x - s/2)`, not beyond planes of symmetry, m.
 pub(super) fn extent(selection: &Selection, axis: usize) -> Option<f64> {
     let ends = |i: usize| {
         let (x, half) = (selection.particles.position[i][axis], 0.5 * selection.spacing(i));
         (x - half, x + half)
     };
-    let (low, high) = selection.indices().map(ends).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    let (mut low, mut high) = selection.indices().map(ends).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    // Particles pressed against the plane are flatter than half a spacing.
+    for plane in selection.model.symmetry.iter().filter(|plane| plane.axis == axis) {
+        if plane.side > 0.0 {
+            low = low.max(plane.position);
+        } else {
+            high = high.min(plane.position);
+        }
+    }
     Some(high - low)
 }
 
