@@ -8,6 +8,7 @@ mod contact;
 mod measure;
 mod numerics;
 mod observed;
+mod thermal;
 
 pub use body::{
     Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform, VelocityProfile,
@@ -20,6 +21,7 @@ pub use numerics::{
     TemperatureSource, TimeControl,
 };
 pub use observed::{Section, Tracer};
+pub use thermal::{HeatBoundary, HeatBoundaryKind, Thermal};
 
 /// Dimensions of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +68,8 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// How bodies meet.
     pub contact: BodyContact,
+    /// Heat that flows.
+    pub thermal: Thermal,
     /// Named regions of particles, selected in the initial configuration.
     pub regions: Vec<Region>,
     /// Rigid walls.

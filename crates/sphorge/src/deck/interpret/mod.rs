@@ -8,6 +8,7 @@ mod measure;
 mod numerics;
 mod observed;
 mod shape;
+mod thermal;
 mod velocity;
 
 use super::raw::{RawDeck, RawRegion};
@@ -203,8 +204,13 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let tracers = observed::tracers(&raw.tracer, &scene, problems);
     let sections = observed::sections(&raw.section, &scene, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
+    let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
+    if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
+        let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
+        materials.need_conduction(thermal.mechanics, at, problems);
+    }
     if numerics.as_ref().is_some_and(|n| n.temperature == crate::model::TemperatureSource::Energy) {
-        materials.need_specific_heat(problems);
+        materials.need_specific_heat("`numerics.temperature = \"energy\"`", problems);
     }
     if !problems.is_empty() {
         return None;
@@ -230,6 +236,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         materials: materials.into_materials(),
         bodies: bodies.into_iter().collect::<Option<_>>()?,
         contact: contact?,
+        thermal: thermal?,
         regions: regions.into_iter().collect::<Option<_>>()?,
         walls: walls.into_iter().collect::<Option<_>>()?,
         symmetry: symmetry?,

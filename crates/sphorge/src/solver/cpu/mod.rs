@@ -1,5 +1,6 @@
 //! The engine for processors.
 
+mod conduction;
 mod constitutive;
 mod contact;
 mod external;
@@ -17,9 +18,10 @@ mod votes;
 use super::engine::{Engine, SearchReport, Vote};
 use super::{Ledger, RunFailure};
 use crate::lanes::{Instructions, PairScalar};
-use crate::model::{Integrator, Model, Search};
+use crate::model::{Integrator, Model, Search, TemperatureSource};
 use crate::neighbors::{NeighborList, Reach, Searcher};
 use crate::particles::{Particles, Permutation};
+use conduction::HeatFlow;
 use contact::BodyContacts;
 use external::Walls;
 use halo::Halo;
@@ -43,6 +45,7 @@ pub(super) struct CpuEngine<T> {
     motions: Motions,
     external: ExternalSums,
     contacts: Option<BodyContacts>,
+    heat: Option<HeatFlow>,
     constants: PairConstants<T>,
     instructions: Instructions,
     lists: Lists<T>,
@@ -109,6 +112,15 @@ impl StepState {
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn new(model: Arc<Model>, mut particles: Particles) -> Self {
         let count = particles.len();
+        if model.numerics.temperature == TemperatureSource::Energy {
+            // Temperature is that of the energy, from the start.
+            for i in 0..count {
+                let material = &model.materials[particles.material[i] as usize];
+                let warmer = particles.temperature[i] - material.reference_temperature;
+                particles.energy[i] += material.specific_heat * warmer;
+            }
+        }
+        HeatFlow::hold(&model, &mut particles);
         for i in 0..count {
             let law = &model.materials[particles.material[i] as usize].equation_of_state;
             let state = law.pressure(particles.density[i], particles.energy[i]);
@@ -139,6 +151,7 @@ impl<T: PairScalar> CpuEngine<T> {
             motions: Motions::new(&model),
             external: ExternalSums::new(count),
             contacts: BodyContacts::new(&model, count),
+            heat: HeatFlow::new(&model, count),
             base: Base::new(numerics.integrator, count),
             records: Records::default(),
             lists: Lists { stale: true, ..Lists::default() },
@@ -151,6 +164,12 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         engine.sort_particles();
         engine
+    }
+
+    /// Whether the bodies stand still in a step of size `dt`: heat alone flows. The initial rates, a step of size zero, are those of
+    /// bodies that could move.
+    fn idle(&self, dt: f64) -> bool {
+        !self.model.thermal.mechanics && dt > 0.0
     }
 
     /// Kernel support with the skin of the strategy, in smoothing lengths.
@@ -217,6 +236,9 @@ impl<T: PairScalar> CpuEngine<T> {
         permutation.set(searcher.cell_order(&self.particles.position, size));
         self.particles.reorder(permutation);
         self.work.reorder(permutation);
+        if let Some(heat) = &mut self.heat {
+            heat.reorder(permutation);
+        }
         self.lists.stale = true;
     }
 }
@@ -234,6 +256,11 @@ impl Work {
 
 impl<T: PairScalar> Engine for CpuEngine<T> {
     fn begin(&mut self, dt: f64) {
+        if self.idle(dt) {
+            self.step.dt = dt;
+            self.step.count += 1;
+            return;
+        }
         if self.lists.searches >= SEARCHES_PER_SORTING {
             self.lists.searches = 0;
             self.sort_particles();
@@ -251,7 +278,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn refresh_neighbors(&mut self) -> SearchReport {
-        let due = self.search_due();
+        let due = if self.model.thermal.mechanics { self.search_due() } else { self.lists.stale };
         if due {
             self.search();
         }
@@ -259,27 +286,41 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn kinematics(&mut self) {
+        if self.idle(self.step.dt) {
+            return;
+        }
         self.sum_gradients();
         self.restore_density();
         self.correct_forces();
     }
 
     fn stress(&mut self) {
+        if self.idle(self.step.dt) {
+            return;
+        }
         self.update_stress();
         self.halo.exchange_stress(&self.particles.position, &mut self.records);
     }
 
     fn forces(&mut self) {
+        self.sum_heat();
+        if self.idle(self.step.dt) {
+            return;
+        }
         self.sum_forces();
         self.add_body_contact();
         self.add_external_forces();
     }
 
     fn finish(&mut self) {
-        match self.model.numerics.integrator {
-            Integrator::Leapfrog => self.leapfrog_finish(),
-            Integrator::PredictorCorrector => self.correct(),
+        if !self.idle(self.step.dt) {
+            match self.model.numerics.integrator {
+                Integrator::Leapfrog => self.leapfrog_finish(),
+                Integrator::PredictorCorrector => self.correct(),
+            }
+            self.warm_by_friction();
         }
+        self.flow_heat();
         self.step.time += self.step.dt;
     }
 
@@ -288,8 +329,12 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn vote(&self) -> Vote {
+        let conduction = votes::conduction_vote(&self.model, self.heat.as_ref().map(HeatFlow::limit));
+        if !self.model.thermal.mechanics {
+            return conduction;
+        }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        votes::vote(&self.model, &self.particles, &self.work.mu, contact)
+        votes::smaller(votes::vote(&self.model, &self.particles, &self.work.mu, contact), conduction)
     }
 
     fn pairs(&self) -> u64 {
@@ -312,7 +357,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             + self.lists.permutation.bytes()
             + 32 * self.lists.points.capacity();
         let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
-        (columns + lists + contacts + self.records.bytes()) as u64
+        let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
+        (columns + lists + contacts + heat + self.records.bytes()) as u64
     }
 }
 
