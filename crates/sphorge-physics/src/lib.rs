@@ -14,7 +14,6 @@
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
 pub mod artificial_stress;
-pub mod conduction;
 pub mod contact;
 pub mod dimension;
 pub mod eos;

@@ -150,6 +150,7 @@ mod tests {
             energy: EnergyRecord { relative_drift: -1e-9, ..Default::default() },
             momentum_drift: 1e-12,
             largest_momentum_drift: 1e-12,
+            audit: None,
             measures: measures.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
             measure_units: measures.iter().map(|(name, _)| ((*name).into(), "m".into())).collect::<BTreeMap<_, _>>(),
         }

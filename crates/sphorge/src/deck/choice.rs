@@ -1,9 +1,10 @@
 //! Words a deck chooses from.
 
+use super::defaults;
 use super::value::{Choices, Given, Scalar, Velocity};
 use crate::model::{
     Arrangement, CraterEdge, Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision,
-    TemperatureSource,
+    Search, TemperatureSource,
 };
 use crate::particles::{FIELDS, FieldInfo};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -64,9 +65,19 @@ words! {
         "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";
         "benz-asphaug" => ReturnRule::BenzAsphaug, "the square of that factor (Patiño et al. Eq 28 as printed)";
     }
-    SearchWord, "search strategy", bool {
-        "every-step" => false, "all particles, every step";
-        "skin" => true, "lists with a skin, renewed when a particle has moved through half of it";
+    SearchWord, "search strategy", Search {
+        "every-step" => Search::EveryStep, "all particles, every step";
+        "skin" => defaults::SKIN, "lists with a skin, renewed when a particle has moved through half of it";
+        "adaptive" => Search::Adaptive(defaults::ADAPTIVE), "particles whose plastic strain grows (Fraser), and all a guard finds";
+        "total-lagrangian" => Search::TotalLagrangian(defaults::TOTAL_LAGRANGIAN), "no one after the start: sums over the initial neighbours";
+    }
+    GuardWord, "guard of the adaptive search", Option<f64> {
+        "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and strangers are searched too, gradients are those of the positions as they are";
+        "none" => None, "the rule of Fraser as published, kernel values of the last search";
+    }
+    FormulationWord, "total Lagrangian form", bool {
+        "corrected" => true, "deformation gradient and first Piola-Kirchhoff stress with corrected gradients";
+        "frozen" => false, "lists and kernel values of the start in the sums of the other strategies (Fraser, Table 1)";
     }
     ContactWord, "wall contact", bool {
         "monaghan-kos" => true, "repulsion of Monaghan & Kos (1999)";

@@ -1,5 +1,7 @@
 //! What a deck gets where it says nothing; the reference page states the same values, and a test compares them.
 
+use crate::model::{AdaptiveSearch, Search, TotalLagrangian};
+
 /// Smoothing length over spacing.
 pub(crate) const SMOOTHING: f64 = 1.2;
 /// Courant number.
@@ -10,6 +12,15 @@ pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
 pub(crate) const ARTIFICIAL_STRESS: (f64, u32) = (0.3, 4);
 /// Thickness of the neighbour skin over the kernel radius.
 pub(crate) const SKIN_FRACTION: f64 = 0.1;
+/// Lists with a skin.
+pub(crate) const SKIN: Search = Search::Skin { fraction: SKIN_FRACTION };
+/// Strain since its last search at which the guard of the adaptive search searches a particle.
+pub(crate) const GUARD_STRAIN: f64 = 0.005;
+/// Adaptive search: the middle threshold of Fraser's Table 1, guarded.
+pub(crate) const ADAPTIVE: AdaptiveSearch =
+    AdaptiveSearch { plastic_strain_threshold: 1e-5, accumulate: false, guard: Some(GUARD_STRAIN) };
+/// Total Lagrangian form.
+pub(crate) const TOTAL_LAGRANGIAN: TotalLagrangian = TotalLagrangian { corrected: true, hourglass: 10.0 };
 /// Stiffness, damping and friction of the penalty contact.
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
 /// Stiffness, damping and friction of the contact between bodies.

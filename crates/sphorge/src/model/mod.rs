@@ -8,7 +8,6 @@ mod contact;
 mod measure;
 mod numerics;
 mod observed;
-mod thermal;
 
 pub use body::{
     Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform, VelocityProfile,
@@ -17,11 +16,10 @@ pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall,
 pub use contact::BodyContact;
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};
 pub use numerics::{
-    ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision, Search,
-    TemperatureSource, TimeControl,
+    AdaptiveSearch, ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
+    Search, TemperatureSource, TimeControl, TotalLagrangian,
 };
 pub use observed::{Section, Tracer};
-pub use thermal::{HeatBoundary, HeatBoundaryKind, Thermal};
 
 /// Dimensions of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +58,8 @@ pub struct Model {
     pub numerics: Numerics,
     /// Neighbour search strategy.
     pub search: Search,
+    /// Compare the neighbour lists with an exact search every so many steps.
+    pub audit: Option<u64>,
     /// When to start, stop and how to choose steps.
     pub time: TimeControl,
     /// Materials in use; bodies refer to them by index.
@@ -68,8 +68,6 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// How bodies meet.
     pub contact: BodyContact,
-    /// Heat that flows.
-    pub thermal: Thermal,
     /// Named regions of particles, selected in the initial configuration.
     pub regions: Vec<Region>,
     /// Rigid walls.

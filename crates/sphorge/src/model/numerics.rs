@@ -102,6 +102,32 @@ pub enum Search {
         /// Skin as a share of the kernel radius.
         fraction: f64,
     },
+    /// Particles whose plastic strain grows (Fraser).
+    Adaptive(AdaptiveSearch),
+    /// No one after the start: sums refer to the initial positions.
+    TotalLagrangian(TotalLagrangian),
+}
+
+/// Who is searched again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdaptiveSearch {
+    /// Plastic strain increment above which a particle is searched.
+    pub plastic_strain_threshold: f64,
+    /// The increment since the last search of the particle, not that of the last step.
+    pub accumulate: bool,
+    /// What else is searched so that nothing is missed: particles whose accumulated strain since their last search exceeds this
+    /// bound, and those among strangers. `None`: the paper's rule alone, with the kernel values of the last search.
+    pub guard: Option<f64>,
+}
+
+/// Sums over the initial neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TotalLagrangian {
+    /// Deformation gradient and first Piola–Kirchhoff stress with corrected gradients; otherwise lists and kernel values of
+    /// the start in the sums of the other strategies, as in the paper's table.
+    pub corrected: bool,
+    /// Strength of the hourglass control, zero for none.
+    pub hourglass: f64,
 }
 
 /// Time control.

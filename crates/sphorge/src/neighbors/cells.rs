@@ -1,6 +1,10 @@
 //! A uniform grid of cells and the points sorted into it.
 
+use rayon::prelude::*;
 use sphorge_physics::Vector;
+
+/// Points one thread takes at a time.
+const CHUNK: usize = 1024;
 
 /// Points in cell order. Cells are numbered with the last used axis running fastest, so that three neighbouring cells
 /// along it are one contiguous run of points.
@@ -42,12 +46,18 @@ impl CellGrid {
         let count = self.extent.iter().product::<usize>();
         self.starts.clear();
         self.starts.resize(count + 1, 0);
-        self.cell_of.clear();
-        for p in points {
-            let c = self.cell(p);
-            self.cell_of.push(c as u32);
-            self.starts[c + 1] += 1;
+        let mut cell_of = std::mem::take(&mut self.cell_of);
+        cell_of.resize(points.len(), 0);
+        let this = &*self;
+        cell_of.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each(|(cells, points)| {
+            for (cell, point) in cells.iter_mut().zip(points) {
+                *cell = this.cell(point) as u32;
+            }
+        });
+        for &c in &cell_of {
+            self.starts[c as usize + 1] += 1;
         }
+        self.cell_of = cell_of;
         for c in 0..count {
             self.starts[c + 1] += self.starts[c];
         }
@@ -73,15 +83,44 @@ impl CellGrid {
     /// The contiguous runs `(first, last)` of `order` that hold every point within one cell of `p`; some may be empty.
     #[inline(always)]
     pub fn runs_around(&self, p: &Vector<f64>) -> [(usize, usize); 9] {
-        let [x, y, z] = self.coordinates(p);
+        self.runs_around_cell(self.cell(p))
+    }
+
+    /// The same around a cell that holds a point.
+    #[inline(always)]
+    pub fn runs_around_cell(&self, cell: usize) -> [(usize, usize); 9] {
+        let plane = self.extent[1] * self.extent[2];
         let mut runs = [(0, 0); 9];
         for a in 0..3 {
             for b in 0..3 {
-                let c = ((x + a - 1) * self.extent[1] + y + b - 1) * self.extent[2] + z;
+                let c = cell + a * plane + b * self.extent[2] - plane - self.extent[2];
                 runs[3 * a + b] = (self.starts[c - 1] as usize, self.starts[c + 2] as usize);
             }
         }
         runs
+    }
+
+    /// The cell point `i` was sorted into.
+    #[inline(always)]
+    pub fn cell_of(&self, i: usize) -> usize {
+        self.cell_of[i] as usize
+    }
+
+    /// Number of cells, the rim included.
+    pub fn cells(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Points of a cell.
+    pub fn members(&self, cell: usize) -> &[u32] {
+        &self.order[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// A cell that holds a point and the 26 around it.
+    pub fn cells_around(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let plane = self.extent[1] * self.extent[2];
+        let row = self.extent[2];
+        (0..27).map(move |k| cell + k / 9 * plane + k / 3 % 3 * row + k % 3 - plane - row - 1)
     }
 
     /// Bytes held.

@@ -90,6 +90,25 @@ impl Block {
         self.starts.push(self.indices.len() as u32);
     }
 
+    /// Adds row `k` of another block as it is.
+    pub fn copy_row(&mut self, other: &Block, k: usize) {
+        let (start, end) = (other.starts[k] as usize, other.starts[k + 1] as usize);
+        self.indices.extend_from_slice(&other.indices[start..end]);
+        self.lengths.push(other.lengths[k]);
+        self.starts.push(self.indices.len() as u32);
+    }
+
+    /// Where the padded row `k` starts among all padded entries of the block.
+    #[inline(always)]
+    pub fn start(&self, k: usize) -> usize {
+        self.starts[k] as usize
+    }
+
+    /// Entries of all rows, padding included.
+    pub fn padded_len(&self) -> usize {
+        self.indices.len()
+    }
+
     /// Rows written.
     pub fn len(&self) -> usize {
         self.lengths.len()

@@ -9,8 +9,9 @@ mod search;
 
 pub use brute_force::brute_force;
 pub use cells::CellGrid;
+pub(crate) use cells::bounds;
 pub(crate) use foreign::ForeignList;
 pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
 pub use search::Reach;
-pub(crate) use search::Searcher;
+pub(crate) use search::{Searcher, mark};

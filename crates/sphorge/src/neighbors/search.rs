@@ -1,10 +1,16 @@
-//! Cell search for all particles.
+//! Cell search, for all particles or for some.
+//!
+//! Cells are a little larger than the reach, so that they serve as long as no particle has moved through half of the
+//! difference; only coordinates are renewed in between. Distances are tested in single precision on fixed-point coordinates,
+//! whatever the precision of the pair sums. Both rows of a pair come to the same verdict, bit for bit.
 
 use super::cells::bounds;
-use super::{BLOCK, Block, CellGrid, Frame, NeighborList};
+use super::{BLOCK, Block, CellGrid, Frame, NeighborList, PAD};
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU8, Ordering};
 
 /// How far two points may lie apart to be neighbours: `factor (h_i + h_j) / 2`.
 #[derive(Clone, Copy, Debug)]
@@ -29,22 +35,51 @@ impl Reach<'_> {
     }
 }
 
-/// The searcher: a cell grid and the points in its order, kept between searches for their memory.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Searcher<T> {
+/// What a cell is larger than the reach, as a share of it: 16 % more distance tests, and particles are sorted into cells
+/// once in several steps.
+const CELL_MARGIN: f64 = 0.05;
+
+/// Points one thread takes at a time.
+const CHUNK: usize = 1024;
+
+/// What a partial search does to a row.
+pub(crate) mod mark {
+    /// The row stays.
+    pub(crate) const KEEP: u8 = 0;
+    /// The row is made anew.
+    pub(crate) const SEARCH: u8 = 1;
+    /// A neighbour of one that is searched: entries that are searched are made anew, the others stay.
+    pub(crate) const MEND: u8 = 2;
+}
+
+/// The searcher: a cell grid and the points in its order, kept between searches.
+#[derive(Debug, Default)]
+pub(crate) struct Searcher {
     grid: CellGrid,
+    /// Where the points were when they were sorted into cells, m, and the reach they were sorted for.
+    sorted_at: Vec<Vector<f64>>,
+    sorted_for: f64,
+    bounds: (Vector<f64>, Vector<f64>),
+    frame: Frame,
     /// Encoded coordinates and smoothing lengths in cell order, padded to whole bundles.
-    x: [Vec<T>; 3],
-    h: Vec<T>,
+    x: [Vec<f32>; 3],
+    h: Vec<f32>,
     /// Place of every point in the cell order.
     place: Vec<u32>,
     /// Point indices in cell order, padded like the coordinates.
     order: Vec<u32>,
+    /// Bit k: the point in place k is searched. Only for partial searches.
+    searched: Vec<u64>,
+    /// Squared reach where all smoothing lengths are equal, m².
+    uniform: Option<f32>,
+    half_factor: f32,
+    /// Blocks being rebuilt, one for each thread.
+    spare: Vec<Mutex<Block>>,
 }
 
-impl<T: PairScalar> Searcher<T> {
-    /// Fills `list` with the neighbours of the first `count` of `points` and returns the frame their coordinates were encoded
-    /// in. Rows come in the order of the cells, which depends on the positions alone, never on threads.
+impl Searcher {
+    /// Fills `list` with the neighbours of the first `count` of `points`. Rows come in the order of the cells, which depends on
+    /// positions alone, never on threads.
     pub(crate) fn search(
         &mut self,
         points: &[Vector<f64>],
@@ -52,131 +87,271 @@ impl<T: PairScalar> Searcher<T> {
         reach: &Reach<'_>,
         instructions: Instructions,
         list: &mut NeighborList,
-    ) -> Frame {
-        let largest = reach.largest();
-        let (low, high) = bounds(points);
-        // Between two searches a particle moves by less than the kernel radius.
-        let frame = Frame::around::<T>(low, high, largest);
-        self.grid.sort(points, largest);
-        self.sort_columns(points, reach, &frame);
-
+    ) {
+        self.prepare(points, reach);
         list.resize(count);
-        let h = reach.smoothing_length;
-        let uniform = h.iter().all(|&other| other == h[0]).then(|| T::of(largest * largest));
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
             block.clear();
             let rows = b * BLOCK..((b + 1) * BLOCK).min(count);
-            let job = RowsJob {
-                searcher: this,
-                points,
-                rows,
-                block,
-                unit: T::of(frame.unit),
-                half_factor: T::of(0.5 * reach.factor),
-                uniform,
-            };
-            run(instructions, job);
+            run(instructions, RowsJob { searcher: this, rows, block });
         });
-        frame
+    }
+
+    /// Searches the points marked [`mark::SEARCH`] and mends the rows of all they are or were neighbours of, so that the
+    /// list stays symmetric: of every pair either both rows know or none. `marks` has an entry for every point, that of a
+    /// ghost (a point from `count` on, image of `source[ghost]`) equal to its source's; rows to be mended get
+    /// [`mark::MEND`]. With `one_sided` nothing is mended. Returns how many rows were searched.
+    pub(crate) fn renew(
+        &mut self,
+        points: &[Vector<f64>],
+        count: usize,
+        sources: &[u32],
+        reach: &Reach<'_>,
+        instructions: Instructions,
+        list: &mut NeighborList,
+        marks: &[AtomicU8],
+        one_sided: bool,
+    ) -> usize {
+        self.prepare(points, reach);
+        self.mark_searched(marks);
+        self.spare.resize_with(rayon::current_num_threads(), Mutex::default);
+        let this = &*self;
+        let source = |j: u32| if (j as usize) < count { j as usize } else { sources[j as usize - count] as usize };
+        let mend = |row: &[u32]| {
+            for &j in row {
+                let j = source(j);
+                if marks[j].load(Ordering::Relaxed) == mark::KEEP {
+                    // Every thread writes the same value.
+                    marks[j].store(mark::MEND, Ordering::Relaxed);
+                }
+            }
+        };
+        let rows = |b: usize| b * BLOCK..((b + 1) * BLOCK).min(count);
+        let has = |b: usize, what: u8| rows(b).any(|i| marks[i].load(Ordering::Relaxed) == what);
+        let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
+
+        list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::SEARCH)).for_each(|(b, block)| {
+            this.rebuild(block, |old, new| {
+                for (k, i) in rows(b).enumerate() {
+                    if searched(i) {
+                        if !one_sided {
+                            mend(old.row(k));
+                        }
+                        run(instructions, RowsJob { searcher: this, rows: i..i + 1, block: new });
+                        if !one_sided {
+                            mend(new.row(k));
+                        }
+                    } else {
+                        new.copy_row(old, k);
+                    }
+                }
+            });
+        });
+        if !one_sided {
+            list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::MEND)).for_each(|(b, block)| {
+                this.rebuild(block, |old, new| {
+                    for (k, i) in rows(b).enumerate() {
+                        if marks[i].load(Ordering::Relaxed) == mark::MEND {
+                            for &j in old.row(k).iter().filter(|&&j| !searched(j as usize)) {
+                                new.push(j);
+                            }
+                            run(instructions, MendJob { searcher: this, row: i, block: new });
+                        } else {
+                            new.copy_row(old, k);
+                        }
+                    }
+                });
+            });
+        }
+        (0..count).filter(|&i| searched(i)).count()
     }
 
     /// Indices of the points in the order of cells of the given size, m.
     pub(crate) fn cell_order(&mut self, points: &[Vector<f64>], size: f64) -> &[u32] {
         self.grid.sort(points, size);
+        self.sorted_at.clear();
         self.grid.order()
+    }
+
+    /// The frame in which coordinates of the points are encoded for pair sums; it holds them until they have moved through
+    /// the reach.
+    pub(crate) fn frame<T: PairScalar>(&self) -> Frame {
+        Frame::around::<T>(self.bounds.0, self.bounds.1, 2.0 * self.sorted_for)
     }
 
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
-        let columns: usize = self.x.iter().chain([&self.h]).map(|c| c.capacity() * size_of::<T>()).sum();
-        self.grid.bytes() + columns + 4 * (self.place.capacity() + self.order.capacity())
+        let columns: usize = self.x.iter().chain([&self.h]).map(|c| 4 * c.capacity()).sum();
+        self.grid.bytes()
+            + columns
+            + 4 * (self.place.capacity() + self.order.capacity())
+            + 24 * self.sorted_at.capacity()
+            + 8 * self.searched.capacity()
     }
 
-    fn sort_columns(&mut self, points: &[Vector<f64>], reach: &Reach<'_>, frame: &Frame) {
-        let padded = points.len() + super::PAD;
+    /// Rebuilds a block into a spare one and puts it in its place.
+    fn rebuild(&self, block: &mut Block, fill: impl FnOnce(&Block, &mut Block)) {
+        let mut spare = match self.spare[rayon::current_thread_index().unwrap_or(0)].lock() {
+            Ok(spare) => spare,
+            // Only a panic in `fill` poisons the lock; its block is cleared before use.
+            Err(poisoned) => poisoned.into_inner(),
+        };
+        spare.clear();
+        fill(block, &mut spare);
+        std::mem::swap(block, &mut spare);
+    }
+
+    /// Brings the columns to the positions of `points`, sorting them into cells anew if they have moved too far.
+    fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
+        let largest = reach.largest();
+        let allowed = 0.5 * CELL_MARGIN * largest;
+        let sorted = self.sorted_at.len() == points.len()
+            && self.sorted_for == largest
+            && points.par_chunks(CHUNK).zip(self.sorted_at.par_chunks(CHUNK)).all(|(now, then)| {
+                now.iter().zip(then).all(|(now, then)| {
+                    let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
+                    d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= allowed * allowed
+                })
+            });
+        if !sorted {
+            self.grid.sort(points, largest * (1.0 + CELL_MARGIN));
+            self.sorted_at.clear();
+            self.sorted_at.extend_from_slice(points);
+            self.sorted_for = largest;
+            self.bounds = bounds(points);
+            self.frame = self.frame::<f32>();
+        }
+        let padded = points.len() + PAD;
         for column in self.x.iter_mut().chain([&mut self.h]) {
-            column.resize(padded, T::zero());
+            column.resize(padded, 0.0);
         }
-        self.place.resize(points.len(), 0);
         self.order.resize(padded, 0);
-        for (k, &i) in self.grid.order().iter().enumerate() {
-            let i = i as usize;
-            let x = frame.encode::<T>(&points[i]);
-            for a in 0..3 {
-                self.x[a][k] = x[a];
+        self.place.resize(points.len(), 0);
+        let h = reach.smoothing_length;
+        self.half_factor = (0.5 * reach.factor) as f32;
+        self.uniform = h.iter().all(|&other| other == h[0]).then_some((largest * largest) as f32);
+
+        let (frame, grid) = (self.frame, &self.grid);
+        let [x, y, z] = &mut self.x;
+        (x.par_chunks_mut(CHUNK), y.par_chunks_mut(CHUNK), z.par_chunks_mut(CHUNK), self.h.par_chunks_mut(CHUNK))
+            .into_par_iter()
+            .zip(grid.order().par_chunks(CHUNK))
+            .for_each(|((x, y, z, h), order)| {
+                for (k, &i) in order.iter().enumerate() {
+                    [x[k], y[k], z[k]] = frame.encode::<f32>(&points[i as usize]);
+                    h[k] = reach.smoothing_length[i as usize] as f32;
+                }
+            });
+        if !sorted {
+            for (k, &i) in grid.order().iter().enumerate() {
+                self.place[i as usize] = k as u32;
+                self.order[k] = i;
             }
-            self.h[k] = T::of(reach.smoothing_length[i]);
-            self.place[i] = k as u32;
-            self.order[k] = i as u32;
         }
+    }
+
+    fn mark_searched(&mut self, marks: &[AtomicU8]) {
+        // One word more than needed: bundles may start anywhere.
+        self.searched.resize(self.order.len() / 64 + 2, 0);
+        self.searched[..].fill(0);
+        self.searched.par_chunks_mut(CHUNK / 64).zip(self.grid.order().par_chunks(CHUNK)).for_each(|(words, order)| {
+            for (k, &i) in order.iter().enumerate() {
+                let bit = u64::from(marks[i as usize].load(Ordering::Relaxed) == mark::SEARCH);
+                words[k / 64] |= bit << (k % 64);
+            }
+        });
+    }
+
+    /// Bits of the `WIDTH` points from place `k` on.
+    #[inline(always)]
+    fn searched_from(&self, k: usize) -> u32 {
+        let low = self.searched[k / 64] >> (k % 64);
+        let high = (self.searched[k / 64 + 1] << 1) << (63 - k % 64);
+        (low | high) as u32
+    }
+
+    /// Adds the neighbours of point `i` to the row being written; if `only_searched`, those among the searched points.
+    #[inline(always)]
+    fn row<L: Lanes<Element = f32>>(&self, i: usize, only_searched: bool, block: &mut Block) {
+        let [x, y, z] = &self.x;
+        let unit = L::of(self.frame.unit);
+        let own = self.place[i] as usize;
+        let x_i = [L::splat(x[own]), L::splat(y[own]), L::splat(z[own])];
+        let h_i = L::splat(self.h[own]);
+        let half_factor = L::splat(self.half_factor);
+        let mut found = [0u32; BUFFER];
+        let mut count = 0;
+        for (first, last) in self.grid.runs_around_cell(self.grid.cell_of(i)) {
+            let mut k = first;
+            while k < last {
+                let dx = L::difference(x_i[0], L::load(&x[k..]), unit);
+                let dy = L::difference(x_i[1], L::load(&y[k..]), unit);
+                let dz = L::difference(x_i[2], L::load(&z[k..]), unit);
+                let r2 = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+                let limit = match self.uniform {
+                    Some(limit) => L::splat(limit),
+                    None => {
+                        let r = half_factor * (h_i + L::load(&self.h[k..]));
+                        r * r
+                    }
+                };
+                let mut mask = L::less(r2, limit);
+                let left = last - k;
+                if left < L::WIDTH {
+                    mask &= (1 << left) - 1;
+                }
+                // Not its own neighbour.
+                let lane = own.wrapping_sub(k);
+                if lane < L::WIDTH {
+                    mask &= !(1 << lane);
+                }
+                if only_searched {
+                    mask &= self.searched_from(k);
+                }
+                if count + L::WIDTH > BUFFER {
+                    block.extend(&found[..count]);
+                    count = 0;
+                }
+                count += L::compress(mask, &self.order[k..], &mut found[count..]);
+                k += L::WIDTH;
+            }
+        }
+        block.extend(&found[..count]);
+        block.end_row(i as u32);
     }
 }
 
 /// Neighbours found before they are handed to the block.
 const BUFFER: usize = 512;
 
-/// The rows of one block.
-struct RowsJob<'a, T> {
-    searcher: &'a Searcher<T>,
-    points: &'a [Vector<f64>],
+/// Rows made anew.
+struct RowsJob<'a> {
+    searcher: &'a Searcher,
     rows: std::ops::Range<usize>,
     block: &'a mut Block,
-    unit: T,
-    half_factor: T,
-    /// Squared reach where all smoothing lengths are equal.
-    uniform: Option<T>,
 }
 
-impl<T: PairScalar> Job<T> for RowsJob<'_, T> {
+impl Job<f32> for RowsJob<'_> {
     #[inline(always)]
-    fn run<L: Lanes<Element = T>>(self) {
-        let Self { searcher, points, rows, block, unit, half_factor, uniform } = self;
-        let Searcher { grid, x, h, place, order } = searcher;
-        let unit = L::splat(unit);
-        let half_factor = L::splat(half_factor);
-        let mut found = [0u32; BUFFER];
-        for i in rows {
-            let own = place[i] as usize;
-            let x_i = [L::splat(x[0][own]), L::splat(x[1][own]), L::splat(x[2][own])];
-            let h_i = L::splat(h[own]);
-            let mut count = 0;
-            let runs = grid.runs_around(&points[i]);
-            for (first, last) in runs {
-                let mut k = first;
-                while k < last {
-                    let dx = L::difference(x_i[0], L::load(&x[0][k..]), unit);
-                    let dy = L::difference(x_i[1], L::load(&x[1][k..]), unit);
-                    let dz = L::difference(x_i[2], L::load(&x[2][k..]), unit);
-                    let r2 = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-                    let limit = match uniform {
-                        Some(limit) => L::splat(limit),
-                        None => {
-                            let r = half_factor * (h_i + L::load(&h[k..]));
-                            r * r
-                        }
-                    };
-                    let mut mask = L::less(r2, limit);
-                    let left = last - k;
-                    if left < L::WIDTH {
-                        mask &= (1 << left) - 1;
-                    }
-                    // Not its own neighbour.
-                    let lane = own.wrapping_sub(k);
-                    if lane < L::WIDTH {
-                        mask &= !(1 << lane);
-                    }
-                    if count + L::WIDTH > BUFFER {
-                        block.extend(&found[..count]);
-                        count = 0;
-                    }
-                    count += L::compress(mask, &order[k..], &mut found[count..]);
-                    k += L::WIDTH;
-                }
-            }
-            block.extend(&found[..count]);
-            block.end_row(i as u32);
+    fn run<L: Lanes<Element = f32>>(self) {
+        for i in self.rows {
+            self.searcher.row::<L>(i, false, self.block);
         }
+    }
+}
+
+/// The searched entries of a row, behind those that stay.
+struct MendJob<'a> {
+    searcher: &'a Searcher,
+    row: usize,
+    block: &'a mut Block,
+}
+
+impl Job<f32> for MendJob<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f32>>(self) {
+        self.searcher.row::<L>(self.row, true, self.block);
     }
 }
 
@@ -197,14 +372,14 @@ mod tests {
         (0..n).map(|_| [0, 1, 2].map(|a| if a < dimensions { random() } else { 0.0 })).collect()
     }
 
-    fn agrees_with_brute_force<T: PairScalar + Default>(instructions: Instructions, uneven: bool) {
+    fn agrees_with_brute_force(instructions: Instructions, uneven: bool) {
         for (dimensions, h) in [(1, 0.01), (2, 0.05), (3, 0.08)] {
             let points = cloud(700, 88172645463325252 + dimensions as u64, dimensions);
             // Only the first 600 points are owners, the rest play ghosts.
             let smoothing: Vec<f64> = (0..700).map(|i| if uneven && i % 3 == 0 { 1.5 * h } else { h }).collect();
             let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
             let mut list = NeighborList::default();
-            Searcher::<T>::default().search(&points, 600, &reach, instructions, &mut list);
+            Searcher::default().search(&points, 600, &reach, instructions, &mut list);
             list.blocks_mut().iter_mut().for_each(Block::sort_rows);
             let oracle = brute_force(&points, 600, &reach);
             assert!(oracle.pairs() > 600);
@@ -218,9 +393,57 @@ mod tests {
     fn cell_search_finds_what_brute_force_finds_on_every_path() {
         for instructions in Instructions::available() {
             for uneven in [false, true] {
-                agrees_with_brute_force::<f64>(instructions, uneven);
-                agrees_with_brute_force::<f32>(instructions, uneven);
+                agrees_with_brute_force(instructions, uneven);
             }
+        }
+    }
+
+    /// A cloud whose list was made before every seventh point moved, and the marks of those.
+    fn moved_cloud() -> (Vec<Vector<f64>>, Vec<Vector<f64>>, Vec<AtomicU8>) {
+        let before = cloud(600, 362436069, 3);
+        let mut after = before.clone();
+        let marks: Vec<AtomicU8> = (0..600).map(|_| AtomicU8::new(mark::KEEP)).collect();
+        for i in (0..600).step_by(7) {
+            after[i] = [0, 1, 2].map(|a| 0.8 * before[i][(a + 1) % 3] + 0.1);
+            marks[i].store(mark::SEARCH, Ordering::Relaxed);
+        }
+        (before, after, marks)
+    }
+
+    #[test]
+    fn a_partial_search_of_all_that_moved_is_a_whole_search() {
+        for instructions in Instructions::available() {
+            let (before, after, marks) = moved_cloud();
+            let smoothing = vec![0.07; 600];
+            let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
+            let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
+            searcher.search(&before, 600, &reach, instructions, &mut list);
+            let searched = searcher.renew(&after, 600, &[], &reach, instructions, &mut list, &marks, false);
+            assert_eq!(searched, 86);
+            list.blocks_mut().iter_mut().for_each(Block::sort_rows);
+            let oracle = brute_force(&after, 600, &reach);
+            for i in 0..600 {
+                assert_eq!(list.row(i), oracle.row(i), "{instructions:?}, particle {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_partial_search_of_some_stays_symmetric_and_a_one_sided_one_does_not() {
+        let (before, after, marks) = moved_cloud();
+        // Half of those that moved are not searched.
+        (0..600).step_by(14).for_each(|i| marks[i].store(mark::KEEP, Ordering::Relaxed));
+        let smoothing = vec![0.07; 600];
+        let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
+        for one_sided in [false, true] {
+            let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
+            searcher.search(&before, 600, &reach, Instructions::best(), &mut list);
+            searcher.renew(&after, 600, &[], &reach, Instructions::best(), &mut list, &marks, one_sided);
+            let lonely = (0..600)
+                .flat_map(|i| list.row(i).iter().map(move |&j| (i, j as usize)))
+                .filter(|&(i, j)| !list.row(j).contains(&(i as u32)))
+                .count();
+            assert_eq!(lonely > 0, one_sided, "{lonely}");
         }
     }
 
@@ -230,7 +453,7 @@ mod tests {
         let smoothing = vec![0.1; 1500];
         let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
         let mut list = NeighborList::default();
-        Searcher::<f32>::default().search(&points, 1500, &reach, Instructions::best(), &mut list);
+        Searcher::default().search(&points, 1500, &reach, Instructions::best(), &mut list);
         assert_eq!(list.row(7).len(), 1499);
         assert!(!list.row(7).contains(&7));
     }

@@ -2,7 +2,7 @@
 //!
 //! All values are SI; column names are plain, and `history-columns.json` gives name, unit and meaning of each. Sums over
 //! particles are per metre of thickness in plane strain and per square metre of section in one dimension. Columns of
-//! one body, pair of bodies, wall, driven region are named `body.NAME.momentum_x`, `contact.NAME.NAME.force_x`, `heat.NAME`,
+//! one body, pair of bodies, wall, driven region are named `body.NAME.momentum_x`, `contact.NAME.NAME.force_x`,
 //! `wall.NAME.force_x`, `motion.NAME.force_x`; a measure
 //! has its own name (`measure.NAME` where that is taken by another column). An empty cell means that there is no value
 //! (yet).
@@ -21,7 +21,7 @@ use super::{
 use crate::{
     model::{Dimensions, MeasureKind, Model},
     particles::find_field,
-    solver::{ContactLedger, Energies, HeatLedger, Ledger, VoteReason},
+    solver::{Audit, ContactLedger, Energies, Ledger, VoteReason},
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -52,6 +52,8 @@ pub(crate) struct HistorySample<'a> {
     pub(crate) searched_fraction: Option<f64>,
     /// Ordered pairs in the last step.
     pub(crate) pairs: Option<u64>,
+    /// The last audit of the neighbour lists.
+    pub(crate) audit: Option<Audit>,
     pub(crate) measures: &'a [Option<f64>],
     /// What tracers and sections add.
     pub(crate) observed: (&'a [HistoryColumn], &'a [Option<f64>]),
@@ -108,6 +110,22 @@ impl Row {
         }
     }
 
+    fn audit(&mut self, audit: Option<Audit>) {
+        let count = |value: fn(&Audit) -> u64| audit.as_ref().map_or(Cell::Empty, |a| Cell::Count(value(a)));
+        let missed = "ordered pairs within the kernel support that the lists lacked at the last audit";
+        self.add("audit_missed_pairs", "", missed, count(|a| a.missed_pairs));
+        let foreign = "of the missed pairs, those of particles of different bodies";
+        self.add("audit_missed_foreign_pairs", "", foreign, count(|a| a.missed_foreign_pairs));
+        self.add("audit_stale_pairs", "", "listed pairs beyond the kernel support", count(|a| a.stale_pairs));
+        let number = |value: fn(&Audit) -> f64| audit.as_ref().map(value);
+        let rate = "error of the density rate by the lists, root mean square, relative";
+        self.add("audit_density_rate_error", "", rate, number(|a| a.density_rate_error));
+        let force = "error of the force of stress by the lists, root mean square, relative";
+        self.add("audit_force_error", "", force, number(|a| a.force_error));
+        let residual = "sum of the forces of stress between particles over the sum of their magnitudes";
+        self.add("audit_momentum_residual", "", residual, number(|a| a.momentum_residual));
+    }
+
     fn energies(&mut self, prefix: &str, energies: &Energies) {
         self.number(&format!("{prefix}kinetic_energy"), "J", "kinetic energy", energies.kinetic);
         self.number(&format!("{prefix}internal_energy"), "J", "internal energy", energies.internal);
@@ -138,10 +156,6 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
     let mls = "energy that density re-initialisation gave the pressure field without work so far";
     row.number("mls_energy", "J", mls, ledger.mls_energy);
-    if model.thermal.conduction {
-        let meaning = "heat that came in through all boundaries so far";
-        row.number("boundary_heat", "J", meaning, ledger.boundary_heat());
-    }
     let contact_pairs = model.contact_pairs();
     if !contact_pairs.is_empty() {
         let sum = |of: fn(&ContactLedger) -> f64| ledger.contacts.iter().map(of).sum::<f64>();
@@ -152,7 +166,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     }
     let meaning = "kinetic plus internal energy, and what contacts between bodies hold";
     row.number("total_energy", "J", meaning, ledger.total_energy());
-    let drift = "total energy less external work, boundary heat and initial total, over the energy in play";
+    let drift = "total energy less external work and initial total, over the energy in play";
     row.number("energy_drift", "", drift, sample.energy_drift);
     row.vector("momentum", "kg m/s", "linear momentum", total.momentum);
     row.number("momentum_scale", "kg m/s", "sum of m |v|", total.momentum_scale);
@@ -165,6 +179,9 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.add("searched_fraction", "", searched, sample.searched_fraction);
     let pairs = "ordered pairs inside the kernel support in the last step";
     row.add("pairs", "", pairs, sample.pairs.map_or(Cell::Empty, Cell::Count));
+    if model.audit.is_some() {
+        row.audit(sample.audit);
+    }
     for (body, sums) in model.bodies.iter().zip(&ledger.bodies) {
         let name = &body.name;
         row.energies(&format!("body.{name}."), &sums.energies);
@@ -174,9 +191,6 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         row.vector(&format!("body.{name}.centre"), "m", "centre of mass of the body", sums.centre);
         let meaning = "net force on the body, rate of its momentum";
         row.vector(&format!("body.{name}.force"), "N", meaning, sums.force);
-    }
-    for (boundary, heat) in model.thermal.boundaries.iter().zip(&ledger.heat.supplied) {
-        row.number(&format!("heat.{}", boundary.name), "J", "heat that came in through the boundary so far", *heat);
     }
     for ((a, b), contact) in contact_pairs.into_iter().zip(&ledger.contacts) {
         let (a, b) = (&model.bodies[a].name, &model.bodies[b].name);
@@ -239,7 +253,6 @@ impl History {
     ) -> Result<Self, OutputError> {
         let ledger = Ledger {
             bodies: vec![Default::default(); model.bodies.len()],
-            heat: HeatLedger { supplied: vec![0.0; model.thermal.boundaries.len()], exchanged: 0.0 },
             contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
             wall_forces: vec![[0.0; 3]; model.walls.len()],
             motion_forces: vec![[0.0; 3]; model.motions.len()],
@@ -255,6 +268,7 @@ impl History {
             momentum_drift: 0.0,
             searched_fraction: None,
             pairs: None,
+            audit: None,
             measures: &vec![None; model.measures.len()],
             observed: (observed, &vec![None; observed.len()]),
         };

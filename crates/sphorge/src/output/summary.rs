@@ -5,7 +5,7 @@ use super::{
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
 };
-use crate::solver::StageSeconds;
+use crate::solver::{Audit, StageSeconds};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, fmt, fs};
 
@@ -132,6 +132,41 @@ pub struct EnergyRecord {
     pub largest_relative_drift: f64,
 }
 
+/// The largest of each number over all audits of the neighbour lists.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AuditRecord {
+    /// Audits made.
+    pub audits: u64,
+    /// Ordered pairs within the kernel support that the lists lacked.
+    pub missed_pairs: u64,
+    /// The same as a share of all pairs within the support.
+    pub missed_share: f64,
+    /// Of the missed pairs, those of particles of different bodies.
+    pub missed_foreign_pairs: u64,
+    /// Listed pairs beyond the kernel support.
+    pub stale_pairs: u64,
+    /// Relative error of the density rate, root mean square.
+    pub density_rate_error: f64,
+    /// Relative error of the force of stress, root mean square.
+    pub force_error: f64,
+    /// Sum of the forces of stress between particles over the sum of their magnitudes.
+    pub momentum_residual: f64,
+}
+
+impl AuditRecord {
+    /// Takes an audit into the record.
+    pub(crate) fn add(&mut self, audit: &Audit) {
+        self.audits += 1;
+        self.missed_pairs = self.missed_pairs.max(audit.missed_pairs);
+        self.missed_share = self.missed_share.max(audit.missed_pairs as f64 / audit.pairs.max(1) as f64);
+        self.missed_foreign_pairs = self.missed_foreign_pairs.max(audit.missed_foreign_pairs);
+        self.stale_pairs = self.stale_pairs.max(audit.stale_pairs);
+        self.density_rate_error = self.density_rate_error.max(audit.density_rate_error);
+        self.force_error = self.force_error.max(audit.force_error);
+        self.momentum_residual = self.momentum_residual.max(audit.momentum_residual);
+    }
+}
+
 /// All of `summary.json`. Units are SI throughout.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -180,6 +215,9 @@ pub struct Summary {
     pub momentum_drift: f64,
     /// Largest drift of the linear momentum in any row.
     pub largest_momentum_drift: f64,
+    /// What audits of the neighbour lists found, if the deck asked for them.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub audit: Option<AuditRecord>,
     /// Declared measures at the end; null for one that has no value.
     pub measures: BTreeMap<String, Option<f64>>,
     /// Units of the measures.

@@ -45,6 +45,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             energy_split: Default::default(),
             temperature: Default::default(),
         },
+        audit: None,
         search: Search::EveryStep,
         time: TimeControl {
             end: 1.0,
@@ -56,7 +57,6 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         },
         materials: Vec::new(),
         contact: crate::model::BodyContact::KernelSum,
-        thermal: crate::model::Thermal::default(),
         bodies: bodies.iter().map(body).collect(),
         regions: Vec::new(),
         walls: Vec::new(),

@@ -50,6 +50,8 @@ table! {
     "yield_stress", "Pa", Scalar, false, "yield stress at the end of the last step";
     "plastic_work", "J/kg", Scalar, false, "plastic work per mass";
     "neighbors", "", Integer, false, "neighbours inside the kernel support";
+    "adapted", "", Integer, false, "one where neighbours were searched in the last step, else zero";
+    "last_searched", "", Integer, false, "number of the step of the last search";
 }
 
 /// The field of this name.

@@ -122,4 +122,8 @@ columns! {
     plastic_work: f64 = 0.0,
     /// Number of neighbours inside the kernel support.
     neighbors: u32 = 0,
+    /// One if the neighbours were searched in the last step (the `AdaptNode` of Fraser), else zero.
+    adapted: u32 = 0,
+    /// Number of the step of the last search.
+    last_searched: u32 = 0,
 }

@@ -5,10 +5,10 @@ use crate::{
     analysis::{Measures, observed::Observed},
     model::{Model, Precision},
     output::{
-        DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample, OutputError,
-        RunDirectory, SeriesEntry, Status, Summary, measure_unit, write_frame_file, write_series,
+        AuditRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample,
+        OutputError, RunDirectory, SeriesEntry, Status, Summary, measure_unit, write_frame_file, write_series,
     },
-    solver::{Energies, StepReport, VoteReason},
+    solver::{Audit, Energies, StepReport, VoteReason},
 };
 use std::time::Instant;
 
@@ -32,6 +32,8 @@ pub(super) struct Recorder {
     step_size: (f64, Option<VoteReason>),
     landing_since_row: bool,
     pairs: Option<u64>,
+    audit: Option<Audit>,
+    audits: AuditRecord,
     seconds: f64,
 }
 
@@ -63,6 +65,8 @@ impl Recorder {
             step_size: (0.0, None),
             landing_since_row: true,
             pairs: None,
+            audit: None,
+            audits: AuditRecord::default(),
             seconds: 0.0,
         })
     }
@@ -78,6 +82,10 @@ impl Recorder {
         self.steps.searched += report.searched_fraction;
         self.steps.pairs += report.pairs as f64;
         self.pairs = Some(report.pairs);
+        if let Some(audit) = &report.audit {
+            self.audit = Some(*audit);
+            self.audits.add(audit);
+        }
         // Every row is landed on, so the last step before it says little of what limits the run.
         let landing = report.reason == VoteReason::Output;
         if !landing || self.landing_since_row {
@@ -105,6 +113,7 @@ impl Recorder {
             momentum_drift: drift.momentum,
             searched_fraction: (since > 0).then(|| searched / since as f64),
             pairs: self.pairs,
+            audit: self.audit,
             measures: self.measures.values(),
             observed: (self.observed.columns(), self.observed.values()),
         };
@@ -214,6 +223,7 @@ impl Recorder {
             },
             momentum_drift: self.conservation.last.momentum,
             largest_momentum_drift: self.conservation.largest.momentum,
+            audit: model.audit.map(|_| self.audits),
             measures: named().zip(self.measures.values().iter().copied()).collect(),
             measure_units: named()
                 .zip(model.measures.iter().map(|measure| measure_unit(&measure.kind).to_owned()))

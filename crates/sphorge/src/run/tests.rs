@@ -57,7 +57,7 @@ impl Stepper for Clockwork {
         self.steps += 1;
         self.particles.position[1][0] = 3.0 * self.time;
         let searched_fraction = if self.steps.is_multiple_of(2) { 1.0 } else { 0.0 };
-        Ok(StepReport { step: self.steps, time: self.time, dt, reason, searched_fraction, pairs: 2 })
+        Ok(StepReport { step: self.steps, time: self.time, dt, reason, searched_fraction, pairs: 2, audit: None })
     }
     fn model(&self) -> &Model {
         &self.model

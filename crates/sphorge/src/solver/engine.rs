@@ -1,6 +1,6 @@
 //! What every engine can do: the stages of a step, and a view of the particles.
 
-use super::{RunFailure, VoteReason};
+use super::{Audit, RunFailure, VoteReason};
 use crate::Particles;
 
 /// Proposal for the next time step.
@@ -25,6 +25,8 @@ pub(super) trait Engine: Send {
     fn begin(&mut self, dt: f64);
     /// Makes neighbour lists valid for the positions just reached.
     fn refresh_neighbors(&mut self) -> SearchReport;
+    /// Comparison of the lists with an exact search, if one is due.
+    fn audit(&mut self) -> Option<Audit>;
     /// Velocity gradient and density.
     fn kinematics(&mut self);
     /// Trial stress, equation of state, return mapping, temperature.

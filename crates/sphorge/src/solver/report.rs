@@ -9,8 +9,6 @@ pub enum VoteReason {
     Acceleration,
     /// Stiffness of the contact with a wall or between bodies.
     Contact,
-    /// Heat capacity over the conductances of a particle.
-    Conduction,
     /// The deck's `max-step` or `fixed-step`.
     Deck,
     /// Landing exactly on an output or end time.
@@ -24,7 +22,6 @@ impl VoteReason {
             Self::SoundSpeed => "sound-speed",
             Self::Acceleration => "acceleration",
             Self::Contact => "contact",
-            Self::Conduction => "conduction",
             Self::Deck => "deck",
             Self::Output => "output",
         }
@@ -94,15 +91,6 @@ pub struct ContactLedger {
     pub damping_work: f64,
 }
 
-/// Heat that flowed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HeatLedger {
-    /// Heat every boundary supplied since the start, J, in deck order; empty where no heat flows.
-    pub supplied: Vec<f64>,
-    /// Heat that particles took or gave since the start, J, each exchange counted on both sides.
-    pub exchanged: f64,
-}
-
 /// Conservation ledger of the whole model at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
@@ -116,8 +104,6 @@ pub struct Ledger {
     pub external_impulse: [f64; 3],
     /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
     pub mls_energy: f64,
-    /// Heat.
-    pub heat: HeatLedger,
     /// Contact of every pair of bodies, `(0, 1), (0, 2), .. (1, 2), ..`; empty where bodies meet in the kernel sum.
     pub contacts: Vec<ContactLedger>,
     /// Force of each wall on the particles, N, in deck order.
@@ -127,16 +113,30 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Heat that came in through boundaries since the start, J.
-    pub fn boundary_heat(&self) -> f64 {
-        self.heat.supplied.iter().sum()
-    }
-
-    /// Kinetic, internal and stored contact energy, J: what external work and heat alone change.
+    /// Kinetic, internal and stored contact energy, J: what external work alone changes.
     pub fn total_energy(&self) -> f64 {
         let Energies { kinetic, internal, .. } = self.total.energies;
         kinetic + internal + self.contacts.iter().map(|c| c.stored_energy).sum::<f64>()
     }
+}
+
+/// What the neighbour lists miss, found by an exact search.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Audit {
+    /// Ordered pairs within the kernel support.
+    pub pairs: u64,
+    /// Of these, missing in the lists.
+    pub missed_pairs: u64,
+    /// Of the missing, pairs of particles of different bodies.
+    pub missed_foreign_pairs: u64,
+    /// Pairs of the lists beyond the kernel support.
+    pub stale_pairs: u64,
+    /// Root mean square error of the density rate, relative to its root mean square.
+    pub density_rate_error: f64,
+    /// Root mean square error of the force by stress, relative to its root mean square.
+    pub force_error: f64,
+    /// Sum of the forces between particles over the sum of their magnitudes.
+    pub momentum_residual: f64,
 }
 
 /// State of the run after a step.
@@ -154,4 +154,6 @@ pub struct StepReport {
     pub searched_fraction: f64,
     /// Ordered neighbour pairs i != j inside the kernel support, summed over particles, in this step.
     pub pairs: u64,
+    /// Comparison of the lists with an exact search, in steps that are audited.
+    pub audit: Option<Audit>,
 }

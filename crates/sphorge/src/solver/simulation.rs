@@ -51,6 +51,7 @@ impl Simulation {
             reason,
             searched_fraction: advanced.search.searched_fraction,
             pairs: self.engine.pairs(),
+            audit: advanced.audit,
         })
     }
 

@@ -1,12 +1,13 @@
 //! The time step, in the order of the papers.
 
 use super::engine::{Engine, SearchReport, Vote};
-use super::{RunFailure, StageSeconds};
+use super::{Audit, RunFailure, StageSeconds};
 use std::time::Instant;
 
 /// What one pass through the stages yields.
 pub(super) struct Advance {
     pub(super) search: SearchReport,
+    pub(super) audit: Option<Audit>,
     pub(super) vote: Vote,
 }
 
@@ -17,6 +18,8 @@ pub(super) fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSecon
     clock.lap(&mut seconds.integrate);
     let search = engine.refresh_neighbors();
     clock.lap(&mut seconds.search);
+    let audit = engine.audit();
+    clock.skip();
     engine.kinematics();
     clock.lap(&mut seconds.kinematics);
     engine.stress();
@@ -27,7 +30,7 @@ pub(super) fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSecon
     engine.guard()?;
     let vote = engine.vote();
     clock.lap(&mut seconds.integrate);
-    Ok(Advance { search, vote })
+    Ok(Advance { search, audit, vote })
 }
 
 struct Clock(Instant);
@@ -38,5 +41,10 @@ impl Clock {
         let now = Instant::now();
         *stage += now.duration_since(self.0).as_secs_f64();
         self.0 = now;
+    }
+
+    /// Leaves out the time since the last lap.
+    fn skip(&mut self) {
+        self.0 = Instant::now();
     }
 }

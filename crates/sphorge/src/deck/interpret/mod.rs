@@ -8,13 +8,12 @@ mod measure;
 mod numerics;
 mod observed;
 mod shape;
-mod thermal;
 mod velocity;
 
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
 use super::value::{Kind, VectorOf, Word};
-use crate::model::{Dimensions, Model, Region};
+use crate::model::{Dimensions, Integrator, Model, Region, Search};
 use std::ops::Range;
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
@@ -171,6 +170,10 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let spacing = raw.particles.spacing.positive(problems);
     let numerics = numerics::numerics(&raw.numerics, problems);
     let search = numerics::search(raw.search.as_ref(), problems);
+    let audit = match &raw.audit {
+        None => Some(None),
+        Some(steps) => steps.positive(problems).map(Some),
+    };
     let time = numerics::time(&raw.time, problems);
     let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), problems);
     let library = material::Library::new(&raw.material, problems);
@@ -204,13 +207,17 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let tracers = observed::tracers(&raw.tracer, &scene, problems);
     let sections = observed::sections(&raw.section, &scene, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
-    let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
-    if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
-        let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
-        materials.need_conduction(thermal.mechanics, at, problems);
+    if let (Some(Search::TotalLagrangian(_)), Some(n), Some(key)) = (search, &numerics, &raw.numerics.integrator)
+        && n.integrator == Integrator::PredictorCorrector
+    {
+        let message = "the total Lagrangian form is integrated by leapfrog";
+        let help = "choose `integrator = \"leapfrog\"`, or another `search`";
+        problems.push(
+            Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
+        );
     }
     if numerics.as_ref().is_some_and(|n| n.temperature == crate::model::TemperatureSource::Energy) {
-        materials.need_specific_heat("`numerics.temperature = \"energy\"`", problems);
+        materials.need_specific_heat(problems);
     }
     if !problems.is_empty() {
         return None;
@@ -232,11 +239,11 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         spacing: spacing?,
         numerics: numerics?,
         search: search?,
+        audit: audit?,
         time: time?,
         materials: materials.into_materials(),
         bodies: bodies.into_iter().collect::<Option<_>>()?,
         contact: contact?,
-        thermal: thermal?,
         regions: regions.into_iter().collect::<Option<_>>()?,
         walls: walls.into_iter().collect::<Option<_>>()?,
         symmetry: symmetry?,

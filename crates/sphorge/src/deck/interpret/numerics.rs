@@ -1,10 +1,11 @@
 //! Discretisation, search, time, output.
 
-use crate::deck::raw::{RawNumerics, RawOutput, RawSearch, RawTime};
+use crate::deck::choice::{FormulationWord, GuardWord, SearchWord};
+use crate::deck::defaults;
+use crate::deck::raw::{RawAdaptive, RawNumerics, RawOutput, RawSearch, RawTime, RawTotalLagrangian};
 use crate::deck::report::{Fault, Problems};
 use crate::deck::value::{Choice, Given, Number, ScalarOr};
-use crate::deck::{choice::SearchWord, defaults};
-use crate::model::{ArtificialStress, Numerics, OutputControl, Search, TimeControl};
+use crate::model::{AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, TimeControl, TotalLagrangian};
 use crate::particles::FIELDS;
 use sphorge_physics::parameter::Bound;
 
@@ -99,16 +100,50 @@ fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Optio
 
 /// Neighbour search strategy.
 pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, problems: &mut Problems) -> Option<Search> {
-    let skin = Search::Skin { fraction: defaults::SKIN_FRACTION };
     match raw {
-        None => Some(skin),
-        Some(ScalarOr::Scalar(word)) => word.get(problems).map(|lists| if lists { skin } else { Search::EveryStep }),
-        Some(ScalarOr::Composed(table, at)) => {
-            let chosen = super::exactly_one(vec![("skin", table.skin.as_ref())], "the search", at.clone(), problems)?;
-            let fraction = or_default!(chosen.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
-            Some(Search::Skin { fraction: fraction? })
+        None => Some(defaults::SKIN),
+        Some(ScalarOr::Scalar(word)) => word.get(problems),
+        Some(ScalarOr::Composed(RawSearch { skin, adaptive, total_lagrangian }, at)) => {
+            let given = vec![
+                ("skin", skin.as_ref().map(|_| "skin")),
+                ("adaptive", adaptive.as_ref().map(|_| "adaptive")),
+                ("total-lagrangian", total_lagrangian.as_ref().map(|_| "total-lagrangian")),
+            ];
+            super::exactly_one(given, "the search", at.clone(), problems)?;
+            if let Some(skin) = skin {
+                let fraction = or_default!(skin.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
+                return Some(Search::Skin { fraction: fraction? });
+            }
+            if let Some(total) = total_lagrangian {
+                return total_lagrangian_search(total, problems).map(Search::TotalLagrangian);
+            }
+            adaptive_search(adaptive.as_ref()?, problems).map(Search::Adaptive)
         }
     }
+}
+
+fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<AdaptiveSearch> {
+    let default = defaults::ADAPTIVE;
+    let threshold =
+        or_default!(raw.plastic_strain_threshold, default.plastic_strain_threshold, |t| share_or_none(t, problems));
+    let guard = or_default!(raw.guard, default.guard, |g: &Choice<GuardWord>| g.get(problems));
+    let bound = or_default!(raw.strain_bound, defaults::GUARD_STRAIN, |b| share(b, problems));
+    let accumulate = or_default!(raw.accumulate, default.accumulate, |a: &crate::deck::value::Flag| a.get(problems));
+    let bound = bound?;
+    Some(AdaptiveSearch { plastic_strain_threshold: threshold?, accumulate: accumulate?, guard: guard?.map(|_| bound) })
+}
+
+fn total_lagrangian_search(raw: &RawTotalLagrangian, problems: &mut Problems) -> Option<TotalLagrangian> {
+    let default = defaults::TOTAL_LAGRANGIAN;
+    let corrected = or_default!(raw.form, default.corrected, |f: &Choice<FormulationWord>| f.get(problems));
+    let hourglass =
+        or_default!(raw.hourglass, default.hourglass, |h: &Given<Number>| { h.within(Bound::NonNegative, problems) });
+    Some(TotalLagrangian { corrected: corrected?, hourglass: hourglass? })
+}
+
+/// Between 0 and 1, both allowed.
+fn share_or_none(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
+    given.within(Bound::Between(0.0, 1.0), problems)
 }
 
 /// Above 0, at most 1.

@@ -9,7 +9,6 @@ mod measure;
 mod numerics;
 mod observed;
 mod shape;
-mod thermal;
 
 pub(crate) use body::*;
 pub(crate) use boundary::*;
@@ -19,7 +18,6 @@ pub(crate) use measure::*;
 pub(crate) use numerics::*;
 pub(crate) use observed::*;
 pub(crate) use shape::*;
-pub(crate) use thermal::*;
 
 use super::choice::*;
 use super::value::*;
@@ -45,6 +43,10 @@ pub(crate) struct RawDeck {
     /// How bodies meet.
     #[schemars(extend("examples" = [{ "penalty": { "friction": 0.1 } }], "default" = "kernel-sum"))]
     pub(crate) contact: Option<RawContactChoice>,
+    /// Compare the neighbour lists with an exact search every so many steps; what they miss goes into `history.csv` and
+    /// `summary.json`.
+    #[schemars(extend("examples" = [100], "x-default" = "never"))]
+    pub(crate) audit: Option<Count>,
     /// Acceleration of every particle.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2"]], "x-default" = "none"))]
     pub(crate) gravity: Option<VectorOf<Acceleration>>,
@@ -73,8 +75,6 @@ pub(crate) struct RawDeck {
     /// Held or driven particles.
     #[serde(default)]
     pub(crate) motion: Vec<RawMotion>,
-    /// Heat that flows; no heat flows without this table.
-    pub(crate) thermal: Option<RawThermal>,
     /// What to write and when.
     #[serde(default)]
     pub(crate) output: RawOutput,

@@ -76,6 +76,41 @@ pub(crate) struct RawArtificialStress {
 pub(crate) struct RawSearch {
     /// Neighbour lists with a skin, renewed when a particle has moved through half of it.
     pub(crate) skin: Option<RawSkin>,
+    /// Particles whose plastic strain grows are searched again (Fraser), and all a guard finds.
+    pub(crate) adaptive: Option<RawAdaptive>,
+    /// No search after the start: sums over the initial neighbours.
+    pub(crate) total_lagrangian: Option<RawTotalLagrangian>,
+}
+
+/// Constants of the adaptive search.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawAdaptive {
+    /// Plastic strain increment above which a particle is searched.
+    #[schemars(extend("examples" = [1e-5], "default" = 1e-5))]
+    pub(crate) plastic_strain_threshold: Option<Given<Number>>,
+    /// Compare the increment since the last search of the particle, not that of the last step.
+    #[schemars(extend("examples" = [true], "default" = false))]
+    pub(crate) accumulate: Option<Flag>,
+    /// Guard against what plastic strain does not show: `full`, or `none` for the rule as published.
+    #[schemars(extend("examples" = ["none"], "default" = "full"))]
+    pub(crate) guard: Option<Choice<GuardWord>>,
+    /// Strain since its last search at which the guard searches a particle.
+    #[schemars(extend("examples" = [0.005], "default" = 0.005))]
+    pub(crate) strain_bound: Option<Given<Number>>,
+}
+
+/// Constants of the total Lagrangian form.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawTotalLagrangian {
+    /// Form of the sums. The corrected form leaves out artificial stress, XSPH and density restoration, which belong to
+    /// sums over current neighbours, and puts a bulk viscosity with the same constants in place of the pair viscosity.
+    #[schemars(extend("examples" = ["frozen"], "default" = "corrected"))]
+    pub(crate) form: Option<Choice<FormulationWord>>,
+    /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none.
+    #[schemars(extend("examples" = [10.0], "default" = 10.0))]
+    pub(crate) hourglass: Option<Given<Number>>,
 }
 
 /// Constants of the skin.

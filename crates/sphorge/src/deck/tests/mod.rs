@@ -4,7 +4,6 @@ mod diagnostics;
 mod features;
 mod reference;
 mod shapes;
-mod thermal;
 mod whole;
 
 use super::*;

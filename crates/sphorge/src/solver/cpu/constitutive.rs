@@ -1,9 +1,10 @@
 //! Per-particle update: density is known, stress, temperature and what the force sum reads follow.
 
 use super::records::{extra, force, kinematic};
+use super::total_lagrangian::bulk_viscosity;
 use super::{CpuEngine, Work};
 use crate::lanes::PairScalar;
-use crate::model::{GradientCorrection, Integrator, Material, Model, TemperatureSource};
+use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -70,7 +71,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let full = self.step.dt;
         let dt = self.step.dt_to_evaluation(numerics.integrator);
         let model: &Model = &self.model;
-        let corrected = numerics.gradient_correction != GradientCorrection::None;
+        let corrected = self.corrected();
         let dimension = super::dimension(model);
 
         let Work { correction, evaluated_velocity, .. } = &self.work;
@@ -95,7 +96,9 @@ impl<T: PairScalar> CpuEngine<T> {
         } = &mut self.particles;
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
-        let position = &*position;
+        // Forces of the total Lagrangian form are summed at initial positions.
+        let reference = self.reference.as_ref();
+        let position = reference.map_or(&*position, |r| &r.position);
         let count = density.len();
         let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
         let extra_on = !self.records.extra.is_empty();
@@ -140,7 +143,14 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                     let record = &mut records[k];
                     let scale = stress_scale(numerics.pair_form, density[i]);
-                    let sigma = (update.deviator - SymmetricTensor::isotropic(state.pressure)) * scale;
+                    let mut pressure = state.pressure;
+                    if reference.is_some() {
+                        let l = &velocity_gradient[i];
+                        let (alpha, beta) = (numerics.viscosity_alpha, numerics.viscosity_beta);
+                        let (divergence, c, h) = (l[0][0] + l[1][1] + l[2][2], state.sound_speed, smoothing_length[i]);
+                        pressure += bulk_viscosity(alpha, beta, divergence, density[i], c, h);
+                    }
+                    let sigma = (update.deviator - SymmetricTensor::isotropic(pressure)) * scale;
                     let components = sigma.to_array();
                     let x = frame.encode::<T>(&position[i]);
                     for a in 0..3 {
@@ -183,7 +193,11 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         });
         self.records.corrected[..corrected_length].par_iter_mut().enumerate().for_each(|(i, record)| {
-            let product = tensor::multiply(&stress_of(&records[i]).to_tensor(), &correction[i]);
+            let stress = stress_of(&records[i]);
+            let product = match reference {
+                None => tensor::multiply(&stress.to_tensor(), &correction[i]),
+                Some(reference) => reference.force_tensor(i, &stress, &correction[i]),
+            };
             for (slot, value) in product.iter().flatten().enumerate() {
                 record[slot] = T::of(*value);
             }
@@ -247,6 +261,20 @@ impl<T: PairScalar> CpuEngine<T> {
                     columns.take(&update, material, model.numerics.temperature, rho[k], energy[i]);
                 }
             });
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Adds the strain of the step to what adaptive search looks at.
+    pub(super) fn accumulate_strain(&mut self) {
+        let dt = self.step.dt;
+        let Particles { velocity_gradient, plastic_strain_increment, .. } = &self.particles;
+        let Work { strain_since_search, plastic_since_search, .. } = &mut self.work;
+        strain_since_search.par_iter_mut().zip(plastic_since_search).enumerate().for_each(|(i, (strain, plastic))| {
+            let d = SymmetricTensor::symmetric_part(&velocity_gradient[i]);
+            *strain += dt * d.double_dot(d).sqrt();
+            *plastic += plastic_strain_increment[i];
+        });
     }
 }
 

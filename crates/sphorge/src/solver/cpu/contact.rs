@@ -32,8 +32,6 @@ pub(super) struct BodyContacts {
     now: Vec<PairSums>,
     /// Works so far, by pair of bodies, J.
     works: Vec<Works>,
-    /// Heat of friction at the last evaluation, W/kg.
-    rubbed: Vec<f64>,
 }
 
 /// Constants by body and by ordered pair of bodies.
@@ -134,15 +132,15 @@ fn pair_index(bodies: usize, a: usize, b: usize) -> usize {
 
 /// Where the particles are, and their images.
 #[derive(Clone, Copy)]
-pub(super) struct Places<'a> {
-    pub(super) position: &'a [Vector<f64>],
-    pub(super) velocity: &'a [Vector<f64>],
-    pub(super) ghosts: &'a [Ghost],
+struct Places<'a> {
+    position: &'a [Vector<f64>],
+    velocity: &'a [Vector<f64>],
+    ghosts: &'a [Ghost],
 }
 
 impl Places<'_> {
     /// Source, position, and the signs of vectors of a particle or ghost.
-    pub(super) fn of(&self, j: u32) -> (usize, Vector<f64>, Vector<f64>) {
+    fn of(&self, j: u32) -> (usize, Vector<f64>, Vector<f64>) {
         let j = j as usize;
         match j.checked_sub(self.position.len()) {
             None => (j, self.position[j], [1.0; 3]),
@@ -173,8 +171,13 @@ impl BodyContacts {
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
-            rubbed: vec![0.0; particles],
         })
+    }
+
+    /// Whether particle `i` has `j` for a neighbour in another body.
+    pub(super) fn has_pair(&self, i: usize, j: u32) -> bool {
+        let mut rows = self.foreign.blocks()[i / BLOCK].rows();
+        rows.any(|(own, row)| own == i && row.contains(&j))
     }
 
     /// Takes the pairs of different bodies out of a list that was just searched.
@@ -193,16 +196,6 @@ impl BodyContacts {
             works.rubbed += dt * now.rubbed;
             works.damped += dt * now.damped;
         }
-    }
-
-    /// Particles' neighbours in other bodies.
-    pub(super) fn foreign(&self) -> &ForeignList {
-        &self.foreign
-    }
-
-    /// Heat of friction at the last evaluation, W/kg.
-    pub(super) fn rubbed(&self) -> &[f64] {
-        &self.rubbed
     }
 
     /// Largest stable step over the margin, s.
@@ -282,7 +275,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let places = Places { position, velocity: evaluated_velocity, ghosts: &self.halo.ghosts };
         contacts.look(places, mass, body);
 
-        let BodyContacts { foreign, table, seen, partial, limits, now, rubbed, .. } = contacts;
+        let BodyContacts { foreign, table, seen, partial, limits, now, .. } = contacts;
         let (table, seen, dt) = (&*table, &*seen, self.step.dt);
         (
             foreign.blocks().par_iter(),
@@ -291,12 +284,10 @@ impl<T: PairScalar> CpuEngine<T> {
             mu.par_chunks_mut(BLOCK),
             partial.par_chunks_mut(now.len()),
             limits.par_iter_mut(),
-            rubbed.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
-            .for_each(|(block, acceleration, energy_rate, mu, sums, limit, rubbed)| {
+            .for_each(|(block, acceleration, energy_rate, mu, sums, limit)| {
                 sums.fill(PairSums::default());
-                rubbed.fill(0.0);
                 *limit = f64::INFINITY;
                 for (i, row) in block.rows() {
                     let k = i % BLOCK;
@@ -305,7 +296,6 @@ impl<T: PairScalar> CpuEngine<T> {
                         acceleration[k][axis] += push.force[axis] / mass[i];
                     }
                     energy_rate[k] += 0.5 * push.heat / mass[i];
-                    rubbed[k] = 0.5 * push.rubbed / mass[i];
                     mu[k] = mu[k].max(push.approach);
                     *limit = limit.min(push.limit);
                 }
@@ -320,8 +310,6 @@ struct Push {
     force: Vector<f64>,
     /// Power that turns to heat in all its pairs, W.
     heat: f64,
-    /// Friction's part of it, W.
-    rubbed: f64,
     approach: f64,
     limit: f64,
 }
@@ -373,7 +361,6 @@ impl Table {
                 }
             }
             push.heat += force.damped + force.rubbed;
-            push.rubbed += force.rubbed;
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
             sum.rubbed += 0.5 * force.rubbed;

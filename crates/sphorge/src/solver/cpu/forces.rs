@@ -7,6 +7,7 @@
 use super::kinematics::{PairConstants, pair_scale};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
 use super::records::{CORRECTED_LEN, Records, extra};
+use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::viscosity::{ViscosityParameters, monaghan_gingold};
@@ -75,6 +76,7 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     own: usize,
     block: &Block,
     k: usize,
+    stored: Option<&StoredBlock<L::Element>>,
     constants: &PairConstants<L::Element>,
     terms: &ForceTerms<L::Element>,
 ) -> ForceSum<L::Element> {
@@ -90,14 +92,17 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     let mut energy_rate = L::zero();
     let mut xsph = [L::zero(); 3];
     let mut mu_max = L::zero();
-    for indices in block.padded_row(k, L::WIDTH).chunks_exact(L::WIDTH) {
+    for (bundle, indices) in block.padded_row(k, L::WIDTH).chunks_exact(L::WIDTH).enumerate() {
         let record_j = L::gather(&records.force, indices);
         let mut x = [L::zero(); 3];
         let mut v = [L::zero(); 3];
         let mut r2 = L::zero();
         let mut v_dot_x = L::zero();
         for a in 0..D {
-            x[a] = L::difference(record_i[X + a], record_j[X + a], unit);
+            x[a] = match stored {
+                None => L::difference(record_i[X + a], record_j[X + a], unit),
+                Some(stored) => stored.bundle(block.start(k) + bundle * L::WIDTH, a),
+            };
             v[a] = record_i[V + a] - record_j[V + a];
             r2 = x[a].mul_add(x[a], r2);
             v_dot_x = v[a].mul_add(x[a], v_dot_x);
@@ -180,6 +185,8 @@ pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool> {
     /// First particle of the block.
     pub(super) first: usize,
     pub(super) block: &'a Block,
+    /// Distances to take in place of those of the records.
+    pub(super) stored: Option<&'a StoredBlock<T>>,
     pub(super) constants: &'a PairConstants<T>,
     pub(super) terms: &'a ForceTerms<T>,
     pub(super) sums: &'a mut [ForceSum<T>; BLOCK],
@@ -190,7 +197,8 @@ impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for ForceJob<'
     fn run<L: Lanes<Element = T>>(self) {
         for k in 0..self.block.len() {
             let own = self.first + k;
-            self.sums[k] = force_row::<L, D, CORRECTED>(self.records, own, self.block, k, self.constants, self.terms);
+            self.sums[k] =
+                force_row::<L, D, CORRECTED>(self.records, own, self.block, k, self.stored, self.constants, self.terms);
         }
     }
 }

@@ -38,6 +38,16 @@ impl Halo {
         Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ghosts: Vec::new() }
     }
 
+    /// No planes and no periodic axes.
+    pub(super) fn is_empty(&self) -> bool {
+        self.symmetry.is_empty() && self.periodic.iter().all(Option::is_none)
+    }
+
+    /// How far outside the particles a ghost may stand beyond the reach it was made for, m.
+    pub(super) fn longest_shift(&self) -> f64 {
+        self.periodic.iter().flatten().fold(0.0, |longest: f64, (low, high)| longest.max(high - low))
+    }
+
     /// Brings particles that left a periodic cell back in.
     pub(super) fn wrap(&self, positions: &mut [Vector<f64>]) {
         for (axis, cell) in self.periodic.iter().enumerate() {

@@ -4,6 +4,7 @@
 //! symmetric and skew parts; Eq 8 its trace).
 
 use super::records::kinematic::{H, LEN, V, WEIGHT, X};
+use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::kernel::Kernel;
@@ -53,6 +54,7 @@ fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     own: usize,
     block: &Block,
     k: usize,
+    stored: Option<&StoredBlock<L::Element>>,
     constants: &PairConstants<L::Element>,
 ) -> GradientSum<L::Element> {
     let record_i: [L; LEN] = splat_record(&records[own]);
@@ -62,12 +64,15 @@ fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     let mut moment = [[L::zero(); 3]; 3];
     let mut inside = L::zero();
     let row = block.padded_row(k, L::WIDTH);
-    for indices in row.chunks_exact(L::WIDTH) {
+    for (bundle, indices) in row.chunks_exact(L::WIDTH).enumerate() {
         let record_j = L::gather(records, indices);
         let mut x = [L::zero(); 3];
         let mut r2 = L::zero();
         for a in 0..D {
-            x[a] = L::difference(record_i[X + a], record_j[X + a], unit);
+            x[a] = match stored {
+                None => L::difference(record_i[X + a], record_j[X + a], unit),
+                Some(stored) => stored.bundle(block.start(k) + bundle * L::WIDTH, a),
+            };
             r2 = x[a].mul_add(x[a], r2);
         }
         let (_, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
@@ -115,6 +120,8 @@ pub(super) struct GradientJob<'a, T, const D: usize, const CORRECTED: bool> {
     /// First particle of the block.
     pub(super) first: usize,
     pub(super) block: &'a Block,
+    /// Distances to take in place of those of the records.
+    pub(super) stored: Option<&'a StoredBlock<T>>,
     pub(super) constants: &'a PairConstants<T>,
     pub(super) sums: &'a mut [GradientSum<T>; BLOCK],
 }
@@ -123,7 +130,14 @@ impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for GradientJo
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
         for k in 0..self.block.len() {
-            self.sums[k] = gradient_row::<L, D, CORRECTED>(self.records, self.first + k, self.block, k, self.constants);
+            self.sums[k] = gradient_row::<L, D, CORRECTED>(
+                self.records,
+                self.first + k,
+                self.block,
+                k,
+                self.stored,
+                self.constants,
+            );
         }
     }
 }

@@ -1,35 +1,37 @@
 //! The engine for processors.
 
-mod conduction;
 mod constitutive;
 mod contact;
 mod external;
 mod forces;
 mod guard;
 mod halo;
+mod hourglass;
 mod integrate;
 mod kinematics;
 mod ledger;
 mod moving_least_squares;
 mod records;
+mod search;
 mod sweeps;
+mod total_lagrangian;
 mod votes;
 
 use super::engine::{Engine, SearchReport, Vote};
-use super::{Ledger, RunFailure};
+use super::{Audit, Ledger, RunFailure};
 use crate::lanes::{Instructions, PairScalar};
-use crate::model::{Integrator, Model, Search, TemperatureSource};
-use crate::neighbors::{NeighborList, Reach, Searcher};
+use crate::model::{Integrator, Model, Search};
 use crate::particles::{Particles, Permutation};
-use conduction::HeatFlow;
 use contact::BodyContacts;
 use external::Walls;
 use halo::Halo;
 use integrate::{Base, ExternalSums, Motions};
 use kinematics::PairConstants;
 use records::Records;
+use search::Lists;
 use sphorge_physics::{Tensor, Vector};
 use std::sync::Arc;
+use total_lagrangian::Reference;
 
 /// Searches between two sortings of the particles into cell order.
 const SEARCHES_PER_SORTING: u64 = 64;
@@ -45,12 +47,13 @@ pub(super) struct CpuEngine<T> {
     motions: Motions,
     external: ExternalSums,
     contacts: Option<BodyContacts>,
-    heat: Option<HeatFlow>,
     constants: PairConstants<T>,
     instructions: Instructions,
     lists: Lists<T>,
     step: StepState,
     base: Base,
+    /// Initial configuration; only with the total Lagrangian form.
+    reference: Option<Reference>,
 }
 
 /// Columns the engine keeps for itself, in the order of the particles.
@@ -68,21 +71,12 @@ struct Work {
     correction: Vec<Tensor<f64>>,
     /// Index of the prescribed motion plus one, zero for none.
     motion: Vec<u32>,
+    /// Strain accumulated since the last search, the integral of |D|; empty unless the search is adaptive.
+    strain_since_search: Vec<f64>,
+    /// Plastic strain since the last search; empty unless the search is adaptive.
+    plastic_since_search: Vec<f64>,
     /// Scratch of the density re-initialisation.
     restored_density: Vec<f64>,
-}
-
-/// Neighbour lists and what searching needs.
-#[derive(Default)]
-struct Lists<T> {
-    list: NeighborList,
-    searcher: Searcher<T>,
-    permutation: Permutation,
-    /// Positions of particles and ghosts at the last search.
-    points: Vec<Vector<f64>>,
-    smoothing_length: Vec<f64>,
-    searches: u64,
-    stale: bool,
 }
 
 /// The step being taken.
@@ -97,6 +91,8 @@ struct StepState {
     mls_energy: f64,
     /// Ordered pairs at the last kinematics stage.
     pairs: u64,
+    /// Some particle is marked as searched.
+    adapted_someone: bool,
 }
 
 impl StepState {
@@ -111,16 +107,9 @@ impl StepState {
 
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn new(model: Arc<Model>, mut particles: Particles) -> Self {
+        let total_lagrangian = matches!(model.search, Search::TotalLagrangian(t) if t.corrected);
+        let model = if total_lagrangian { total_lagrangian::without_pair_terms(&model) } else { model };
         let count = particles.len();
-        if model.numerics.temperature == TemperatureSource::Energy {
-            // Temperature is that of the energy, from the start.
-            for i in 0..count {
-                let material = &model.materials[particles.material[i] as usize];
-                let warmer = particles.temperature[i] - material.reference_temperature;
-                particles.energy[i] += material.specific_heat * warmer;
-            }
-        }
-        HeatFlow::hold(&model, &mut particles);
         for i in 0..count {
             let law = &model.materials[particles.material[i] as usize].equation_of_state;
             let state = law.pressure(particles.density[i], particles.energy[i]);
@@ -135,7 +124,8 @@ impl<T: PairScalar> CpuEngine<T> {
             sigma: T::of(numerics.kernel.normalisation(dimension(&model))),
             uniform_h,
         };
-        let corrected = numerics.gradient_correction != crate::model::GradientCorrection::None;
+        let corrected = numerics.gradient_correction != crate::model::GradientCorrection::None || total_lagrangian;
+        let adaptive = matches!(model.search, Search::Adaptive(_));
         let work = Work {
             xsph: vec![[0.0; 3]; count],
             external_acceleration: vec![[0.0; 3]; count],
@@ -143,6 +133,8 @@ impl<T: PairScalar> CpuEngine<T> {
             mu: vec![0.0; count],
             correction: if corrected { vec![sphorge_physics::tensor::identity(); count] } else { Vec::new() },
             motion: Motions::assign(&model, &particles),
+            strain_since_search: vec![0.0; if adaptive { count } else { 0 }],
+            plastic_since_search: vec![0.0; if adaptive { count } else { 0 }],
             restored_density: Vec::new(),
         };
         let mut engine = Self {
@@ -151,95 +143,22 @@ impl<T: PairScalar> CpuEngine<T> {
             motions: Motions::new(&model),
             external: ExternalSums::new(count),
             contacts: BodyContacts::new(&model, count),
-            heat: HeatFlow::new(&model, count),
             base: Base::new(numerics.integrator, count),
             records: Records::default(),
-            lists: Lists { stale: true, ..Lists::default() },
+            lists: Lists::new(),
             step: StepState::default(),
             constants,
             instructions: Instructions::best(),
             work,
             particles,
             model,
+            reference: None,
         };
         engine.sort_particles();
+        if total_lagrangian {
+            engine.reference = Some(Reference::new(&engine.particles, &engine.model));
+        }
         engine
-    }
-
-    /// Whether the bodies stand still in a step of size `dt`: heat alone flows. The initial rates, a step of size zero, are those of
-    /// bodies that could move.
-    fn idle(&self, dt: f64) -> bool {
-        !self.model.thermal.mechanics && dt > 0.0
-    }
-
-    /// Kernel support with the skin of the strategy, in smoothing lengths.
-    fn reach_factor(&self) -> f64 {
-        let skin = match self.model.search {
-            Search::EveryStep => 0.0,
-            Search::Skin { fraction } => fraction,
-        };
-        self.model.numerics.kernel.support() * (1.0 + skin)
-    }
-
-    fn largest_smoothing_length(&self) -> f64 {
-        self.particles.smoothing_length.iter().fold(0.0, |m: f64, &h| m.max(h))
-    }
-
-    /// Whether the lists no longer hold every pair within the kernel support.
-    fn search_due(&self) -> bool {
-        match self.model.search {
-            Search::EveryStep => true,
-            Search::Skin { fraction } => {
-                // Two particles can close in by twice the largest displacement.
-                let smallest = self.particles.smoothing_length.iter().fold(f64::INFINITY, |m: f64, &h| m.min(h));
-                let allowed = 0.5 * fraction * self.model.numerics.kernel.support() * smallest;
-                self.lists.stale
-                    || self
-                        .lists
-                        .points
-                        .iter()
-                        .zip(&self.particles.position)
-                        .any(|(old, new)| (0..3).map(|a| (new[a] - old[a]).powi(2)).sum::<f64>() > allowed * allowed)
-            }
-        }
-    }
-
-    fn search(&mut self) {
-        let reach_factor = self.reach_factor();
-        let largest = self.largest_smoothing_length();
-        self.halo.wrap(&mut self.particles.position);
-        self.halo.rebuild(&self.particles.position, reach_factor * largest);
-
-        let Lists { points, smoothing_length, .. } = &mut self.lists;
-        points.clear();
-        points.extend_from_slice(&self.particles.position);
-        points.extend(self.halo.ghosts.iter().map(|g| g.position(&self.particles.position[g.source as usize])));
-        smoothing_length.clear();
-        smoothing_length.extend_from_slice(&self.particles.smoothing_length);
-        smoothing_length.extend(self.halo.ghosts.iter().map(|g| self.particles.smoothing_length[g.source as usize]));
-
-        let Lists { list, searcher, points, smoothing_length, .. } = &mut self.lists;
-        let reach = Reach { smoothing_length, factor: reach_factor };
-        self.records.frame = searcher.search(points, self.particles.len(), &reach, self.instructions, list);
-        self.constants.unit = T::of(self.records.frame.unit);
-        if let Some(contacts) = &mut self.contacts {
-            contacts.take_pairs(&mut self.lists.list, &self.particles.body, &self.halo.ghosts);
-        }
-        self.lists.searches += 1;
-        self.lists.stale = false;
-    }
-
-    /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
-    fn sort_particles(&mut self) {
-        let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
-        let Lists { searcher, permutation, .. } = &mut self.lists;
-        permutation.set(searcher.cell_order(&self.particles.position, size));
-        self.particles.reorder(permutation);
-        self.work.reorder(permutation);
-        if let Some(heat) = &mut self.heat {
-            heat.reorder(permutation);
-        }
-        self.lists.stale = true;
     }
 }
 
@@ -251,17 +170,14 @@ impl Work {
         permutation.apply(&mut self.mu);
         permutation.apply(&mut self.correction);
         permutation.apply(&mut self.motion);
+        permutation.apply(&mut self.strain_since_search);
+        permutation.apply(&mut self.plastic_since_search);
     }
 }
 
 impl<T: PairScalar> Engine for CpuEngine<T> {
     fn begin(&mut self, dt: f64) {
-        if self.idle(dt) {
-            self.step.dt = dt;
-            self.step.count += 1;
-            return;
-        }
-        if self.lists.searches >= SEARCHES_PER_SORTING {
+        if self.lists.searches >= SEARCHES_PER_SORTING && self.may_sort() {
             self.lists.searches = 0;
             self.sort_particles();
         }
@@ -278,49 +194,39 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn refresh_neighbors(&mut self) -> SearchReport {
-        let due = if self.model.thermal.mechanics { self.search_due() } else { self.lists.stale };
-        if due {
-            self.search();
-        }
-        SearchReport { searched_fraction: f64::from(u8::from(due)) }
+        self.renew_lists()
+    }
+
+    fn audit(&mut self) -> Option<Audit> {
+        let due = self.model.audit.is_some_and(|n| self.step.dt > 0.0 && self.step.count.is_multiple_of(n));
+        due.then(|| self.audit_lists())
     }
 
     fn kinematics(&mut self) {
-        if self.idle(self.step.dt) {
-            return;
-        }
         self.sum_gradients();
         self.restore_density();
         self.correct_forces();
     }
 
     fn stress(&mut self) {
-        if self.idle(self.step.dt) {
-            return;
-        }
         self.update_stress();
-        self.halo.exchange_stress(&self.particles.position, &mut self.records);
+        let positions = self.reference.as_ref().map_or(&self.particles.position, |r| &r.position);
+        self.halo.exchange_stress(positions, &mut self.records);
     }
 
     fn forces(&mut self) {
-        self.sum_heat();
-        if self.idle(self.step.dt) {
-            return;
-        }
         self.sum_forces();
+        self.resist_hourglass();
         self.add_body_contact();
         self.add_external_forces();
     }
 
     fn finish(&mut self) {
-        if !self.idle(self.step.dt) {
-            match self.model.numerics.integrator {
-                Integrator::Leapfrog => self.leapfrog_finish(),
-                Integrator::PredictorCorrector => self.correct(),
-            }
-            self.warm_by_friction();
+        match self.model.numerics.integrator {
+            Integrator::Leapfrog => self.leapfrog_finish(),
+            Integrator::PredictorCorrector => self.correct(),
         }
-        self.flow_heat();
+        self.accumulate_strain();
         self.step.time += self.step.dt;
     }
 
@@ -329,12 +235,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn vote(&self) -> Vote {
-        let conduction = votes::conduction_vote(&self.model, self.heat.as_ref().map(HeatFlow::limit));
-        if !self.model.thermal.mechanics {
-            return conduction;
-        }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        votes::smaller(votes::vote(&self.model, &self.particles, &self.work.mu, contact), conduction)
+        votes::vote(&self.model, &self.particles, &self.work.mu, contact)
     }
 
     fn pairs(&self) -> u64 {
@@ -352,13 +254,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn memory_bytes(&self) -> u64 {
         let count = self.particles.len();
         let columns = count * (Particles::BYTES + Work::BYTES + self.base.bytes_per_particle());
-        let lists = self.lists.list.bytes()
-            + self.lists.searcher.bytes()
-            + self.lists.permutation.bytes()
-            + 32 * self.lists.points.capacity();
+        let accumulated = 8 * (self.work.strain_since_search.capacity() + self.work.plastic_since_search.capacity());
+        let reference = self.reference.as_ref().map_or(0, Reference::bytes);
         let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
-        let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
-        (columns + lists + contacts + heat + self.records.bytes()) as u64
+        (columns + accumulated + reference + contacts + self.lists.bytes() + self.records.bytes()) as u64
     }
 }
 

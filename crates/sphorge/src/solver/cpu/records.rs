@@ -52,6 +52,8 @@ pub(super) struct Records<T> {
     pub(super) extra: Vec<[T; extra::LEN]>,
     /// Empty unless needed.
     pub(super) corrected: Vec<[T; CORRECTED_LEN]>,
+    /// Empty unless needed.
+    pub(super) hourglass: Vec<super::hourglass::HourglassRecord<T>>,
     pub(super) frame: Frame,
 }
 
@@ -75,5 +77,6 @@ impl<T: PairScalar> Records<T> {
             + per(self.force.capacity(), force::LEN)
             + per(self.extra.capacity(), extra::LEN)
             + per(self.corrected.capacity(), CORRECTED_LEN)
+            + per(self.hourglass.capacity(), 16)
     }
 }

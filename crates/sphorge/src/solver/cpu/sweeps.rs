@@ -14,7 +14,7 @@ use sphorge_physics::viscosity::ViscosityParameters;
 use sphorge_physics::{Dimension, Tensor, Vector, gradient_correction, stress, tensor};
 
 /// Runs an expression with the dimension `D` and the choice `CORRECTED` as compile-time constants.
-macro_rules! dispatch {
+macro_rules! dispatch_sweep {
     ($dimension:expr, $corrected:expr, |$d:ident, $c:ident| $body:expr) => {
         match ($dimension, $corrected) {
             (Dimension::One, false) => {
@@ -51,9 +51,31 @@ macro_rules! dispatch {
     };
 }
 
+/// Runs an expression with the dimension `D` as a compile-time constant.
+macro_rules! dispatch_dimension {
+    ($dimension:expr, |$d:ident| $body:expr) => {
+        match $dimension {
+            Dimension::One => {
+                const $d: usize = 1;
+                $body
+            }
+            Dimension::Two => {
+                const $d: usize = 2;
+                $body
+            }
+            Dimension::Three => {
+                const $d: usize = 3;
+                $body
+            }
+        }
+    };
+}
+
+pub(super) use {dispatch_dimension, dispatch_sweep};
+
 impl<T: PairScalar> CpuEngine<T> {
-    fn corrected(&self) -> bool {
-        self.model.numerics.gradient_correction != GradientCorrection::None
+    pub(super) fn corrected(&self) -> bool {
+        self.model.numerics.gradient_correction != GradientCorrection::None || self.reference.is_some()
     }
 
     /// Writes velocity, smoothing length, the position a time `back` (s) ago and the weight expected a time `ahead` (s) of the
@@ -97,24 +119,34 @@ impl<T: PairScalar> CpuEngine<T> {
     /// velocities are: the step is then the same forwards and backwards in time, and what stress gains in it is the work of
     /// the forces before and after it, to second order.
     pub(super) fn sum_gradients(&mut self) {
+        if self.reference.is_some() {
+            return self.sum_reference_gradients();
+        }
         let half = 0.5 * self.step.dt;
         // The predictor has its positions at mid-step already.
         let leapfrog = self.model.numerics.integrator == Integrator::Leapfrog;
         self.pack_kinematics(if leapfrog { half } else { 0.0 }, half);
         let model = &*self.model;
         let dimension = super::dimension(model);
-        dispatch!(dimension, self.corrected(), |D, CORRECTED| {
+        dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records.kinematic;
             let constants = &self.constants;
             let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
             let dt = self.step.dt_to_evaluation(model.numerics.integrator);
             let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
             let (list, instructions) = (&self.lists.list, self.instructions);
+            let stored = self.lists.stored.as_ref();
             let sum_block = |b: usize| {
                 let mut sums = [GradientSum::zero(); BLOCK];
                 let block = &list.blocks()[b];
-                let job =
-                    GradientJob::<T, D, CORRECTED> { records, first: b * BLOCK, block, constants, sums: &mut sums };
+                let job = GradientJob::<T, D, CORRECTED> {
+                    records,
+                    first: b * BLOCK,
+                    block,
+                    stored: stored.map(|s| s.block(b)),
+                    constants,
+                    sums: &mut sums,
+                };
                 run(instructions, job);
                 sums
             };
@@ -163,16 +195,17 @@ impl<T: PairScalar> CpuEngine<T> {
     /// velocity gradient. Torques cancel only if force and correction see the same.
     pub(super) fn correct_forces(&mut self) {
         let moved = self.model.numerics.integrator == Integrator::Leapfrog && self.step.dt > 0.0;
-        if !(self.corrected() && moved) {
+        if !(self.corrected() && moved) || self.reference.is_some() {
             return;
         }
         self.pack_kinematics(0.0, 0.0);
         let model = &*self.model;
         let dimension = super::dimension(model);
         let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
-        dispatch!(dimension, true, |D, CORRECTED| {
+        dispatch_sweep!(dimension, true, |D, CORRECTED| {
             let (records, constants) = (&self.records.kinematic, &self.constants);
             let (list, instructions) = (&self.lists.list, self.instructions);
+            let stored = self.lists.stored.as_ref();
             let density = &self.particles.density;
             self.work.correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
                 let mut sums = [GradientSum::zero(); BLOCK];
@@ -180,6 +213,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     records,
                     first: b * BLOCK,
                     block: &list.blocks()[b],
+                    stored: stored.map(|s| s.block(b)),
                     constants,
                     sums: &mut sums,
                 };
@@ -199,10 +233,14 @@ impl<T: PairScalar> CpuEngine<T> {
         let numerics = &model.numerics;
         let dimension = super::dimension(model);
         let volume_weighted = numerics.pair_form == PairForm::VolumeWeighted;
+        let bulk_viscosity = self.reference.is_some();
         let terms = ForceTerms {
-            viscosity: ViscosityParameters {
-                alpha: T::of(numerics.viscosity_alpha),
-                beta: T::of(numerics.viscosity_beta),
+            // The total Lagrangian form has its viscosity in the stress.
+            viscosity: match self.reference {
+                None => {
+                    ViscosityParameters { alpha: T::of(numerics.viscosity_alpha), beta: T::of(numerics.viscosity_beta) }
+                }
+                Some(_) => ViscosityParameters { alpha: T::zero(), beta: T::zero() },
             },
             artificial_stress: numerics.artificial_stress.map(|a| (T::of(self.inverse_w_spacing()), a.exponent)),
             balsara: numerics.balsara,
@@ -210,7 +248,7 @@ impl<T: PairScalar> CpuEngine<T> {
             volume_weighted,
             own_stress_work: numerics.energy_split == EnergySplit::OwnStress,
         };
-        dispatch!(dimension, self.corrected(), |D, CORRECTED| {
+        dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records;
             let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
             let instructions = self.instructions;
@@ -231,6 +269,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         records,
                         first: b * BLOCK,
                         block: &lists.list.blocks()[b],
+                        stored: lists.stored.as_ref().map(|s| s.block(b)),
                         constants,
                         terms: &terms,
                         sums: &mut sums,
@@ -247,7 +286,9 @@ impl<T: PairScalar> CpuEngine<T> {
                         a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
                         e[k] = sum.energy_rate.to_f64() * outer;
                         x[k] = sum.xsph.map(|v| v.to_f64() * strength);
-                        mu[k] = sum.mu.to_f64();
+                        if !bulk_viscosity {
+                            mu[k] = sum.mu.to_f64();
+                        }
                     }
                 });
         });

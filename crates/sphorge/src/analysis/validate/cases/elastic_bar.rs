@@ -88,4 +88,8 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         "Plain sums see less than the whole strain at free faces: a bar that is mostly faces is soft. The same bar with more \
          particles across converges to the theory.",
     );
+    findings.note(
+        "Without viscosity nothing damps the shortest waves of the lattice: over many periods they take up the energy of the \
+         long one, sooner at finer spacings. The period is that of the first two swings.",
+    );
 }

@@ -1,0 +1,126 @@
+//! Adaptive search: only particles that deform plastically are searched again (Fraser).
+//!
+//! Fraser's rule looks at the plastic strain of a step alone. The guard adds what the rule cannot see; `docs/adaptive-search.md`
+//! derives each of its bounds:
+//!
+//! - elastic strain: a particle whose strain since its last search passes a bound is searched;
+//! - strangers: particles near another body, near another piece of their own, or near material that came from afar are
+//!   searched every step ([`super::guard`]);
+//! - one-sidedness: rows of neighbours of searched particles are mended, so that of every pair both rows know or none;
+//! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
+
+use super::super::CpuEngine;
+use super::moved_beyond;
+use crate::lanes::PairScalar;
+use crate::model::{AdaptiveSearch, Search};
+use crate::neighbors::{Reach, mark};
+use crate::solver::engine::SearchReport;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Ghosts are made for particles this much farther away than the kernel reaches, as a share of the reach.
+pub(super) const GHOST_MARGIN: f64 = 0.5;
+
+/// Above this share a search of everyone costs less than one of some and their neighbours.
+const EVERYONE_ABOVE: f64 = 0.5;
+
+impl<T: PairScalar> CpuEngine<T> {
+    pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> SearchReport {
+        if self.lists.stale || self.ghosts_used_up() {
+            return self.search_everyone();
+        }
+        self.follow_frame();
+        if adaptive.guard.is_some() {
+            let reach = self.largest_reach();
+            let factor = self.model.numerics.kernel.support();
+            let lists = &mut self.lists;
+            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, reach, factor);
+        }
+        let marked = self.mark(adaptive);
+        let count = self.particles.len();
+        if adaptive.guard.is_some() && marked as f64 > EVERYONE_ABOVE * count as f64 {
+            return self.search_everyone();
+        }
+        if marked == 0 {
+            return self.search_no_one();
+        }
+        self.place_points();
+        let factor = self.reach_factor();
+        let one_sided = adaptive.guard.is_none();
+        let super::Lists { list, searcher, points, smoothing_length, sources, marks, .. } = &mut self.lists;
+        marks.truncate(count);
+        for &source in sources.iter() {
+            marks.push(AtomicU8::new(marks[source as usize].load(Ordering::Relaxed)));
+        }
+        let reach = Reach { smoothing_length, factor };
+        searcher.renew(points, count, sources, &reach, self.instructions, list, marks, one_sided);
+        // Every particle that can touch another body is among strangers and was searched: all pairs of bodies are in the rows.
+        self.take_contacts();
+        let super::Lists { list, points, marks, stored, .. } = &mut self.lists;
+        let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
+        if let Some(stored) = stored {
+            stored.renew(list, points, searched);
+        }
+        let (step, particles, work) = (self.step.count as u32, &mut self.particles, &mut self.work);
+        for i in 0..count {
+            let anew = searched(i);
+            particles.adapted[i] = u32::from(anew);
+            if anew {
+                particles.last_searched[i] = step;
+                work.strain_since_search[i] = 0.0;
+                work.plastic_since_search[i] = 0.0;
+            }
+        }
+        self.step.adapted_someone = true;
+        SearchReport { searched_fraction: marked as f64 / count as f64 }
+    }
+
+    /// Notes a search of everyone for what is measured from it.
+    pub(super) fn remember_search(&mut self) {
+        if self.keeps_distances() {
+            let lists = &mut self.lists;
+            lists.stored.get_or_insert_default().renew(&lists.list, &lists.points, |_| true);
+        }
+        if matches!(self.model.search, Search::Adaptive(_)) {
+            self.lists.searched_at.clone_from(&self.particles.position);
+            self.lists.guard.forget();
+            self.work.strain_since_search.fill(0.0);
+            self.work.plastic_since_search.fill(0.0);
+        }
+    }
+
+    /// Whether sums are taken with the distances of the last search.
+    fn keeps_distances(&self) -> bool {
+        match self.model.search {
+            Search::Adaptive(adaptive) => adaptive.guard.is_none(),
+            Search::TotalLagrangian(total) => !total.corrected,
+            _ => false,
+        }
+    }
+
+    /// Whether a particle may have come near a symmetry plane or a periodic end without a ghost.
+    fn ghosts_used_up(&self) -> bool {
+        let allowed = GHOST_MARGIN * self.largest_reach();
+        !self.halo.is_empty() && moved_beyond(&self.particles.position, &self.lists.searched_at, allowed)
+    }
+
+    /// Marks the particles to be searched, returns how many.
+    fn mark(&mut self, adaptive: AdaptiveSearch) -> usize {
+        let count = self.particles.len();
+        let super::Lists { marks, guard, .. } = &mut self.lists;
+        marks.resize_with(count.max(marks.len()), AtomicU8::default);
+        let plastic = if adaptive.accumulate {
+            &self.work.plastic_since_search
+        } else {
+            &self.particles.plastic_strain_increment
+        };
+        let strain = &self.work.strain_since_search;
+        let mut marked = 0;
+        for i in 0..count {
+            let search = plastic[i] > adaptive.plastic_strain_threshold
+                || adaptive.guard.is_some_and(|bound| strain[i] > bound || guard.among_strangers(i));
+            marks[i] = AtomicU8::new(if search { mark::SEARCH } else { mark::KEEP });
+            marked += usize::from(search);
+        }
+        marked
+    }
+}

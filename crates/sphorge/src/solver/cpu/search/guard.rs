@@ -1,0 +1,214 @@
+//! Who may meet strangers: material that the strain of a particle says nothing of.
+//!
+//! Space is divided into cells twice as wide as the kernel reaches. Two particles within reach of each other now were in
+//! adjacent cells when they were sorted, as long as none has moved by more than half of the reach since. So every pair of
+//! strangers is found by looking at cells: a particle is among strangers if the cells around it hold another body, another
+//! piece of its own body, or material that came from farther apart than such cells can hold.
+
+use crate::neighbors::{CellGrid, NeighborList};
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::Vector;
+
+/// Width of a cell in units of the reach.
+const CELL_WIDTH: f64 = 2.0;
+
+/// Farthest apart, in cells along an axis, that material of three adjacent cells may have been: their diagonal `3 sqrt(3)`, in
+/// case it has turned, and a fifth for strain.
+const FARTHEST: f64 = 6.2;
+
+/// Cells, and what is in them.
+#[derive(Debug, Default)]
+pub(super) struct Guard {
+    cells: CellGrid,
+    /// Positions when particles were sorted into cells, m.
+    sorted_at: Vec<Vector<f64>>,
+    pieces: Pieces,
+    contents: Vec<Content>,
+    strangers_near: Vec<bool>,
+    among_strangers: Vec<bool>,
+}
+
+/// What is in a cell, or in the cells around one.
+#[derive(Clone, Copy, Debug)]
+struct Content {
+    /// Smallest and largest number of a piece.
+    pieces: (u32, u32),
+    /// Where the material was when everyone was searched, m.
+    low: Vector<f64>,
+    high: Vector<f64>,
+}
+
+impl Content {
+    const NOTHING: Self = Self { pieces: (u32::MAX, 0), low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+
+    fn add(&mut self, other: &Self) {
+        self.pieces = (self.pieces.0.min(other.pieces.0), self.pieces.1.max(other.pieces.1));
+        for a in 0..3 {
+            self.low[a] = self.low[a].min(other.low[a]);
+            self.high[a] = self.high[a].max(other.high[a]);
+        }
+    }
+
+    fn strange(&self, farthest: f64) -> bool {
+        self.pieces.0 != self.pieces.1 || (0..3).any(|a| self.high[a] - self.low[a] > farthest)
+    }
+}
+
+impl Guard {
+    /// Finds who is among strangers, if particles have moved far enough since it was last found.
+    pub(super) fn refresh(
+        &mut self,
+        particles: &Particles,
+        list: &NeighborList,
+        searched_at: &[Vector<f64>],
+        reach: f64,
+        support: f64,
+    ) {
+        let allowed = 0.5 * (CELL_WIDTH - 1.0) * reach;
+        if self.sorted_at.len() == particles.len()
+            && !super::moved_beyond(&particles.position, &self.sorted_at, allowed)
+        {
+            return;
+        }
+        self.sorted_at.clone_from(&particles.position);
+        let size = CELL_WIDTH * reach;
+        self.cells.sort(&particles.position, size);
+        self.pieces.find(particles, list, support);
+
+        let (cells, pieces) = (&self.cells, &self.pieces.of);
+        self.contents.resize(cells.cells(), Content::NOTHING);
+        self.contents.par_iter_mut().enumerate().for_each(|(c, content)| {
+            *content = Content::NOTHING;
+            for &i in cells.members(c) {
+                let (piece, at) = (pieces[i as usize], searched_at[i as usize]);
+                content.add(&Content { pieces: (piece, piece), low: at, high: at });
+            }
+        });
+        let contents = &self.contents;
+        self.strangers_near.resize(cells.cells(), false);
+        self.strangers_near.par_iter_mut().enumerate().for_each(|(c, strangers)| {
+            *strangers = !cells.members(c).is_empty() && {
+                let mut around = Content::NOTHING;
+                cells.cells_around(c).for_each(|other| around.add(&contents[other]));
+                around.strange(FARTHEST * size)
+            };
+        });
+        self.among_strangers.clear();
+        self.among_strangers.extend((0..particles.len()).map(|i| self.strangers_near[cells.cell_of(i)]));
+    }
+
+    /// Whether the particle may have strangers within reach.
+    pub(super) fn among_strangers(&self, i: usize) -> bool {
+        self.among_strangers[i]
+    }
+
+    /// Makes the next [`Self::refresh`] look anew.
+    pub(super) fn forget(&mut self) {
+        self.sorted_at.clear();
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.cells.bytes()
+            + 24 * self.sorted_at.capacity()
+            + 4 * self.pieces.of.capacity()
+            + size_of::<Content>() * self.contents.capacity()
+            + self.strangers_near.capacity()
+            + self.among_strangers.capacity()
+    }
+}
+
+/// Pieces: particles of a body that neighbours hold together.
+#[derive(Debug, Default)]
+struct Pieces {
+    /// Smallest index of a particle of the same piece.
+    of: Vec<u32>,
+}
+
+impl Pieces {
+    /// Joins particles of one body that are within the kernel support of each other and in the list.
+    fn find(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
+        self.of.clear();
+        self.of.extend(0..particles.len() as u32);
+        let Particles { position, body, smoothing_length, .. } = particles;
+        for i in 0..particles.len() {
+            for &j in list.row(i) {
+                let j = j as usize;
+                if j < i && body[i] == body[j] {
+                    let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
+                    let r = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
+                    if d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < r * r {
+                        self.join(i as u32, j as u32);
+                    }
+                }
+            }
+        }
+        for i in 0..self.of.len() as u32 {
+            self.of[i as usize] = self.root(i);
+        }
+    }
+
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.of[i as usize] != i {
+            let above = self.of[self.of[i as usize] as usize];
+            self.of[i as usize] = above;
+            i = above;
+        }
+        i
+    }
+
+    fn join(&mut self, i: u32, j: u32) {
+        let (i, j) = (self.root(i), self.root(j));
+        let (low, high) = (i.min(j), i.max(j));
+        self.of[high as usize] = low;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::neighbors::{Reach, brute_force};
+
+    /// A row of ten particles a spacing of one apart, broken between the fifth and the sixth, whose second half stands
+    /// `height` above it.
+    fn broken_row(height: f64, second_body: u32) -> Particles {
+        let mut particles = Particles::new(10);
+        for i in 0..10 {
+            let second = i >= 5;
+            particles.position[i] = [i as f64, if second { height } else { 0.0 }, 0.0];
+            particles.body[i] = if second { second_body } else { 0 };
+            particles.smoothing_length[i] = 0.6;
+        }
+        particles
+    }
+
+    fn flags(particles: &Particles, searched_at: &[Vector<f64>]) -> Vec<bool> {
+        let reach = Reach { smoothing_length: &particles.smoothing_length, factor: 2.0 };
+        let list = brute_force(&particles.position, 10, &reach);
+        let mut guard = Guard::default();
+        guard.refresh(particles, &list, searched_at, 1.2, 2.0);
+        (0..10).map(|i| guard.among_strangers(i)).collect()
+    }
+
+    #[test]
+    fn whole_material_has_no_strangers_and_pieces_and_bodies_have() {
+        let whole = broken_row(0.0, 0);
+        assert_eq!(flags(&whole, &whole.position), [false; 10]);
+        let pieces = broken_row(1.5, 0);
+        let near = flags(&pieces, &pieces.position);
+        assert!(near[4] && near[5] && !near[0], "{near:?}");
+        let bodies = broken_row(0.0, 1);
+        let near = flags(&bodies, &bodies.position);
+        assert!(near[4] && near[5] && !near[0] && !near[9], "{near:?}");
+    }
+
+    #[test]
+    fn material_that_came_from_afar_is_strange() {
+        let now = broken_row(0.0, 0);
+        let mut then = now.position.clone();
+        then[4][1] += 100.0;
+        let near = flags(&now, &then);
+        assert!(near[4] && near[5] && !near[9], "{near:?}");
+    }
+}

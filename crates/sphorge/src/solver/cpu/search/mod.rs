@@ -1,0 +1,228 @@
+//! When neighbour lists are renewed, and for whom: the search strategies.
+
+mod adaptive;
+mod audit;
+mod guard;
+mod stored;
+
+pub(super) use stored::{StoredBlock, StoredPairs};
+
+use super::CpuEngine;
+use crate::lanes::PairScalar;
+use crate::model::Search;
+use crate::neighbors::{BLOCK, Frame, NeighborList, Reach, Searcher, bounds};
+use crate::particles::Permutation;
+use crate::solver::engine::SearchReport;
+use guard::Guard;
+use sphorge_physics::Vector;
+use std::sync::atomic::AtomicU8;
+
+/// Neighbour lists and what searching needs.
+#[derive(Default)]
+pub(super) struct Lists<T> {
+    pub(super) list: NeighborList,
+    /// Distances of the last search, where the strategy keeps them.
+    pub(super) stored: Option<StoredPairs<T>>,
+    pub(super) permutation: Permutation,
+    /// Searches of everyone since particles were sorted.
+    pub(super) searches: u64,
+    /// The list is not of these particles.
+    pub(super) stale: bool,
+    searcher: Searcher,
+    /// Positions of particles and ghosts at the last search, m.
+    points: Vec<Vector<f64>>,
+    smoothing_length: Vec<f64>,
+    /// Source of every ghost.
+    sources: Vec<u32>,
+    /// What a partial search does with each row; ghosts as their sources.
+    marks: Vec<AtomicU8>,
+    /// Positions at the last search of everyone, m; only for adaptive search.
+    searched_at: Vec<Vector<f64>>,
+    guard: Guard,
+}
+
+impl<T: Default> Lists<T> {
+    /// Lists of no one.
+    pub(super) fn new() -> Self {
+        Self { stale: true, ..Self::default() }
+    }
+}
+
+impl<T> Lists<T> {
+    pub(super) fn bytes(&self) -> usize {
+        self.list.bytes()
+            + self.searcher.bytes()
+            + self.permutation.bytes()
+            + self.stored.as_ref().map_or(0, StoredPairs::bytes)
+            + 32 * self.points.capacity()
+            + 5 * self.marks.capacity()
+            + 24 * self.searched_at.capacity()
+            + self.guard.bytes()
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Makes the lists valid for the positions just reached, as the strategy has it.
+    pub(super) fn renew_lists(&mut self) -> SearchReport {
+        let stale = self.lists.stale;
+        match self.model.search {
+            Search::EveryStep => self.search_everyone(),
+            Search::Skin { fraction } => {
+                if stale || self.moved_beyond_skin(fraction) {
+                    self.search_everyone()
+                } else {
+                    self.search_no_one()
+                }
+            }
+            Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
+            Search::TotalLagrangian(_) if stale => self.search_everyone(),
+            Search::TotalLagrangian(_) => {
+                self.follow_frame();
+                self.search_no_one()
+            }
+        }
+    }
+
+    /// Kernel support with the skin of the strategy, in smoothing lengths.
+    fn reach_factor(&self) -> f64 {
+        let skin = match self.model.search {
+            Search::Skin { fraction } => fraction,
+            _ => 0.0,
+        };
+        self.model.numerics.kernel.support() * (1.0 + skin)
+    }
+
+    /// Largest distance of a pair in the list, m.
+    fn largest_reach(&self) -> f64 {
+        self.reach_factor() * self.largest_smoothing_length()
+    }
+
+    pub(super) fn largest_smoothing_length(&self) -> f64 {
+        self.particles.smoothing_length.iter().fold(0.0, |m: f64, &h| m.max(h))
+    }
+
+    /// Two particles can close in by twice the largest displacement.
+    fn moved_beyond_skin(&self, fraction: f64) -> bool {
+        let smallest = self.particles.smoothing_length.iter().fold(f64::INFINITY, |m: f64, &h| m.min(h));
+        let allowed = 0.5 * fraction * self.model.numerics.kernel.support() * smallest;
+        moved_beyond(&self.particles.position, &self.lists.points, allowed)
+    }
+
+    fn search_no_one(&mut self) -> SearchReport {
+        if self.step.adapted_someone {
+            self.particles.adapted.fill(0);
+            self.step.adapted_someone = false;
+        }
+        SearchReport { searched_fraction: 0.0 }
+    }
+
+    fn search_everyone(&mut self) -> SearchReport {
+        let reach_factor = self.reach_factor();
+        let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
+        self.halo.wrap(&mut self.particles.position);
+        self.halo.rebuild(&self.particles.position, ghost_reach);
+        self.place_points();
+        let count = self.particles.len();
+        let Lists { list, searcher, points, smoothing_length, sources, .. } = &mut self.lists;
+        let reach = Reach { smoothing_length, factor: reach_factor };
+        searcher.search(points, count, &reach, self.instructions, list);
+        let frame = searcher.frame::<T>();
+        if self.reference.is_some() {
+            // Another body's material is no part of the deformation of this one.
+            let body = &self.particles.body;
+            let body_of =
+                |j: u32| body.get(j as usize).copied().unwrap_or_else(|| body[sources[j as usize - count] as usize]);
+            for (b, block) in list.blocks_mut().iter_mut().enumerate() {
+                for k in 0..block.len() {
+                    let own = b * BLOCK + k;
+                    block.retain_in_row(k, own as u32, |j| body[own] == body_of(j));
+                }
+            }
+        }
+        self.set_frame(frame);
+        self.take_contacts();
+        self.lists.searches += 1;
+        self.lists.stale = false;
+        self.particles.adapted.fill(1);
+        self.particles.last_searched.fill(self.step.count as u32);
+        self.step.adapted_someone = true;
+        self.remember_search();
+        SearchReport { searched_fraction: 1.0 }
+    }
+
+    /// Moves pairs of different bodies to the contact between them, where the deck has one.
+    fn take_contacts(&mut self) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take_pairs(&mut self.lists.list, &self.particles.body, &self.halo.ghosts);
+        }
+    }
+
+    /// How much farther than the kernel reaches ghosts are made, so that they serve until particles have moved.
+    fn ghost_reach_factor(&self) -> f64 {
+        match self.model.search {
+            Search::Adaptive(_) => 1.0 + adaptive::GHOST_MARGIN,
+            _ => 1.0,
+        }
+    }
+
+    /// Positions and smoothing lengths of particles and ghosts, for the searcher.
+    fn place_points(&mut self) {
+        let Lists { points, smoothing_length, sources, .. } = &mut self.lists;
+        let position = &self.particles.position;
+        points.clear();
+        points.extend_from_slice(position);
+        points.extend(self.halo.ghosts.iter().map(|g| g.position(&position[g.source as usize])));
+        smoothing_length.clear();
+        smoothing_length.extend_from_slice(&self.particles.smoothing_length);
+        smoothing_length.extend(self.halo.ghosts.iter().map(|g| self.particles.smoothing_length[g.source as usize]));
+        sources.clear();
+        sources.extend(self.halo.ghosts.iter().map(|g| g.source));
+    }
+
+    /// The frame of the records around the positions as they are: lists may outlive it.
+    fn follow_frame(&mut self) {
+        let (mut low, mut high) = bounds(&self.particles.position);
+        if let Some(reference) = &self.reference {
+            let (other_low, other_high) = bounds(&reference.position);
+            low = [0, 1, 2].map(|a| low[a].min(other_low[a]));
+            high = [0, 1, 2].map(|a| high[a].max(other_high[a]));
+        }
+        // Ghosts stand at most as far outside as the reach they were made for.
+        self.set_frame(Frame::around::<T>(low, high, 3.0 * self.largest_reach() + self.halo.longest_shift()));
+    }
+
+    fn set_frame(&mut self, frame: Frame) {
+        self.records.frame = frame;
+        self.constants.unit = T::of(frame.unit);
+    }
+
+    /// Sorting makes a search of everyone due, which some strategies must not have.
+    pub(super) fn may_sort(&self) -> bool {
+        match self.model.search {
+            Search::EveryStep | Search::Skin { .. } => true,
+            Search::Adaptive(adaptive) => adaptive.guard.is_some(),
+            Search::TotalLagrangian(_) => false,
+        }
+    }
+
+    /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
+    pub(super) fn sort_particles(&mut self) {
+        let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
+        let Lists { searcher, permutation, .. } = &mut self.lists;
+        permutation.set(searcher.cell_order(&self.particles.position, size));
+        self.particles.reorder(permutation);
+        self.work.reorder(permutation);
+        self.lists.stale = true;
+    }
+}
+
+/// Whether any of `now` has moved by more than `allowed` (m) from where it was `then`.
+fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+    use rayon::prelude::*;
+    now.par_chunks(1024).zip(then.par_chunks(1024)).any(|(now, then)| {
+        now.iter().zip(then).any(|(now, then)| {
+            let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > allowed * allowed
+        })
+    })
+}

@@ -1,0 +1,113 @@
+//! Distances kept from the last search: what "stored kernel values" mean. A kernel value is a function of the distance, so
+//! keeping one keeps the other, at three numbers a pair.
+
+use crate::lanes::{Lanes, PairScalar};
+use crate::neighbors::{BLOCK, Block, NeighborList, PAD};
+use rayon::prelude::*;
+use sphorge_physics::Vector;
+
+/// Distances `x_i - x_j` of all listed pairs as they were when the row of `i` was searched.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StoredPairs<T> {
+    blocks: Vec<StoredBlock<T>>,
+}
+
+/// Distances of the rows of a block, components apart in groups of [`PAD`] pairs, m.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StoredBlock<T> {
+    starts: Vec<u32>,
+    x: Vec<T>,
+}
+
+impl<T: PairScalar> StoredPairs<T> {
+    /// Takes the distances of the rows `searched` says were searched; the others keep theirs.
+    pub(super) fn renew(
+        &mut self,
+        list: &NeighborList,
+        points: &[Vector<f64>],
+        searched: impl Fn(usize) -> bool + Sync,
+    ) {
+        self.blocks.resize_with(list.blocks().len(), || StoredBlock { starts: Vec::new(), x: Vec::new() });
+        self.blocks.par_iter_mut().zip(list.blocks()).enumerate().for_each(|(b, (stored, block))| {
+            let first = b * BLOCK;
+            if (0..block.len()).any(|k| searched(first + k)) {
+                stored.renew(block, first, points, &searched);
+            }
+        });
+    }
+
+    /// Distances of a block.
+    pub(crate) fn block(&self, b: usize) -> &StoredBlock<T> {
+        &self.blocks[b]
+    }
+}
+
+impl<T> StoredPairs<T> {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.blocks.iter().map(|b| 4 * b.starts.capacity() + size_of::<T>() * b.x.capacity()).sum()
+    }
+}
+
+impl<T: PairScalar> StoredBlock<T> {
+    fn renew(&mut self, block: &Block, first: usize, points: &[Vector<f64>], searched: &impl Fn(usize) -> bool) {
+        let mut x = vec![T::zero(); 3 * block.padded_len()];
+        for k in 0..block.len() {
+            let i = first + k;
+            let start = 3 * block.start(k);
+            if searched(i) {
+                for (n, &j) in block.row(k).iter().enumerate() {
+                    for a in 0..3 {
+                        let d = points[i][a] - points[j as usize][a];
+                        x[start + n / PAD * 3 * PAD + a * PAD + n % PAD] = T::of(d);
+                    }
+                }
+            } else {
+                let length = 3 * (block.start(k + 1) - block.start(k));
+                let old = 3 * self.starts[k] as usize;
+                x[start..start + length].copy_from_slice(&self.x[old..old + length]);
+            }
+        }
+        self.x = x;
+        self.starts.clear();
+        self.starts.extend((0..=block.len()).map(|k| block.start(k) as u32));
+    }
+
+    /// Component `a` of the bundle that starts at the padded entry `at` of the block.
+    #[inline(always)]
+    pub(crate) fn bundle<L: Lanes<Element = T>>(&self, at: usize, a: usize) -> L {
+        L::load(&self.x[at / PAD * 3 * PAD + a * PAD + at % PAD..])
+    }
+
+    /// The distance of the pair at entry `at` of the block, m.
+    pub(super) fn distance(&self, at: usize) -> Vector<f64> {
+        [0, 1, 2].map(|a| self.x[at / PAD * 3 * PAD + a * PAD + at % PAD].to_f64())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_not_searched_keep_their_distances() {
+        let mut list = NeighborList::default();
+        list.resize(2);
+        let block = &mut list.blocks_mut()[0];
+        block.clear();
+        block.push(1);
+        block.end_row(0);
+        block.push(0);
+        block.end_row(1);
+        let mut stored = StoredPairs::<f32>::default();
+        stored.renew(&list, &[[0.0; 3], [1.0, 2.0, 3.0]], |_| true);
+        // Row 1 grows and row 0 moves on in memory when only row 1 is searched.
+        stored.renew(&list, &[[0.5, 0.0, 0.0], [1.0, 2.0, 4.0]], |i| i == 1);
+        let block = stored.block(0);
+        assert_eq!(block.distance(0), [-1.0, -2.0, -3.0]);
+        assert_eq!(block.distance(list.blocks()[0].start(1)), [0.5, 2.0, 4.0]);
+        assert_eq!(block.bundle::<f32>(list.blocks()[0].start(1), 2), 4.0);
+        // Padding is at no distance.
+        assert_eq!(block.distance(1), [0.0; 3]);
+    }
+}
