@@ -1,13 +1,17 @@
 //! The cases, one file each.
 
+mod copper_bar;
+mod disc_on_plate;
 mod elastic_bar;
 mod elastic_plastic_piston;
 mod high_shear;
+mod homogeneous;
 mod oscillating_plate;
 mod penetration;
 mod plate_impact;
 mod rotating_rod;
 mod taylor_bar;
+mod taylor_bar_42crmo4;
 mod taylor_plate;
 
 use super::Case;
@@ -16,10 +20,14 @@ use super::Case;
 pub const CASES: &[Case] = &[
     taylor_plate::CASE,
     taylor_bar::CASE,
+    taylor_bar_42crmo4::CASE,
+    copper_bar::CASE,
     high_shear::CASE,
     penetration::CASE,
+    disc_on_plate::CASE,
     plate_impact::CASE,
     elastic_plastic_piston::CASE,
+    homogeneous::CASE,
     elastic_bar::CASE,
     oscillating_plate::CASE,
     rotating_rod::CASE,

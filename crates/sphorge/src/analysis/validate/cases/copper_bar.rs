@@ -1,0 +1,76 @@
+//! Taylor impact of OFHC copper bars: Johnson & Cook (1983).
+
+use super::super::{
+    Bounds, Case, Effort, Finding, ReferenceKind, Unit, Variant,
+    pictures::{Picture, Subject},
+    report::Findings,
+    runs::Runs,
+};
+
+const SPEEDS: &str = "speeds";
+const COARSE: &str = "coarser";
+
+/// Length and diameter of the bar, m.
+const LENGTH: f64 = 0.0254;
+const DIAMETER: f64 = 0.00762;
+
+/// Speed in m/s, final length over first, foot diameter over first: measured (Johnson & Cook 1983).
+const MEASURED: [(&str, f64, f64); 3] = [("130 m/s", 0.770, 1.30), ("146 m/s", 0.736, 1.40), ("190 m/s", 0.638, 1.78)];
+
+pub(super) const CASE: Case = Case {
+    name: "copper-bar",
+    title: "Taylor impact of OFHC copper bars at 130, 146 and 190 m/s",
+    about: "Bars of 7.62 x 25.4 mm with the constants of Johnson & Cook (1983), beside their measured bars. A quarter of the bar \
+            against planes of symmetry: the wall is rigid and without friction.",
+    deck: "copper-bar",
+    variants,
+    judge,
+    pictures: &[
+        Picture {
+            series: SPEEDS,
+            subject: Subject::BeforeAfter("plastic_strain"),
+            caption: "Plastic strain, before and at 90 us",
+        },
+        Picture {
+            series: SPEEDS,
+            subject: Subject::History(&["length", "foot_diameter"]),
+            caption: "Length and foot over time",
+        },
+    ],
+};
+
+fn variants(effort: Effort) -> Vec<Variant> {
+    let at = |series, label: &str, speed: &str| {
+        Variant::of_series(label, series).set("body.bar.velocity.2", &format!("\"-{speed}\""))
+    };
+    match effort {
+        Effort::Quick => vec![at(SPEEDS, "190 m/s", "190 m/s").spacing("0.762 mm")],
+        Effort::Full => {
+            let coarse =
+                |row: &(&str, f64, f64)| at(COARSE, &format!("{}, 0.635 mm", row.0), row.0).spacing("0.635 mm");
+            let mut variants: Vec<_> = MEASURED.iter().map(coarse).collect();
+            variants.extend(MEASURED.iter().map(|row| at(SPEEDS, row.0, row.0)));
+            variants
+        }
+    }
+}
+
+fn judge(runs: &Runs, findings: &mut Findings) {
+    for run in runs.series(COARSE).chain(runs.series(SPEEDS)) {
+        let Some(&(_, length, foot)) = MEASURED.iter().find(|row| run.label().starts_with(row.0)) else { continue };
+        let finding = |name: &str, ours: Option<f64>, measured| {
+            Finding::new(name, Unit::NONE, run.label(), ours).beside(
+                ReferenceKind::Experiment,
+                "Johnson & Cook",
+                measured,
+            )
+        };
+        findings.add(finding("length over first", run.measure("length").map(|l| l / LENGTH), length));
+        findings.add(finding("foot diameter over first", run.measure("foot_diameter").map(|d| d / DIAMETER), foot));
+        let drift = run.summary().map(|s| s.energy.largest_relative_drift);
+        findings.add(
+            Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift)
+                .must(Bounds::AtMost(1e-5), "pair sums in single precision: some thousand steps of their rounding"),
+        );
+    }
+}
