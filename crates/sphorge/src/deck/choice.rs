@@ -65,6 +65,10 @@ words! {
         "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";
         "benz-asphaug" => ReturnRule::BenzAsphaug, "the square of that factor (Patiño et al. Eq 28 as printed)";
     }
+    SmoothingLengthWord, "course of the smoothing length", bool {
+        "constant" => false, "as at the start";
+        "follow-density" => true, "grows where material expands and shrinks where it is compressed, at most by a factor of 2";
+    }
     SearchWord, "search strategy", Search {
         "every-step" => Search::EveryStep, "all particles, every step";
         "skin" => defaults::SKIN, "lists with a skin, renewed when a particle has moved through half of it";

@@ -25,6 +25,8 @@ pub(crate) const TOTAL_LAGRANGIAN: TotalLagrangian = TotalLagrangian { corrected
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
 /// Stiffness, damping and friction of the contact between bodies.
 pub(crate) const BODY_CONTACT: (f64, f64, f64) = (1.0, 0.3, 0.0);
+/// Largest ratio of a smoothing length that follows the density to the initial one.
+pub(crate) const SMOOTHING_FACTOR: f64 = 2.0;
 /// Frames over a run.
 pub(crate) const FRAMES: u64 = 50;
 /// Rows of the history over a run.

@@ -5,7 +5,10 @@ use super::raw::{RawDeck, RawMaterial};
 use super::report::{DeckReport, Fault, Problems};
 use super::{keys, overrides, placement};
 use crate::material::Constants;
-use crate::{Particles, geometry, model::Model};
+use crate::{
+    Particles, geometry,
+    model::{Model, Solid},
+};
 use serde::de::DeserializeOwned;
 use std::{collections::BTreeMap, path::Path};
 use toml::{Spanned, de::DeTable};
@@ -33,7 +36,7 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Setup, DeckRe
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), Some(help.to_owned()))
     })?;
     let name = path.file_stem().map_or_else(|| "deck".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    read(&shown, &name, &text, overrides)
+    read(&shown, &name, &text, path.parent(), overrides)
 }
 
 /// The model of a deck file, without particles.
@@ -45,7 +48,7 @@ pub(crate) fn load_model(path: &Path) -> Result<Model, DeckReport> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), None)
     })?;
-    let mut problems = Problems::new(&shown, &text);
+    let mut problems = Problems::new(&shown, &text).with_folder(path.parent().unwrap_or(Path::new("")));
     Ok(read_model("deck", &mut problems)?.0)
 }
 
@@ -54,10 +57,16 @@ pub(crate) fn load_model(path: &Path) -> Result<Model, DeckReport> {
 /// # Errors
 /// Everything that is wrong with the overrides or the deck.
 pub fn load_text(name: &str, text: &str, overrides: &[(String, String)]) -> Result<Setup, DeckReport> {
-    read(name, name, text, overrides)
+    read(name, name, text, None, overrides)
 }
 
-fn read(shown: &str, name: &str, text: &str, overrides: &[(String, String)]) -> Result<Setup, DeckReport> {
+fn read(
+    shown: &str,
+    name: &str,
+    text: &str,
+    folder: Option<&Path>,
+    overrides: &[(String, String)],
+) -> Result<Setup, DeckReport> {
     let mut deck_text = text.to_owned();
     let mut shown = shown.to_owned();
     if !overrides.is_empty()
@@ -66,10 +75,10 @@ fn read(shown: &str, name: &str, text: &str, overrides: &[(String, String)]) -> 
         deck_text = changed;
         shown.push_str(", with --set");
     }
-    let mut problems = Problems::new(&shown, &deck_text);
+    let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
     let (model, places) = read_model(name, &mut problems)?;
     match geometry::fill(&model) {
-        Ok(particles) => Ok(Setup { model, particles, deck_text }),
+        Ok(particles) => Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles }),
         Err(errors) => {
             for error in errors {
                 problems.push(placement::fault(error, &model, &places));
@@ -77,6 +86,17 @@ fn read(shown: &str, name: &str, text: &str, overrides: &[(String, String)]) -> 
             Err(problems.report("the bodies could not be filled"))
         }
     }
+}
+
+/// A deck that finds its tables from any folder.
+fn with_whole_paths(text: String, model: &Model) -> Result<String, DeckReport> {
+    let whole = model.bodies.iter().filter_map(|body| {
+        let Solid::Cloud { file, .. } = &body.shape.solid else { return None };
+        let path = std::path::absolute(file).ok()?;
+        Some((format!("body.{}.shape.table.file", body.name), format!("{:?}", path.to_str()?)))
+    });
+    let whole: Vec<_> = whole.collect();
+    Ok(if whole.is_empty() { text } else { overrides::apply(&text, &whole)?.unwrap_or(text) })
 }
 
 /// The model of the text of `problems`, without particles.

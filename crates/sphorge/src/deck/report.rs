@@ -1,7 +1,12 @@
 //! What is wrong with a deck: every fault with its line, what was expected and what to do.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use std::{fmt, ops::Range, sync::Arc};
+use std::{
+    fmt,
+    ops::Range,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// One fault of a deck.
 #[derive(Clone, Debug)]
@@ -162,13 +167,25 @@ impl Fault {
 #[derive(Debug)]
 pub(crate) struct Problems {
     source: Arc<NamedSource<String>>,
+    folder: PathBuf,
     faults: Vec<Fault>,
 }
 
 impl Problems {
     /// `name` as shown to the user, and the text labels point into.
     pub(crate) fn new(name: &str, text: &str) -> Self {
-        Self { source: Arc::new(NamedSource::new(name, text.to_owned()).with_language("TOML")), faults: Vec::new() }
+        let source = Arc::new(NamedSource::new(name, text.to_owned()).with_language("TOML"));
+        Self { source, folder: PathBuf::new(), faults: Vec::new() }
+    }
+
+    /// The folder files named in the text are sought in; the working directory if not given.
+    pub(crate) fn with_folder(self, folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), ..self }
+    }
+
+    /// A file named in the text.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
     }
 
     /// The text labels point into.

@@ -3,7 +3,8 @@
 use crate::{
     analysis::observed::Observed,
     deck::Setup,
-    model::{Dimensions, Model},
+    geometry::Volume,
+    model::{Dimensions, Model, Solid},
     output::{FrameHeader, write_frame},
     particles::Particles,
     solver::{RunFailure, Simulation, VoteReason},
@@ -167,7 +168,13 @@ fn bodies(model: &Model, particles: &Particles) -> Vec<BodyForecast> {
     let rows = model.bodies.iter().zip(counts.into_iter().zip(masses));
     rows.map(|(body, (particles, mass))| {
         let material = &model.materials[body.material];
-        let volume = body.shape.volume(model.dimensions);
+        // A cloud is its particles.
+        let is_cloud = matches!(body.shape.solid, Solid::Cloud { .. });
+        let volume = if is_cloud {
+            Volume { size: mass / material.density, is_exact: true }
+        } else {
+            body.shape.volume(model.dimensions)
+        };
         BodyForecast {
             name: body.name.clone(),
             material: material.name.clone(),

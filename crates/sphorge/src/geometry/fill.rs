@@ -2,7 +2,7 @@
 
 use super::{overlap, pattern::Pattern};
 use crate::Particles;
-use crate::model::{Body, Model, Region, WallSurface};
+use crate::model::{Body, Model, Region, Solid, WallSurface};
 use crate::particles::Particles as Columns;
 
 /// Regions a deck can have: one bit each.
@@ -122,7 +122,8 @@ pub enum FillError {
 }
 
 fn pattern(model: &Model, body: &Body) -> Pattern {
-    Pattern { dimensions: model.dimensions, spacing: body.spacing, lattice: body.lattice }
+    let density = model.materials[body.material].density;
+    Pattern { dimensions: model.dimensions, spacing: body.spacing, density, lattice: body.lattice }
 }
 
 /// Number of particles of each body, without making them: exact for boxes, from the volume for others.
@@ -187,6 +188,7 @@ pub fn fill(model: &Model) -> Result<Particles, Vec<FillError>> {
 /// State of the particles of a body; their mass still is the volume they stand for.
 fn initialise(particles: &mut Particles, range: std::ops::Range<usize>, index: usize, body: &Body, model: &Model) {
     let material = &model.materials[body.material];
+    let first = range.start;
     for i in range {
         let x = particles.position[i];
         particles.id[i] = i as u32;
@@ -195,6 +197,10 @@ fn initialise(particles: &mut Particles, range: std::ops::Range<usize>, index: u
         particles.mass[i] *= material.density;
         particles.smoothing_length[i] = body.smoothing_length;
         particles.velocity[i] = body.initial_velocity(x);
+        if let Solid::Cloud { particles: own, .. } = &body.shape.solid {
+            let turned = body.shape.transform.turn(own[i - first].velocity);
+            particles.velocity[i] = std::array::from_fn(|k| particles.velocity[i][k] + turned[k]);
+        }
         particles.density[i] = material.density;
         particles.temperature[i] = body.temperature;
         particles.sound_speed[i] = material.equation_of_state.reference_sound_speed();

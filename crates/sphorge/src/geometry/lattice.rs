@@ -136,7 +136,7 @@ impl<'a> Grid<'a> {
                 let radius = profile.iter().map(|p| p[1]).fold(0.0, f64::max);
                 round(end(profile[0][0]), end(profile[profile.len() - 1][0]), radius)
             }
-            Solid::Box { .. } | Solid::Polygon { .. } | Solid::Composed { .. } => {
+            Solid::Box { .. } | Solid::Polygon { .. } | Solid::Cloud { .. } | Solid::Composed { .. } => {
                 let (min, max) = solid.bounds(dimensions);
                 let centre = std::array::from_fn(|k| if k < count { 0.5 * (min[k] + max[k]) } else { 0.0 });
                 (centre, unit, used([0, 1, 2].map(|k| along(k, max[k] - min[k]))))
@@ -200,7 +200,7 @@ impl<'a> Grid<'a> {
                     if nose <= 0.0 { *radius } else { (arc * arc - nose * nose).max(0.0).sqrt() - arc + radius };
                 r <= surface + rounding
             }
-            Solid::Polygon { .. } | Solid::Composed { .. } => {
+            Solid::Polygon { .. } | Solid::Cloud { .. } | Solid::Composed { .. } => {
                 self.solid.signed_distance(point, self.dimensions) <= rounding
             }
         }

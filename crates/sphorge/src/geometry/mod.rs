@@ -10,3 +10,4 @@ mod volume;
 
 pub use fill::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
 pub(crate) use pattern::rings_fill;
+pub(crate) use volume::Volume;

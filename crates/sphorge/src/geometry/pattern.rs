@@ -8,13 +8,15 @@ use super::{
     lattice::{Grid, ROUNDING},
     rings,
 };
-use crate::model::{Arrangement, Dimensions, Lattice, Operation, Shape, Solid, Transform};
+use crate::model::{Arrangement, CloudShare, Dimensions, Lattice, Operation, Shape, Solid, Transform};
 
 /// How the particles of a body are arranged.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pattern {
     pub(super) dimensions: Dimensions,
     pub(super) spacing: f64,
+    /// kg/m³.
+    pub(super) density: f64,
     pub(super) lattice: Lattice,
 }
 
@@ -51,6 +53,18 @@ pub(crate) fn rings_fill(shape: &Shape, dimensions: Dimensions) -> bool {
 impl Pattern {
     /// Calls `visit` with place in space and volume (area, length) of every particle of a shape.
     pub(super) fn for_each_site(&self, shape: &Shape, mut visit: impl FnMut([f64; 3], f64)) {
+        let cell = self.spacing.powi(self.dimensions.count() as i32);
+        if let Solid::Cloud { particles, .. } = &shape.solid {
+            for particle in particles.iter() {
+                let volume = match particle.share {
+                    CloudShare::Spacing => cell,
+                    CloudShare::Volume(volume) => volume,
+                    CloudShare::Mass(mass) => mass / self.density,
+                };
+                visit(shape.transform.apply(particle.position), volume);
+            }
+            return;
+        }
         let (solid, transform) = owner(shape);
         if self.lattice.arrangement == Arrangement::Rings && rings::can_fill(solid, self.dimensions) {
             rings::for_each_site(solid, self.spacing, |site, volume| {
@@ -61,7 +75,6 @@ impl Pattern {
             });
             return;
         }
-        let volume = self.spacing.powi(self.dimensions.count() as i32);
         let grid = Grid::new(solid, self.dimensions, self.spacing, self.lattice);
         // A single solid needs no more than its own sites.
         let corners = match &shape.solid {
@@ -75,7 +88,7 @@ impl Pattern {
         grid.for_each_site(&corners, |site, own| {
             let place = transform.apply(site);
             if self.keeps(shape, place, own) {
-                visit(place, volume);
+                visit(place, cell);
             }
         });
     }
@@ -100,6 +113,9 @@ impl Pattern {
 
     /// Number of particles a shape will take, without making them: exact for boxes, from the volume for others.
     pub(super) fn estimate(&self, shape: &Shape) -> f64 {
+        if let Solid::Cloud { particles, .. } = &shape.solid {
+            return particles.len() as f64;
+        }
         let volume = shape.rough_volume(self.dimensions);
         match (&shape.solid, self.lattice.arrangement) {
             (Solid::Composed { .. }, _) | (_, Arrangement::Rings) => {
@@ -126,7 +142,8 @@ mod tests {
     fn sites(shape: &Shape, dimensions: Dimensions, arrangement: Arrangement) -> Vec<([f64; 3], f64)> {
         let lattice = Lattice { arrangement, placement: LatticePlacement::CellCentres };
         let mut all = Vec::new();
-        Pattern { dimensions, spacing: 0.1, lattice }.for_each_site(shape, |site, volume| all.push((site, volume)));
+        Pattern { dimensions, spacing: 0.1, density: 1.0, lattice }
+            .for_each_site(shape, |site, volume| all.push((site, volume)));
         all
     }
 

@@ -29,6 +29,11 @@ impl Transform {
         })
     }
 
+    /// A direction or velocity of the solid's frame in space.
+    pub(crate) fn turn(&self, vector: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| (0..3).map(|b| self.rotation[a][b] * vector[b]).sum())
+    }
+
     /// From space into the solid's frame.
     pub fn apply_inverse(&self, point: [f64; 3]) -> [f64; 3] {
         let shifted: [f64; 3] = std::array::from_fn(|a| point[a] - self.translation[a]);
@@ -66,6 +71,8 @@ impl Shape {
                 let (low, high) = extremes(corners.iter().map(|c| [c[0], c[1], 0.0]));
                 (high[0] - low[0]).min(high[1] - low[1])
             }
+            // A cloud is as thick as its particles are.
+            Solid::Cloud { .. } => f64::INFINITY,
             Solid::Composed { operation, parts } => {
                 let each = || parts.iter().map(|part| part.thickness(dimensions));
                 match operation {
@@ -132,6 +139,8 @@ impl Solid {
                 let distance = line_distance(here, corners.iter().chain(&corners[..1]).copied());
                 if is_inside_polygon(here, corners) { -distance } else { distance }
             }
+            // Nothing is known of what lies between particles.
+            Self::Cloud { .. } => f64::INFINITY,
             Self::Composed { operation, parts } => {
                 let mut each = parts.iter().map(|part| part.signed_distance(point, dimensions));
                 match operation {
@@ -162,6 +171,7 @@ impl Solid {
                 (low.map(|c| c - radius), high.map(|c| c + radius))
             }
             Self::Polygon { corners } => extremes(corners.iter().map(|c| [c[0], c[1], 0.0])),
+            Self::Cloud { particles, .. } => extremes(particles.iter().map(|p| p.position)),
             Self::Composed { operation, parts } => {
                 let mut each = parts.iter().map(|part| part.bounds(dimensions));
                 let first = each.next().unwrap_or(([0.0; 3], [0.0; 3]));

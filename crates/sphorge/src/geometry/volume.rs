@@ -92,6 +92,8 @@ impl Solid {
                 0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>().abs()
             }
             // One part alone is itself.
+            // Known with the spacing and the density only.
+            Self::Cloud { .. } => return None,
             Self::Composed { parts, .. } => match parts.as_slice() {
                 [one] => one.solid.exact_volume(dimensions)?,
                 _ => return None,

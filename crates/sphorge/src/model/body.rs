@@ -1,6 +1,7 @@
 //! Bodies: shape, lattice, material, first motion.
 
 use sphorge_physics::{eos::EquationOfState, flow::FlowLaw, return_mapping::ReturnRule};
+use std::{path::PathBuf, sync::Arc};
 
 /// A material, all constants in SI.
 #[derive(Clone, Debug)]
@@ -160,6 +161,13 @@ pub enum Solid {
         /// Corners in order, m; the last is joined to the first.
         corners: Vec<[f64; 2]>,
     },
+    /// Particles from a file.
+    Cloud {
+        /// The file.
+        file: PathBuf,
+        /// The particles.
+        particles: Arc<[CloudParticle]>,
+    },
     /// Shapes put together.
     Composed {
         /// How.
@@ -167,6 +175,28 @@ pub enum Solid {
         /// The shapes, at least one; each is placed in the frame of the whole.
         parts: Vec<Shape>,
     },
+}
+
+/// A particle from a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudParticle {
+    /// Where, m.
+    pub position: [f64; 3],
+    /// Velocity in the frame of the cloud, m/s; that of the body is added.
+    pub velocity: [f64; 3],
+    /// What it stands for.
+    pub share: CloudShare,
+}
+
+/// How much material a particle from a file stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CloudShare {
+    /// Spacing to the power of the dimensions.
+    Spacing,
+    /// Volume, m³; area (m²) in plane strain, length (m) in one dimension.
+    Volume(f64),
+    /// Mass, kg; per metre of thickness in plane strain, per square metre in one dimension.
+    Mass(f64),
 }
 
 /// How shapes are put together.

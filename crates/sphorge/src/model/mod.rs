@@ -10,14 +10,15 @@ mod numerics;
 mod observed;
 
 pub use body::{
-    Arrangement, Body, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid, Transform, VelocityProfile,
+    Arrangement, Body, CloudParticle, CloudShare, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid,
+    Transform, VelocityProfile,
 };
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
 pub use contact::BodyContact;
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};
 pub use numerics::{
     AdaptiveSearch, ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
-    Search, TemperatureSource, TimeControl, TotalLagrangian,
+    Search, SmoothingLength, TemperatureSource, TimeControl, TotalLagrangian,
 };
 pub use observed::{Section, Tracer};
 

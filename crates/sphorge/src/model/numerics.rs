@@ -52,6 +52,20 @@ pub enum TemperatureSource {
     Energy,
 }
 
+/// Course of the smoothing length over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SmoothingLength {
+    /// As at the start.
+    #[default]
+    Constant,
+    /// `dh/dt = (h/d) div v`, which with the continuity equation is `h = h_0 (rho_0/rho)^(1/d)`: as many neighbours in expanded as in
+    /// compressed material.
+    FollowDensity {
+        /// Largest ratio to the initial smoothing length, and one over the smallest.
+        factor: f64,
+    },
+}
+
 /// Artificial stress (Gray, Monaghan & Swift 2001).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArtificialStress {
@@ -90,6 +104,8 @@ pub struct Numerics {
     pub energy_split: EnergySplit,
     /// Source of temperature.
     pub temperature: TemperatureSource,
+    /// Course of the smoothing length.
+    pub smoothing_length: SmoothingLength,
 }
 
 /// Neighbour search strategy.

@@ -43,6 +43,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             xsph: 0.0,
             mls_interval: None,
             energy_split: Default::default(),
+            smoothing_length: Default::default(),
             temperature: Default::default(),
         },
         audit: None,

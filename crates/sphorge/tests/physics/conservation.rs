@@ -46,6 +46,15 @@ fn a_collision_keeps_energy_and_momentum_to_round_off() {
 }
 
 #[test]
+fn smoothing_lengths_that_follow_the_density_keep_energy_and_momentum_to_round_off() {
+    for integrator in ["leapfrog", "predictor-corrector"] {
+        let overrides = [("numerics.integrator", integrator), ("numerics.smoothing-length", "follow-density")];
+        let (energy, momentum) = drifts(&mut simulation(COLLISION, &overrides), 10e-6);
+        assert!(energy < 1e-12 && momentum < 1e-12, "{integrator}: energy {energy:.1e}, momentum {momentum:.1e}");
+    }
+}
+
+#[test]
 fn single_precision_pair_sums_keep_energy_and_momentum_to_their_rounding() {
     let mut simulation = simulation(COLLISION, &[("numerics.precision", "mixed")]);
     let (energy, momentum) = drifts(&mut simulation, 10e-6);

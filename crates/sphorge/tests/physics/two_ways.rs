@@ -58,6 +58,33 @@ fn a_skin_gives_the_sums_of_a_search_every_step() {
 }
 
 #[test]
+fn smoothing_lengths_follow_the_density_with_any_skin() {
+    let follow = ("numerics.smoothing-length", "{ follow-density = { factor = 1.02 } }");
+    let searched = |search: &str| {
+        // The vote on the step sees the whole list, kernel support or not: steps of one size compare sums alone.
+        let mut simulation = simulation(COLLISION, &[("search", search), follow, ("time.fixed-step", "50 ns")]);
+        run_to(&mut simulation, 4e-6);
+        simulation
+    };
+    let (thin, thick) = (searched("{ skin = { fraction = 0.05 } }"), searched("{ skin = { fraction = 0.3 } }"));
+    let apart = distance(&thin, &thick);
+    assert!(apart < 1e-13, "{apart:.1e} m after a way of 1e-3 m");
+    let (p, model) = (thin.particles(), thin.model());
+    let power = 1.0 / model.dimensions.count() as f64;
+    let mut most = 0.0f64;
+    for i in 0..p.len() {
+        let start = model.bodies[p.body[i] as usize].smoothing_length;
+        let at_rest = model.materials[p.material[i] as usize].density;
+        let (ratio, wanted) =
+            (p.smoothing_length[i] / start, (at_rest / p.density[i]).powf(power).clamp(1.0 / 1.02, 1.02));
+        // The density has moved on by a step since.
+        assert!((ratio - wanted).abs() < 2e-3, "{ratio} {wanted}");
+        most = most.max((ratio - 1.0).abs());
+    }
+    assert!(most > 5e-3, "{most}");
+}
+
+#[test]
 fn single_precision_pair_sums_agree_with_double() {
     let mut mixed = simulation(COLLISION, &[("numerics.precision", "mixed")]);
     let mut double = simulation(COLLISION, &[]);

@@ -1,12 +1,12 @@
 //! Bodies.
 
-use super::{material::Chosen, shape::shape, vector, velocity};
+use super::{material::Chosen, shape::body_shape, vector, velocity};
 use crate::deck::defaults;
 use crate::deck::raw::{RawBody, RawParticles, RawSpin};
 use crate::deck::report::{Fault, Problems};
 use crate::deck::value::{Choice, Choices, Given, Number, ScalarOr};
 use crate::geometry::rings_fill;
-use crate::model::{Arrangement, Body, Dimensions, Lattice, LatticePlacement, Shape};
+use crate::model::{Arrangement, Body, Dimensions, Lattice, LatticePlacement, Shape, Solid};
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;
 
@@ -56,6 +56,9 @@ fn lattice(
     let arrangement = chosen(raw.lattice.as_ref(), particles.arrangement, problems);
     let placement = chosen(raw.placement.as_ref(), particles.placement, problems);
     let (arrangement, placement, shape) = (arrangement?, placement?, shape?);
+    if matches!(shape.solid, Solid::Cloud { .. }) {
+        return Some(Lattice::default());
+    }
     let at = raw.lattice.as_ref().map_or(raw.name.span(), |word| word.span());
     if arrangement == Arrangement::Rings && !rings_fill(shape, dimensions) {
         let message = "rings fill a `disc`, a `cylinder`, or a `difference` or `intersection` that begins with one";
@@ -82,7 +85,7 @@ pub(crate) fn body(
     problems: &mut Problems,
 ) -> Option<Body> {
     let material = materials.choose(&raw.material, problems);
-    let shape = shape(&raw.shape, dimensions, raw.name.span(), problems);
+    let shape = body_shape(&raw.shape, dimensions, raw.name.span(), problems);
     let velocity = raw.velocity.as_ref().map_or(Some([0.0; 3]), |v| vector(v, dimensions, problems));
     let spin = raw.spin.as_ref().map_or(Some(([0.0; 3], [0.0; 3])), |s| spin(s, dimensions, raw.name.span(), problems));
     let spacing = raw.spacing.as_ref().map_or(particles.spacing, |s| s.positive(problems));

@@ -2,6 +2,7 @@
 
 mod body;
 mod boundary;
+mod cloud;
 mod contact;
 pub(crate) mod material;
 mod measure;
@@ -174,6 +175,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         None => Some(None),
         Some(steps) => steps.positive(problems).map(Some),
     };
+    numerics::check_smoothing(&raw.numerics, numerics.as_ref(), search, problems);
     let time = numerics::time(&raw.time, problems);
     let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), problems);
     let library = material::Library::new(&raw.material, problems);

@@ -1,11 +1,15 @@
 //! Discretisation, search, time, output.
 
-use crate::deck::choice::{FormulationWord, GuardWord, SearchWord};
+use crate::deck::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
 use crate::deck::defaults;
-use crate::deck::raw::{RawAdaptive, RawNumerics, RawOutput, RawSearch, RawTime, RawTotalLagrangian};
+use crate::deck::raw::{
+    RawAdaptive, RawNumerics, RawOutput, RawSearch, RawSmoothingLength, RawTime, RawTotalLagrangian,
+};
 use crate::deck::report::{Fault, Problems};
 use crate::deck::value::{Choice, Given, Number, ScalarOr};
-use crate::model::{AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, TimeControl, TotalLagrangian};
+use crate::model::{
+    AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, SmoothingLength, TimeControl, TotalLagrangian,
+};
 use crate::particles::FIELDS;
 use sphorge_physics::parameter::Bound;
 
@@ -38,6 +42,8 @@ pub(crate) fn numerics(raw: &RawNumerics, problems: &mut Problems) -> Option<Num
     let xsph = or_default!(raw.xsph, 0.0, |x: &Given<Number>| x.within(Bound::Between(0.0, 1.0), problems));
     let mls_interval =
         or_default!(raw.mls_interval, None, |n: &crate::deck::value::Count| n.positive(problems).map(Some));
+    let smoothing_length =
+        or_default!(raw.smoothing_length, SmoothingLength::Constant, |given| smoothing_length(given, problems));
     let viscosity = viscosity(raw, problems);
     let artificial_stress = artificial_stress(raw, problems);
     let (viscosity_alpha, viscosity_beta, balsara) = viscosity?;
@@ -55,7 +61,44 @@ pub(crate) fn numerics(raw: &RawNumerics, problems: &mut Problems) -> Option<Num
         mls_interval: mls_interval?,
         energy_split: energy_split?,
         temperature: temperature?,
+        smoothing_length: smoothing_length?,
     })
+}
+
+/// Lists that outlive the positions they were made for know kernels of one size.
+pub(crate) fn check_smoothing(
+    raw: &RawNumerics,
+    numerics: Option<&Numerics>,
+    search: Option<Search>,
+    problems: &mut Problems,
+) {
+    let follows = numerics.is_some_and(|n| n.smoothing_length != SmoothingLength::Constant);
+    let Some(given) = raw.smoothing_length.as_ref().filter(|_| follows) else { return };
+    if matches!(search, Some(Search::Adaptive(_) | Search::TotalLagrangian(_))) {
+        let at = match given {
+            ScalarOr::Scalar(word) => word.span(),
+            ScalarOr::Composed(_, at) => at.clone(),
+        };
+        let message = "smoothing lengths that follow the density need lists that follow the positions";
+        let fault = Fault::new("wrong-search", message, at, "with this `search`");
+        problems.push(fault.help("set `search` to \"skin\" or \"every-step\", or leave the smoothing length constant"));
+    }
+}
+
+fn smoothing_length(
+    given: &ScalarOr<Choice<SmoothingLengthWord>, RawSmoothingLength>,
+    problems: &mut Problems,
+) -> Option<SmoothingLength> {
+    let usual = SmoothingLength::FollowDensity { factor: defaults::SMOOTHING_FACTOR };
+    let (table, at) = match given {
+        ScalarOr::Scalar(word) => return Some(if word.get(problems)? { usual } else { SmoothingLength::Constant }),
+        ScalarOr::Composed(table, at) => (table, at.clone()),
+    };
+    let options = vec![("follow-density", table.follow_density.as_ref())];
+    let follow = super::exactly_one(options, "a course of the smoothing length", at, problems)?;
+    let factor = or_default!(follow.factor, defaults::SMOOTHING_FACTOR, |f: &Given<Number>| f
+        .within(Bound::Between(1.0, 4.0), problems));
+    Some(SmoothingLength::FollowDensity { factor: factor? })
 }
 
 fn viscosity(raw: &RawNumerics, problems: &mut Problems) -> Option<(f64, f64, bool)> {

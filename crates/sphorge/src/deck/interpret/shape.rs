@@ -1,7 +1,9 @@
 //! Shapes.
 
-use super::{described, exactly_one, vector};
-use crate::deck::raw::{RawBall, RawBox, RawCylinder, RawOgive, RawPolygon, RawRevolution, RawRotate, RawShape};
+use super::{cloud::cloud, described, exactly_one, vector};
+use crate::deck::raw::{
+    RawBall, RawBox, RawCylinder, RawOgive, RawPolygon, RawRevolution, RawRotate, RawShape, RawTable,
+};
 use crate::deck::report::{Fault, Problems};
 use crate::deck::value::{Given as GivenValue, Length, Number, VectorOf};
 use crate::model::{Dimensions, Operation, Shape, Solid, Transform};
@@ -18,7 +20,18 @@ enum Given<'a> {
     Revolution(&'a RawRevolution),
     Ogive(&'a RawOgive),
     Polygon(&'a RawPolygon),
+    Table(&'a RawTable),
     Composed(Operation, &'a [Spanned<RawShape>]),
+}
+
+/// The shape of a body: a placed solid, or particles from a file; `at` marks what it belongs to.
+pub(crate) fn body_shape(
+    raw: &RawShape,
+    dimensions: Dimensions,
+    at: Range<usize>,
+    problems: &mut Problems,
+) -> Option<Shape> {
+    placed(raw, dimensions, at, true, problems)
 }
 
 /// A placed solid; `at` marks what it belongs to.
@@ -26,6 +39,16 @@ pub(crate) fn shape(
     raw: &RawShape,
     dimensions: Dimensions,
     at: Range<usize>,
+    problems: &mut Problems,
+) -> Option<Shape> {
+    placed(raw, dimensions, at, false, problems)
+}
+
+fn placed(
+    raw: &RawShape,
+    dimensions: Dimensions,
+    at: Range<usize>,
+    can_be_table: bool,
     problems: &mut Problems,
 ) -> Option<Shape> {
     let composed = |operation, parts| Given::Composed(operation, parts);
@@ -37,13 +60,22 @@ pub(crate) fn shape(
         ("revolution", raw.revolution.as_ref().map(Given::Revolution)),
         ("ogive", raw.ogive.as_ref().map(Given::Ogive)),
         ("polygon", raw.polygon.as_ref().map(Given::Polygon)),
+        ("table", raw.table.as_ref().map(Given::Table)),
         ("union", raw.union.as_deref().map(|parts| composed(Operation::Union, parts))),
         ("difference", raw.difference.as_deref().map(|parts| composed(Operation::Difference, parts))),
         ("intersection", raw.intersection.as_deref().map(|parts| composed(Operation::Intersection, parts))),
     ];
     let given = exactly_one(options, "a shape", at.clone(), problems);
     let transform = transform(raw, dimensions, at.clone(), problems);
-    let solid = solid(given?, dimensions, at, problems);
+    let solid = match given? {
+        Given::Table(table) if can_be_table => cloud(table, dimensions, problems),
+        Given::Table(table) => {
+            let message = "particles from a file are the whole shape of a body";
+            problems.push(Fault::new("table-as-part", message, table.file.span(), "as a part or a region"));
+            None
+        }
+        given => solid(given, dimensions, at, problems),
+    };
     Some(Shape { solid: solid?, transform: transform? })
 }
 
@@ -76,6 +108,7 @@ fn solid(given: Given<'_>, dimensions: Dimensions, at: Range<usize>, problems: &
             only_in(Dimensions::PlaneStrain, "polygon", "`box` or `revolution`", dimensions, at.clone(), problems)?;
             solid_polygon(polygon, at, problems)
         }
+        Given::Table(_) => None,
         Given::Composed(operation, parts) => {
             if parts.is_empty() {
                 problems.push(Fault::new("empty-shape", "a composed shape needs at least one part", at, "has none"));

@@ -41,6 +41,26 @@ pub(crate) struct RawNumerics {
     /// Where the temperature comes from.
     #[schemars(extend("examples" = ["energy"], "default" = "plastic-work"))]
     pub(crate) temperature: Option<Choice<TemperatureWord>>,
+    /// Course of the smoothing length.
+    #[schemars(extend("examples" = ["follow-density"], "default" = "constant"))]
+    pub(crate) smoothing_length: Option<ScalarOr<Choice<SmoothingLengthWord>, RawSmoothingLength>>,
+}
+
+/// A course of the smoothing length with constants of its own.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawSmoothingLength {
+    /// Follow the density: `dh/dt = (h/d) div v` in `d` dimensions, that is `h = h0 (rho0/rho)^(1/d)`.
+    pub(crate) follow_density: Option<RawFollowDensity>,
+}
+
+/// Bounds of a smoothing length that follows the density.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawFollowDensity {
+    /// Largest ratio to the initial smoothing length, and one over the smallest; above 1, at most 4.
+    #[schemars(extend("examples" = [1.5], "default" = 2.0))]
+    pub(crate) factor: Option<Given<Number>>,
 }
 
 /// Constants of the artificial viscosity.

@@ -25,6 +25,8 @@ pub(crate) struct RawShape {
     pub(crate) ogive: Option<RawOgive>,
     /// Area inside a closed line of corners, in plane strain.
     pub(crate) polygon: Option<RawPolygon>,
+    /// Particles from a file; the whole shape of a body.
+    pub(crate) table: Option<RawTable>,
     /// What is in any of these shapes.
     #[schemars(with = "Option<Vec<RawShape>>", extend("x-default" = "none"))]
     pub(crate) union: Option<Vec<Spanned<RawShape>>>,
@@ -129,6 +131,29 @@ pub(crate) struct RawPolygon {
     /// Corners in order, at least three; the last is joined to the first. The line must not cross itself.
     #[schemars(extend("examples" = [[["0 mm", "0 mm"], ["10 mm", "0 mm"], ["0 mm", "5 mm"]]]))]
     pub(crate) corners: Vec<VectorOf<Length>>,
+}
+
+/// Particles from a CSV file. The first line names the columns: `x`, and with the dimensions of the deck `y` and `z`; if given `mass`
+/// or `volume` of each particle, otherwise it stands for spacing to the power of the dimensions; if given the velocity `vx`, `vy`,
+/// `vz`, to which that of the body is added. Other columns are not read; lines that begin with `#` are comments.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(crate) struct RawTable {
+    /// The file, from the folder of the deck.
+    #[schemars(extend("examples" = ["bar.csv"]))]
+    pub(crate) file: Word,
+    /// Unit of the coordinates.
+    #[schemars(extend("examples" = ["mm"], "default" = "m"))]
+    pub(crate) length_unit: Option<Word>,
+    /// Unit of the velocities.
+    #[schemars(extend("examples" = ["km/s"], "default" = "m/s"))]
+    pub(crate) velocity_unit: Option<Word>,
+    /// Unit of the masses; in plane strain per length, in one dimension per area.
+    #[schemars(extend("examples" = ["mg"], "x-default" = "kg, kg/m, kg/m^2"))]
+    pub(crate) mass_unit: Option<Word>,
+    /// Unit of the volumes; of areas in plane strain, of lengths in one dimension.
+    #[schemars(extend("examples" = ["mm^3"], "x-default" = "m^3, m^2, m"))]
+    pub(crate) volume_unit: Option<Word>,
 }
 
 /// Rotation by the right-hand rule.

@@ -225,6 +225,15 @@ fn walls_symmetry_planes_and_cells_leave_room_for_the_bodies() {
 }
 
 #[test]
+fn smoothing_lengths_that_change_need_lists_that_are_renewed() {
+    let follow = "[numerics]\nsmoothing-length = \"follow-density\"\n[time]";
+    let deck = changed("[time]", follow).replace("search = \"every-step\"", "search = \"adaptive\"");
+    let problem = fault(&deck);
+    assert_eq!((problem.code(), problem.line()), ("wrong-search", Some(11)), "{problem}");
+    assert!(load_text("deck", &changed("[time]", follow), &[]).is_ok());
+}
+
+#[test]
 fn regions_driven_twice_are_refused() {
     let twice = "[[region]]\nname = \"all\"\nbody = \"bar\"\n\
                  [[region]]\nname = \"low\"\nshape = { box = { min = [\"-9 mm\", 0], max = [\"9 mm\", \"1 mm\"] } }\n\

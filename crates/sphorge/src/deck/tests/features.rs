@@ -25,6 +25,7 @@ artificial-stress = { epsilon = 0.2, exponent = 6 }
 xsph = 0.5
 mls-interval = 20
 energy-split = "symmetric"
+smoothing-length = { follow-density = { factor = 1.5 } }
 
 [time]
 end = "2 ms"
@@ -147,6 +148,7 @@ fn numerics_time_and_output_arrive() {
         mls_interval: Some(20),
         energy_split: EnergySplit::Symmetric,
         temperature: TemperatureSource::PlasticWork,
+        smoothing_length: SmoothingLength::FollowDensity { factor: 1.5 },
     };
     assert_eq!(model.numerics, wanted);
     let time = TimeControl {

@@ -131,3 +131,71 @@ fn lattices_that_do_not_fit_the_shape_say_so() {
     let faces = "{ box = { min = [0, 0], max = [0.1, 0.1] } }\nlattice = \"hexagonal\"\nplacement = \"on-faces\"";
     told(&deck("plane-strain", faces), "wrong-lattice", "\"on-faces\"", "only the square lattice");
 }
+
+fn table(content: &str, keys: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bar.csv"), content).unwrap();
+    let path = folder.path().join("deck.toml");
+    std::fs::write(
+        &path,
+        deck(
+            "plane-strain",
+            &format!("{{ table = {{ file = \"bar.csv\"{keys} }}, rotate = {{ angle = \"90 deg\" }} }}"),
+        ),
+    )
+    .unwrap();
+    (folder, path)
+}
+
+#[test]
+fn particles_come_from_a_file_with_units() {
+    let content = "# exported\nX, y, vx, vy, mass, colour\n1, 2, 3, 0, 5, red\n\n21, 2, 0, 0, 6, blue\n";
+    let (_folder, path) = table(content, ", length-unit = \"cm\", velocity-unit = \"km/s\", mass-unit = \"g/mm\"");
+    let text = std::fs::read_to_string(&path).unwrap().replace("material", "velocity = [0, 7]\nmaterial");
+    std::fs::write(&path, text).unwrap();
+    let setup = load(&path, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+    let p = &setup.particles;
+    // Turned by a quarter, and the velocity of the body added.
+    assert!((p.position[0][0] + 0.02).abs() < 1e-15 && (p.position[1][1] - 0.21).abs() < 1e-15);
+    assert!(p.velocity[0][0].abs() < 1e-9 && (p.velocity[0][1] - 3007.0).abs() < 1e-9);
+    assert!((p.mass[0] - 5.0).abs() < 1e-12 && (p.mass[1] - 6.0).abs() < 1e-12);
+    // The deck as run finds the file from anywhere.
+    assert!(super::super::load_text("again", &setup.deck_text, &[]).is_ok(), "{}", setup.deck_text);
+    let (_folder, path) = table("x,y,volume\n0,0,1e-4\n1,0,2e-4\n", "");
+    let p = load(&path, &[]).unwrap().particles;
+    assert!((p.mass[1] - 2e-4 * 7850.0).abs() < 1e-12);
+    let (_folder, path) = table("x,y\n0,0\n", "");
+    assert!((load(&path, &[]).unwrap().particles.mass[0] - 0.785).abs() < 1e-12);
+}
+
+#[test]
+fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
+    let told = |content: &str, keys: &str, messages: &[&str]| {
+        let (_folder, path) = table(content, keys);
+        let Err(report) = load(&path, &[]) else { panic!("no fault is found in\n{content}") };
+        let found: Vec<String> = report.problems().iter().map(ToString::to_string).collect();
+        assert_eq!(found, messages, "{:?}", report.problems());
+        assert!(report.problems().iter().all(|p| p.line() == Some(9)));
+    };
+    told("x,y\n0,1\n0,nan\n", "", &["`bar.csv`, line 3, column `y`: `nan` is not a finite number"]);
+    told("x,z\n0,1\n", "", &["`bar.csv`, line 1: no column `y`; it names `x` and `z`"]);
+    told(
+        "x,y\none,1\n,2\n",
+        "",
+        &["`bar.csv`, line 2, column `x`: `one` is not a number", "`bar.csv`, line 3, column `x`: `` is not a number"],
+    );
+    told("x,y,mass\n0,1,0\n", "", &["`bar.csv`, line 2, column `mass`: `0` must be above zero"]);
+    told("x,y\n0,1\n0\n", "", &["`bar.csv`, line 3: 1 cells, and 2 columns"]);
+    told("x,y\n0,1\n1,1\n-0,1\n", "", &["`bar.csv`, lines 2 and 4 put a particle in one place"]);
+    told("x,y\n", "", &["`bar.csv` holds no particles"]);
+    told("x,y,mass,volume\n0,0,1,1\n", "", &["`bar.csv`, line 1: both `mass` and `volume`; one gives the other"]);
+    told("x,y\n0,0\n", ", length-unit = \"kg\"", &["expected a length (m), found a mass in `kg`"]);
+    let (_folder, path) = table(&format!("x,y\n{}", "a,1\n".repeat(9)), "");
+    let Err(report) = load(&path, &[]) else { panic!("nine faults") };
+    assert_eq!((report.problems().len(), report.problems()[4].help()), (5, Some("and 4 more like it")));
+    let text = std::fs::read_to_string(&path).unwrap().replace("bar.csv", "rod.csv");
+    std::fs::write(&path, text).unwrap();
+    assert!(load(&path, &[]).err().unwrap().to_string().starts_with("`rod.csv` cannot be read"));
+    let part = "{ union = [{ table = { file = \"bar.csv\" } }] }";
+    super::shapes::told(&deck("3d", part), "table-as-part", "\"bar.csv\"", "the whole shape of a body");
+}

@@ -13,6 +13,7 @@ mod ledger;
 mod moving_least_squares;
 mod records;
 mod search;
+mod smoothing;
 mod sweeps;
 mod total_lagrangian;
 mod votes;
@@ -194,6 +195,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn refresh_neighbors(&mut self) -> SearchReport {
+        self.follow_density();
         self.renew_lists()
     }
 

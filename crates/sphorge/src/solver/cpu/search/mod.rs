@@ -31,7 +31,7 @@ pub(super) struct Lists<T> {
     searcher: Searcher,
     /// Positions of particles and ghosts at the last search, m.
     points: Vec<Vector<f64>>,
-    smoothing_length: Vec<f64>,
+    pub(super) smoothing_length: Vec<f64>,
     /// Source of every ghost.
     sources: Vec<u32>,
     /// What a partial search does with each row; ghosts as their sources.
@@ -104,8 +104,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Two particles can close in by twice the largest displacement.
     fn moved_beyond_skin(&self, fraction: f64) -> bool {
         let smallest = self.particles.smoothing_length.iter().fold(f64::INFINITY, |m: f64, &h| m.min(h));
-        let allowed = 0.5 * fraction * self.model.numerics.kernel.support() * smallest;
-        moved_beyond(&self.particles.position, &self.lists.points, allowed)
+        let skin = self.skin_left(fraction * smallest, fraction);
+        let allowed = 0.5 * skin * self.model.numerics.kernel.support();
+        skin <= 0.0 || moved_beyond(&self.particles.position, &self.lists.points, allowed)
     }
 
     fn search_no_one(&mut self) -> SearchReport {
