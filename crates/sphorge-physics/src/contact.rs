@@ -44,7 +44,7 @@ pub fn flat_body(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap
     let rows = (kernel.support() * h / spacing) as i32 + 1;
     const SHIFTS: i32 = 8;
     let d = dimension.count() as i32;
-    let scale = kernel.normalisation(dimension) * (spacing / h).powi(d);
+    let scale = kernel.normalisation(dimension) * Real::powu(spacing / h, d as u32);
     let mut flat = FlatBody::default();
     let across = |used: bool| if used { (SHIFTS, rows) } else { (1, 0) };
     let ((shifts_x, rows_x), (shifts_z, rows_z)) = (across(d >= 2), across(d >= 3));

@@ -14,6 +14,7 @@
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
 pub mod artificial_stress;
+pub mod conduction;
 pub mod contact;
 pub mod dimension;
 pub mod eos;

@@ -27,6 +27,13 @@ pub fn contact_vote<T: Scalar>(stiffness: T, factor: T) -> T {
     factor * T::of(2.0) / stiffness.sqrt()
 }
 
+/// Conduction: `courant m c_p / G` with the sum `G` (W/K) of a particle's conductances; at `m c_p / G` an explicit step would bring
+/// it to the temperature of its neighbours. Infinite where there is none.
+#[inline(always)]
+pub fn conduction_vote<T: Scalar>(heat_capacity: T, conductance: T, courant: T) -> T {
+    courant * heat_capacity / conductance
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,5 +51,7 @@ mod tests {
         assert!(acceleration_vote(1.0f64, 0.0, 0.25).is_infinite());
         assert!((contact_vote(1.0e14f64, 0.2) - 4.0e-8).abs() < 1e-20);
         assert!(contact_vote(0.0f64, 0.2).is_infinite());
+        assert_eq!(conduction_vote(8.0f64, 2.0, 0.25), 1.0);
+        assert!(conduction_vote(8.0f64, 0.0, 0.25).is_infinite());
     }
 }

@@ -47,6 +47,8 @@ kinds! {
     TEMPERATURE, "temperature", "K", (0, 0, 0, 1), r#""293.15 K" or "20 degC""#;
     SPECIFIC_HEAT, "specific heat", "J/(kg K)", (2, 0, -2, -1), r#""452 J/(kg K)""#;
     CONDUCTIVITY, "thermal conductivity", "W/(m K)", (1, 1, -3, -1), r#""80.2 W/(m K)""#;
+    HEAT_FLUX, "heat flux", "W/m^2", (0, 1, -3, 0), r#""5 kW/m^2""#;
+    HEAT_TRANSFER, "heat transfer coefficient", "W/(m^2 K)", (0, 1, -3, -1), r#""500 W/(m^2 K)""#;
     SPECIFIC_ENERGY, "specific energy", "J/kg", (2, 0, -2, 0), r#""250 kJ/kg""#;
     MASS, "mass", "kg", (0, 1, 0, 0), r#""12 g""#;
 }
@@ -178,6 +180,8 @@ fn described(dimension: Dimension) -> String {
         QuantityKind::TEMPERATURE,
         QuantityKind::SPECIFIC_HEAT,
         QuantityKind::CONDUCTIVITY,
+        QuantityKind::HEAT_FLUX,
+        QuantityKind::HEAT_TRANSFER,
         QuantityKind::SPECIFIC_ENERGY,
         QuantityKind::MASS,
     ];

@@ -165,8 +165,8 @@ macro_rules! kind_types {
 }
 kind_types! {
     Number => NUMBER, Length => LENGTH, Time => TIME, Velocity => VELOCITY, Acceleration => ACCELERATION, Angle => ANGLE,
-    AngularVelocity => ANGULAR_VELOCITY, Rate => RATE, Density => DENSITY, Stress => PRESSURE, Temperature => TEMPERATURE,
-    SpecificHeat => SPECIFIC_HEAT, Conductivity => CONDUCTIVITY,
+AngularVelocity => ANGULAR_VELOCITY, Rate => RATE, Density => DENSITY, Stress => PRESSURE, Temperature => TEMPERATURE,
+    SpecificHeat => SPECIFIC_HEAT, Conductivity => CONDUCTIVITY, HeatFlux => HEAT_FLUX, HeatTransfer => HEAT_TRANSFER,
 }
 
 macro_rules! scalar_wrapper {

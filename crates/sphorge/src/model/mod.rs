@@ -8,6 +8,7 @@ mod contact;
 mod measure;
 mod numerics;
 mod observed;
+mod thermal;
 
 pub use body::{
     Arrangement, Body, CloudParticle, CloudShare, Lattice, LatticePlacement, Material, Operation, Region, Shape, Solid,
@@ -21,6 +22,7 @@ pub use numerics::{
     Search, SmoothingLength, TemperatureSource, TimeControl, TotalLagrangian,
 };
 pub use observed::{Section, Tracer};
+pub use thermal::{HeatBoundary, HeatBoundaryKind, Thermal};
 
 /// Dimensions of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +71,8 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// How bodies meet.
     pub contact: BodyContact,
+    /// Heat that flows.
+    pub thermal: Thermal,
     /// Named regions of particles, selected in the initial configuration.
     pub regions: Vec<Region>,
     /// Rigid walls.

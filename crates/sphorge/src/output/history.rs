@@ -2,7 +2,7 @@
 //!
 //! All values are SI; column names are plain, and `history-columns.json` gives name, unit and meaning of each. Sums over
 //! particles are per metre of thickness in plane strain and per square metre of section in one dimension. Columns of
-//! one body, pair of bodies, wall, driven region are named `body.NAME.momentum_x`, `contact.NAME.NAME.force_x`,
+//! one body, pair of bodies, wall, driven region are named `body.NAME.momentum_x`, `contact.NAME.NAME.force_x`, `heat.NAME`,
 //! `wall.NAME.force_x`, `motion.NAME.force_x`; a measure
 //! has its own name (`measure.NAME` where that is taken by another column). An empty cell means that there is no value
 //! (yet).
@@ -21,7 +21,7 @@ use super::{
 use crate::{
     model::{Dimensions, MeasureKind, Model},
     particles::find_field,
-    solver::{Audit, ContactLedger, Energies, Ledger, VoteReason},
+    solver::{Audit, ContactLedger, Energies, HeatLedger, Ledger, VoteReason},
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -156,6 +156,10 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
     let mls = "energy that density re-initialisation gave the pressure field without work so far";
     row.number("mls_energy", "J", mls, ledger.mls_energy);
+    if model.thermal.conduction {
+        let meaning = "heat that came in through all boundaries so far";
+        row.number("boundary_heat", "J", meaning, ledger.boundary_heat());
+    }
     let contact_pairs = model.contact_pairs();
     if !contact_pairs.is_empty() {
         let sum = |of: fn(&ContactLedger) -> f64| ledger.contacts.iter().map(of).sum::<f64>();
@@ -166,7 +170,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     }
     let meaning = "kinetic plus internal energy, and what contacts between bodies hold";
     row.number("total_energy", "J", meaning, ledger.total_energy());
-    let drift = "total energy less external work and initial total, over the energy in play";
+    let drift = "total energy less external work, boundary heat and initial total, over the energy in play";
     row.number("energy_drift", "", drift, sample.energy_drift);
     row.vector("momentum", "kg m/s", "linear momentum", total.momentum);
     row.number("momentum_scale", "kg m/s", "sum of m |v|", total.momentum_scale);
@@ -191,6 +195,9 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         row.vector(&format!("body.{name}.centre"), "m", "centre of mass of the body", sums.centre);
         let meaning = "net force on the body, rate of its momentum";
         row.vector(&format!("body.{name}.force"), "N", meaning, sums.force);
+    }
+    for (boundary, heat) in model.thermal.boundaries.iter().zip(&ledger.heat.supplied) {
+        row.number(&format!("heat.{}", boundary.name), "J", "heat that came in through the boundary so far", *heat);
     }
     for ((a, b), contact) in contact_pairs.into_iter().zip(&ledger.contacts) {
         let (a, b) = (&model.bodies[a].name, &model.bodies[b].name);
@@ -253,6 +260,7 @@ impl History {
     ) -> Result<Self, OutputError> {
         let ledger = Ledger {
             bodies: vec![Default::default(); model.bodies.len()],
+            heat: HeatLedger { supplied: vec![0.0; model.thermal.boundaries.len()], exchanged: 0.0 },
             contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
             wall_forces: vec![[0.0; 3]; model.walls.len()],
             motion_forces: vec![[0.0; 3]; model.motions.len()],

@@ -58,6 +58,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         },
         materials: Vec::new(),
         contact: crate::model::BodyContact::KernelSum,
+        thermal: crate::model::Thermal::default(),
         bodies: bodies.iter().map(body).collect(),
         regions: Vec::new(),
         walls: Vec::new(),

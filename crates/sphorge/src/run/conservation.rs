@@ -33,8 +33,9 @@ impl Conservation {
     pub(super) fn sample(&mut self, ledger: &Ledger) -> Drift {
         let total = &ledger.total;
         let energy = ledger.total_energy();
+        let supplied = ledger.external_work + ledger.boundary_heat();
         let start = *self.start.get_or_insert(Start { energy, momentum: total.momentum });
-        self.energy_scale = [start.energy, total.energies.kinetic, ledger.external_work]
+        self.energy_scale = [start.energy, total.energies.kinetic, ledger.external_work, ledger.heat.exchanged]
             .into_iter()
             .map(f64::abs)
             .fold(self.energy_scale, f64::max);
@@ -45,7 +46,7 @@ impl Conservation {
             .sum::<f64>()
             .sqrt();
         self.last = Drift {
-            energy: relative(energy - start.energy - ledger.external_work, self.energy_scale),
+            energy: relative(energy - start.energy - supplied, self.energy_scale),
             momentum: relative(momentum_change, self.momentum_scale),
         };
         self.largest.energy = self.largest.energy.max(self.last.energy.abs());

@@ -9,5 +9,7 @@ mod step;
 
 pub use engine::{SearchReport, Vote};
 pub use failure::RunFailure;
-pub use report::{Audit, BodyLedger, ContactLedger, Energies, Ledger, StageSeconds, StepReport, VoteReason};
+pub use report::{
+    Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, StageSeconds, StepReport, VoteReason,
+};
 pub use simulation::Simulation;

@@ -9,6 +9,8 @@ pub enum VoteReason {
     Acceleration,
     /// Stiffness of the contact with a wall or between bodies.
     Contact,
+    /// Heat capacity over the conductances of a particle.
+    Conduction,
     /// The deck's `max-step` or `fixed-step`.
     Deck,
     /// Landing exactly on an output or end time.
@@ -22,6 +24,7 @@ impl VoteReason {
             Self::SoundSpeed => "sound-speed",
             Self::Acceleration => "acceleration",
             Self::Contact => "contact",
+            Self::Conduction => "conduction",
             Self::Deck => "deck",
             Self::Output => "output",
         }
@@ -91,6 +94,15 @@ pub struct ContactLedger {
     pub damping_work: f64,
 }
 
+/// Heat that flowed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeatLedger {
+    /// Heat every boundary supplied since the start, J, in deck order; empty where no heat flows.
+    pub supplied: Vec<f64>,
+    /// Heat that particles took or gave since the start, J, each exchange counted on both sides.
+    pub exchanged: f64,
+}
+
 /// Conservation ledger of the whole model at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
@@ -104,6 +116,8 @@ pub struct Ledger {
     pub external_impulse: [f64; 3],
     /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
     pub mls_energy: f64,
+    /// Heat.
+    pub heat: HeatLedger,
     /// Contact of every pair of bodies, `(0, 1), (0, 2), .. (1, 2), ..`; empty where bodies meet in the kernel sum.
     pub contacts: Vec<ContactLedger>,
     /// Force of each wall on the particles, N, in deck order.
@@ -113,7 +127,12 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Kinetic, internal and stored contact energy, J: what external work alone changes.
+    /// Heat that came in through boundaries since the start, J.
+    pub fn boundary_heat(&self) -> f64 {
+        self.heat.supplied.iter().sum()
+    }
+
+    /// Kinetic, internal and stored contact energy, J: what external work and heat alone change.
     pub fn total_energy(&self) -> f64 {
         let Energies { kinetic, internal, .. } = self.total.energies;
         kinetic + internal + self.contacts.iter().map(|c| c.stored_energy).sum::<f64>()

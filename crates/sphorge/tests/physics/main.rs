@@ -4,6 +4,7 @@ mod conservation;
 mod contact;
 mod external_forces;
 mod failure;
+mod heat;
 mod setup;
 mod symmetry;
 mod two_ways;

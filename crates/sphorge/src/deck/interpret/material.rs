@@ -205,13 +205,11 @@ impl<'a> Chosen<'a> {
         self.chosen[index].1.as_ref().map(|m| m.reference_temperature)
     }
 
-    /// Reports materials without a specific heat, where the temperature is to come from the energy.
-    pub(crate) fn need_specific_heat(&self, problems: &mut Problems) {
+    /// Reports materials without a specific heat, which `what` needs.
+    pub(crate) fn need_specific_heat(&self, what: &str, problems: &mut Problems) {
         for (name, material, at) in &self.chosen {
             if material.as_ref().is_some_and(|m| !m.heats()) {
-                let message = format!(
-                    "material `{name}` has no `specific-heat`, and `numerics.temperature = \"energy\"` needs it"
-                );
+                let message = format!("material `{name}` has no `specific-heat`, and {what} needs it");
                 let fault = Fault::new("missing-constant", message, at.clone(), "used here");
                 problems.push(
                     fault.help(format!(
@@ -219,6 +217,16 @@ impl<'a> Chosen<'a> {
                     )),
                 );
             }
+        }
+    }
+
+    /// Reports what conduction lacks. Bodies that do not move need one that conducts: it sets the time step.
+    pub(crate) fn need_conduction(&self, mechanics: bool, at: Range<usize>, problems: &mut Problems) {
+        self.need_specific_heat("conduction", problems);
+        let built = || self.chosen.iter().map(|(_, material, _)| material.as_ref());
+        if !mechanics && !self.chosen.is_empty() && built().all(|m| m.is_some_and(|m| m.conductivity == 0.0)) {
+            let fault = Fault::new("missing-constant", "no material conducts, so no heat flows", at, "asked for here");
+            problems.push(fault.help("add `conductivity = \"80 W/(m K)\"` with the right value to a material"));
         }
     }
 

@@ -9,6 +9,7 @@ mod measure;
 mod numerics;
 mod observed;
 mod shape;
+mod thermal;
 mod velocity;
 
 use super::raw::{RawDeck, RawRegion};
@@ -218,8 +219,13 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
             Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
         );
     }
+    let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
+    if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
+        let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
+        materials.need_conduction(thermal.mechanics, at, problems);
+    }
     if numerics.as_ref().is_some_and(|n| n.temperature == crate::model::TemperatureSource::Energy) {
-        materials.need_specific_heat(problems);
+        materials.need_specific_heat("`numerics.temperature = \"energy\"`", problems);
     }
     if !problems.is_empty() {
         return None;
@@ -246,6 +252,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         materials: materials.into_materials(),
         bodies: bodies.into_iter().collect::<Option<_>>()?,
         contact: contact?,
+        thermal: thermal?,
         regions: regions.into_iter().collect::<Option<_>>()?,
         walls: walls.into_iter().collect::<Option<_>>()?,
         symmetry: symmetry?,

@@ -9,6 +9,7 @@ mod measure;
 mod numerics;
 mod observed;
 mod shape;
+mod thermal;
 
 pub(crate) use body::*;
 pub(crate) use boundary::*;
@@ -18,6 +19,7 @@ pub(crate) use measure::*;
 pub(crate) use numerics::*;
 pub(crate) use observed::*;
 pub(crate) use shape::*;
+pub(crate) use thermal::*;
 
 use super::choice::*;
 use super::value::*;
@@ -75,6 +77,8 @@ pub(crate) struct RawDeck {
     /// Held or driven particles.
     #[serde(default)]
     pub(crate) motion: Vec<RawMotion>,
+    /// Heat that flows; no heat flows without this table.
+    pub(crate) thermal: Option<RawThermal>,
     /// What to write and when.
     #[serde(default)]
     pub(crate) output: RawOutput,

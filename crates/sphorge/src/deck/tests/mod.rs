@@ -4,6 +4,7 @@ mod diagnostics;
 mod features;
 mod reference;
 mod shapes;
+mod thermal;
 mod whole;
 
 use super::*;

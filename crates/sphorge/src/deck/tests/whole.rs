@@ -20,6 +20,7 @@ density = 1000
 young-modulus = "1 GPa"
 poisson-ratio = 0.3
 strength = "elastic"
+specific-heat = 500
 [[body]]
 name = "bar"
 material = "mine"
@@ -85,6 +86,10 @@ fn stated_defaults_are_the_real_ones() {
     }
     let on = ("numerics.artificial-stress".to_owned(), "true".to_owned());
     let spelled = stated("numerics.artificial-stress");
+    assert_eq!(spelled.len(), 2);
+    assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    let on = ("thermal".to_owned(), "{}".to_owned());
+    let spelled = stated("thermal");
     assert_eq!(spelled.len(), 2);
     assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
     let on = ("contact".to_owned(), "penalty".to_owned());

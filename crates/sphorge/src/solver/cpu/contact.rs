@@ -32,6 +32,8 @@ pub(super) struct BodyContacts {
     now: Vec<PairSums>,
     /// Works so far, by pair of bodies, J.
     works: Vec<Works>,
+    /// Heat of friction at the last evaluation, W/kg.
+    rubbed: Vec<f64>,
 }
 
 /// Constants by body and by ordered pair of bodies.
@@ -132,15 +134,15 @@ fn pair_index(bodies: usize, a: usize, b: usize) -> usize {
 
 /// Where the particles are, and their images.
 #[derive(Clone, Copy)]
-struct Places<'a> {
-    position: &'a [Vector<f64>],
-    velocity: &'a [Vector<f64>],
-    ghosts: &'a [Ghost],
+pub(super) struct Places<'a> {
+    pub(super) position: &'a [Vector<f64>],
+    pub(super) velocity: &'a [Vector<f64>],
+    pub(super) ghosts: &'a [Ghost],
 }
 
 impl Places<'_> {
     /// Source, position, and the signs of vectors of a particle or ghost.
-    fn of(&self, j: u32) -> (usize, Vector<f64>, Vector<f64>) {
+    pub(super) fn of(&self, j: u32) -> (usize, Vector<f64>, Vector<f64>) {
         let j = j as usize;
         match j.checked_sub(self.position.len()) {
             None => (j, self.position[j], [1.0; 3]),
@@ -171,6 +173,7 @@ impl BodyContacts {
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
+            rubbed: vec![0.0; particles],
         })
     }
 
@@ -196,6 +199,16 @@ impl BodyContacts {
             works.rubbed += dt * now.rubbed;
             works.damped += dt * now.damped;
         }
+    }
+
+    /// Particles' neighbours in other bodies.
+    pub(super) fn foreign(&self) -> &ForeignList {
+        &self.foreign
+    }
+
+    /// Heat of friction at the last evaluation, W/kg.
+    pub(super) fn rubbed(&self) -> &[f64] {
+        &self.rubbed
     }
 
     /// Largest stable step over the margin, s.
@@ -275,7 +288,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let places = Places { position, velocity: evaluated_velocity, ghosts: &self.halo.ghosts };
         contacts.look(places, mass, body);
 
-        let BodyContacts { foreign, table, seen, partial, limits, now, .. } = contacts;
+        let BodyContacts { foreign, table, seen, partial, limits, now, rubbed, .. } = contacts;
         let (table, seen, dt) = (&*table, &*seen, self.step.dt);
         (
             foreign.blocks().par_iter(),
@@ -284,10 +297,12 @@ impl<T: PairScalar> CpuEngine<T> {
             mu.par_chunks_mut(BLOCK),
             partial.par_chunks_mut(now.len()),
             limits.par_iter_mut(),
+            rubbed.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
-            .for_each(|(block, acceleration, energy_rate, mu, sums, limit)| {
+            .for_each(|(block, acceleration, energy_rate, mu, sums, limit, rubbed)| {
                 sums.fill(PairSums::default());
+                rubbed.fill(0.0);
                 *limit = f64::INFINITY;
                 for (i, row) in block.rows() {
                     let k = i % BLOCK;
@@ -296,6 +311,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         acceleration[k][axis] += push.force[axis] / mass[i];
                     }
                     energy_rate[k] += 0.5 * push.heat / mass[i];
+                    rubbed[k] = 0.5 * push.rubbed / mass[i];
                     mu[k] = mu[k].max(push.approach);
                     *limit = limit.min(push.limit);
                 }
@@ -310,6 +326,8 @@ struct Push {
     force: Vector<f64>,
     /// Power that turns to heat in all its pairs, W.
     heat: f64,
+    /// Friction's part of it, W.
+    rubbed: f64,
     approach: f64,
     limit: f64,
 }
@@ -361,6 +379,7 @@ impl Table {
                 }
             }
             push.heat += force.damped + force.rubbed;
+            push.rubbed += force.rubbed;
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
             sum.rubbed += 0.5 * force.rubbed;

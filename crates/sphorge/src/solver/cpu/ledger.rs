@@ -57,6 +57,7 @@ impl<T: PairScalar> CpuEngine<T> {
             external_work: self.external.work,
             external_impulse: self.external.impulse,
             mls_energy: self.step.mls_energy,
+            heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),
             contacts: self.contacts.as_ref().map(|c| c.ledger()).unwrap_or_default(),
             wall_forces: self.wall_forces(),
             motion_forces: self.motion_forces(),

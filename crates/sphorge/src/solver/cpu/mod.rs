@@ -1,5 +1,6 @@
 //! The engine for processors.
 
+mod conduction;
 mod constitutive;
 mod contact;
 mod external;
@@ -21,8 +22,9 @@ mod votes;
 use super::engine::{Engine, SearchReport, Vote};
 use super::{Audit, Ledger, RunFailure};
 use crate::lanes::{Instructions, PairScalar};
-use crate::model::{Integrator, Model, Search};
+use crate::model::{Integrator, Model, Search, TemperatureSource};
 use crate::particles::{Particles, Permutation};
+use conduction::HeatFlow;
 use contact::BodyContacts;
 use external::Walls;
 use halo::Halo;
@@ -48,6 +50,7 @@ pub(super) struct CpuEngine<T> {
     motions: Motions,
     external: ExternalSums,
     contacts: Option<BodyContacts>,
+    heat: Option<HeatFlow>,
     constants: PairConstants<T>,
     instructions: Instructions,
     lists: Lists<T>,
@@ -111,6 +114,15 @@ impl<T: PairScalar> CpuEngine<T> {
         let total_lagrangian = matches!(model.search, Search::TotalLagrangian(t) if t.corrected);
         let model = if total_lagrangian { total_lagrangian::without_pair_terms(&model) } else { model };
         let count = particles.len();
+        if model.numerics.temperature == TemperatureSource::Energy {
+            // Temperature is that of the energy, from the start.
+            for i in 0..count {
+                let material = &model.materials[particles.material[i] as usize];
+                let warmer = particles.temperature[i] - material.reference_temperature;
+                particles.energy[i] += material.specific_heat * warmer;
+            }
+        }
+        HeatFlow::hold(&model, &mut particles);
         for i in 0..count {
             let law = &model.materials[particles.material[i] as usize].equation_of_state;
             let state = law.pressure(particles.density[i], particles.energy[i]);
@@ -144,6 +156,7 @@ impl<T: PairScalar> CpuEngine<T> {
             motions: Motions::new(&model),
             external: ExternalSums::new(count),
             contacts: BodyContacts::new(&model, count),
+            heat: HeatFlow::new(&model, count),
             base: Base::new(numerics.integrator, count),
             records: Records::default(),
             lists: Lists::new(),
@@ -160,6 +173,12 @@ impl<T: PairScalar> CpuEngine<T> {
             engine.reference = Some(Reference::new(&engine.particles, &engine.model));
         }
         engine
+    }
+
+    /// Whether the bodies stand still in a step of size `dt`: heat alone flows. The initial rates, a step of size zero, are those of
+    /// bodies that could move.
+    fn idle(&self, dt: f64) -> bool {
+        !self.model.thermal.mechanics && dt > 0.0
     }
 }
 
@@ -178,6 +197,11 @@ impl Work {
 
 impl<T: PairScalar> Engine for CpuEngine<T> {
     fn begin(&mut self, dt: f64) {
+        if self.idle(dt) {
+            self.step.dt = dt;
+            self.step.count += 1;
+            return;
+        }
         if self.lists.searches >= SEARCHES_PER_SORTING && self.may_sort() {
             self.lists.searches = 0;
             self.sort_particles();
@@ -205,18 +229,28 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn kinematics(&mut self) {
+        if self.idle(self.step.dt) {
+            return;
+        }
         self.sum_gradients();
         self.restore_density();
         self.correct_forces();
     }
 
     fn stress(&mut self) {
+        if self.idle(self.step.dt) {
+            return;
+        }
         self.update_stress();
         let positions = self.reference.as_ref().map_or(&self.particles.position, |r| &r.position);
         self.halo.exchange_stress(positions, &mut self.records);
     }
 
     fn forces(&mut self) {
+        self.sum_heat();
+        if self.idle(self.step.dt) {
+            return;
+        }
         self.sum_forces();
         self.resist_hourglass();
         self.add_body_contact();
@@ -224,11 +258,15 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn finish(&mut self) {
-        match self.model.numerics.integrator {
-            Integrator::Leapfrog => self.leapfrog_finish(),
-            Integrator::PredictorCorrector => self.correct(),
+        if !self.idle(self.step.dt) {
+            match self.model.numerics.integrator {
+                Integrator::Leapfrog => self.leapfrog_finish(),
+                Integrator::PredictorCorrector => self.correct(),
+            }
+            self.warm_by_friction();
         }
         self.accumulate_strain();
+        self.flow_heat();
         self.step.time += self.step.dt;
     }
 
@@ -237,8 +275,12 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn vote(&self) -> Vote {
+        let conduction = votes::conduction_vote(&self.model, self.heat.as_ref().map(HeatFlow::limit));
+        if !self.model.thermal.mechanics {
+            return conduction;
+        }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        votes::vote(&self.model, &self.particles, &self.work.mu, contact)
+        votes::smaller(votes::vote(&self.model, &self.particles, &self.work.mu, contact), conduction)
     }
 
     fn pairs(&self) -> u64 {
@@ -259,7 +301,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         let accumulated = 8 * (self.work.strain_since_search.capacity() + self.work.plastic_since_search.capacity());
         let reference = self.reference.as_ref().map_or(0, Reference::bytes);
         let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
-        (columns + accumulated + reference + contacts + self.lists.bytes() + self.records.bytes()) as u64
+        let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
+        (columns + accumulated + reference + contacts + heat + self.lists.bytes() + self.records.bytes()) as u64
     }
 }
 

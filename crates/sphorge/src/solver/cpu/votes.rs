@@ -22,12 +22,21 @@ pub(super) fn vote(model: &Model, p: &Particles, mu: &[f64], contact: Option<f64
             Vote { dt: sound, reason: VoteReason::SoundSpeed }
         }
     };
-    let smaller = |a: Vote, b: Vote| if b.dt < a.dt { b } else { a };
     let none = Vote { dt: f64::INFINITY, reason: VoteReason::SoundSpeed };
     // A minimum does not depend on the order it is taken in.
     let particles = (0..p.len()).into_par_iter().with_min_len(1024).map(of_particle).reduce(|| none, smaller);
     let contact = contact.map(|limit| Vote { dt: courant * limit, reason: VoteReason::Contact });
     model.walls.iter().filter_map(|w| contact_vote(model, &w.contact)).chain(contact).fold(particles, smaller)
+}
+
+/// The vote of conduction, whose limit is given, s.
+pub(super) fn conduction_vote(model: &Model, limit: Option<f64>) -> Vote {
+    Vote { dt: model.time.courant * limit.unwrap_or(f64::INFINITY), reason: VoteReason::Conduction }
+}
+
+/// The smaller of two votes, the first of equals.
+pub(super) fn smaller(a: Vote, b: Vote) -> Vote {
+    if b.dt < a.dt { b } else { a }
 }
 
 /// Step that resolves the contact spring of a penalty wall: the Courant share of `2 / omega`.

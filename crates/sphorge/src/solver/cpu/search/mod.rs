@@ -65,6 +65,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Makes the lists valid for the positions just reached, as the strategy has it.
     pub(super) fn renew_lists(&mut self) -> SearchReport {
         let stale = self.lists.stale;
+        if !(stale || self.model.thermal.mechanics) {
+            return self.search_no_one();
+        }
         match self.model.search {
             Search::EveryStep => self.search_everyone(),
             Search::Skin { fraction } => {
@@ -213,6 +216,9 @@ impl<T: PairScalar> CpuEngine<T> {
         permutation.set(searcher.cell_order(&self.particles.position, size));
         self.particles.reorder(permutation);
         self.work.reorder(permutation);
+        if let Some(heat) = &mut self.heat {
+            heat.reorder(permutation);
+        }
         self.lists.stale = true;
     }
 }

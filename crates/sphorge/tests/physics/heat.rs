@@ -1,0 +1,239 @@
+//! Heat that flows: series solutions, and accounts that close.
+
+use super::setup::{COLLISION, by_id, run_steps, run_to, simulation};
+use sphorge::solver::{Simulation, VoteReason};
+use std::f64::consts::PI;
+
+/// A slab of 100 mm between two plates, from 0 degC; diffusivity 1e-5 m^2/s.
+const SLAB: &str = r#"
+dimensions = "1d"
+particles = { spacing = "5 mm", smoothing = 1.0, placement = "on-faces" }
+time = { end = "100 s" }
+
+[material.metal]
+density = "4000 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+specific-heat = "500 J/(kg K)"
+conductivity = "20 W/(m K)"
+
+[[body]]
+name = "slab"
+material = "metal"
+temperature = "0 degC"
+shape = { box = { min = ["0 mm"], max = ["100 mm"] } }
+
+[[region]]
+name = "left"
+shape = { box = { min = ["-1 mm"], max = ["1 mm"] } }
+
+[[region]]
+name = "right"
+shape = { box = { min = ["99 mm"], max = ["101 mm"] } }
+
+[thermal]
+mechanics = false
+
+[[thermal.boundary]]
+name = "hot"
+region = "left"
+hold = "100 degC"
+
+[[thermal.boundary]]
+name = "cold"
+region = "right"
+hold = "0 degC"
+"#;
+
+/// Temperature at `x` (m) and `t` (s), degC.
+fn slab(x: f64, t: f64) -> f64 {
+    let (length, diffusivity) = (0.1, 1e-5);
+    let mode = |n: f64| {
+        let k = n * PI / length;
+        (k * x).sin() / n * (-diffusivity * k * k * t).exp()
+    };
+    100.0 * (1.0 - x / length) - 200.0 / PI * (1..60).map(|n| mode(f64::from(n))).sum::<f64>()
+}
+
+fn internal(simulation: &Simulation) -> f64 {
+    simulation.ledger().total.energies.internal
+}
+
+#[test]
+fn a_slab_between_two_plates_converges_at_second_order() {
+    let largest = |spacing: &str| {
+        let mut simulation = simulation(SLAB, &[("particles.spacing", spacing)]);
+        let (dt, reason) = simulation.next_step_estimate().unwrap();
+        // 0.3 rho cp dx^2/(2 k).
+        assert_eq!(reason, VoteReason::Conduction);
+        assert!((dt / (0.3 * 0.5 * 1e5 * simulation.model().spacing.powi(2)) - 1.0).abs() < 1e-9, "{dt}");
+        let before = internal(&simulation);
+        run_to(&mut simulation, 100.0);
+        let ledger = simulation.ledger();
+        let gained = internal(&simulation) - before;
+        assert!((gained - ledger.boundary_heat()).abs() < 1e-11 * ledger.heat.exchanged, "{gained} {ledger:?}");
+        assert!(ledger.heat.supplied[0] > 0.0 && ledger.heat.supplied[1] < 0.0);
+        let p = simulation.particles();
+        (0..p.len()).map(|i| (p.temperature[i] - 273.15 - slab(p.position[i][0], 100.0)).abs()).fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (largest("10 mm"), largest("5 mm"));
+    assert!(fine < 0.1, "{fine}");
+    assert!((3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+#[test]
+fn heat_passes_between_bodies_whatever_their_contact() {
+    let pair = SLAB.replace(r#"max = ["100 mm"] } }"#, r#"max = ["50 mm"] } }"#).replace("on-faces", "cell-centres")
+        + r#"
+[[body]]
+name = "other"
+material = "other"
+temperature = "100 degC"
+shape = { box = { min = ["50 mm"], max = ["100 mm"] } }
+
+[material.other]
+base = "metal"
+conductivity = "80 W/(m K)"
+"#;
+    let cut = pair.find("[[region]]").unwrap()..pair.find("[thermal]").unwrap();
+    let pair = pair.replace(&pair[cut], "");
+    let cut = pair.find("[[thermal.boundary]]").unwrap()..pair.find("[[body]]\nname = \"other\"").unwrap();
+    let pair = pair.replace(&pair[cut], "");
+    for contact in ["kernel-sum", "penalty"] {
+        let mut simulation = simulation(&pair, &[("contact", contact), ("particles.spacing", "2.5 mm")]);
+        run_to(&mut simulation, 5.0);
+        // Two half spaces meet at the mean of their temperatures weighted by effusivity, 1 and 2; the error function has not
+        // reached the ends.
+        let p = simulation.particles();
+        let flux_weighted = {
+            let order = by_id(p);
+            let (a, b) = (p.temperature[order[19]], p.temperature[order[20]]);
+            (20.0 * a + 80.0 * b) / 100.0 - 273.15
+        };
+        assert!((flux_weighted - 200.0 / 3.0).abs() < 0.5, "{contact}: {flux_weighted}");
+        let ledger = simulation.ledger();
+        assert!(internal(&simulation).abs() < 1e-12 * ledger.heat.exchanged, "{contact}: {ledger:?}");
+    }
+}
+
+/// A plate of 100 mm x 60 mm under a heat flux on its free surfaces.
+const PLATE: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "5 mm" }
+time = { end = "10 s" }
+thermal = { mechanics = false, boundary = [{ name = "lamp", flux = "1 kW/m^2" }] }
+
+[material.metal]
+density = "4000 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+specific-heat = "500 J/(kg K)"
+conductivity = "20 W/(m K)"
+
+[[body]]
+name = "left"
+material = "metal"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["50 mm", "60 mm"] } }
+
+[[body]]
+name = "right"
+material = "metal"
+shape = { box = { min = ["50 mm", "0 mm"], max = ["100 mm", "60 mm"] } }
+"#;
+
+#[test]
+fn free_surfaces_are_those_of_the_whole_and_have_their_area() {
+    for contact in ["kernel-sum", "penalty"] {
+        for smoothing in ["1.0", "1.2", "1.4"] {
+            let lack = |spacing: &str| {
+                let overrides =
+                    [("contact", contact), ("particles.smoothing", smoothing), ("particles.spacing", spacing)];
+                let mut simulation = simulation(PLATE, &overrides);
+                run_to(&mut simulation, 10.0);
+                let heat = simulation.ledger().boundary_heat();
+                assert!((internal(&simulation) / heat - 1.0).abs() < 1e-12);
+                // The seam between the bodies is no surface.
+                1.0 - heat / (1000.0 * 10.0 * 2.0 * (0.1 + 0.06))
+            };
+            // Each of four corners lacks a part of its two faces.
+            let (coarse, fine) = (lack("5 mm"), lack("2.5 mm"));
+            assert!((0.0..0.08).contains(&coarse), "{contact} {smoothing}: {coarse}");
+            assert!((coarse / fine - 2.0).abs() < 0.05, "{contact} {smoothing}: {coarse} {fine}");
+        }
+    }
+}
+
+#[test]
+fn a_convecting_block_cools_as_its_series() {
+    // One dimension, both faces: Bi = h L/k = 500 0.05/20 = 1.25 with the half thickness L.
+    let block = SLAB.replace("on-faces", "cell-centres");
+    let cut = block.find("[[region]]").unwrap();
+    let block = (block[..cut].to_owned() + "[thermal]\nmechanics = false\n").replace("\"0 degC\"", "\"100 degC\"")
+        + "[[thermal.boundary]]\nname = \"air\"\nconvection = { coefficient = \"500 W/(m^2 K)\", ambient = \"0 degC\" }\n";
+    // Roots of z tan z = Bi by bisection.
+    let biot = 1.25;
+    let root = |n: i32| {
+        let (mut low, mut high) = (f64::from(n) * PI, f64::from(n) * PI + 0.5 * PI);
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if middle * middle.tan() < biot { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    let fourier = 1e-5 * 60.0 / 0.0025;
+    let mean: f64 = (0..30)
+        .map(|n| {
+            let z = root(n);
+            100.0 * 4.0 * z.sin() / (2.0 * z + (2.0 * z).sin()) * (-z * z * fourier).exp() * z.sin() / z
+        })
+        .sum();
+    let error = |spacing: &str| {
+        let mut simulation = simulation(&block, &[("particles.spacing", spacing)]);
+        run_to(&mut simulation, 60.0);
+        let p = simulation.particles();
+        p.temperature.iter().sum::<f64>() / p.len() as f64 - 273.15 - mean
+    };
+    let (coarse, fine) = (error("10 mm"), error("5 mm"));
+    assert!(fine.abs() < 0.1, "{fine} of {mean}");
+    assert!((3.0..5.0).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+#[test]
+fn a_collision_that_conducts_keeps_its_energy() {
+    let text = COLLISION.to_owned()
+        + "\n[thermal]\nboundary = [{ name = \"air\", convection = { coefficient = \"1e7 W/(m^2 K)\", ambient = \"500 K\" } }]\n";
+    for (integrator, temperature, contact) in [
+        ("leapfrog", "plastic-work", "kernel-sum"),
+        ("leapfrog", "energy", "{ penalty = { friction = 0.3 } }"),
+        ("predictor-corrector", "energy", "penalty"),
+    ] {
+        let overrides =
+            [("numerics.integrator", integrator), ("numerics.temperature", temperature), ("contact", contact)];
+        let mut simulation = simulation(&text, &overrides);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger().total_energy();
+        run_to(&mut simulation, 10e-6);
+        let ledger = simulation.ledger();
+        let heat = ledger.boundary_heat();
+        assert!(heat > 1e-6 * first, "{heat}");
+        let drift = (ledger.total_energy() - first - ledger.external_work - heat) / first;
+        assert!(drift.abs() < 1e-12, "{overrides:?}: {drift:.1e}");
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut simulation = simulation(PLATE, &[("contact", "penalty"), ("particles.spacing", "2 mm")]);
+            run_steps(&mut simulation, 20);
+            (simulation.particles().temperature.clone(), simulation.ledger().heat)
+        })
+    };
+    assert!(run(1) == run(2));
+}
