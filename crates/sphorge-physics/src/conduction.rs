@@ -8,9 +8,9 @@
 //! is the Laplacian times its second moment `sum_j V_j r |dW/dr| / d`, which is not quite one for a finite number of neighbours and
 //! does not become one with smaller spacing; pairs are divided by it ([`Lattice::moment`]).
 //!
-//! Surfaces are found as they form (Fraser's adaptive thermal boundaries; Randles & Libersky 1996 for the normal): a particle
-//! is on one where the gradient of the colour function `sum_j V_j W_ij` is at least half of what the outermost layer of a flat
-//! body sees, and its share of the surface is in proportion to it.
+//! Surfaces are found as they form (as in Fraser's adaptive thermal boundaries) by the divergence of position,
+//! `div x = - sum_j V_j x_ij . grad W_ij`, the same moment times `d`: a particle is on a surface where it lacks at least half of
+//! what the outermost layer of a flat body lacks, and its share of the surface is in proportion to what it lacks.
 
 use crate::kernel::Kernel;
 use crate::{Dimension, Real, Scalar};
@@ -20,8 +20,8 @@ use crate::{Dimension, Real, Scalar};
 pub struct Lattice {
     /// `sum_j V_j r |dW/dr| / d`; one in the limit of many neighbours.
     pub moment: f64,
-    /// `|sum_j V_j grad W_ij|` in the outermost layer of a half space, 1/m.
-    pub surface_gradient: f64,
+    /// The same in the outermost layer of a half space.
+    pub surface_moment: f64,
 }
 
 /// Sums over a lattice of this spacing and smoothing length, m.
@@ -37,8 +37,8 @@ pub fn lattice(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> La
                 let r2 = spacing * spacing * f64::from(x * x + y * y + z * z);
                 let slope = -scale * kernel.dw_over_q(Real::sqrt(r2) / h);
                 sums.moment += slope * r2 / f64::from(d);
-                if x > 0 {
-                    sums.surface_gradient += slope * f64::from(x) * spacing;
+                if x >= 0 {
+                    sums.surface_moment += slope * r2 / f64::from(d);
                 }
             }
         }
@@ -66,14 +66,16 @@ pub fn surface_conductance<T: Scalar>(film: Option<T>, conductivity: T, spacing:
     }
 }
 
-/// Area of the surface that a particle stands for, m^(d-1), from the size of its colour gradient and that of a flat surface (1/m).
-/// Nothing below half of the latter. Along a straight edge it is `sqrt(2)` cell faces, not two.
+/// Area of the surface that a particle stands for, m^(d-1), from its moment and that of the outermost layer of a flat body, both
+/// over the moment of a full lattice. Nothing where less than half as much is lacking as there. An edge has 1.75 cell faces with
+/// next neighbours alone, somewhat less with more; a particle alone about two in a plane, three in space.
 #[inline(always)]
-pub fn surface_area(dimension: Dimension, volume: f64, gradient: f64, flat: f64) -> f64 {
-    if gradient < 0.5 * flat {
+pub fn surface_area(dimension: Dimension, volume: f64, filled: f64, flat: f64) -> f64 {
+    let lacking = (1.0 - filled) / (1.0 - flat);
+    if lacking < 0.5 {
         return 0.0;
     }
-    Real::powu(cell_size(dimension, volume), dimension.count() as u32 - 1) * gradient / flat
+    Real::powu(cell_size(dimension, volume), dimension.count() as u32 - 1) * lacking
 }
 
 /// Edge of a cell of this volume (m^d), m.
@@ -92,10 +94,10 @@ mod tests {
 
     #[test]
     fn lattice_sums_by_hand() {
-        // One dimension, h = spacing: the two next neighbours, |dw/dq| = 1/2 at q = 1: moment 2 (1/2) = 1, gradient 1/2 over h.
+        // One dimension, h = spacing: the two next neighbours, |dw/dq| = 1/2 at q = 1: moment 2 (1/2) = 1, half of it at an end.
         let sums = lattice(Kernel::CubicSpline, Dimension::One, 2.0, 2.0);
         assert!((sums.moment - 1.0).abs() < 1e-14, "{sums:?}");
-        assert!((sums.surface_gradient - 0.25).abs() < 1e-14);
+        assert!((sums.surface_moment - 0.5).abs() < 1e-14);
         // h = 1.2: q |dw/dq| of neighbours at q = 1/1.2 and 2/1.2, over 1.2, twice.
         let sums = lattice(Kernel::CubicSpline, Dimension::One, 1.0, 1.2);
         // |dw/dq| is 2 q - 1.5 q^2 at 1/1.2 and (2 - q)^2/2 at 2/1.2.
@@ -122,9 +124,9 @@ mod tests {
         assert_eq!(surface_conductance(None, 40.0f64, 0.01), 8000.0);
         assert_eq!(surface_conductance(Some(2000.0f64), 40.0, 0.01), 1600.0);
         assert_eq!(surface_conductance(Some(0.0f64), 0.0, 0.01), 0.0);
-        assert!((surface_area(Dimension::Three, 8e-9, 3.0, 4.0) - 3e-6).abs() < 1e-18);
-        assert_eq!(surface_area(Dimension::Two, 4e-6, 4.0, 4.0), 2e-3);
-        assert_eq!(surface_area(Dimension::One, 1e-3, 4.0, 4.0), 1.0);
-        assert_eq!(surface_area(Dimension::Two, 4e-6, 1.9, 4.0), 0.0);
+        assert!((surface_area(Dimension::Three, 8e-9, 0.25, 0.5) - 6e-6).abs() < 1e-18);
+        assert_eq!(surface_area(Dimension::Two, 4e-6, 0.5, 0.5), 2e-3);
+        assert_eq!(surface_area(Dimension::One, 1e-3, 0.5, 0.5), 1.0);
+        assert_eq!(surface_area(Dimension::Two, 4e-6, 0.76, 0.5), 0.0);
     }
 }

@@ -35,6 +35,9 @@ shipped! {
     "oscillating-plate",
     "rubber-rings",
     "rotating-rod",
+    "heat-slab",
+    "two-materials",
+    "convecting-block",
     "block",
 }
 

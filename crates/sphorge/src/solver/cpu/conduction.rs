@@ -14,7 +14,7 @@ use crate::solver::HeatLedger;
 use rayon::prelude::*;
 use sphorge_physics::conduction::{cell_size, lattice, pair_conductivity, surface_area, surface_conductance};
 use sphorge_physics::time_step::conduction_vote;
-use sphorge_physics::{Dimension, Vector, kernel::Kernel, tensor::dot};
+use sphorge_physics::{Dimension, kernel::Kernel, tensor::dot};
 
 /// Share of its own time step after which a flow beside mechanics is summed anew.
 const RENEWAL: f64 = 0.1;
@@ -52,7 +52,7 @@ struct Table {
     specific_heat: Vec<f64>,
     /// `1 / moment` of the body's lattice.
     correction: Vec<f64>,
-    /// Colour gradient of a flat surface times the smoothing length.
+    /// Moment of its outermost layer over that of a full lattice.
     flat: Vec<f64>,
 }
 
@@ -70,7 +70,7 @@ impl HeatFlow {
             conductivity: model.bodies.iter().map(|b| material(b).conductivity).collect(),
             specific_heat: model.bodies.iter().map(|b| material(b).specific_heat).collect(),
             correction: lattices.clone().map(|(_, l)| 1.0 / l.moment).collect(),
-            flat: lattices.map(|(b, l)| l.surface_gradient * b.smoothing_length).collect(),
+            flat: lattices.map(|(_, l)| l.surface_moment / l.moment).collect(),
         };
         let (blocks, boundaries) = (particles.div_ceil(BLOCK), model.thermal.boundaries.len());
         let on_surface = |kind| !matches!(kind, HeatBoundaryKind::Hold(_));
@@ -140,8 +140,8 @@ struct Inflow {
     power: f64,
     /// Sum of conductances, W/K.
     conductance: f64,
-    /// `- sum_j V_j grad_i W_ij`, out of the body, 1/m.
-    outward: Vector<f64>,
+    /// `- sum_j V_j x_ij . grad_i W_ij / d` over that of a full lattice.
+    filled: f64,
 }
 
 /// The state a flow is summed from.
@@ -170,9 +170,7 @@ impl Table {
             let conductance = (volume * other) * conductivity * (correction * slope);
             sum.power += conductance * (p.temperature[source] - p.temperature[i]);
             sum.conductance += conductance;
-            for k in 0..3 {
-                sum.outward[k] += other * slope * x[k];
-            }
+            sum.filled += correction * other * slope * dot(x, x) / self.dimension.count() as f64;
         }
     }
 
@@ -180,8 +178,7 @@ impl Table {
     fn through_surface(&self, kind: HeatBoundaryKind, i: usize, sum: &Inflow, p: &Particles) -> (f64, f64) {
         let body = p.body[i] as usize;
         let volume = p.mass[i] / p.density[i];
-        let flat = self.flat[body] / p.smoothing_length[i];
-        let area = surface_area(self.dimension, volume, dot(sum.outward, sum.outward).sqrt(), flat);
+        let area = surface_area(self.dimension, volume, sum.filled, self.flat[body]);
         let (film, outside) = match kind {
             HeatBoundaryKind::Hold(_) => return (0.0, 0.0),
             HeatBoundaryKind::Flux(flux) => return (area * flux, 0.0),

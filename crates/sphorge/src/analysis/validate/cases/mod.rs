@@ -1,9 +1,12 @@
 //! The cases, one file each.
 
+mod convecting_block;
 mod copper_bar;
 mod disc_on_plate;
 mod elastic_bar;
 mod elastic_plastic_piston;
+mod heat_slab;
+mod heat_solutions;
 mod high_shear;
 mod homogeneous;
 mod oscillating_plate;
@@ -13,6 +16,7 @@ mod rotating_rod;
 mod taylor_bar;
 mod taylor_bar_42crmo4;
 mod taylor_plate;
+mod two_materials;
 
 use super::Case;
 
@@ -31,4 +35,7 @@ pub const CASES: &[Case] = &[
     elastic_bar::CASE,
     oscillating_plate::CASE,
     rotating_rod::CASE,
+    heat_slab::CASE,
+    two_materials::CASE,
+    convecting_block::CASE,
 ];

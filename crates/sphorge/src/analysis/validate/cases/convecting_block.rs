@@ -1,0 +1,78 @@
+//! A block that cools by convection.
+
+use super::super::{
+    Bounds, Case, Effort, Finding, Study, Unit, Variant,
+    case::refinements,
+    pictures::{Picture, Subject},
+    report::Findings,
+    runs::{Run, Runs},
+};
+use super::heat_solutions::cooling_plate;
+
+const BLOCK: &str = "block";
+const PLATE: &str = "plate";
+
+pub(super) const CASE: Case = Case {
+    name: "convecting-block",
+    title: "A block that cools by convection",
+    about: "Newton's law of cooling on free surfaces, which are found from the particles. A square block, whose edges stand for less \
+            than two faces (an error of first order that goes with the number of edges), and the plate that is left where it is periodic \
+            along y. Rises over the air after 80 s, Biot number 1, Fourier number 0.5, against the series and their product.",
+    deck: "convecting-block",
+    variants,
+    judge,
+    pictures: &[
+        Picture { series: BLOCK, subject: Subject::Last("temperature"), caption: "Temperature at the end" },
+        Picture {
+            series: BLOCK,
+            subject: Subject::History(&["centre", "mean_temperature"]),
+            caption: "Temperature in the centre and on average",
+        },
+    ],
+};
+
+fn variants(effort: Effort) -> Vec<Variant> {
+    let spacings: &[&str] = match effort {
+        Effort::Quick => &["10 mm", "5 mm", "2.5 mm"],
+        Effort::Full => &["10 mm", "5 mm", "2.5 mm", "1.25 mm"],
+    };
+    let mut variants = refinements(BLOCK, "", spacings);
+    for variant in refinements(PLATE, "plate, ", spacings) {
+        variants.push(variant.set("periodic.y", "[\"0 mm\", \"80 mm\"]"));
+    }
+    variants
+}
+
+fn rise(run: &Run, measure: &str) -> Option<f64> {
+    Some(run.measure(measure)? - 273.15)
+}
+
+fn judge(runs: &Runs, findings: &mut Findings) {
+    let (middle, mean) = cooling_plate(1.0, 0.5);
+    for (series, what, power) in [(PLATE, "plate", 1), (BLOCK, "block", 2)] {
+        let quantities = [
+            ("centre", format!("{what}: rise in the centre"), 100.0 * middle.powi(power)),
+            ("mean_temperature", format!("{what}: mean rise"), 100.0 * mean.powi(power)),
+        ];
+        for (measure, name, exact) in quantities {
+            if let Some(run) = runs.finest(series) {
+                let finding = Finding::new(&name, Unit::KELVIN, run.label(), rise(run, measure));
+                let finding = finding.exact("series", exact);
+                findings.add(match series {
+                    PLATE => finding.must(Bounds::Relative(2e-3), "second order, at the quick spacing"),
+                    _ => finding.must(Bounds::Relative(2e-2), "edges of first order, at the quick spacing"),
+                });
+            }
+            let study = Study::exact(name, Unit::KELVIN, exact);
+            let study = runs.series(series).fold(study, |s, run| s.point(run.label(), run.spacing, rise(run, measure)));
+            findings.study(
+                study.must_converge(1e-5, "second order for the plate, first for the block, whose edges lack area"),
+            );
+        }
+        if let Some(run) = runs.finest(series) {
+            let drift = run.summary().map(|s| s.energy.largest_relative_drift);
+            let finding = Finding::new(format!("{what}: drift of the heat account"), Unit::NONE, run.label(), drift);
+            findings.add(finding.must(Bounds::AtMost(1e-11), "what leaves is booked; what is left is rounding"));
+        }
+    }
+}
