@@ -16,6 +16,9 @@ use crate::model::{Arrangement, Dimensions, Lattice, LatticePlacement, Solid};
 /// A particle this much (over the spacing) outside a round surface still counts as on it.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+/// More sites along one axis than can be run anyway.
+const MOST_SITES: f64 = 1e15;
+
 /// Sites along one axis of a lattice: `(k - (count - 1)/2) pitch`, exactly symmetric about its middle.
 #[derive(Clone, Copy, Debug)]
 struct Line {
@@ -27,7 +30,7 @@ struct Line {
 
 impl Line {
     fn along(length: f64, pitch: f64, placement: LatticePlacement) -> Self {
-        let cells = (length / pitch).round().max(1.0) as i64;
+        let cells = (length / pitch).round().clamp(1.0, MOST_SITES) as i64;
         let count = match placement {
             LatticePlacement::CellCentres => cells,
             LatticePlacement::OnFaces => cells + 1,
@@ -37,7 +40,7 @@ impl Line {
 
     /// Sites within `radius` of the middle.
     fn across(radius: f64, pitch: f64, placement: LatticePlacement) -> Self {
-        let reach = radius / pitch + ROUNDING;
+        let reach = (radius / pitch + ROUNDING).min(MOST_SITES);
         let count = match placement {
             LatticePlacement::CellCentres => 2 * (reach + 0.5).floor() as i64,
             LatticePlacement::OnFaces => 2 * reach.floor() as i64 + 1,

@@ -20,6 +20,9 @@ pub(super) struct Pattern {
     pub(super) lattice: Lattice,
 }
 
+/// Share of the sites gone through for a polygon or a composed shape that counts as kept at least.
+const LEAST_KEPT: f64 = 0.02;
+
 impl Transform {
     /// This one after `first`.
     fn after(&self, first: &Self) -> Self {
@@ -111,13 +114,21 @@ impl Pattern {
         }
     }
 
-    /// Number of particles a shape will take, without making them: exact for boxes, from the volume for others.
+    /// Number of particles a shape will take, without making them: exact for boxes, from the volume for others; no less than what
+    /// going through the lattice is worth.
     pub(super) fn estimate(&self, shape: &Shape) -> f64 {
         if let Solid::Cloud { particles, .. } = &shape.solid {
             return particles.len() as f64;
         }
         let volume = shape.rough_volume(self.dimensions);
         match (&shape.solid, self.lattice.arrangement) {
+            // Little may be left of a large lattice, but all of it is gone through.
+            (Solid::Composed { .. } | Solid::Polygon { .. }, Arrangement::Square | Arrangement::Hexagonal) => {
+                let (low, high) = shape.bounds(self.dimensions);
+                let along = |a: usize| ((high[a] - low[a]) / self.spacing).max(1.0);
+                let sites: f64 = (0..self.dimensions.count()).map(along).product();
+                (volume / self.spacing.powi(self.dimensions.count() as i32)).max(sites * LEAST_KEPT)
+            }
             (Solid::Composed { .. }, _) | (_, Arrangement::Rings) => {
                 volume / self.spacing.powi(self.dimensions.count() as i32)
             }
