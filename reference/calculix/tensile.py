@@ -125,7 +125,7 @@ def solve(size, hardening, step=2e-4):
 
 
 if __name__ == "__main__":
-    sizes = [float(word) for word in sys.argv[1:]] or [5e-3, 2.5e-3, 1.25e-3]
+    sizes = [float(word) for word in sys.argv[1:]] or [10e-3, 5e-3, 2.5e-3, 1.25e-3]
     runs = []
     for hardening in (0.0, 2e9):
         for size in sizes:
