@@ -17,6 +17,7 @@ mod taylor_bar;
 mod taylor_bar_42crmo4;
 mod taylor_plate;
 mod two_materials;
+mod tensile;
 
 use super::Case;
 
@@ -29,6 +30,7 @@ pub const CASES: &[Case] = &[
     high_shear::CASE,
     penetration::CASE,
     disc_on_plate::CASE,
+    tensile::CASE,
     plate_impact::CASE,
     elastic_plastic_piston::CASE,
     homogeneous::CASE,

@@ -49,8 +49,8 @@ fn variants(effort: Effort) -> Vec<Variant> {
         let choice = |label: &str, path: &str, value: &str| {
             Variant::of_series(format!("0.53333 mm, {label}"), CHOICES).spacing("0.53333 mm").set(path, value)
         };
-        variants.push(choice("plain sums", "numerics.gradient-correction", "none"));
-        variants.push(choice("viscosity 0.1, 1", "numerics.viscosity.alpha", "0.1"));
+        variants.push(choice("hourglass control 1", "search.total-lagrangian.hourglass", "1.0"));
+        variants.push(choice("current neighbours", "search", "skin"));
     }
     variants
 }

@@ -13,7 +13,7 @@ const HARDENING: &str = "hardening";
 /// Element size in mm, plastic strain at the middle of the waist at 10 ms without hardening and with a slope of 2 GPa, by CalculiX
 /// (`reference/calculix/tensile.json`).
 const ELEMENTS: [(f64, f64, f64); 4] =
-    [(10.0, 0.109_10, 0.079_33), (5.0, 0.168_45, 0.109_40), (2.5, 0.225_16, 0.124_59), (1.25, 0.279_85, 0.0)];
+    [(10.0, 0.109_10, 0.079_33), (5.0, 0.168_45, 0.109_40), (2.5, 0.225_16, 0.124_59), (1.25, 0.279_85, 0.131_95)];
 
 pub(super) const CASE: Case = Case {
     name: "tensile",
@@ -27,8 +27,16 @@ pub(super) const CASE: Case = Case {
     variants,
     judge,
     pictures: &[
-        Picture { series: PERFECT, subject: Subject::Last("plastic_strain"), caption: "Plastic strain at 10 ms (the paper's Figure 7)" },
-        Picture { series: PERFECT, subject: Subject::Last("von_mises_stress"), caption: "Von Mises stress at 10 ms (the paper's Figure 7)" },
+        Picture {
+            series: PERFECT,
+            subject: Subject::Last("plastic_strain"),
+            caption: "Plastic strain at 10 ms (the paper's Figure 7)",
+        },
+        Picture {
+            series: PERFECT,
+            subject: Subject::Last("von_mises_stress"),
+            caption: "Von Mises stress at 10 ms (the paper's Figure 7)",
+        },
         Picture {
             series: PERFECT,
             subject: Subject::History(&["waist_plastic_strain"]),
@@ -48,7 +56,9 @@ fn variants(effort: Effort) -> Vec<Variant> {
         Variant::of_series(label, series).set("body.bar.shape", QUARTER).set("symmetry", symmetry)
     };
     match effort {
-        Effort::Quick => vec![quarter("total Lagrangian, to 5 ms", PERFECT).set("search", "total-lagrangian").set("time.end", "\"5 ms\"")],
+        Effort::Quick => vec![
+            quarter("total Lagrangian, to 5 ms", PERFECT).set("search", "total-lagrangian").set("time.end", "\"5 ms\""),
+        ],
         Effort::Full => {
             let hard = "{ bilinear = { yield-stress = \"350 MPa\", tangent-modulus = \"1.98113 GPa\" } }";
             let harder = |variant: Variant| variant.set("material.steel-fraser.strength", hard);
@@ -89,7 +99,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(HARDENING) {
         let value = run.measure("waist_plastic_strain");
         let finding = Finding::new("plastic strain at the middle of the waist", Unit::NONE, run.label(), value);
-        findings.add(ELEMENTS.iter().filter(|row| row.2 > 0.0).fold(finding, |finding, (size, _, hardening)| {
+        findings.add(ELEMENTS.iter().fold(finding, |finding, (size, _, hardening)| {
             finding.beside(ReferenceKind::Published, &format!("CalculiX, {size} mm"), *hardening)
         }));
     }
