@@ -13,6 +13,7 @@ mod oscillating_plate;
 mod penetration;
 mod plate_impact;
 mod rotating_rod;
+mod rubber_rings;
 mod taylor_bar;
 mod taylor_bar_42crmo4;
 mod taylor_plate;
@@ -36,6 +37,7 @@ pub const CASES: &[Case] = &[
     homogeneous::CASE,
     elastic_bar::CASE,
     oscillating_plate::CASE,
+    rubber_rings::CASE,
     rotating_rod::CASE,
     heat_slab::CASE,
     two_materials::CASE,

@@ -45,6 +45,9 @@ pub(super) const CASE: Case = Case {
     ],
 };
 
+/// Weak hourglass control: as strong as usual it stiffens plastic flow.
+const LAGRANGIAN: &str = "{ total-lagrangian = { hourglass = 0.3 } }";
+
 /// The bar between planes of symmetry.
 const QUARTER: &str = "{ intersection = [ \
     { revolution = { axis = [0, 0, 1], profile = [[0.0, 0.075], [0.2, 0.075], [0.225, 0.05], [0.275, 0.05], [0.3, 0.075], \
@@ -56,18 +59,18 @@ fn variants(effort: Effort) -> Vec<Variant> {
         Variant::of_series(label, series).set("body.bar.shape", QUARTER).set("symmetry", symmetry)
     };
     match effort {
-        Effort::Quick => vec![
-            quarter("total Lagrangian, to 5 ms", PERFECT).set("search", "total-lagrangian").set("time.end", "\"5 ms\""),
-        ],
+        Effort::Quick => {
+            vec![quarter("total Lagrangian, to 5 ms", PERFECT).set("search", LAGRANGIAN).set("time.end", "\"5 ms\"")]
+        }
         Effort::Full => {
             let hard = "{ bilinear = { yield-stress = \"350 MPa\", tangent-modulus = \"1.98113 GPa\" } }";
             let harder = |variant: Variant| variant.set("material.steel-fraser.strength", hard);
             vec![
                 quarter("skin", PERFECT),
                 quarter("adaptive", PERFECT).set("search", "adaptive"),
-                quarter("total Lagrangian", PERFECT).set("search", "total-lagrangian"),
+                quarter("total Lagrangian", PERFECT).set("search", LAGRANGIAN),
                 harder(quarter("skin, hardening", HARDENING)),
-                harder(quarter("total Lagrangian, hardening", HARDENING).set("search", "total-lagrangian")),
+                harder(quarter("total Lagrangian, hardening", HARDENING).set("search", LAGRANGIAN)),
             ]
         }
     }
@@ -104,10 +107,10 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         }));
     }
     for run in runs.series(PERFECT).chain(runs.series(HARDENING)) {
-        let drift = run.summary().map(|s| s.energy.largest_relative_drift);
+        let drift = run.summary().map(|s| s.energy.relative_drift);
         findings.add(
-            Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift)
-                .must(Bounds::AtMost(1e-4), "pair sums in single precision, of a bar that starts at rest"),
+            Finding::new("drift of the energy ledger at the end", Unit::NONE, run.label(), drift)
+                .must(Bounds::AtMost(1e-5), "pair sums in single precision, of a bar that starts at rest"),
         );
     }
 }
