@@ -17,8 +17,8 @@ mod rubber_rings;
 mod taylor_bar;
 mod taylor_bar_42crmo4;
 mod taylor_plate;
-mod two_materials;
 mod tensile;
+mod two_materials;
 
 use super::Case;
 
