@@ -24,6 +24,11 @@ pub trait Real:
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
+    /// Inverse of the square root, to a few units of round-off; infinite at zero.
+    #[inline(always)]
+    fn inverse_sqrt(self) -> Self {
+        Self::one() / self.sqrt()
+    }
     /// The smaller of two.
     fn min(self, other: Self) -> Self;
     /// The larger of two.

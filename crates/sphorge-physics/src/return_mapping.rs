@@ -65,6 +65,12 @@ const MAXIMUM_ITERATIONS: u32 = 60;
 /// Residual, relative to the trial stress, that counts as none; in single precision a few units of round-off.
 const RESIDUAL: f64 = 1e-12;
 
+/// Residual, relative to the trial stress, so small that Newton's method converges from either side.
+const NEARLY: f64 = 1e-6;
+
+/// Newton step, relative to the increment, whose square is beyond double precision.
+const SMALL_STEP: f64 = 1e-7;
+
 /// Equivalent stress that a yield stress asks for, and its derivative with respect to the increment.
 #[inline(always)]
 fn target<T: Scalar>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_trial: T) -> (T, T) {
@@ -95,7 +101,24 @@ pub fn return_mapping<T: Scalar>(
     temperature: T,
     dt: T,
 ) -> Returned<T> {
+    return_mapping_near(rule, law, shear_modulus, trial, plastic_strain, temperature, dt, T::zero())
+}
+
+/// The same, searched from `guess`, such as the plastic strain increment of the step before: any value gives the same result to
+/// round-off, a near one sooner.
+#[inline]
+pub fn return_mapping_near<T: Scalar>(
+    rule: ReturnRule,
+    law: &FlowLaw<T>,
+    shear_modulus: T,
+    trial: SymmetricTensor<T>,
+    plastic_strain: T,
+    temperature: T,
+    dt: T,
+    guess: T,
+) -> Returned<T> {
     let zero = T::zero();
+    let law = &law.isothermal(temperature);
     let start = law.yield_stress(FlowState { plastic_strain, plastic_strain_rate: zero, temperature });
     let mut returned = Returned {
         deviator: trial,
@@ -111,8 +134,18 @@ pub fn return_mapping<T: Scalar>(
         let sigma_trial = equivalent_stress(trial);
         // A few units of round-off, so that a stress just returned counts as elastic.
         if sigma_trial > start.value * (T::one() + T::of(8.0) * T::epsilon()) {
-            returned =
-                plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, plastic_strain, temperature, dt);
+            returned = plastic_return(
+                rule,
+                law,
+                shear_modulus,
+                trial,
+                sigma_trial,
+                start,
+                plastic_strain,
+                temperature,
+                dt,
+                guess,
+            );
         }
     }
     returned
@@ -143,6 +176,7 @@ fn plastic_return<T: Scalar>(
     plastic_strain: T,
     temperature: T,
     dt: T,
+    guess: T,
 ) -> Returned<T> {
     let zero = T::zero();
     let three_g = (T::of(3.0) * shear_modulus).max(zero);
@@ -161,6 +195,9 @@ fn plastic_return<T: Scalar>(
         // Without hardening this is the answer; with it, the answer is smaller, and Newton's method comes from above,
         // where slopes are finite even if they are not at zero strain.
         increment = (sigma_trial - target(rule, start, zero, sigma_trial).0) / three_g;
+        if guess > zero && guess < increment {
+            increment = guess;
+        }
     }
 
     let mut y = start;
@@ -182,14 +219,29 @@ fn plastic_return<T: Scalar>(
         } else {
             high = increment;
         }
-        let middle = T::of(0.5) * (low + high);
+        // The residual falls, and a logarithm of the rate makes it convex: from the left Newton's method does not overshoot. On the
+        // right the increment that the yield stress just found would leave is a bound from the left, for yield stress grows with
+        // the increment; where that is none, the increment is far smaller.
         let mut next = increment + residual / (three_g + slope);
+        if residual < zero && residual.abs() > T::of(NEARLY) * sigma_trial {
+            next = (sigma_trial - wanted) / three_g;
+            if next <= low {
+                next = T::of(0.1) * increment;
+            }
+        }
         if !(next > low && next < high) {
-            next = middle;
+            next = T::of(0.5) * (low + high);
         }
         searching = residual.abs() > tolerance && iterations < MAXIMUM_ITERATIONS && next != increment;
         if searching {
+            let step = next - increment;
             increment = next;
+            // Newton's method squares the error: after a step this small another evaluation would change the last digit.
+            if step.abs() <= T::of(SMALL_STEP) * increment {
+                y.value += (y.by_strain + y.by_rate * inverse_dt) * step;
+                stress += slope * step;
+                searching = false;
+            }
         }
     }
 

@@ -27,7 +27,7 @@ pub struct PairViscosity<T> {
 }
 
 /// Artificial viscosity of a pair: `v_dot_x = v_ij . x_ij` (m^2/s), `r2 = r^2` (m^2), pair means of `h` (m), sound speed (m/s)
-/// and density (kg/m^3).
+/// and the inverse of that of density (m^3/kg).
 #[inline(always)]
 pub fn monaghan_gingold<T: Real>(
     p: ViscosityParameters<T>,
@@ -35,10 +35,10 @@ pub fn monaghan_gingold<T: Real>(
     r2: T,
     h: T,
     sound_speed_mean: T,
-    density_mean: T,
+    inverse_density_mean: T,
 ) -> PairViscosity<T> {
     let mu = h * v_dot_x.min(T::zero()) / (T::of(0.01) * h).mul_add(h, r2);
-    let pi = mu * (p.beta * mu - p.alpha * sound_speed_mean) / density_mean;
+    let pi = mu * (p.beta * mu - p.alpha * sound_speed_mean) * inverse_density_mean;
     PairViscosity { pi, mu }
 }
 
@@ -59,14 +59,14 @@ mod tests {
         // v.x = -0.12, r^2 = 1e-6, h = 1.2e-3: mu = -1.44e-4/1.0144e-6 = -141.9558;
         // (1 5000 141.9558 + 2 141.9558^2)/8000.
         let p = ViscosityParameters { alpha: 1.0, beta: 2.0 };
-        let pair = monaghan_gingold(p, -0.12f64, 1.0e-6, 1.2e-3, 5000.0, 8000.0);
+        let pair = monaghan_gingold(p, -0.12f64, 1.0e-6, 1.2e-3, 5000.0, 1.0 / 8000.0);
         let mu = 1.44e-4 / 1.0144e-6;
         assert!((pair.mu + 141.955_835_962_145).abs() < 1e-9);
         assert!((pair.pi - (5000.0 * mu + 2.0 * mu * mu) / 8000.0).abs() < 1e-10);
         assert!((pair.pi - 93.760_262_317_268_56).abs() < 1e-9, "{}", pair.pi);
         // alpha 0.2, beta 4, v.x = -0.003, r^2 = 4e-8, h = 3.6e-4, c = 3630, rho = 7890.
         let p = ViscosityParameters { alpha: 0.2, beta: 4.0 };
-        let pair = monaghan_gingold(p, -0.003f64, 4.0e-8, 3.6e-4, 3630.0, 7890.0);
+        let pair = monaghan_gingold(p, -0.003f64, 4.0e-8, 3.6e-4, 3630.0, 1.0 / 7890.0);
         let mu = 1.08e-6 / 4.1296e-8;
         assert!((pair.mu + mu).abs() < 1e-11);
         assert!((pair.pi - (726.0 * mu + 4.0 * mu * mu) / 7890.0).abs() < 1e-12);
@@ -76,7 +76,7 @@ mod tests {
     fn parting_and_coincident_particles_have_none() {
         let p = ViscosityParameters { alpha: 1.0, beta: 2.0 };
         for (v_dot_x, r2) in [(0.3f64, 1e-6), (0.0, 1e-6), (0.0, 0.0)] {
-            let pair = monaghan_gingold(p, v_dot_x, r2, 1e-3, 5000.0, 8000.0);
+            let pair = monaghan_gingold(p, v_dot_x, r2, 1e-3, 5000.0, 1.0 / 8000.0);
             assert_eq!((pair.pi, pair.mu), (0.0, 0.0));
         }
     }

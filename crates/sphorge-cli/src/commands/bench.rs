@@ -13,10 +13,14 @@ use sphorge::bench::{BenchOptions, BenchReport, CASES, bench};
 #[command(after_help = "\
 Examples:
   sphorge bench
+  sphorge bench block --threads 1
   sphorge bench --threads 1 --json > speed.json
 
 Rates are per core: per thread in use. Pairs are ordered pairs inside the kernel support, counted once a step.")]
 pub(crate) struct BenchArguments {
+    /// Cases to measure [default: all]
+    #[arg(value_name = "CASE", value_parser = clap::builder::PossibleValuesParser::new(CASES.iter().map(|case| case.deck)))]
+    cases: Vec<String>,
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
@@ -36,7 +40,7 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn execute(arguments: BenchArguments) -> Ending {
-    let options = BenchOptions { threads: arguments.threads, seconds: arguments.seconds };
+    let options = BenchOptions { cases: arguments.cases, threads: arguments.threads, seconds: arguments.seconds };
     let report = bench(&options, &mut |what| terminal::note(&format!("measuring {what}")))
         .map_err(|error| Failure::Failed(error.into()))?;
     let text = if arguments.json { terminal::json(&report)? + "\n" } else { tables(&report) };
@@ -58,6 +62,15 @@ fn tables(report: &BenchReport) -> String {
     for case in CASES {
         text += &format!("{}: {}\n", case.deck, case.meaning);
     }
+    if let Some(bare) = &report.bare_loop {
+        text += &format!(
+            "bare loop of two pair sums and a search, one core: {:.3} M particle-steps/s ({:.0} + {:.0} + {:.0} ns)\n",
+            bare.particle_steps_per_second() / 1e6,
+            bare.search,
+            bare.gradient,
+            bare.forces,
+        );
+    }
     text.push('\n');
     let million = |value: f64| format!("{:.3}", value / 1e6);
     let head = [
@@ -68,6 +81,7 @@ fn tables(report: &BenchReport) -> String {
         "neighbours",
         "M particle-steps/s/core",
         "M pairs/s/core",
+        "of the bare loop",
         "bytes/particle",
     ];
     let rows = report.rows.iter().map(|row| {
@@ -79,10 +93,11 @@ fn tables(report: &BenchReport) -> String {
             format!("{:.1}", row.mean_neighbors),
             million(row.particle_steps_per_second_per_core),
             format!("{:.1}", row.pairs_per_second_per_core / 1e6),
+            row.share_of_bare_loop.map_or("-".to_owned(), |share| format!("{:.0} %", 100.0 * share)),
             format!("{:.0}", row.bytes_per_particle),
         ]
     });
-    text += &table::columns(&head, &[3, 4, 5, 6, 7], rows.collect());
+    text += &table::columns(&head, &[3, 4, 5, 6, 7, 8], rows.collect());
     text += "\nShare of time by stage, per cent\n\n";
     let head = [
         "case",

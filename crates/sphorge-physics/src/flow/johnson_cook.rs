@@ -52,6 +52,20 @@ impl<T: Scalar> JohnsonCook<T> {
     }
 }
 
+impl<T: Scalar> JohnsonCook<T> {
+    /// `1 - T*^m`.
+    #[inline(always)]
+    fn thermal_factor(&self, temperature: T) -> T {
+        let mut factor = T::one();
+        if temperature > self.reference_temperature {
+            let range = self.melting_temperature - self.reference_temperature;
+            let t = ((temperature - self.reference_temperature) / range).min(T::one());
+            factor = T::one() - t.powf(self.softening_exponent);
+        }
+        factor
+    }
+}
+
 impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     const KEY: &'static str = "johnson-cook";
     const NAME: &'static str = "Johnson–Cook";
@@ -143,17 +157,22 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
             rate_slope = self.rate_sensitivity / state.plastic_strain_rate;
         }
 
-        let mut thermal_factor = T::one();
-        if state.temperature > self.reference_temperature {
-            let range = self.melting_temperature - self.reference_temperature;
-            let t = ((state.temperature - self.reference_temperature) / range).min(T::one());
-            thermal_factor = T::one() - t.powf(self.softening_exponent);
-        }
-
+        let thermal_factor = self.thermal_factor(state.temperature);
         YieldStress {
             value: hardened * rate_factor * thermal_factor,
             by_strain: hardening_slope * rate_factor * thermal_factor,
             by_rate: hardened * rate_slope * thermal_factor,
+        }
+    }
+
+    #[inline(always)]
+    fn isothermal(&self, temperature: T) -> Self {
+        let factor = self.thermal_factor(temperature);
+        Self {
+            yield_stress: self.yield_stress * factor,
+            hardening: self.hardening * factor,
+            reference_temperature: self.reference_temperature.max(temperature),
+            ..*self
         }
     }
 

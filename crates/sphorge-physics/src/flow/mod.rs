@@ -63,6 +63,14 @@ pub trait YieldLaw<T: Scalar>: Copy {
     fn new(values: &[f64]) -> Self;
     /// Yield stress in a state.
     fn yield_stress(&self, state: FlowState<T>) -> YieldStress<T>;
+    /// The law at one temperature, K: what does not depend on anything else is computed once.
+    fn isothermal(&self, temperature: T) -> Self
+    where
+        Self: Sized + Copy,
+    {
+        let _ = temperature;
+        *self
+    }
     /// Temperature above which the law has no strength, K.
     fn melting_temperature(&self) -> Option<T>;
 }
@@ -95,6 +103,12 @@ macro_rules! flow_laws {
             #[inline(always)]
             pub fn yield_stress(&self, state: FlowState<T>) -> YieldStress<T> {
                 match self { $(Self::$law(law) => law.yield_stress(state),)* }
+            }
+
+            /// The law at one temperature, K.
+            #[inline(always)]
+            pub fn isothermal(&self, temperature: T) -> Self {
+                match self { $(Self::$law(law) => Self::$law(law.isothermal(temperature)),)* }
             }
 
             /// Whether there is a finite yield stress, so that plastic strain can grow.

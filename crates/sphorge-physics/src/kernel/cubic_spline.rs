@@ -34,9 +34,14 @@ impl KernelShape for CubicSpline {
 
     #[inline(always)]
     fn dw_over_q<T: Real>(q: T) -> T {
+        Self::dw_over_q_by(q, T::one() / q.max(T::one()))
+    }
+
+    #[inline(always)]
+    fn dw_over_q_by<T: Real>(q: T, inverse_q: T) -> T {
         let a = (T::of(2.0) - q).max(T::zero());
         let inner = T::of(1.5).mul_add(q, T::of(-2.0));
-        let outer = T::of(-0.5) * a * a / q.max(T::one());
+        let outer = T::of(-0.5) * a * a * inverse_q;
         T::select_lt(q, T::one(), inner, outer)
     }
 }

@@ -35,6 +35,12 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     fn w<T: Real>(q: T) -> T;
     /// `(1/q) dw/dq` for `q >= 0`, never positive; finite at `q = 0`, zero beyond the support.
     fn dw_over_q<T: Real>(q: T) -> T;
+    /// The same where `1/q` is known too: a division less. `inverse_q` may be infinite at `q = 0`.
+    #[inline(always)]
+    fn dw_over_q_by<T: Real>(q: T, inverse_q: T) -> T {
+        let _ = inverse_q;
+        Self::dw_over_q(q)
+    }
 }
 
 macro_rules! kernels {
@@ -88,6 +94,12 @@ macro_rules! kernels {
             #[inline(always)]
             pub fn dw_over_q<T: Real>(self, q: T) -> T {
                 match self { $(Self::$kernel => <$kernel as KernelShape>::dw_over_q(q),)* }
+            }
+
+            /// `(1/q) dw/dq`; see [`KernelShape::dw_over_q_by`].
+            #[inline(always)]
+            pub fn dw_over_q_by<T: Real>(self, q: T, inverse_q: T) -> T {
+                match self { $(Self::$kernel => <$kernel as KernelShape>::dw_over_q_by(q, inverse_q),)* }
             }
         }
     };
@@ -173,6 +185,8 @@ mod tests {
                 let q = f64::from(k) * 0.01;
                 assert!((f64::from(kernel.w(q as f32)) - kernel.w(q)).abs() < 2e-6 * scale);
                 assert!((f64::from(kernel.dw_over_q(q as f32)) - kernel.dw_over_q(q)).abs() < 1e-5 * scale);
+                let by = kernel.dw_over_q_by(q, 1.0 / q);
+                assert!((by - kernel.dw_over_q(q)).abs() <= 1e-14 * scale, "{q}: {by}");
             }
         }
     }

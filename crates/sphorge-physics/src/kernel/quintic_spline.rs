@@ -36,11 +36,16 @@ impl KernelShape for QuinticSpline {
     // Inside `q < 1` the three pieces sum to `66 - 60 q^2 + 30 q^4 - 10 q^5`, whose slope divides by `q` exactly.
     #[inline(always)]
     fn dw_over_q<T: Real>(q: T) -> T {
+        Self::dw_over_q_by(q, T::one() / q.max(T::one()))
+    }
+
+    #[inline(always)]
+    fn dw_over_q_by<T: Real>(q: T, inverse_q: T) -> T {
         let a = (T::of(3.0) - q).max(T::zero());
         let b = (T::of(2.0) - q).max(T::zero());
         let (a2, b2) = (a * a, b * b);
         let inner = T::of(-50.0).mul_add(q, T::of(120.0)).mul_add(q * q, T::of(-120.0));
-        let outer = (T::of(30.0) * (b2 * b2) - T::of(5.0) * (a2 * a2)) / q.max(T::one());
+        let outer = (T::of(30.0) * (b2 * b2) - T::of(5.0) * (a2 * a2)) * inverse_q;
         T::select_lt(q, T::one(), inner, outer)
     }
 }

@@ -215,3 +215,18 @@ fn rules_are_found_by_name() {
     }
     assert_eq!(ReturnRule::default(), ReturnRule::RadialReturn);
 }
+
+#[test]
+fn a_guess_changes_the_iterations_and_nothing_else() {
+    let law = law("johnson-cook", &IRON);
+    let trial = SymmetricTensor { xx: 3.2e8f64, yy: -2.0e8, zz: -1.2e8, xy: 1.0e8, yz: 2.0e7, xz: -3.0e7 };
+    let from = |guess| return_mapping_near(ReturnRule::RadialReturn, &law, 80.0e9, trial, 0.3, 350.0, 2.0e-8, guess);
+    let plain = from(0.0);
+    for factor in [0.01, 0.7, 0.999, 1.0, 1.001, 1.4, 1e3] {
+        let guessed = from(factor * plain.plastic_strain_increment);
+        let difference = guessed.plastic_strain_increment / plain.plastic_strain_increment - 1.0;
+        assert!(difference.abs() < 1e-10, "{factor}: {difference}");
+        assert!((guessed.yield_stress / plain.yield_stress - 1.0).abs() < 1e-11);
+    }
+    assert!(from(1.01 * plain.plastic_strain_increment).iterations + 3 <= plain.iterations);
+}

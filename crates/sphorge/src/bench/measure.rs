@@ -92,6 +92,7 @@ pub(super) fn measure(setup: Setup, precision: &str, search: &str, seconds: f64)
         steps,
         wall_seconds,
         particle_steps_per_second_per_core: (particles as u64 * steps) as f64 * per_second_per_core,
+        share_of_bare_loop: None,
         pairs_per_second_per_core: pairs as f64 * per_second_per_core,
         searched_fraction: searched / steps as f64,
         stage_shares: StageShares::between(before, simulation.stage_seconds()),

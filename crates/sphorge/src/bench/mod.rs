@@ -4,9 +4,11 @@
 //! per thread in use, so leave hyper-threads out with the number of threads when comparing machines. Pairs are ordered
 //! pairs `i != j` inside the kernel support, counted once a step whatever the number of sweeps over them.
 
+mod bare;
 mod machine;
 mod measure;
 
+pub use bare::BareLoop;
 pub use machine::Machine;
 pub use measure::{BenchError, StageShares};
 
@@ -30,15 +32,22 @@ pub const CASES: &[BenchCase] = &[
         meaning: "a lattice block at rest: pair sums and search at full cost, nothing yields, a skin is never used up",
     },
     BenchCase { deck: "taylor-bar", meaning: "a round bar on a rigid wall: shock, plastic flow, heat" },
+    BenchCase {
+        deck: "penetration",
+        meaning: "a disc through a plate in plane strain: the flow is everywhere, few neighbours",
+    },
+    BenchCase { deck: "bullet", meaning: "a bullet through a large plate: two smoothing lengths, the flow is local" },
 ];
 /// Values of `numerics.precision` that are measured.
 const PRECISIONS: &[&str] = &["mixed", "double"];
 /// Values of `search` that are measured.
-const STRATEGIES: &[&str] = &["every-step", "skin"];
+const STRATEGIES: &[&str] = &["every-step", "skin", "adaptive"];
 
 /// How to measure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BenchOptions {
+    /// Names of the cases to measure; all if empty.
+    pub cases: Vec<String>,
     /// Number of threads; all the machine has if not given.
     pub threads: Option<usize>,
     /// Wall-clock seconds of each measurement, after the warm-up.
@@ -64,6 +73,8 @@ pub struct BenchRow {
     pub wall_seconds: f64,
     /// Particle-steps per second and core.
     pub particle_steps_per_second_per_core: f64,
+    /// Ordered pairs per second and core over those of the bare loop; none without the loop or in plane strain.
+    pub share_of_bare_loop: Option<f64>,
     /// Ordered pairs per second and core.
     pub pairs_per_second_per_core: f64,
     /// Share of the particles searched, mean over the steps.
@@ -83,6 +94,8 @@ pub struct BenchReport {
     pub machine: Machine,
     /// Threads in use.
     pub threads: usize,
+    /// The bare loop on one core, measured first; none where the processor lacks AVX-512.
+    pub bare_loop: Option<BareLoop>,
     /// The measurements, in the order they were made.
     pub rows: Vec<BenchRow>,
 }
@@ -96,9 +109,12 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|e| BenchError::Threads(e.to_string()))?;
+    observe("the bare loop");
+    let bare_loop = BareLoop::measure();
     pool.install(|| {
         let mut rows = Vec::new();
-        for case in CASES {
+        let asked = |case: &&BenchCase| options.cases.is_empty() || options.cases.iter().any(|name| name == case.deck);
+        for case in CASES.iter().filter(asked) {
             for &precision in PRECISIONS {
                 for &search in STRATEGIES {
                     observe(&format!("{}, {precision}, {search}", case.deck));
@@ -106,7 +122,13 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
                         .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
                     let text = decks::find(case.deck).map_or("", |deck| deck.text);
                     let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
-                    rows.push(measure(setup, precision, search, options.seconds)?);
+                    let dimensions = setup.model.dimensions;
+                    let mut row = measure(setup, precision, search, options.seconds)?;
+                    let bare = bare_loop.filter(|_| dimensions == crate::model::Dimensions::Three);
+                    row.share_of_bare_loop = bare.map(|bare| {
+                        row.pairs_per_second_per_core / (bare.particle_steps_per_second() * bare.mean_neighbors)
+                    });
+                    rows.push(row);
                 }
             }
         }
@@ -114,6 +136,7 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
             version: env!("CARGO_PKG_VERSION"),
             machine: Machine::here(),
             threads: rayon::current_num_threads(),
+            bare_loop,
             rows,
         })
     })

@@ -207,11 +207,9 @@ impl Lanes for F32x8 {
         lanes
     }
     #[inline(always)]
-    fn difference(a: Self, b: Self, unit: Self) -> Self {
-        unsafe {
-            let d = _mm256_sub_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0));
-            Self(_mm256_mul_ps(_mm256_cvtepi32_ps(d), unit.0))
-        }
+    fn coordinate_difference(a: Self, b: Self) -> Self {
+        let d = unsafe { _mm256_sub_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0)) };
+        Self(unsafe { _mm256_cvtepi32_ps(d) })
     }
     #[inline(always)]
     fn sum(self) -> f32 {
@@ -279,8 +277,8 @@ impl Lanes for F64x4 {
         lanes
     }
     #[inline(always)]
-    fn difference(a: Self, b: Self, unit: Self) -> Self {
-        (a - b) * unit
+    fn coordinate_difference(a: Self, b: Self) -> Self {
+        a - b
     }
     #[inline(always)]
     fn sum(self) -> f64 {

@@ -16,9 +16,17 @@ pub(crate) struct F64x8(__m512d);
 // SAFETY of every `unsafe` below: bundles exist only inside jobs started after the processor has been found to have AVX-512
 // (see `Lanes`); loads and stores stay within slices whose length is asserted or checked by indexing.
 
+/// The estimate of the processor, 14 bits, and a Newton step: a third of the time of root and division.
+#[inline(always)]
+fn newton_inverse_sqrt(x: F32x16) -> F32x16 {
+    let estimate = F32x16(unsafe { _mm512_rsqrt14_ps(x.0) });
+    let half = F32x16::of(0.5) * x;
+    estimate * (-(half * estimate)).mul_add(estimate, F32x16::of(1.5))
+}
+
 macro_rules! arithmetic {
     ($bundle:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
-     $min:ident, $max:ident, $abs:ident, $cmp:ident, $blend:ident) => {
+     $min:ident, $max:ident, $abs:ident, $cmp:ident, $blend:ident, $inverse_sqrt:expr) => {
         impl Add for $bundle {
             type Output = Self;
             #[inline(always)]
@@ -80,6 +88,10 @@ macro_rules! arithmetic {
                 Self(unsafe { $sqrt(self.0) })
             }
             #[inline(always)]
+            fn inverse_sqrt(self) -> Self {
+                $inverse_sqrt(self)
+            }
+            #[inline(always)]
             fn min(self, other: Self) -> Self {
                 Self(unsafe { $min(self.0, other.0) })
             }
@@ -113,7 +125,8 @@ arithmetic!(
     _mm512_max_ps,
     _mm512_abs_ps,
     _mm512_cmp_ps_mask,
-    _mm512_mask_blend_ps
+    _mm512_mask_blend_ps,
+    newton_inverse_sqrt
 );
 arithmetic!(
     F64x8,
@@ -129,7 +142,8 @@ arithmetic!(
     _mm512_max_pd,
     _mm512_abs_pd,
     _mm512_cmp_pd_mask,
-    _mm512_mask_blend_pd
+    _mm512_mask_blend_pd,
+    |x: F64x8| F64x8::one() / x.sqrt()
 );
 
 /// Transposes eight rows of eight singles, two such blocks side by side (low and high 256 bits).
@@ -213,11 +227,9 @@ impl Lanes for F32x16 {
         lanes
     }
     #[inline(always)]
-    fn difference(a: Self, b: Self, unit: Self) -> Self {
-        unsafe {
-            let d = _mm512_sub_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0));
-            Self(_mm512_mul_ps(_mm512_cvtepi32_ps(d), unit.0))
-        }
+    fn coordinate_difference(a: Self, b: Self) -> Self {
+        let d = unsafe { _mm512_sub_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0)) };
+        Self(unsafe { _mm512_cvtepi32_ps(d) })
     }
     #[inline(always)]
     fn sum(self) -> f32 {
@@ -313,8 +325,8 @@ impl Lanes for F64x8 {
         lanes
     }
     #[inline(always)]
-    fn difference(a: Self, b: Self, unit: Self) -> Self {
-        (a - b) * unit
+    fn coordinate_difference(a: Self, b: Self) -> Self {
+        a - b
     }
     #[inline(always)]
     fn sum(self) -> f64 {

@@ -49,7 +49,12 @@ pub(crate) trait Lanes: Real {
     /// Takes the records at `WIDTH` indices apart into one bundle per record entry.
     fn gather<const F: usize>(records: &[[Self::Element; F]], indices: &[u32]) -> [Self; F];
     /// Difference `a - b` of two encoded coordinates, m; `unit` is the size of a unit, m.
-    fn difference(a: Self, b: Self, unit: Self) -> Self;
+    #[inline(always)]
+    fn difference(a: Self, b: Self, unit: Self) -> Self {
+        Self::coordinate_difference(a, b) * unit
+    }
+    /// Difference `a - b` of two encoded coordinates, in units.
+    fn coordinate_difference(a: Self, b: Self) -> Self;
     /// Sum over the lanes, always in the same order.
     fn sum(self) -> Self::Element;
     /// Largest lane.
@@ -122,12 +127,13 @@ impl PairScalar for f32 {
 
     #[inline(always)]
     fn encode(units: f64) -> Self {
-        f32::from_bits(units.round() as i32 as u32)
+        // Adding 1.5 2^52 rounds to the nearest integer and leaves it in the low bits.
+        f32::from_bits((units + 6_755_399_441_055_744.0).to_bits() as u32)
     }
 }
 
 macro_rules! single_lane {
-    ($t:ident, |$a:ident, $b:ident, $unit:ident| $difference:expr) => {
+    ($t:ident, |$a:ident, $b:ident| $difference:expr) => {
         impl Lanes for $t {
             type Element = Self;
             const WIDTH: usize = 1;
@@ -145,7 +151,7 @@ macro_rules! single_lane {
                 records[indices[0] as usize]
             }
             #[inline(always)]
-            fn difference($a: Self, $b: Self, $unit: Self) -> Self {
+            fn coordinate_difference($a: Self, $b: Self) -> Self {
                 $difference
             }
             #[inline(always)]
@@ -168,8 +174,8 @@ macro_rules! single_lane {
     };
 }
 
-single_lane!(f64, |a, b, unit| (a - b) * unit);
-single_lane!(f32, |a, b, unit| (a.to_bits() as i32).wrapping_sub(b.to_bits() as i32) as f32 * unit);
+single_lane!(f64, |a, b| a - b);
+single_lane!(f32, |a, b| (a.to_bits() as i32).wrapping_sub(b.to_bits() as i32) as f32);
 
 #[cfg(test)]
 mod tests {
@@ -218,6 +224,7 @@ mod tests {
         close(lanes(-y), each(&|_, y| -y));
         close(lanes(x.mul_add(y, x)), each(&|x, y| x * y + x));
         close(lanes(x.sqrt()), each(&|x, _| x.sqrt()));
+        close(lanes(x.inverse_sqrt()), each(&|x, _| 1.0 / x.sqrt()));
         close(lanes(x.min(y)), each(&f64::min));
         close(lanes(x.max(y)), each(&f64::max));
         close(lanes(y.abs()), each(&|_, y| y.abs()));

@@ -85,7 +85,7 @@ mod tests {
         let block = &mut list.blocks_mut()[0];
         block.clear();
         for (own, row) in [vec![3, 1, 2], vec![0, 2], vec![1, 0], vec![0]].into_iter().enumerate() {
-            block.extend(&row);
+            row.iter().for_each(|&j| block.push(j));
             block.end_row(own as u32);
         }
         // Bodies 0, 0, 0, 1.

@@ -9,11 +9,12 @@ pub(crate) struct Frame {
     origin: Vector<f64>,
     /// Size of a unit, m.
     pub(crate) unit: f64,
+    inverse_unit: f64,
 }
 
 impl Default for Frame {
     fn default() -> Self {
-        Self { origin: [0.0; 3], unit: 1.0 }
+        Self { origin: [0.0; 3], unit: 1.0, inverse_unit: 1.0 }
     }
 }
 
@@ -24,12 +25,12 @@ impl Frame {
         let half = (0..3).map(|a| 0.5 * (high[a] - low[a])).fold(0.0, f64::max) + margin;
         // Double precision keeps metres: `RANGE` is one there and a unit of the box size would only cost a rounding.
         let unit = if T::RANGE > 1.0 { half / T::RANGE } else { 1.0 };
-        Self { origin, unit }
+        Self { origin, unit, inverse_unit: 1.0 / unit }
     }
 
     /// A position in the form records carry it.
     #[inline(always)]
     pub(crate) fn encode<T: PairScalar>(&self, p: &Vector<f64>) -> [T; 3] {
-        [0, 1, 2].map(|a| T::encode((p[a] - self.origin[a]) / self.unit))
+        [0, 1, 2].map(|a| T::encode((p[a] - self.origin[a]) * self.inverse_unit))
     }
 }

@@ -24,7 +24,9 @@ pub struct Block {
     starts: Vec<u32>,
     /// True lengths, without padding.
     lengths: Vec<u32>,
+    /// Rows one behind the other; only the first `used` entries count, what follows is room.
     indices: Vec<u32>,
+    used: usize,
 }
 
 impl NeighborList {
@@ -66,36 +68,49 @@ impl Block {
         self.starts.clear();
         self.starts.push(0);
         self.lengths.clear();
-        self.indices.clear();
+        self.used = 0;
+    }
+
+    /// Room for at least `count` more entries of the row being written.
+    #[inline(always)]
+    pub(crate) fn room(&mut self, count: usize) -> &mut [u32] {
+        if self.indices.len() < self.used + count {
+            self.indices.resize(self.used + count, 0);
+        }
+        &mut self.indices[self.used..]
+    }
+
+    /// Counts the next `count` entries as written.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self, count: usize) {
+        self.used += count;
     }
 
     /// Adds one neighbour to the row being written.
     #[inline(always)]
     pub fn push(&mut self, j: u32) {
-        self.indices.push(j);
-    }
-
-    /// Adds neighbours to the row being written.
-    #[inline(always)]
-    pub fn extend(&mut self, neighbors: &[u32]) {
-        self.indices.extend_from_slice(neighbors);
+        self.room(1)[0] = j;
+        self.used += 1;
     }
 
     /// Ends the row of particle `own` and pads it.
     pub fn end_row(&mut self, own: u32) {
         let start = *self.starts.last().unwrap_or(&0) as usize;
-        let length = self.indices.len() - start;
+        let length = self.used - start;
         self.lengths.push(length as u32);
-        self.indices.resize(start + length.next_multiple_of(PAD), own);
-        self.starts.push(self.indices.len() as u32);
+        // A whole bundle at once: entries behind the padding are room.
+        self.room(PAD)[..PAD].fill(own);
+        self.used = start + length.next_multiple_of(PAD);
+        self.starts.push(self.used as u32);
     }
 
     /// Adds row `k` of another block as it is.
     pub fn copy_row(&mut self, other: &Block, k: usize) {
-        let (start, end) = (other.starts[k] as usize, other.starts[k + 1] as usize);
-        self.indices.extend_from_slice(&other.indices[start..end]);
+        let row = &other.indices[other.starts[k] as usize..other.starts[k + 1] as usize];
+        self.room(row.len())[..row.len()].copy_from_slice(row);
+        self.used += row.len();
         self.lengths.push(other.lengths[k]);
-        self.starts.push(self.indices.len() as u32);
+        self.starts.push(self.used as u32);
     }
 
     /// Where the padded row `k` starts among all padded entries of the block.
@@ -106,7 +121,7 @@ impl Block {
 
     /// Entries of all rows, padding included.
     pub fn padded_len(&self) -> usize {
-        self.indices.len()
+        self.used
     }
 
     /// Rows written.

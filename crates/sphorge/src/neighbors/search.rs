@@ -61,7 +61,7 @@ pub(crate) struct Searcher {
     sorted_for: f64,
     bounds: (Vector<f64>, Vector<f64>),
     frame: Frame,
-    /// Encoded coordinates and smoothing lengths in cell order, padded to whole bundles.
+    /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole bundles.
     x: [Vec<f32>; 3],
     h: Vec<f32>,
     /// Place of every point in the cell order.
@@ -70,7 +70,7 @@ pub(crate) struct Searcher {
     order: Vec<u32>,
     /// Bit k: the point in place k is searched. Only for partial searches.
     searched: Vec<u64>,
-    /// Squared reach where all smoothing lengths are equal, m².
+    /// Squared reach where all smoothing lengths are equal, in units of the frame.
     uniform: Option<f32>,
     half_factor: f32,
     /// Blocks being rebuilt, one for each thread.
@@ -230,7 +230,9 @@ impl Searcher {
         self.place.resize(points.len(), 0);
         let h = reach.smoothing_length;
         self.half_factor = (0.5 * reach.factor) as f32;
-        self.uniform = h.iter().all(|&other| other == h[0]).then_some((largest * largest) as f32);
+        let inverse_unit = 1.0 / self.frame.unit;
+        let limit = largest * inverse_unit;
+        self.uniform = h.iter().all(|&other| other == h[0]).then_some((limit * limit) as f32);
 
         let (frame, grid) = (self.frame, &self.grid);
         let [x, y, z] = &mut self.x;
@@ -240,7 +242,7 @@ impl Searcher {
             .for_each(|((x, y, z, h), order)| {
                 for (k, &i) in order.iter().enumerate() {
                     [x[k], y[k], z[k]] = frame.encode::<f32>(&points[i as usize]);
-                    h[k] = reach.smoothing_length[i as usize] as f32;
+                    h[k] = (reach.smoothing_length[i as usize] * inverse_unit) as f32;
                 }
             });
         if !sorted {
@@ -271,32 +273,52 @@ impl Searcher {
         (low | high) as u32
     }
 
-    /// Adds the neighbours of point `i` to the row being written; if `only_searched`, those among the searched points.
+    /// Adds the neighbours of point `i` to the row being written; if `ONLY_SEARCHED`, those among the searched points.
     #[inline(always)]
-    fn row<L: Lanes<Element = f32>>(&self, i: usize, only_searched: bool, block: &mut Block) {
-        let [x, y, z] = &self.x;
-        let unit = L::of(self.frame.unit);
+    fn row<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(&self, i: usize, block: &mut Block) {
+        match self.uniform {
+            Some(limit) => self.row_within::<L, ONLY_SEARCHED, true>(i, limit, block),
+            None => self.row_within::<L, ONLY_SEARCHED, false>(i, 0.0, block),
+        }
+    }
+
+    #[inline(always)]
+    fn row_within<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool, const UNIFORM: bool>(
+        &self,
+        i: usize,
+        limit: f32,
+        block: &mut Block,
+    ) {
         let own = self.place[i] as usize;
-        let x_i = [L::splat(x[own]), L::splat(y[own]), L::splat(z[own])];
+        let x_i = [L::splat(self.x[0][own]), L::splat(self.x[1][own]), L::splat(self.x[2][own])];
         let h_i = L::splat(self.h[own]);
         let half_factor = L::splat(self.half_factor);
-        let mut found = [0u32; BUFFER];
+        let uniform = L::splat(limit);
+        let runs = self.grid.runs_around_cell(self.grid.cell_of(i));
+        // Whole bundles are written, of which what is not kept is overwritten.
+        let most = runs.iter().map(|(first, last)| last - first).sum::<usize>() + PAD;
+        let found = block.room(most);
         let mut count = 0;
-        for (first, last) in self.grid.runs_around_cell(self.grid.cell_of(i)) {
+        for (first, last) in runs {
+            // Whole bundles, the last of which may reach past the run.
+            let end = first + (last - first).next_multiple_of(L::WIDTH);
+            let bundles = self.x[0][first..end]
+                .chunks_exact(L::WIDTH)
+                .zip(self.x[1][first..end].chunks_exact(L::WIDTH))
+                .zip(self.x[2][first..end].chunks_exact(L::WIDTH))
+                .zip(self.order[first..end].chunks_exact(L::WIDTH));
             let mut k = first;
-            while k < last {
-                let dx = L::difference(x_i[0], L::load(&x[k..]), unit);
-                let dy = L::difference(x_i[1], L::load(&y[k..]), unit);
-                let dz = L::difference(x_i[2], L::load(&z[k..]), unit);
+            for (((x, y), z), order) in bundles {
+                let dx = L::coordinate_difference(x_i[0], L::load(x));
+                let dy = L::coordinate_difference(x_i[1], L::load(y));
+                let dz = L::coordinate_difference(x_i[2], L::load(z));
                 let r2 = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-                let limit = match self.uniform {
-                    Some(limit) => L::splat(limit),
-                    None => {
-                        let r = half_factor * (h_i + L::load(&self.h[k..]));
-                        r * r
-                    }
+                let mut mask = if UNIFORM {
+                    L::less(r2, uniform)
+                } else {
+                    let r = half_factor * (h_i + L::load(&self.h[k..]));
+                    L::less(r2, r * r)
                 };
-                let mut mask = L::less(r2, limit);
                 let left = last - k;
                 if left < L::WIDTH {
                     mask &= (1 << left) - 1;
@@ -306,24 +328,17 @@ impl Searcher {
                 if lane < L::WIDTH {
                     mask &= !(1 << lane);
                 }
-                if only_searched {
+                if ONLY_SEARCHED {
                     mask &= self.searched_from(k);
                 }
-                if count + L::WIDTH > BUFFER {
-                    block.extend(&found[..count]);
-                    count = 0;
-                }
-                count += L::compress(mask, &self.order[k..], &mut found[count..]);
+                count += L::compress(mask, order, &mut found[count..]);
                 k += L::WIDTH;
             }
         }
-        block.extend(&found[..count]);
+        block.advance(count);
         block.end_row(i as u32);
     }
 }
-
-/// Neighbours found before they are handed to the block.
-const BUFFER: usize = 512;
 
 /// Rows made anew.
 struct RowsJob<'a> {
@@ -336,7 +351,7 @@ impl Job<f32> for RowsJob<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f32>>(self) {
         for i in self.rows {
-            self.searcher.row::<L>(i, false, self.block);
+            self.searcher.row::<L, false>(i, self.block);
         }
     }
 }
@@ -351,7 +366,7 @@ struct MendJob<'a> {
 impl Job<f32> for MendJob<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f32>>(self) {
-        self.searcher.row::<L>(self.row, true, self.block);
+        self.searcher.row::<L, true>(self.row, self.block);
     }
 }
 
@@ -448,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn coincident_points_are_neighbours_and_a_crowd_overflows_the_buffer_safely() {
+    fn coincident_points_are_neighbours_and_a_crowd_has_long_rows() {
         let points = vec![[0.5; 3]; 1500];
         let smoothing = vec![0.1; 1500];
         let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };

@@ -9,7 +9,7 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
-use sphorge_physics::return_mapping::{Returned, return_mapping};
+use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::{SymmetricTensor, Tensor, artificial_stress, heat, stress, tensor, viscosity};
 
 /// Stress of a particle after a time `dt` with the velocity gradient `l`.
@@ -17,13 +17,16 @@ use sphorge_physics::{SymmetricTensor, Tensor, artificial_stress, heat, stress, 
 fn returned(p: &Inputs<'_>, l: &Tensor<f64>, dt: f64) -> Returned<f64> {
     let m = p.material;
     let trial = stress::trial_deviator(p.deviator, l, m.shear_modulus, dt);
-    return_mapping(m.return_rule, &m.flow_law, m.shear_modulus, trial, p.plastic_strain, p.temperature, dt)
+    let (rule, law, g) = (m.return_rule, &m.flow_law, m.shear_modulus);
+    return_mapping_near(rule, law, g, trial, p.plastic_strain, p.temperature, dt, p.last_increment)
 }
 
 struct Inputs<'a> {
     material: &'a Material,
     deviator: SymmetricTensor<f64>,
     plastic_strain: f64,
+    /// Plastic strain increment of the last step.
+    last_increment: f64,
     temperature: f64,
 }
 
@@ -125,7 +128,13 @@ impl<T: PairScalar> CpuEngine<T> {
                 for k in 0..s.len() {
                     let i = b * BLOCK + k;
                     let material = &model.materials[material[i] as usize];
-                    let inputs = Inputs { material, deviator: s[k], plastic_strain: ep[k], temperature: t[k] };
+                    let inputs = Inputs {
+                        material,
+                        deviator: s[k],
+                        plastic_strain: ep[k],
+                        last_increment: dep[k],
+                        temperature: t[k],
+                    };
                     let update = returned(&inputs, &velocity_gradient[i], dt);
                     let energy_here = energy[i] + 0.5 * full * energy_rate[i];
                     let state = material.pressure(density[i], energy_here);
@@ -245,7 +254,13 @@ impl<T: PairScalar> CpuEngine<T> {
                 for k in 0..s.len() {
                     let i = b * BLOCK + k;
                     let material = &model.materials[material[i] as usize];
-                    let inputs = Inputs { material, deviator: s[k], plastic_strain: ep[k], temperature: t[k] };
+                    let inputs = Inputs {
+                        material,
+                        deviator: s[k],
+                        plastic_strain: ep[k],
+                        last_increment: dep[k],
+                        temperature: t[k],
+                    };
                     let update = returned(&inputs, &velocity_gradient[i], dt);
                     rho[k] = stress::density_after(base.density[i], &velocity_gradient[i], dt);
                     let state = material.pressure(rho[k], energy[i]);

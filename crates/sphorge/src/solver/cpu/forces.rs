@@ -4,7 +4,7 @@
 //! `dv_i/dt = sum_j m_j (sigma_i/rho_i^2 + sigma_j/rho_j^2 + R_ij f^n - Pi_ij I) . grad_i W_ij`, or with
 //! `(sigma_i + sigma_j)/(rho_i rho_j)`. Energy is the work of exactly these forces, so that the total is conserved.
 
-use super::kinematics::{PairConstants, pair_scale};
+use super::kinematics::{PairConstants, pair_scale, reduced_distance};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
 use super::records::{CORRECTED_LEN, Records, extra};
 use super::search::StoredBlock;
@@ -87,6 +87,7 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
         ViscosityParameters { alpha: L::splat(terms.viscosity.alpha), beta: L::splat(terms.viscosity.beta) };
     let unit = L::splat(constants.unit);
     let half = L::of(0.5);
+    let support = L::of(constants.kernel.support());
 
     let mut acceleration = [L::zero(); 3];
     let mut energy_rate = L::zero();
@@ -108,13 +109,14 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
             v_dot_x = v[a].mul_add(x[a], v_dot_x);
         }
         let (h, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
-        let q = r2.sqrt() * inverse_h;
-        let weighted_f = constants.kernel.dw_over_q(q) * scale * record_j[WEIGHT];
+        let (q, inverse_q) = reduced_distance(r2, h, inverse_h);
+        let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * scale * record_j[WEIGHT];
 
-        let density_mean = (record_i[RHO] + record_j[RHO]) * half;
+        let inverse_density_mean = L::of(2.0) / (record_i[RHO] + record_j[RHO]);
         let sound_mean = (record_i[C] + record_j[C]) * half;
-        let viscous = monaghan_gingold(viscosity, v_dot_x, r2, h, sound_mean, density_mean);
-        mu_max = mu_max.max(viscous.mu.abs());
+        let viscous = monaghan_gingold(viscosity, v_dot_x, r2, h, sound_mean, inverse_density_mean);
+        // Pairs of a skin count for nothing, nor do they for the time step.
+        mu_max = mu_max.max(L::select_lt(q, support, viscous.mu.abs(), L::zero()));
         let mut pi = viscous.pi;
         if terms.volume_weighted {
             // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
@@ -128,19 +130,26 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
             (symmetric_dot::<L, D, 16>(&record_i, S, &x), symmetric_dot::<L, D, 16>(&record_j, S, &x))
         };
         let mut artificial = [L::zero(); 3];
+        let w = if terms.xsph || terms.artificial_stress.is_some() {
+            constants.kernel.w(q) * scale * h * h
+        } else {
+            L::zero()
+        };
         if terms.balsara || terms.artificial_stress.is_some() {
             let extra_j = L::gather(&records.extra, indices);
             if terms.balsara {
                 pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
             }
             if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
-                let w = constants.kernel.w(q) * scale * h * h;
                 let factor = artificial_stress::pair_factor(w, L::splat(inverse_w_spacing), exponent);
                 let mut r = [L::zero(); 6];
                 for c in 0..6 {
-                    r[c] = (extra_i[extra::R + c] + extra_j[extra::R + c]) * factor;
+                    r[c] = extra_i[extra::R + c] + extra_j[extra::R + c];
                 }
                 artificial = symmetric_dot::<L, D, 6>(&r, 0, &x);
+                for a in 0..D {
+                    artificial[a] = artificial[a] * factor;
+                }
             }
         }
         let mut work = L::zero();
@@ -155,9 +164,9 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
         energy_rate -= work * weighted_f;
         if terms.xsph {
             let mass = if terms.volume_weighted { record_j[WEIGHT] * record_j[RHO] } else { record_j[WEIGHT] };
-            let w = constants.kernel.w(q) * scale * h * h * mass / density_mean;
+            let weight = w * mass * inverse_density_mean;
             for a in 0..D {
-                xsph[a] -= v[a] * w;
+                xsph[a] -= v[a] * weight;
             }
         }
     }

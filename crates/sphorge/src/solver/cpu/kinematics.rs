@@ -36,6 +36,13 @@ pub(super) fn pair_scale<L: Lanes, const D: usize>(constants: &PairConstants<L::
     (h, inverse_h, L::splat(constants.sigma) * inverse_h.powu(D as u32 + 2))
 }
 
+/// `q = r/h` and its inverse, both finite at `r = 0`.
+#[inline(always)]
+pub(super) fn reduced_distance<L: Lanes>(r2: L, h: L, inverse_h: L) -> (L, L) {
+    let inverse_r = r2.max(h * h * L::of(1e-12)).inverse_sqrt();
+    (r2 * inverse_r * inverse_h, inverse_r * h)
+}
+
 /// Sums of one particle.
 #[derive(Clone, Copy)]
 pub(super) struct GradientSum<T> {
@@ -75,10 +82,10 @@ fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
             };
             r2 = x[a].mul_add(x[a], r2);
         }
-        let (_, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
-        let q = r2.sqrt() * inverse_h;
+        let (h, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
+        let (q, inverse_q) = reduced_distance(r2, h, inverse_h);
         // grad_i W_ij = F x_ij, times the weight of the neighbour.
-        let weighted_f = constants.kernel.dw_over_q(q) * scale * record_j[WEIGHT];
+        let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * scale * record_j[WEIGHT];
         inside += L::select_lt(q, support, L::one(), L::zero());
         for a in 0..D {
             let v = (record_j[V + a] - record_i[V + a]) * weighted_f;

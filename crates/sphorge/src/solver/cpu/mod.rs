@@ -79,6 +79,8 @@ struct Work {
     strain_since_search: Vec<f64>,
     /// Plastic strain since the last search; empty unless the search is adaptive.
     plastic_since_search: Vec<f64>,
+    /// Positions at the start, m; empty unless the search is adaptive.
+    origin: Vec<Vector<f64>>,
     /// Scratch of the density re-initialisation.
     restored_density: Vec<f64>,
 }
@@ -148,6 +150,7 @@ impl<T: PairScalar> CpuEngine<T> {
             motion: Motions::assign(&model, &particles),
             strain_since_search: vec![0.0; if adaptive { count } else { 0 }],
             plastic_since_search: vec![0.0; if adaptive { count } else { 0 }],
+            origin: if adaptive { particles.position.clone() } else { Vec::new() },
             restored_density: Vec::new(),
         };
         let mut engine = Self {
@@ -192,6 +195,7 @@ impl Work {
         permutation.apply(&mut self.motion);
         permutation.apply(&mut self.strain_since_search);
         permutation.apply(&mut self.plastic_since_search);
+        permutation.apply(&mut self.origin);
     }
 }
 
@@ -298,7 +302,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn memory_bytes(&self) -> u64 {
         let count = self.particles.len();
         let columns = count * (Particles::BYTES + Work::BYTES + self.base.bytes_per_particle());
-        let accumulated = 8 * (self.work.strain_since_search.capacity() + self.work.plastic_since_search.capacity());
+        let accumulated = (8 + 8 + 24) * self.work.strain_since_search.capacity();
         let reference = self.reference.as_ref().map_or(0, Reference::bytes);
         let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
         let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);

@@ -33,7 +33,8 @@ impl<T: PairScalar> CpuEngine<T> {
             let reach = self.largest_reach();
             let factor = self.model.numerics.kernel.support();
             let lists = &mut self.lists;
-            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, reach, factor);
+            let origin = &self.work.origin;
+            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, origin, reach, factor);
         }
         let marked = self.mark(adaptive);
         let count = self.particles.len();

@@ -8,7 +8,7 @@
 use crate::neighbors::{CellGrid, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::Vector;
+use sphorge_physics::{Vector, tensor::dot};
 
 /// Width of a cell in units of the reach.
 const CELL_WIDTH: f64 = 2.0;
@@ -16,6 +16,9 @@ const CELL_WIDTH: f64 = 2.0;
 /// Farthest apart, in cells along an axis, that material of three adjacent cells may have been: their diagonal `3 sqrt(3)`, in
 /// case it has turned, and a fifth for strain.
 const FARTHEST: f64 = 6.2;
+
+/// Particles that were farther apart at the start than this, in units of the support, do not hold pieces together.
+const PARTED: f64 = 1.5;
 
 /// Cells, and what is in them.
 #[derive(Debug, Default)]
@@ -62,6 +65,7 @@ impl Guard {
         particles: &Particles,
         list: &NeighborList,
         searched_at: &[Vector<f64>],
+        origin: &[Vector<f64>],
         reach: f64,
         support: f64,
     ) {
@@ -74,7 +78,7 @@ impl Guard {
         self.sorted_at.clone_from(&particles.position);
         let size = CELL_WIDTH * reach;
         self.cells.sort(&particles.position, size);
-        self.pieces.find(particles, list, support);
+        self.pieces.find(particles, list, origin, support);
 
         let (cells, pieces) = (&self.cells, &self.pieces.of);
         self.contents.resize(cells.cells(), Content::NOTHING);
@@ -127,8 +131,9 @@ struct Pieces {
 }
 
 impl Pieces {
-    /// Joins particles of one body that are within the kernel support of each other and in the list.
-    fn find(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
+    /// Joins particles of one body that are in the list, within the kernel support of each other, and were not much farther apart at
+    /// the start: pieces that meet stay pieces.
+    fn find(&mut self, particles: &Particles, list: &NeighborList, origin: &[Vector<f64>], support: f64) {
         self.of.clear();
         self.of.extend(0..particles.len() as u32);
         let Particles { position, body, smoothing_length, .. } = particles;
@@ -138,7 +143,8 @@ impl Pieces {
                 if j < i && body[i] == body[j] {
                     let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
                     let r = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
-                    if d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < r * r {
+                    let at_start: Vector<f64> = [0, 1, 2].map(|a| origin[i][a] - origin[j][a]);
+                    if dot(d, d) < r * r && dot(at_start, at_start) < (PARTED * r).powi(2) {
                         self.join(i as u32, j as u32);
                     }
                 }
@@ -187,7 +193,7 @@ mod tests {
         let reach = Reach { smoothing_length: &particles.smoothing_length, factor: 2.0 };
         let list = brute_force(&particles.position, 10, &reach);
         let mut guard = Guard::default();
-        guard.refresh(particles, &list, searched_at, 1.2, 2.0);
+        guard.refresh(particles, &list, searched_at, searched_at, 1.2, 2.0);
         (0..10).map(|i| guard.among_strangers(i)).collect()
     }
 

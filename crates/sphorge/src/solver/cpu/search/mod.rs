@@ -14,8 +14,12 @@ use crate::neighbors::{BLOCK, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::Permutation;
 use crate::solver::engine::SearchReport;
 use guard::Guard;
+use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::AtomicU8;
+
+/// Particles one thread takes at a time where little is done to each.
+const CHUNK: usize = 4096;
 
 /// Neighbour lists and what searching needs.
 #[derive(Default)]
@@ -172,15 +176,20 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Positions and smoothing lengths of particles and ghosts, for the searcher.
     fn place_points(&mut self) {
         let Lists { points, smoothing_length, sources, .. } = &mut self.lists;
-        let position = &self.particles.position;
-        points.clear();
-        points.extend_from_slice(position);
-        points.extend(self.halo.ghosts.iter().map(|g| g.position(&position[g.source as usize])));
-        smoothing_length.clear();
-        smoothing_length.extend_from_slice(&self.particles.smoothing_length);
-        smoothing_length.extend(self.halo.ghosts.iter().map(|g| self.particles.smoothing_length[g.source as usize]));
+        let (position, ghosts) = (&self.particles.position, &self.halo.ghosts);
+        let count = position.len();
+        points.resize(count + ghosts.len(), [0.0; 3]);
+        smoothing_length.resize(count + ghosts.len(), 0.0);
+        let copy_points = || copy(position, points);
+        let copy_lengths = || copy(&self.particles.smoothing_length, smoothing_length);
+        rayon::join(copy_points, copy_lengths);
+        for (k, ghost) in ghosts.iter().enumerate() {
+            let source = ghost.source as usize;
+            points[count + k] = ghost.position(&position[source]);
+            smoothing_length[count + k] = self.particles.smoothing_length[source];
+        }
         sources.clear();
-        sources.extend(self.halo.ghosts.iter().map(|g| g.source));
+        sources.extend(ghosts.iter().map(|g| g.source));
     }
 
     /// The frame of the records around the positions as they are: lists may outlive it.
@@ -223,10 +232,14 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
+/// Copies a column to the front of another, on all threads.
+fn copy<V: Copy + Send + Sync>(from: &[V], to: &mut [V]) {
+    to.par_chunks_mut(CHUNK).zip(from.par_chunks(CHUNK)).for_each(|(to, from)| to[..from.len()].copy_from_slice(from));
+}
+
 /// Whether any of `now` has moved by more than `allowed` (m) from where it was `then`.
 fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
-    use rayon::prelude::*;
-    now.par_chunks(1024).zip(then.par_chunks(1024)).any(|(now, then)| {
+    now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).any(|(now, then)| {
         now.iter().zip(then).any(|(now, then)| {
             let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
             d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > allowed * allowed

@@ -1,0 +1,197 @@
+//! Adaptive search: what the published rule misses, the guarded one finds; nothing else changes.
+
+use super::setup::{COLLISION, by_id, norm, run_steps, run_to, simulation};
+use sphorge::solver::{Audit, Simulation};
+
+const EVERY_STEP: &str = "every-step";
+const GUARDED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5 } }";
+const PUBLISHED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5, guard = \"none\" } }";
+
+/// An elastic block that an elastic block strikes after it has flown through five spacings.
+const LATE_STRIKE: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+time = { end = "200 us" }
+
+[material.tough]
+base = "armco-iron"
+strength = "elastic"
+
+[[body]]
+name = "target"
+material = "tough"
+shape = { box = { min = ["0 mm", "-6 mm"], max = ["10 mm", "6 mm"] } }
+
+[[body]]
+name = "striker"
+material = "tough"
+shape = { box = { min = ["-17 mm", "-3 mm"], max = ["-5 mm", "3 mm"] } }
+velocity = ["100 m/s", "0 m/s"]
+"#;
+
+/// An elastic rod that spins freely.
+const SPINNING_ROD: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double", gradient-correction = "linear", viscosity = false }
+time = { end = "1 ms" }
+
+[material.tough]
+base = "armco-iron"
+strength = "elastic"
+
+[[body]]
+name = "rod"
+material = "tough"
+shape = { box = { min = ["-12 mm", "-3 mm"], max = ["12 mm", "3 mm"] } }
+spin = { rate = "3000 rad/s" }
+"#;
+
+/// Two pieces of one elastic body that fly towards each other and meet in the middle.
+const TWO_PIECES: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+time = { end = "200 us" }
+
+[material.tough]
+base = "armco-iron"
+strength = "elastic"
+
+[[body]]
+name = "pieces"
+material = "tough"
+shape.union = [
+    { box = { min = ["-16 mm", "-4 mm"], max = ["-5 mm", "4 mm"] } },
+    { box = { min = ["5 mm", "-4 mm"], max = ["16 mm", "4 mm"] } },
+]
+velocity-profile = { along = "x", amplitude = ["100 m/s", "0 m/s"], rows = [["-1 mm", 1.0], ["1 mm", -1.0]] }
+"#;
+
+/// A run to a time, audited every ten steps; the worst of all audits.
+fn run(deck: &str, search: &str, end: f64) -> (Simulation, Audit) {
+    let mut simulation = simulation(deck, &[("search", search), ("audit", "10")]);
+    let mut worst = Audit::default();
+    while simulation.time() < end {
+        let report = simulation.step(Some(end)).unwrap_or_else(|failure| panic!("{failure}"));
+        if let Some(audit) = report.audit {
+            worst.missed_pairs = worst.missed_pairs.max(audit.missed_pairs);
+            worst.missed_foreign_pairs = worst.missed_foreign_pairs.max(audit.missed_foreign_pairs);
+            worst.momentum_residual = worst.momentum_residual.max(audit.momentum_residual);
+        }
+    }
+    (simulation, worst)
+}
+
+/// Largest distance of particles of the same id, m.
+fn apart(a: &Simulation, b: &Simulation) -> f64 {
+    let (a, b) = (a.particles(), b.particles());
+    let distance = |(i, j): (usize, usize)| norm([0, 1, 2].map(|k| a.position[i][k] - b.position[j][k]));
+    by_id(a).into_iter().zip(by_id(b)).map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_late_strike_is_missed_by_the_published_rule_and_not_by_the_guarded_one() {
+    let end = 80e-6;
+    let (reference, _) = run(LATE_STRIKE, EVERY_STEP, end);
+    let speed = |s: &Simulation| s.ledger().bodies[0].momentum[0] / s.ledger().bodies[0].mass;
+    assert!(speed(&reference) > 20.0, "{}", speed(&reference));
+
+    let (published, audit) = run(LATE_STRIKE, PUBLISHED, end);
+    assert!(audit.missed_foreign_pairs > 100, "{audit:?}");
+    assert_eq!(speed(&published), 0.0, "the striker passes through the target unseen");
+
+    let (guarded, audit) = run(LATE_STRIKE, GUARDED, end);
+    assert_eq!(audit.missed_foreign_pairs, 0, "{audit:?}");
+    assert!(audit.momentum_residual < 1e-14, "{audit:?}");
+    assert!((speed(&guarded) / speed(&reference) - 1.0).abs() < 1e-3, "{} {}", speed(&guarded), speed(&reference));
+}
+
+#[test]
+fn a_spinning_rod_flies_apart_at_old_gradients_and_not_at_new_ones() {
+    // An eighth of a turn.
+    let end = 260e-6;
+    let (reference, _) = run(SPINNING_ROD, EVERY_STEP, end);
+    let (guarded, audit) = run(SPINNING_ROD, GUARDED, end);
+    assert!(audit.momentum_residual < 1e-13, "{audit:?}");
+    assert!(apart(&guarded, &reference) < 1e-9, "{}", apart(&guarded, &reference));
+
+    // Kept distances do not turn: particles that fly straight on seem to turn rigidly, and nothing holds them together.
+    let (published, _) = run(SPINNING_ROD, PUBLISHED, end);
+    assert!(apart(&published, &reference) > 1e-3, "{}", apart(&published, &reference));
+    assert!(published.ledger().total.energies.elastic < 1e-9 * reference.ledger().total.energies.elastic);
+}
+
+#[test]
+fn pieces_of_one_body_are_strangers() {
+    let end = 80e-6;
+    let (reference, _) = run(TWO_PIECES, EVERY_STEP, end);
+    // Mean velocity of the piece that started on the left.
+    let start = simulation(TWO_PIECES, &[]);
+    let start = start.particles();
+    let on_the_left: Vec<usize> =
+        by_id(start).iter().enumerate().filter(|&(_, &i)| start.position[i][0] < 0.0).map(|(id, _)| id).collect();
+    let left = |s: &Simulation| {
+        let ids = by_id(s.particles());
+        on_the_left.iter().map(|&id| s.particles().velocity[ids[id]][0]).sum::<f64>() / on_the_left.len() as f64
+    };
+    assert!(left(&reference) < 50.0, "{}", left(&reference));
+    let (published, audit) = run(TWO_PIECES, PUBLISHED, end);
+    assert!(audit.missed_pairs > 100, "{audit:?}");
+    assert!(left(&published) > 99.0, "the pieces pass through each other: {}", left(&published));
+    let (guarded, audit) = run(TWO_PIECES, GUARDED, end);
+    assert!(audit.momentum_residual < 1e-14, "{audit:?}");
+    assert!((left(&guarded) - left(&reference)).abs() < 0.1, "{} {}", left(&guarded), left(&reference));
+}
+
+#[test]
+fn momentum_is_conserved_for_any_threshold_and_lost_without_the_guard() {
+    let drift = |search: &str| {
+        let mut simulation = simulation(COLLISION, &[("search", search)]);
+        let before = simulation.ledger().total.momentum;
+        run_to(&mut simulation, 6e-6);
+        let ledger = simulation.ledger();
+        norm([0, 1, 2].map(|a| ledger.total.momentum[a] - before[a])) / ledger.total.momentum_scale
+    };
+    for threshold in ["1e-2", "1e-4", "1e-6"] {
+        let drift = drift(&format!("{{ adaptive = {{ plastic-strain-threshold = {threshold} }} }}"));
+        assert!(drift < 1e-13, "{threshold}: {drift:.1e}");
+    }
+    let without = drift("{ adaptive = { plastic-strain-threshold = 1e-4, guard = \"none\" } }");
+    assert!(without > 1e-8, "{without:.1e}");
+}
+
+#[test]
+fn threads_do_not_change_a_bit_of_a_partial_search() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            // A target so long that its far end has no strangers.
+            let deck = LATE_STRIKE.replace("[\"10 mm\", \"6 mm\"]", "[\"90 mm\", \"6 mm\"]");
+            let mut simulation = simulation(&deck, &[("search", GUARDED), ("numerics.precision", "mixed")]);
+            run_to(&mut simulation, 70e-6);
+            simulation.particles().clone()
+        })
+    };
+    let (one, two) = (on(1), on(2));
+    assert!(one.position == two.position && one.velocity == two.velocity && one.id == two.id);
+    assert!(one.adapted == two.adapted && one.adapted.contains(&1) && one.adapted.contains(&0));
+}
+
+#[test]
+fn the_total_lagrangian_rod_spins_without_strain_and_conserves() {
+    // With hourglass control and viscosity, in the settings that do not conserve angular momentum otherwise.
+    let mut simulation = simulation(
+        SPINNING_ROD,
+        &[("search", "total-lagrangian"), ("numerics.gradient-correction", "none"), ("numerics.viscosity", "true")],
+    );
+    run_steps(&mut simulation, 1);
+    let before = simulation.ledger();
+    run_to(&mut simulation, 1e-3);
+    let after = simulation.ledger();
+    let total = |l: &sphorge::solver::Ledger| l.total.energies.kinetic + l.total.energies.internal;
+    assert!((total(&after) / total(&before) - 1.0).abs() < 1e-12);
+    assert!((after.total.angular_momentum[2] / before.total.angular_momentum[2] - 1.0).abs() < 1e-6);
+    assert!((after.total.energies.kinetic / before.total.energies.kinetic - 1.0).abs() < 1e-3);
+}
