@@ -228,6 +228,11 @@ impl<'a> Grid<'a> {
         }
     }
 
+    /// Number of sites that are gone through.
+    pub(super) fn sites(&self) -> f64 {
+        self.lines.iter().map(|line| line.count as f64).product()
+    }
+
     /// Number of sites of a box or of a bar of this cross-section: exact between faces.
     pub(super) fn estimate(&self, volume: f64) -> f64 {
         let count = self.dimensions.count();

@@ -20,7 +20,7 @@ pub(super) struct Pattern {
     pub(super) lattice: Lattice,
 }
 
-/// Share of the sites gone through for a polygon or a composed shape that counts as kept at least.
+/// Share of the sites gone through that counts as kept at least.
 const LEAST_KEPT: f64 = 0.02;
 
 impl Transform {
@@ -132,7 +132,11 @@ impl Pattern {
             (Solid::Composed { .. }, _) | (_, Arrangement::Rings) => {
                 volume / self.spacing.powi(self.dimensions.count() as i32)
             }
-            (solid, _) => Grid::new(solid, self.dimensions, self.spacing, self.lattice).estimate(volume),
+            (solid, _) => {
+                // A profile can be one thin flange.
+                let grid = Grid::new(solid, self.dimensions, self.spacing, self.lattice);
+                grid.estimate(volume).max(grid.sites() * LEAST_KEPT)
+            }
         }
     }
 }

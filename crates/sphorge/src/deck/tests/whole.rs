@@ -42,6 +42,46 @@ name = "speed"
 front-speed = { field = "pressure", axis = "y", level = 1 }
 "#;
 
+/// Shapes, measures and columns the others lack.
+const SHAPES: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm", lattice = "hexagonal" }
+numerics = { smoothing-length = { follow-density = { factor = 1.5 } } }
+[time]
+end = "1 us"
+[[body]]
+name = "plate"
+material = "armco-iron"
+lattice = "square"
+shape = { difference = [
+    { union = [ { box = { min = [0, 0], max = ["9 mm", "6 mm"] } }, { polygon = { corners = [["9 mm", 0], ["12 mm", 0], ["9 mm", "3 mm"]] } } ] },
+    { disc = { centre = ["3 mm", "3 mm"], radius = "1 mm" }, shift = ["0.5 mm", 0] },
+], rotate = { angle = "10 deg" } }
+[[body]]
+name = "waist"
+material = "armco-iron"
+shape = { revolution = { from = ["20 mm", 0], axis = [0, 1], profile = [["0 mm", "3 mm"], ["4 mm", "2 mm"], ["4 mm", "1 mm"]] } }
+[[body]]
+name = "bullet"
+material = "armco-iron"
+shape = { ogive = { from = ["30 mm", 0], to = ["30 mm", "9 mm"], radius = "2 mm", head-radius = "4 mm" } }
+[[body]]
+name = "ring"
+material = "armco-iron"
+lattice = "rings"
+shape = { disc = { centre = ["50 mm", 0], radius = "5 mm", inner-radius = "3 mm" } }
+[[tracer]]
+name = "tip"
+point = ["9 mm", 0]
+[[section]]
+name = "middle"
+point = ["4 mm", 0]
+normal = [1, 0]
+[[measure]]
+name = "hole"
+crater-diameter = { body = "plate", axis = "y", link = 2 }
+"#;
+
 fn model(deck: &str, overrides: &[(String, String)]) -> String {
     let setup = load_text("deck", deck, overrides).unwrap_or_else(|report| panic!("{report}\n{:?}", report.problems()));
     format!("{:?}", setup.model)
@@ -102,8 +142,11 @@ fn stated_defaults_are_the_real_ones() {
 fn the_schema_accepts_the_shipped_decks_and_nothing_else() {
     let validator = jsonschema::draft202012::new(schema()).unwrap();
     let json = |text: &str| serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap();
-    for (name, text) in DECKS.iter().map(|d| (d.name, d.text)).chain([("flavour", FLAVOUR), ("everything", EVERYTHING)])
-    {
+    for (name, text) in DECKS.iter().map(|d| (d.name, d.text)).chain([
+        ("flavour", FLAVOUR),
+        ("everything", EVERYTHING),
+        ("shapes", SHAPES),
+    ]) {
         let errors: Vec<String> =
             validator.iter_errors(&json(text)).map(|e| format!("{} at {}", e, e.instance_path())).collect();
         assert!(errors.is_empty(), "{name}: {errors:#?}");
@@ -158,7 +201,7 @@ proptest! {
 
     #[test]
     fn a_deck_with_a_piece_replaced_is_read_or_refused(from in 0usize..2000, length in 0usize..30, piece in "[\\[\\]{}=.,\"# a-z0-9é%/-]{0,12}") {
-        for deck in [FLAVOUR, EVERYTHING] {
+        for deck in [FLAVOUR, EVERYTHING, SHAPES] {
             let start = cut(deck, from);
             let end = cut(deck, (start + length).min(deck.len())).max(start);
             survive(&format!("{}{piece}{}", &deck[..start], &deck[end..]));
@@ -166,8 +209,8 @@ proptest! {
     }
 
     #[test]
-    fn any_number_in_any_place_is_read_or_refused(place in 0usize..100, value in any::<f64>(), unit in prop::sample::select(vec!["", " mm", " s", " GPa", " m/s", " K"])) {
-        for deck in [FLAVOUR, EVERYTHING] {
+    fn any_number_in_any_place_is_read_or_refused(place in 0usize..200, value in any::<f64>(), unit in prop::sample::select(vec!["", " mm", " s", " GPa", " m/s", " K"])) {
+        for deck in [FLAVOUR, EVERYTHING, SHAPES] {
             let numbers: Vec<usize> = deck.char_indices().filter(|(_, c)| c.is_ascii_digit()).map(|(i, _)| i).collect();
             let start = numbers[place % numbers.len()];
             let end = start + deck[start..].find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(0);
