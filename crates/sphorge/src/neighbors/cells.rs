@@ -141,14 +141,21 @@ impl CellGrid {
 
 /// Smallest and largest coordinate of the points along each axis.
 pub(crate) fn bounds(points: &[Vector<f64>]) -> (Vector<f64>, Vector<f64>) {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in points {
-        for a in 0..3 {
-            low[a] = low[a].min(p[a]);
-            high[a] = high[a].max(p[a]);
+    let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let of_chunk = |points: &[Vector<f64>]| {
+        let (mut low, mut high) = nothing();
+        for p in points {
+            for a in 0..3 {
+                low[a] = low[a].min(p[a]);
+                high[a] = high[a].max(p[a]);
+            }
         }
-    }
+        (low, high)
+    };
+    // The least does not depend on the order it is found in.
+    let (low, high) = points.par_chunks(CHUNK).map(of_chunk).reduce(nothing, |(a_low, a_high), (b_low, b_high)| {
+        ([0, 1, 2].map(|a| a_low[a].min(b_low[a])), [0, 1, 2].map(|a| a_high[a].max(b_high[a])))
+    });
     if points.is_empty() { ([0.0; 3], [0.0; 3]) } else { (low, high) }
 }
 

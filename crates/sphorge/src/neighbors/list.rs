@@ -74,8 +74,11 @@ impl Block {
     /// Room for at least `count` more entries of the row being written.
     #[inline(always)]
     pub(crate) fn room(&mut self, count: usize) -> &mut [u32] {
-        if self.indices.len() < self.used + count {
-            self.indices.resize(self.used + count, 0);
+        let needed = self.used + count;
+        if self.indices.len() < needed {
+            // Exactly: doubling would leave half of the largest array of a run empty.
+            self.indices.reserve_exact(needed - self.indices.len());
+            self.indices.resize(needed, 0);
         }
         &mut self.indices[self.used..]
     }

@@ -10,11 +10,12 @@
 //! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
 
 use super::super::CpuEngine;
-use super::moved_beyond;
+use super::{CHUNK, moved_beyond};
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, Search};
 use crate::neighbors::{Reach, mark};
 use crate::solver::engine::SearchReport;
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Ghosts are made for particles this much farther away than the kernel reaches, as a share of the reach.
@@ -62,15 +63,21 @@ impl<T: PairScalar> CpuEngine<T> {
             stored.renew(list, points, searched);
         }
         let (step, particles, work) = (self.step.count as u32, &mut self.particles, &mut self.work);
-        for i in 0..count {
-            let anew = searched(i);
-            particles.adapted[i] = u32::from(anew);
-            if anew {
-                particles.last_searched[i] = step;
-                work.strain_since_search[i] = 0.0;
-                work.plastic_since_search[i] = 0.0;
+        let columns = (
+            particles.adapted.par_chunks_mut(CHUNK),
+            particles.last_searched.par_chunks_mut(CHUNK),
+            work.strain_since_search.par_chunks_mut(CHUNK),
+            work.plastic_since_search.par_chunks_mut(CHUNK),
+        );
+        columns.into_par_iter().enumerate().for_each(|(c, (adapted, last, strain, plastic))| {
+            for k in 0..adapted.len() {
+                let anew = searched(c * CHUNK + k);
+                adapted[k] = u32::from(anew);
+                if anew {
+                    (last[k], strain[k], plastic[k]) = (step, 0.0, 0.0);
+                }
             }
-        }
+        });
         self.step.adapted_someone = true;
         SearchReport { searched_fraction: marked as f64 / count as f64 }
     }
@@ -115,13 +122,21 @@ impl<T: PairScalar> CpuEngine<T> {
             &self.particles.plastic_strain_increment
         };
         let strain = &self.work.strain_since_search;
-        let mut marked = 0;
-        for i in 0..count {
-            let search = plastic[i] > adaptive.plastic_strain_threshold
-                || adaptive.guard.is_some_and(|bound| strain[i] > bound || guard.among_strangers(i));
-            marks[i] = AtomicU8::new(if search { mark::SEARCH } else { mark::KEEP });
-            marked += usize::from(search);
-        }
-        marked
+        let marks = &marks[..count];
+        marks
+            .par_chunks(CHUNK)
+            .enumerate()
+            .map(|(c, marks)| {
+                let mut marked = 0;
+                for (k, to_mark) in marks.iter().enumerate() {
+                    let i = c * CHUNK + k;
+                    let search = plastic[i] > adaptive.plastic_strain_threshold
+                        || adaptive.guard.is_some_and(|bound| strain[i] > bound || guard.among_strangers(i));
+                    to_mark.store(if search { mark::SEARCH } else { mark::KEEP }, Ordering::Relaxed);
+                    marked += usize::from(search);
+                }
+                marked
+            })
+            .sum()
     }
 }
