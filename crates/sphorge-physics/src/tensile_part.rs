@@ -10,6 +10,9 @@ use crate::{Dimension, Scalar, SymmetricTensor};
 /// Newton steps; convergence is quadratic, five reach round-off.
 const MAXIMUM_STEPS: u32 = 12;
 
+/// `J2` of a deviator that counts as none, Pa^2: cubes of its components are still numbers.
+const NO_SHEAR: f64 = 1e-24;
+
 /// `sum max(lambda_k, 0) n_k n_k^T` over the principal directions a case computes in: in plane strain those in the plane, in
 /// one dimension the axis.
 #[inline]
@@ -50,7 +53,10 @@ fn in_space<T: Scalar>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
     // All principal values lie within mean +- 2 sqrt(J2/3).
     let reach = T::of(2.0) * (j2 * T::of(1.0 / 3.0)).sqrt();
     let mut part = SymmetricTensor::zero();
-    if mean >= reach {
+    if j2 < T::of(NO_SHEAR) {
+        // Far ahead of a wave numbers fall until their products vanish.
+        part = SymmetricTensor::isotropic(mean.max(zero));
+    } else if mean >= reach {
         part = sigma;
     } else if mean > -reach {
         let j3 = determinant(s);
@@ -149,6 +155,18 @@ mod tests {
                 let want = SymmetricTensor::diagonal(a, b, c).congruence(&q);
                 let got = tensile_part(sigma, Dimension::Three);
                 assert!(near(got, want, 1e-14 * size), "case {case}, turn {k}: {got:?} {want:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn vanishing_stress_stays_a_number() {
+        for exponent in 0..320 {
+            let size = 10.0f64.powi(-exponent);
+            let sigma = SymmetricTensor { xx: 1.0, yy: -2.0, zz: 0.5, xy: 0.7, yz: -1.1, xz: 0.3 } * size;
+            for dimension in [Dimension::Two, Dimension::Three] {
+                let part = tensile_part(sigma, dimension);
+                assert!(part.to_array().iter().all(|c| c.abs() <= 3.0 * size), "{exponent}: {part:?}");
             }
         }
     }

@@ -29,6 +29,8 @@ impl Unit {
     pub const MILLIMETRE: Self = Self { symbol: "mm", size: 1e-3 };
     /// Kelvins.
     pub const KELVIN: Self = Self { symbol: "K", size: 1.0 };
+    /// Seconds.
+    pub const SECOND: Self = Self { symbol: "s", size: 1.0 };
     /// Milliseconds.
     pub const MILLISECOND: Self = Self { symbol: "ms", size: 1e-3 };
     /// Microseconds.
@@ -54,6 +56,8 @@ pub enum ReferenceKind {
     Published,
     /// Measured.
     Experiment,
+    /// Another run of ours.
+    OtherRun,
 }
 
 impl ReferenceKind {
@@ -63,6 +67,7 @@ impl ReferenceKind {
             Self::Exact => "exact",
             Self::Published => "published",
             Self::Experiment => "experiment",
+            Self::OtherRun => "ours",
         }
     }
 }

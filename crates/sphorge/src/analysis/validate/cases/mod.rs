@@ -1,5 +1,6 @@
 //! The cases, one file each.
 
+mod bullet;
 mod convecting_block;
 mod copper_bar;
 mod disc_on_plate;
@@ -32,6 +33,7 @@ pub const CASES: &[Case] = &[
     penetration::CASE,
     disc_on_plate::CASE,
     tensile::CASE,
+    bullet::CASE,
     plate_impact::CASE,
     elastic_plastic_piston::CASE,
     homogeneous::CASE,
