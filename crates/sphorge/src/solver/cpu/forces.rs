@@ -17,7 +17,7 @@ use sphorge_physics::{Vector, artificial_stress};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForceTerms<T> {
     pub(super) viscosity: ViscosityParameters<T>,
-    /// `1 / W(spacing)` of the pair factor of the artificial stress, and its exponent.
+    /// `1 / w(spacing/h)` of the pair factor of the artificial stress, and its exponent.
     pub(super) artificial_stress: Option<(T, u32)>,
     pub(super) balsara: bool,
     pub(super) xsph: bool,
@@ -130,11 +130,7 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
             (symmetric_dot::<L, D, 16>(&record_i, S, &x), symmetric_dot::<L, D, 16>(&record_j, S, &x))
         };
         let mut artificial = [L::zero(); 3];
-        let w = if terms.xsph || terms.artificial_stress.is_some() {
-            constants.kernel.w(q) * scale * h * h
-        } else {
-            L::zero()
-        };
+        let w = if terms.xsph || terms.artificial_stress.is_some() { constants.kernel.w(q) } else { L::zero() };
         if terms.balsara || terms.artificial_stress.is_some() {
             let extra_j = L::gather(&records.extra, indices);
             if terms.balsara {
@@ -164,7 +160,7 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
         energy_rate -= work * weighted_f;
         if terms.xsph {
             let mass = if terms.volume_weighted { record_j[WEIGHT] * record_j[RHO] } else { record_j[WEIGHT] };
-            let weight = w * mass * inverse_density_mean;
+            let weight = w * scale * h * h * mass * inverse_density_mean;
             for a in 0..D {
                 xsph[a] -= v[a] * weight;
             }

@@ -294,15 +294,11 @@ impl<T: PairScalar> CpuEngine<T> {
         });
     }
 
-    /// `1 / W(spacing)` of the artificial stress.
+    /// `1 / w(spacing/h)` of the artificial stress: shapes, not kernels, so that bodies of other spacings have the same ratio.
     fn inverse_w_spacing(&self) -> f64 {
-        let model = &*self.model;
-        let kernel = model.numerics.kernel;
-        let dimension = super::dimension(model);
-        // The same ratio of spacing to smoothing length in every body: that of the first.
-        let (spacing, h) = model.bodies.first().map_or((1.0, 1.0), |b| (b.spacing, b.smoothing_length));
-        let w = kernel.normalisation(dimension) / h.powi(dimension.count() as i32) * kernel.w(spacing / h);
-        1.0 / w
+        // Spacing over smoothing length is the same in every body: that of the first.
+        let ratio = self.model.bodies.first().map_or(1.0, |b| b.spacing / b.smoothing_length);
+        1.0 / self.model.numerics.kernel.w(ratio)
     }
 
     /// The neighbour list, for stages of their own file.
