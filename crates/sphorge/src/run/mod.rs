@@ -4,10 +4,10 @@
 //! initial values of energy and momentum are those of the first row. Definitions of what is in history and summary:
 //!
 //! - **Energy drift**: `(E - E0 - W) / scale`, with `E` kinetic plus internal energy and what contacts hold, `E0` its initial value, `W` the
-//!   external work and the heat through boundaries so far. `scale` is the largest so far of `|E0|`, the kinetic energy, the external
+//!   external work and the heat through boundaries since then. `scale` is the largest so far of `|E0|`, the kinetic energy, the external
 //!   work and the heat exchanged: the initial total wherever there is one, and for a body at rest the work done on it. If all are zero, any change counts as 1.
-//! - **Momentum drift**: `|P - P0 - J| / scale`, with `P` the linear momentum, `J` the external impulse so far and `scale`
-//!   the largest sum of `m |v|` so far.
+//! - **Momentum drift**: `|P - P0 - J| / scale`, with `P` the linear momentum, `J` the external impulse since the first row and `scale`
+//!   the largest sum of `m |v|` so far. Axes across which a plane of symmetry stands are left out: the plane takes momentum.
 //! - **Kinetic stop**: `stop-kinetic-fraction` is looked at in every row of the history, against the first row.
 //! - **Searched fraction**: mean over the steps.
 

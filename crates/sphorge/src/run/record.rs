@@ -10,7 +10,7 @@ use crate::{
     },
     solver::{Audit, Energies, StepReport, VoteReason},
 };
-use std::time::Instant;
+use std::{array, time::Instant};
 
 /// Everything that is written while a run goes on.
 pub(super) struct Recorder {
@@ -48,13 +48,14 @@ struct StepSums {
 impl Recorder {
     pub(super) fn new(directory: RunDirectory, model: &Model) -> Result<Self, OutputError> {
         let observed = Observed::new(model);
+        let mirrored = array::from_fn(|axis| model.symmetry.iter().any(|plane| plane.axis == axis));
         Ok(Self {
             history: History::create(&directory, model, observed.columns())?,
             observed,
             disk: DiskSync::new(),
             measures: Measures::new(model),
             directory,
-            conservation: Conservation::default(),
+            conservation: Conservation::new(mirrored),
             frames: Vec::new(),
             last_frame_step: None,
             last_row_step: None,
