@@ -88,7 +88,7 @@ impl Observed {
                 continue;
             }
             if followed.is_none() {
-                *followed = nearest(tracer, particles);
+                *followed = nearest(tracer, particles).map(|(i, _)| particles.id[i]);
             }
             let place = followed.and_then(|id| particles.id.iter().position(|&other| other == id));
             self.values.extend(
@@ -113,14 +113,14 @@ impl Observed {
     }
 }
 
-/// The particle nearest to the point of a tracer; of several as near the one with the least number.
-fn nearest(tracer: &Tracer, particles: &Particles) -> Option<u32> {
+/// Index and distance, m, of the particle nearest to the point of a tracer; of several as near the one with the least number.
+pub(crate) fn nearest(tracer: &Tracer, particles: &Particles) -> Option<(usize, f64)> {
     let squared = |i: usize| (0..3).map(|a| (particles.position[i][a] - tracer.point[a]).powi(2)).sum::<f64>();
     (0..particles.len())
         .filter(|&i| tracer.body.is_none_or(|body| particles.body[i] as usize == body))
-        .map(|i| (squared(i), particles.id[i]))
-        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-        .map(|(_, id)| id)
+        .map(|i| (i, squared(i)))
+        .min_by(|a, b| a.1.total_cmp(&b.1).then(particles.id[a.0].cmp(&particles.id[b.0])))
+        .map(|(i, squared)| (i, squared.sqrt()))
 }
 
 /// Force through a plane, N.

@@ -78,7 +78,11 @@ fn read(
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
     let (model, places) = read_model(name, &mut problems)?;
     match geometry::fill(&model) {
-        Ok(particles) => Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles }),
+        Ok(particles) => {
+            placement::check_tracers(&model, &particles, &places, &mut problems);
+            problems.check()?;
+            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles })
+        }
         Err(errors) => {
             for error in errors {
                 problems.push(placement::fault(error, &model, &places));

@@ -1,9 +1,10 @@
 //! Faults of placement, found when particles exist, told in terms of the deck.
 
 use super::interpret::Places;
-use super::report::Fault;
+use super::report::{Fault, Problems};
 use crate::geometry::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES};
 use crate::model::Model;
+use crate::{Particles, analysis::observed::nearest};
 
 /// A length for people.
 fn millimetres(length: f64) -> String {
@@ -13,6 +14,23 @@ fn millimetres(length: f64) -> String {
 fn point(position: [f64; 3], model: &Model) -> String {
     let axes: Vec<String> = position.iter().take(model.dimensions.count()).map(|c| format!("{:.4}", c * 1e3)).collect();
     format!("({}) mm", axes.join(", "))
+}
+
+/// Spacings a particle may be away from the point of the tracer that follows it.
+const TRACER_REACH: f64 = 2.0;
+
+/// Tracers that would follow a particle far from their point.
+pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Places, problems: &mut Problems) {
+    for (tracer, at) in model.tracers.iter().zip(&places.tracers).filter(|(tracer, _)| !tracer.is_fixed) {
+        let Some((i, distance)) = nearest(tracer, particles) else { continue };
+        if distance > TRACER_REACH * model.bodies[particles.body[i] as usize].spacing {
+            let of = tracer.body.map_or("all bodies".to_owned(), |body| format!("body `{}`", model.bodies[body].name));
+            let message = format!("tracer `{}` starts outside {of}", tracer.name);
+            let label = format!("the nearest particle is {} away", millimetres(distance));
+            let help = "move the point, or watch it with `fixed = true`";
+            problems.push(Fault::new("stray-tracer", message, at.clone(), label).help(help));
+        }
+    }
 }
 
 /// The fault an error of the filling is for the deck.

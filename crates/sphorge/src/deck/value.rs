@@ -138,6 +138,7 @@ impl Scalar {
         let wanted = match bound {
             Bound::Any => "finite".to_owned(),
             Bound::Positive => "above zero".to_owned(),
+            Bound::NonNegative if kind == QuantityKind::TEMPERATURE => "absolute zero or above".to_owned(),
             Bound::NonNegative => "zero or above".to_owned(),
             Bound::Between(low, high) => format!("between {low} and {high}"),
         };
@@ -361,6 +362,16 @@ impl<'de, K> Deserialize<'de> for VectorOf<K> {
 pub(crate) enum ScalarOr<S, T> {
     Scalar(S),
     Composed(T, Range<usize>),
+}
+
+impl<W, T> ScalarOr<Choice<W>, T> {
+    /// Where it stands.
+    pub(crate) fn span(&self) -> Range<usize> {
+        match self {
+            Self::Scalar(word) => word.span(),
+            Self::Composed(_, at) => at.clone(),
+        }
+    }
 }
 
 impl<'de, S: From<Scalar>, T: Deserialize<'de>> Deserialize<'de> for ScalarOr<S, T> {

@@ -75,6 +75,9 @@ impl Columns {
         let missing: Vec<&str> =
             ["x", "y", "z"][..count].iter().copied().filter(|name| place(name).is_none()).collect();
         if !missing.is_empty() {
+            if let Some(other) = names.iter().find_map(|name| name.find([';', '\t', ' ']).map(|at| &name[at..=at])) {
+                return Err(format!("line 1: cells are set apart by commas, not by {other:?}"));
+            }
             let plural = if missing.len() == 1 { "" } else { "s" };
             let found = listed(names.iter(), "and");
             return Err(format!("line 1: no column{plural} {}; it names {found}", listed(missing, "and")));

@@ -15,7 +15,7 @@ mod velocity;
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
 use super::value::{Kind, VectorOf, Word};
-use crate::model::{Dimensions, Integrator, Model, Region, Search};
+use crate::model::{BodyContact, Dimensions, Integrator, Model, Numerics, Region, Search};
 use std::ops::Range;
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
@@ -30,6 +30,12 @@ pub(crate) struct Places {
     pub(crate) symmetry: Vec<Range<usize>>,
     pub(crate) periodic: [Range<usize>; 3],
     pub(crate) motions: Vec<Range<usize>>,
+    pub(crate) tracers: Vec<Range<usize>>,
+}
+
+/// More than one of what names name.
+fn plural(what: &str) -> String {
+    what.strip_suffix('y').map_or_else(|| format!("{what}s"), |stem| format!("{stem}ies"))
 }
 
 /// Names of the deck's bodies, regions or walls, with what they are called in messages.
@@ -57,7 +63,7 @@ impl Names {
             } else if let Some(first) = names.iter().position(|n| *n == name).filter(|_| !name.is_empty()) {
                 let fault = Fault::new(
                     "duplicate-name",
-                    format!("two {}s are called `{name}`", what),
+                    format!("two {} are called `{name}`", plural(what)),
                     word.span(),
                     "again here",
                 );
@@ -76,7 +82,7 @@ impl Names {
         if found.is_none() {
             let message = format!("there is no {} called `{name}`", self.what);
             let fault = Fault::new("unknown-name", message, word.span(), "not in the deck");
-            problems.push(fault.help(suggest(name, self.names.iter().map(String::as_str), &format!("{}s", self.what))));
+            problems.push(fault.help(suggest(name, self.names.iter().map(String::as_str), &plural(self.what))));
         }
         found
     }
@@ -210,15 +216,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let tracers = observed::tracers(&raw.tracer, &scene, problems);
     let sections = observed::sections(&raw.section, &scene, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
-    if let (Some(Search::TotalLagrangian(_)), Some(n), Some(key)) = (search, &numerics, &raw.numerics.integrator)
-        && n.integrator == Integrator::PredictorCorrector
-    {
-        let message = "the total Lagrangian form is integrated by leapfrog";
-        let help = "choose `integrator = \"leapfrog\"`, or another `search`";
-        problems.push(
-            Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
-        );
-    }
+    check_together(raw, search, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
     if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
         let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
@@ -239,6 +237,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         symmetry: raw.symmetry.iter().map(|s| s.axis.span()).collect(),
         periodic: periodic_places,
         motions: raw.motion.iter().map(|m| m.region.span()).collect(),
+        tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
     };
     let model = Model {
         title: title?,
@@ -265,6 +264,41 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         sections: sections?,
     };
     Some((model, places))
+}
+
+/// Choices that exclude each other.
+fn check_together(
+    raw: &RawDeck,
+    search: Option<Search>,
+    numerics: Option<&Numerics>,
+    contact: Option<BodyContact>,
+    problems: &mut Problems,
+) {
+    if let (Some(Search::TotalLagrangian(_)), Some(n), Some(key)) = (search, numerics, &raw.numerics.integrator)
+        && n.integrator == Integrator::PredictorCorrector
+    {
+        let message = "the total Lagrangian form is integrated by leapfrog";
+        let help = "choose `integrator = \"leapfrog\"`, or another `search`";
+        problems.push(
+            Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
+        );
+    }
+    // A contact lives on pairs of different bodies, which these two strategies do not look for.
+    let (message, help) = match search {
+        Some(Search::TotalLagrangian(_)) => (
+            "the total Lagrangian form sees no other body, so bodies cannot meet in a contact",
+            "choose another `search`, or leave `contact` out",
+        ),
+        Some(Search::Adaptive(adaptive)) if adaptive.guard.is_none() => (
+            "the adaptive search without its guard misses bodies that arrive, so they cannot meet in a contact",
+            "leave `guard` out, choose another `search`, or leave `contact` out",
+        ),
+        _ => return,
+    };
+    if let (Some(BodyContact::Penalty(_)), Some(contact), Some(search)) = (contact, &raw.contact, &raw.search) {
+        let fault = Fault::new("not-together", message, contact.span(), "this contact");
+        problems.push(fault.also(search.span(), "not with this search").help(help));
+    }
 }
 
 fn region(raw: &RawRegion, bodies: &Names, dimensions: Dimensions, problems: &mut Problems) -> Option<Region> {

@@ -75,12 +75,8 @@ pub(crate) fn check_smoothing(
     let follows = numerics.is_some_and(|n| n.smoothing_length != SmoothingLength::Constant);
     let Some(given) = raw.smoothing_length.as_ref().filter(|_| follows) else { return };
     if matches!(search, Some(Search::Adaptive(_) | Search::TotalLagrangian(_))) {
-        let at = match given {
-            ScalarOr::Scalar(word) => word.span(),
-            ScalarOr::Composed(_, at) => at.clone(),
-        };
         let message = "smoothing lengths that follow the density need lists that follow the positions";
-        let fault = Fault::new("wrong-search", message, at, "with this `search`");
+        let fault = Fault::new("wrong-search", message, given.span(), "with this `search`");
         problems.push(fault.help("set `search` to \"skin\" or \"every-step\", or leave the smoothing length constant"));
     }
 }
@@ -172,6 +168,11 @@ fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<Adaptiv
     let guard = or_default!(raw.guard, default.guard, |g: &Choice<GuardWord>| g.get(problems));
     let bound = or_default!(raw.strain_bound, defaults::GUARD_STRAIN, |b| share(b, problems));
     let accumulate = or_default!(raw.accumulate, default.accumulate, |a: &crate::deck::value::Flag| a.get(problems));
+    if let (Some(None), Some(given)) = (guard, &raw.strain_bound) {
+        let fault =
+            Fault::new("not-together", "without its guard the search has no strain bound", given.span(), "not used");
+        problems.push(fault.help("leave `strain-bound` or `guard = \"none\"` out"));
+    }
     let bound = bound?;
     Some(AdaptiveSearch { plastic_strain_threshold: threshold?, accumulate: accumulate?, guard: guard?.map(|_| bound) })
 }
@@ -181,6 +182,10 @@ fn total_lagrangian_search(raw: &RawTotalLagrangian, problems: &mut Problems) ->
     let corrected = or_default!(raw.form, default.corrected, |f: &Choice<FormulationWord>| f.get(problems));
     let hourglass =
         or_default!(raw.hourglass, default.hourglass, |h: &Given<Number>| { h.within(Bound::NonNegative, problems) });
+    if let (Some(false), Some(given)) = (corrected, &raw.hourglass) {
+        let fault = Fault::new("not-together", "the frozen form has no hourglass control", given.span(), "not used");
+        problems.push(fault.help("leave `hourglass` or `form = \"frozen\"` out"));
+    }
     Some(TotalLagrangian { corrected: corrected?, hourglass: hourglass? })
 }
 

@@ -234,6 +234,45 @@ fn smoothing_lengths_that_change_need_lists_that_are_renewed() {
 }
 
 #[test]
+fn a_contact_needs_a_search_that_sees_other_bodies() {
+    let every = "search = \"every-step\"";
+    for contact in ["\"penalty\"", "{ penalty = { friction = 0.2 } }"] {
+        for (search, message) in [
+            ("\"total-lagrangian\"", "sees no other body"),
+            ("{ total-lagrangian = { form = \"frozen\" } }", "sees no other body"),
+            ("{ adaptive = { guard = \"none\" } }", "without its guard"),
+        ] {
+            let with = format!("contact = {contact}\nsearch = {search}");
+            told(every, &with, "not-together", contact, message, "choose another `search`");
+        }
+        for search in ["\"adaptive\"", "\"skin\"", "\"every-step\""] {
+            let with = format!("contact = {contact}\nsearch = {search}");
+            assert!(load_text("deck", &changed(every, &with), &[]).is_ok(), "{with}");
+        }
+    }
+}
+
+#[test]
+fn constants_of_a_search_that_are_not_used_are_refused() {
+    let every = "search = \"every-step\"";
+    let bound = "search = { adaptive = { guard = \"none\", strain-bound = 0.01 } }";
+    told(every, bound, "not-together", "0.01", "no strain bound", "`strain-bound`");
+    let hourglass = "search = { total-lagrangian = { form = \"frozen\", hourglass = 3 } }";
+    told(every, hourglass, "not-together", "3", "no hourglass control", "`hourglass`");
+}
+
+#[test]
+fn tracers_that_follow_need_a_particle_near() {
+    let tracer = |point: &str, more: &str| format!("[[tracer]]\nname = \"tail\"\npoint = {point}{more}\n[[wall]]");
+    let (near, far) = ("[\"0 mm\", \"25.9 mm\"]", "[\"0 mm\", \"27 mm\"]");
+    // The last row of particles is at 25.35 mm, and may be 0.6 mm away.
+    assert!(load_text("deck", &changed("[[wall]]", &tracer(near, "")), &[]).is_ok());
+    assert!(load_text("deck", &changed("[[wall]]", &tracer(far, "\nfixed = true")), &[]).is_ok());
+    told("[[wall]]", &tracer(far, ""), "stray-tracer", far, "starts outside all bodies", "`fixed = true`");
+    told("[[wall]]", &tracer(far, "\nbody = \"bar\""), "stray-tracer", far, "outside body `bar`", "");
+}
+
+#[test]
 fn regions_driven_twice_are_refused() {
     let twice = "[[region]]\nname = \"all\"\nbody = \"bar\"\n\
                  [[region]]\nname = \"low\"\nshape = { box = { min = [\"-9 mm\", 0], max = [\"9 mm\", \"1 mm\"] } }\n\

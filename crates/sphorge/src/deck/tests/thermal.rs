@@ -65,10 +65,15 @@ fn faults_of_contact_and_heat_are_told() {
         ("[contact]\n", "exactly-one", "a contact needs one of `penalty`"),
         ("[[thermal.boundary]]\nname = \"a\"", "exactly-one", "a heat boundary needs one of `hold`"),
         ("[[thermal.boundary]]\nname = \"a\"\nhold = 300\nflux = 3", "exactly-one", "only one of `hold`"),
-        ("[[thermal.boundary]]\nname = \"a\"\nhold = \"-300 degC\"", "out-of-range", "zero or above"),
+        ("[[thermal.boundary]]\nname = \"a\"\nhold = \"-300 degC\"", "out-of-range", "absolute zero or above"),
         ("[[thermal.boundary]]\nname = \"a\"\nflux = \"3 W/m\"", "wrong-quantity", "heat flux"),
         ("[[thermal.boundary]]\nname = \"a\"\nbody = \"car\"\nflux = 3", "unknown-name", "`bar`"),
         ("[thermal]\nconduction = false\nmechanics = false", "conflict", "no heat flows"),
+        (
+            "[[thermal.boundary]]\nname = \"a\"\nflux = 3\n[[thermal.boundary]]\nname = \"a\"\nflux = 4",
+            "duplicate-name",
+            "two heat boundaries",
+        ),
     ] {
         let (found, text) = with(more);
         assert_eq!(found, code, "{more}: {text}");
