@@ -1,7 +1,7 @@
 //! Runs side by side: measures, times, conservation.
 
 use super::number::{four_digits, quantity};
-use crate::output::{OutputError, RunDirectory, Status, Summary};
+use crate::output::{AuditRecord, OutputError, RunDirectory, Status, Summary};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
 use std::{fmt, path::PathBuf};
@@ -73,7 +73,18 @@ fn rows(summaries: &[Summary]) -> Vec<ComparisonRow> {
     add("wall-clock time", "s", &|s| s.wall_seconds);
     add("speed-up", "", &|s| first_seconds / s.wall_seconds);
     add("time in search", "s", &|s| s.stage_seconds.search);
+    add("time in pair sums", "s", &|s| s.stage_seconds.kinematics + s.stage_seconds.forces);
+    add("time in steps", "s", &|s| {
+        let t = &s.stage_seconds;
+        t.search + t.kinematics + t.stress + t.forces + t.integrate
+    });
     add("searched fraction", "", &|s| s.searched_fraction);
+    if summaries.iter().any(|summary| summary.audit.is_some()) {
+        let audited = |value: fn(&AuditRecord) -> f64| move |s: &Summary| s.audit.as_ref().map_or(f64::NAN, value);
+        add("missed pairs, share", "", &audited(|a| a.missed_share));
+        add("missed foreign pairs", "", &audited(|a| a.missed_foreign_pairs as f64));
+        add("residual of momentum", "", &audited(|a| a.momentum_residual));
+    }
     add("neighbors", "", &|s| s.mean_neighbors);
     add("particle-steps per second", "1/s", &|s| s.particle_steps_per_second);
     add("peak memory", "B", &|s| s.peak_memory_bytes as f64);
