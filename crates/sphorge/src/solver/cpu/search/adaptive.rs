@@ -90,7 +90,6 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         if matches!(self.model.search, Search::Adaptive(_)) {
             self.lists.searched_at.clone_from(&self.particles.position);
-            self.lists.guard.forget();
             self.work.strain_since_search.fill(0.0);
             self.work.plastic_since_search.fill(0.0);
         }

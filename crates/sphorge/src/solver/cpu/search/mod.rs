@@ -229,6 +229,8 @@ impl<T: PairScalar> CpuEngine<T> {
             heat.reorder(permutation);
         }
         self.lists.stale = true;
+        // It knows particles by their places.
+        self.lists.guard.forget();
     }
 }
 
