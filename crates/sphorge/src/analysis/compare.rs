@@ -88,6 +88,9 @@ fn rows(summaries: &[Summary]) -> Vec<ComparisonRow> {
     add("neighbors", "", &|s| s.mean_neighbors);
     add("particle-steps per second", "1/s", &|s| s.particle_steps_per_second);
     add("peak memory", "B", &|s| s.peak_memory_bytes as f64);
+    let per_particle = |bytes: u64, s: &Summary| if bytes == 0 { f64::NAN } else { bytes as f64 / s.particles as f64 };
+    add("peak memory, per particle", "B", &|s| per_particle(s.peak_memory_bytes, s));
+    add("columns and lists, per particle", "B", &|s| per_particle(s.engine_memory_bytes, s));
     add("energy drift", "", &|s| s.energy.relative_drift);
     add("momentum drift", "", &|s| s.momentum_drift);
     add("threads", "", &|s| s.threads as f64);
@@ -99,6 +102,7 @@ impl ComparisonRow {
     fn text(&self, k: usize) -> String {
         let Some(value) = self.values[k] else { return "\u{2013}".into() };
         let text = match self.unit.as_str() {
+            "B" if value < 1e5 => format!("{value:.0} B"),
             "B" => format!("{} MiB", four_digits(value / (1u64 << 20) as f64)),
             "1/s" => format!("{value:.3e}"),
             "" if value != 0.0 && value.abs() < 1e-3 => format!("{value:.2e}"),
@@ -158,6 +162,7 @@ mod tests {
             pairs_per_second: 1e6,
             searched_fraction: 0.25,
             peak_memory_bytes: 10 << 20,
+            engine_memory_bytes: 900_000,
             energy: EnergyRecord { relative_drift: -1e-9, ..Default::default() },
             momentum_drift: 1e-12,
             largest_momentum_drift: 1e-12,
@@ -186,6 +191,8 @@ mod tests {
         assert_eq!(row("speed-up").values, [Some(1.0), Some(2.0)]);
         assert_eq!((row("height").text(0), row("height").text(1)), ("20 mm".into(), "21 mm (+5.00 %)".into()));
         assert_eq!((row("peak memory").text(1), row("width").text(1)), ("10 MiB".into(), "–".into()));
+        assert_eq!(row("peak memory, per particle").text(0), "10486 B");
+        assert_eq!(row("columns and lists, per particle").text(1), "900 B");
         let table = comparison.to_string();
         assert!(
             table.contains("searched fraction")

@@ -207,8 +207,11 @@ pub struct Summary {
     pub pairs_per_second: f64,
     /// Share of the particles that were searched, mean over the steps.
     pub searched_fraction: f64,
-    /// Largest resident memory of the process; where the system does not tell, what the columns and lists hold.
+    /// Largest resident memory of the process during the run; where the system does not tell, that of the engine.
     pub peak_memory_bytes: u64,
+    /// Memory of the engine by its own account: columns, lists and records, the most at any row of the history.
+    #[serde(default)]
+    pub engine_memory_bytes: u64,
     /// Energies.
     pub energy: EnergyRecord,
     /// Drift of the linear momentum at the end; see [`crate::run`] for its definition.

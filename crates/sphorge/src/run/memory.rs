@@ -1,6 +1,12 @@
 //! Memory of the process.
 
-/// Largest resident memory of the process so far, bytes; `None` where the system does not tell.
+/// Lets the high-water mark of the process begin anew, so that a run does not inherit that of the one before it. Systems that cannot do
+/// this leave it as it is.
+pub(super) fn reset_peak() {
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
+/// Largest resident memory of the process since [`reset_peak`], bytes; `None` where the system does not tell.
 pub(super) fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     parse_high_water_mark(&status)

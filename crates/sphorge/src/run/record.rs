@@ -1,6 +1,10 @@
 //! Writes frames, rows and the summary of a run under way.
 
-use super::{conservation::Conservation, memory::peak_resident_bytes, stepper::Stepper};
+use super::{
+    conservation::Conservation,
+    memory::{peak_resident_bytes, reset_peak},
+    stepper::Stepper,
+};
 use crate::{
     analysis::{Measures, observed::Observed},
     model::{Model, Precision},
@@ -34,6 +38,8 @@ pub(super) struct Recorder {
     pairs: Option<u64>,
     audit: Option<Audit>,
     audits: AuditRecord,
+    /// The engine's account of its memory, the largest so far.
+    engine_bytes: u64,
     seconds: f64,
 }
 
@@ -47,6 +53,7 @@ struct StepSums {
 
 impl Recorder {
     pub(super) fn new(directory: RunDirectory, model: &Model) -> Result<Self, OutputError> {
+        reset_peak();
         let observed = Observed::new(model);
         let mirrored = array::from_fn(|axis| model.symmetry.iter().any(|plane| plane.axis == axis));
         Ok(Self {
@@ -68,6 +75,7 @@ impl Recorder {
             pairs: None,
             audit: None,
             audits: AuditRecord::default(),
+            engine_bytes: 0,
             seconds: 0.0,
         })
     }
@@ -119,6 +127,7 @@ impl Recorder {
             observed: (self.observed.columns(), self.observed.values()),
         };
         self.history.add(engine.model(), &sample)?;
+        self.engine_bytes = self.engine_bytes.max(engine.memory_bytes());
         self.energies = ledger.total.energies;
         self.external_work = ledger.external_work;
         self.steps_at_last_row = self.steps;
@@ -212,7 +221,8 @@ impl Recorder {
             particle_steps_per_second: per_second(engine.particles().len() as f64 * steps as f64),
             pairs_per_second: per_second(self.steps.pairs),
             searched_fraction: if steps > 0 { self.steps.searched / steps as f64 } else { 0.0 },
-            peak_memory_bytes: peak_resident_bytes().unwrap_or_else(|| engine.memory_bytes()),
+            peak_memory_bytes: peak_resident_bytes().unwrap_or(self.engine_bytes),
+            engine_memory_bytes: self.engine_bytes,
             energy: EnergyRecord {
                 kinetic: self.energies.kinetic,
                 internal: self.energies.internal,

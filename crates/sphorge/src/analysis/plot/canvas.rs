@@ -4,7 +4,9 @@ use super::{PlotError, color::Rgb};
 use crate::output::{Durability, write_file};
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use std::{path::Path, sync::OnceLock};
-use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, Transform};
+use tiny_skia::{
+    Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,
+};
 
 pub(super) const INK: Rgb = [38, 38, 38];
 pub(super) const FRAME: Rgb = [110, 110, 110];
@@ -40,6 +42,14 @@ impl Canvas {
     }
 
     pub(super) fn polyline(&mut self, points: &[(f64, f64)], width: f64, color: Rgb) {
+        self.stroke(points, width, color, None);
+    }
+
+    pub(super) fn dashed(&mut self, points: &[(f64, f64)], width: f64, color: Rgb) {
+        self.stroke(points, width, color, StrokeDash::new(vec![9.0, 6.0], 0.0));
+    }
+
+    fn stroke(&mut self, points: &[(f64, f64)], width: f64, color: Rgb, dash: Option<StrokeDash>) {
         let mut path = PathBuilder::new();
         for (k, &(x, y)) in points.iter().enumerate() {
             if k == 0 { path.move_to(x as f32, y as f32) } else { path.line_to(x as f32, y as f32) }
@@ -48,7 +58,8 @@ impl Canvas {
         let stroke = Stroke {
             width: width as f32,
             line_join: tiny_skia::LineJoin::Round,
-            line_cap: tiny_skia::LineCap::Round,
+            line_cap: if dash.is_some() { LineCap::Butt } else { LineCap::Round },
+            dash,
             ..Stroke::default()
         };
         self.pixmap.stroke_path(&path, &paint(color), &stroke, Transform::identity(), None);

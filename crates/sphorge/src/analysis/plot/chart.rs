@@ -20,6 +20,8 @@ pub(super) struct Curve {
     pub(super) name: String,
     /// Points in SI; gaps where one is not finite.
     pub(super) points: Vec<(f64, f64)>,
+    /// Hollow squares at the points instead of a line through them: someone else's numbers.
+    pub(super) marked: bool,
 }
 
 /// Curves of one quantity over another.
@@ -40,6 +42,21 @@ pub(super) const TIME: (&str, &str) = ("time", "s");
 /// Colour of the k-th curve.
 fn line_color(k: usize) -> Rgb {
     LINES[k % LINES.len()]
+}
+
+/// The k-th curve; where colours come round again, dashed.
+fn stroke(canvas: &mut Canvas, points: &[(f64, f64)], width: f64, k: usize, marked: bool) {
+    const HALF: f64 = 4.0;
+    let color = line_color(k);
+    if marked {
+        for (x, y) in points {
+            canvas.outline(Area { x: x - HALF, y: y - HALF, width: 2.0 * HALF, height: 2.0 * HALF }, 1.5, color);
+        }
+    } else if k < LINES.len() {
+        canvas.polyline(points, width, color);
+    } else {
+        canvas.dashed(points, width, color);
+    }
 }
 
 impl Chart {
@@ -97,11 +114,12 @@ impl Chart {
         for (k, curve) in self.curves.iter().enumerate() {
             for piece in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
                 let points: Vec<_> = piece.iter().map(|&(t, value)| (x(t), y(value))).collect();
-                canvas.polyline(&points, 2.0, line_color(k));
+                stroke(canvas, &points, 2.0, k, curve.marked);
             }
             if self.curves.len() > 1 {
                 let (from, height) = (axes.x + axes.width + 14.0, axes.y + 10.0 + 22.0 * k as f64);
-                canvas.line((from, height), (from + 22.0, height), 3.0, line_color(k));
+                let sample = [(from, height), (from + 11.0, height), (from + 22.0, height)];
+                stroke(canvas, if curve.marked { &sample[1..2] } else { &sample }, 3.0, k, curve.marked);
                 canvas.text((from + 30.0, height + 0.36 * SMALL), SMALL, Anchor::Left, INK, &curve.name);
             }
         }
@@ -179,7 +197,8 @@ mod tests {
     fn curves_with_gaps_or_nothing_are_drawn_without_harm() {
         let nothing =
             Chart { along: TIME, quantity: "q".into(), unit: String::new(), curves: Vec::new(), limits: None };
-        let gap = Curve { name: "a".into(), points: vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)] };
+        let points = vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)];
+        let gap = Curve { name: "a".into(), points, marked: false };
         let charts = [nothing.clone(), Chart { curves: vec![gap], ..nothing }];
         assert!(!charts[0].has_values() && charts[1].has_values());
         page(&charts, 2, "Title", None).unwrap();

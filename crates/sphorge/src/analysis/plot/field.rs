@@ -22,8 +22,23 @@ use std::path::Path;
 /// [`PlotError::Field`] if a frame does not have the field, [`PlotError::Empty`] if there is nothing to see,
 /// [`PlotError::Output`] if frames cannot be read or the picture cannot be written.
 pub fn plot_field(run: &RunDirectory, picture: &FieldPicture, to: &Path) -> Result<(), PlotError> {
-    let scene = Scene::read(run, picture)?;
-    let title = picture.title.clone().unwrap_or_else(|| run_title(run));
+    draw_runs(&[("", run)], picture, to)
+}
+
+/// Draws the same picture of several runs, under the given names, at one scale of lengths and colours: side by side, or where each has
+/// several frames, a row for each run.
+///
+/// # Errors
+/// As [`plot_field`]; [`PlotError::Empty`] without a run.
+pub fn plot_field_of_runs(runs: &[(String, RunDirectory)], picture: &FieldPicture, to: &Path) -> Result<(), PlotError> {
+    let runs: Vec<_> = runs.iter().map(|(name, run)| (name.as_str(), run)).collect();
+    draw_runs(&runs, picture, to)
+}
+
+fn draw_runs(runs: &[(&str, &RunDirectory)], picture: &FieldPicture, to: &Path) -> Result<(), PlotError> {
+    let scene = Scene::read(runs, picture)?;
+    let title = || runs.first().map_or_else(String::new, |(_, run)| run_title(run));
+    let title = picture.title.clone().unwrap_or_else(title);
     let page = if scene.line { draw_line(&scene, picture, &title) } else { draw(&scene, picture, &title) };
     page?.save(to)
 }
@@ -36,7 +51,7 @@ fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Canva
         if let Some([(low, high), _]) = picture.window {
             points.retain(|(x, _)| (low..=high).contains(x));
         }
-        Curve { name: format!("t = {}", quantity(panel.time, "s")), points }
+        Curve { name: panel.heading(), points, marked: false }
     };
     let curves: Vec<_> = scene.panels.iter().map(curve).collect();
     let title = match &curves[..] {
@@ -56,6 +71,10 @@ const BAR_WIDTH: f64 = 20.0;
 const NO_VALUE: Rgb = [160, 160, 160];
 /// Pixels of all panels together on a page made to fit.
 const FIT: f64 = 5.0e5;
+/// Slim figures side by side.
+const ABREAST: usize = 4;
+/// Colours of a field that is zero or one.
+const FLAG_COLORS: [Rgb; 2] = [[176, 190, 204], [213, 94, 0]];
 
 /// Where everything is.
 struct Layout {
@@ -110,9 +129,17 @@ fn draw(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Canvas, Pl
 fn layout(scene: &Scene, picture: &FieldPicture, title: &str, margins: &Margins) -> Result<Layout, PlotError> {
     let pad = 0.03 * scene.window.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
     let [across, up] = scene.window.map(|(low, high)| (high - low + 2.0 * pad).max(f64::MIN_POSITIVE));
-    let count = scene.panels.len() as f64;
-    // Slim figures stand side by side, flat ones on top of each other.
-    let (columns, rows) = if across < 1.4 * up { (count, 1.0) } else { (1.0, count) };
+    let count = scene.panels.len();
+    let (columns, rows) = if scene.frames > 1 && scene.frames < count {
+        (scene.frames, count / scene.frames)
+    } else if across < 1.4 * up {
+        // Slim figures stand side by side, flat ones on top of each other.
+        (count.min(ABREAST), count.div_ceil(ABREAST))
+    } else {
+        (1, count)
+    };
+    let abreast = columns;
+    let (columns, rows, count) = (columns as f64, rows as f64, count as f64);
     let side = margins.left + margins.right + (columns - 1.0) * margins.gap.0;
 
     let (scale, size) = match picture.size {
@@ -145,7 +172,7 @@ fn layout(scene: &Scene, picture: &FieldPicture, title: &str, margins: &Margins)
     let over = top + 0.5 * (height - rest - rows * h).max(0.0);
     let panels = (0..scene.panels.len())
         .map(|k| {
-            let (column, row) = if rows > 1.0 { (0.0, k as f64) } else { (k as f64, 0.0) };
+            let (column, row) = ((k % abreast) as f64, (k / abreast) as f64);
             Area {
                 x: (left + column * (w + margins.gap.0)).round(),
                 y: (over + row * (h + margins.gap.1)).round(),
@@ -185,10 +212,16 @@ fn draw_panel(canvas: &mut Canvas, scene: &Scene, panel: &Panel, area: Area, sca
         });
     }
 
-    let caption = format!("t = {},  {} particles", quantity(panel.time, "s"), grouped(panel.marks.len()));
-    let short = format!("t = {}", quantity(panel.time, "s"));
-    let caption = if Canvas::text_width(&caption, TEXT) <= area.width { caption } else { short };
-    canvas.text((area.x + 0.5 * area.width, area.y - 12.0), TEXT, Anchor::Centre, INK, &caption);
+    let heading = panel.heading();
+    let long = match scene.flag {
+        // Three digits say all there is.
+        Some([_, one]) => format!("{heading},  {} % {one}", four_digits((1000.0 * panel.mean).round() / 10.0)),
+        None => format!("{heading},  {} particles", grouped(panel.marks.len())),
+    };
+    let short = if panel.name.is_empty() { &heading } else { &panel.name };
+    let fits = |text: &&String| Canvas::text_width(text, TEXT) <= area.width;
+    let caption = [&long, &heading].into_iter().find(fits).unwrap_or(short);
+    canvas.text((area.x + 0.5 * area.width, area.y - 12.0), TEXT, Anchor::Centre, INK, caption);
 
     if let Some(names) = scene.view.axes() {
         canvas.outline(area, 1.0, FRAME);
@@ -198,6 +231,14 @@ fn draw_panel(canvas: &mut Canvas, scene: &Scene, panel: &Panel, area: Area, sca
         let (low, high) = (-0.5 * area.height / scale, 0.5 * area.height / scale);
         let up = Axis::new((centre[1] + low, centre[1] + high), area.height, 60.0);
         up.draw_left(canvas, area, names[1], |y| area.y + place(0.0, y).1);
+    }
+}
+
+impl Panel {
+    /// Run and time.
+    fn heading(&self) -> String {
+        let time = format!("t = {}", quantity(self.time, "s"));
+        if self.name.is_empty() { time } else { format!("{},  {time}", self.name) }
     }
 }
 
@@ -277,6 +318,8 @@ struct Colors {
     map: ColorMap,
     low: f64,
     high: f64,
+    /// Words for zero and one of a field that has no other values.
+    flag: Option<[&'static str; 2]>,
 }
 
 impl Colors {
@@ -299,19 +342,38 @@ impl Colors {
         };
         // A field that is the same everywhere still has a place on a bar: in its middle.
         let least = 1e-6 * low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
+        let flag = scene.flag;
         if high - low > least {
-            Self { map, low, high }
+            Self { map, low, high, flag }
         } else {
             let half = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
-            Self { map, low: low - half, high: high + half }
+            Self { map, low: low - half, high: high + half, flag }
         }
     }
 
     fn of(&self, value: f64) -> Rgb {
+        if self.flag.is_some() && value.is_finite() {
+            return FLAG_COLORS[usize::from(value > 0.5)];
+        }
         if value.is_finite() { self.map.color((value - self.low) / (self.high - self.low)) } else { NO_VALUE }
     }
 
+    fn draw_key(&self, canvas: &mut Canvas, area: Area, words: [&str; 2]) {
+        let middle = area.y + 0.5 * area.height;
+        for (k, word) in words.into_iter().enumerate() {
+            // One above zero.
+            let top = middle - 26.0 * k as f64;
+            let swatch = Area { x: area.x, y: top, width: 16.0, height: 16.0 };
+            canvas.fill(swatch, FLAG_COLORS[k]);
+            canvas.outline(swatch, 1.0, FRAME);
+            canvas.text((area.x + 24.0, top + 8.0 + 0.36 * SMALL), SMALL, Anchor::Left, INK, word);
+        }
+    }
+
     fn draw_bar(&self, canvas: &mut Canvas, area: Area, scene: &Scene) {
+        if let Some(words) = self.flag {
+            return self.draw_key(canvas, area, words);
+        }
         let rows = area.height as usize;
         for row in 0..rows {
             let share = 1.0 - (row as f64 + 0.5) / rows as f64;

@@ -122,11 +122,17 @@ pub fn plot_columns(run: &RunDirectory, columns: &[String], to: &Path) -> Result
     page(&charts, 1, &run_title(run), None)?.save(to)
 }
 
-/// Draws one column of the history of several runs over each other, under the given names.
+/// Draws one column of the history of several runs over each other, under the given names, with points of others `beside` them: time in s
+/// and value in SI, as hollow squares.
 ///
 /// # Errors
 /// As [`plot_columns`].
-pub fn plot_overlay(runs: &[(String, RunDirectory)], column: &str, to: &Path) -> Result<(), PlotError> {
+pub fn plot_overlay(
+    runs: &[(String, RunDirectory)],
+    column: &str,
+    beside: &[(String, Vec<(f64, f64)>)],
+    to: &Path,
+) -> Result<(), PlotError> {
     let mut chart = Chart {
         along: TIME,
         quantity: column.replace('_', " "),
@@ -140,6 +146,8 @@ pub fn plot_overlay(runs: &[(String, RunDirectory)], column: &str, to: &Path) ->
         chart.unit = description.unit.clone();
         chart.curves.extend(curve(&table, column, name));
     }
+    let others = beside.iter().map(|(name, points)| (name.clone(), points.clone()));
+    chart.curves.extend(others.map(|(name, points)| Curve { name, points, marked: true }));
     if !chart.has_values() {
         return Err(PlotError::Empty { reason: format!("no run has a number in `{column}`") });
     }
@@ -156,7 +164,8 @@ fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
 fn curve(table: &HistoryTable, column: &str, name: &str) -> Option<Curve> {
     let (_, times) = table.column("time")?;
     let (_, values) = table.column(column)?;
-    Some(Curve { name: name.to_owned(), points: times.iter().copied().zip(values.iter().copied()).collect() })
+    let points = times.iter().copied().zip(values.iter().copied()).collect();
+    Some(Curve { name: name.to_owned(), points, marked: false })
 }
 
 /// Columns that hold measures.

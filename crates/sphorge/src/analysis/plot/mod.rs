@@ -16,7 +16,7 @@ mod view;
 
 pub use color::ColorMap;
 pub use error::PlotError;
-pub use field::plot_field;
+pub use field::{plot_field, plot_field_of_runs};
 pub use history::{HistoryPicture, plot_columns, plot_history, plot_overlay};
 pub use view::View;
 

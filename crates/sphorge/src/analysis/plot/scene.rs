@@ -27,16 +27,28 @@ pub(super) struct Mark {
 /// The particles of one frame.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
+    /// Name of the run; empty if it is the only one.
+    pub(super) name: String,
     pub(super) time: f64,
+    /// Mean of the field over all particles of the frame, also those that a section leaves out.
+    pub(super) mean: f64,
     pub(super) marks: Vec<Mark>,
     /// Measures to show.
     pub(super) spans: Vec<NamedSpan>,
 }
 
+/// Fields that are one or zero, and what zero and one mean.
+const FLAGS: [(&str, [&str; 2]); 1] = [("adapted", ["kept", "searched"])];
+
 /// All panels of a picture and what they have in common.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
+    /// Frames of the first run, then those of the next.
     pub(super) panels: Vec<Panel>,
+    /// Frames of each run.
+    pub(super) frames: usize,
+    /// Words for zero and one, where the field has no other values.
+    pub(super) flag: Option<[&'static str; 2]>,
     pub(super) view: View,
     pub(super) projection: Projection,
     /// More than one layer of particles towards the eye.
@@ -55,8 +67,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn read(run: &RunDirectory, picture: &FieldPicture) -> Result<Self, PlotError> {
-        let series = read_series(run)?;
+    pub(super) fn read(runs: &[(&str, &RunDirectory)], picture: &FieldPicture) -> Result<Self, PlotError> {
         let mut panels = Vec::new();
         let mut view = picture.view;
         let mut deep = false;
@@ -66,17 +77,21 @@ impl Scene {
             None => (picture.field.as_str(), None),
         };
         let mut label = String::new();
-        let model = if picture.measures { Some(model_of(run)?) } else { None };
-        for choice in &picture.frames {
-            let mut frame = FrameFile::open(choice.pick(&series)?)?;
-            deep |= frame.header.dimensions == 3;
-            line |= frame.header.dimensions == 1;
-            let view = *view.get_or_insert(if frame.header.dimensions == 3 { View::Corner } else { View::Xy });
-            let values = values(&mut frame, name, component, &picture.field)?;
-            label = field_label(name, component, values.width > 1);
-            let spans = model.as_ref().map_or(Ok(Vec::new()), |model| spans(model, &mut frame))?;
-            let section = picture.section.then_some(view);
-            panels.push(Panel { spans, ..panel(&mut frame, view.projection(), values.values, section)? });
+        for &(run_name, run) in runs {
+            let series = read_series(run)?;
+            let model = if picture.measures { Some(model_of(run)?) } else { None };
+            for choice in &picture.frames {
+                let mut frame = FrameFile::open(choice.pick(&series)?)?;
+                deep |= frame.header.dimensions == 3;
+                line |= frame.header.dimensions == 1;
+                let view = *view.get_or_insert(if frame.header.dimensions == 3 { View::Corner } else { View::Xy });
+                let values = values(&mut frame, name, component, &picture.field)?;
+                label = field_label(name, component, values.width > 1);
+                let spans = model.as_ref().map_or(Ok(Vec::new()), |model| spans(model, &mut frame))?;
+                let section = picture.section.then_some(view);
+                let panel = panel(&mut frame, view.projection(), values.values, section)?;
+                panels.push(Panel { name: run_name.to_owned(), spans, ..panel });
+            }
         }
         let marks = || panels.iter().flat_map(|panel: &Panel| &panel.marks);
         let mut values: Vec<f64> = marks().map(|mark| mark.value).filter(|value| value.is_finite()).collect();
@@ -97,6 +112,8 @@ impl Scene {
             [right, up].map(|(low, high)| if high - low < room { (low - room, high + room) } else { (low, high) });
         let view = view.unwrap_or_default();
         Ok(Self {
+            frames: picture.frames.len(),
+            flag: FLAGS.iter().find(|(field, _)| *field == name).map(|(_, words)| *words),
             view,
             projection: view.projection(),
             deep,
@@ -199,6 +216,7 @@ fn panel(
         (Some(_), Some((low, high))) => 0.5 * (low + high) + 1e-6 * (high - low),
         _ => f64::INFINITY,
     };
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     let mut marks: Vec<Mark> = positions
         .iter()
         .zip(values)
@@ -212,5 +230,5 @@ fn panel(
     if frame.header.dimensions == 3 {
         light(&mut marks);
     }
-    Ok(Panel { time: frame.header.time, marks, spans: Vec::new() })
+    Ok(Panel { name: String::new(), time: frame.header.time, mean, marks, spans: Vec::new() })
 }

@@ -120,12 +120,12 @@ fn several_frames_views_components_and_sections_are_drawn() {
 fn a_norm_is_the_length_of_the_vector() {
     let folder = tempfile::tempdir().unwrap();
     let run = run(folder.path(), 2);
-    let scene = scene::Scene::read(&run, &FieldPicture::new("velocity")).unwrap();
+    let scene = scene::Scene::read(&[("", &run)], &FieldPicture::new("velocity")).unwrap();
     assert_eq!((scene.extremes, scene.unit, scene.label.as_str()), ((5.0, 5.0), "m/s", "magnitude of velocity"));
-    let scene = scene::Scene::read(&run, &FieldPicture::new("velocity.y")).unwrap();
+    let scene = scene::Scene::read(&[("", &run)], &FieldPicture::new("velocity.y")).unwrap();
     assert_eq!((scene.extremes, scene.label.as_str()), ((4.0, 4.0), "velocity y"));
     // Pressure alone: the norm of -p I is sqrt(3) p.
-    let scene = scene::Scene::read(&run, &FieldPicture::new("stress")).unwrap();
+    let scene = scene::Scene::read(&[("", &run)], &FieldPicture::new("stress")).unwrap();
     assert!((scene.extremes.1 - 3f64.sqrt() * 1e9).abs() < 1e3);
 }
 
@@ -215,4 +215,66 @@ fn measures_are_lines_on_the_particles() {
     // A line over 4 of 20 mm of about 700 pixels, half hidden by smoothing, its ends, its leader and a label.
     let without = count(&pixels(&to), canvas::INK);
     assert!(with > 140 + without, "{with} {without}");
+}
+
+#[test]
+fn runs_stand_side_by_side_at_one_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs: Vec<_> = ["a", "b"].map(|name| (name.to_owned(), run(&folder.path().join(name), 2))).into();
+    let picture = FieldPicture { frames: vec![FrameChoice::First, FrameChoice::Last], ..FieldPicture::new("pressure") };
+    let borrowed: Vec<_> = runs.iter().map(|(name, run)| (name.as_str(), run)).collect();
+    let scene = scene::Scene::read(&borrowed, &picture).unwrap();
+    let names: Vec<_> = scene.panels.iter().map(|panel| (panel.name.as_str(), panel.time)).collect();
+    assert_eq!(names, [("a", 0.0), ("a", 1e-5), ("b", 0.0), ("b", 1e-5)]);
+    let to = folder.path().join("p.png");
+    plot_field_of_runs(&runs, &FieldPicture { size: Some((900, 700)), ..picture }, &to).unwrap();
+    // Each of the four panels shows the particle of the largest value.
+    let drawn = pixels(&to);
+    for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let quarter = |p: &usize| (p % 900 < 450) == (x == 0) && (p / 900 < 350) == (y == 0);
+        let [r, g, b] = ColorMap::Diverging.color(1.0);
+        let color = |p: &tiny_skia::PremultipliedColorU8| (p.red(), p.green(), p.blue()) == (r, g, b);
+        let found = drawn.pixels().iter().enumerate().filter(|(k, p)| quarter(k) && color(p)).count();
+        assert!(found > 50, "{x} {y}: {found}");
+    }
+}
+
+#[test]
+fn a_field_that_is_one_or_zero_has_a_key_and_a_share() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = RunDirectory::create(&folder.path().join("run"), false).unwrap();
+    let mut particles = Particles::new(400);
+    for i in 0..400 {
+        particles.position[i] = [1e-3 * (i % 20) as f64, 1e-3 * (i / 20) as f64, 0.0];
+        particles.adapted[i] = u32::from(i >= 300);
+    }
+    let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
+    let file = RunDirectory::frame_name(0);
+    write_frame_file(&run.path().join(&file), &header, &particles, &["adapted".to_owned()]).unwrap();
+    write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+    let picture = FieldPicture::new("adapted");
+    let scene = scene::Scene::read(&[("", &run)], &picture).unwrap();
+    assert_eq!((scene.panels[0].mean, scene.flag), (0.25, Some(["kept", "searched"])));
+    let to = folder.path().join("p.png");
+    plot_field(&run, &picture, &to).unwrap();
+    let drawn = pixels(&to);
+    let (kept, searched) = (count(&drawn, [176, 190, 204]), count(&drawn, [213, 94, 0]));
+    assert!((2.0..4.0).contains(&(kept as f64 / searched as f64)), "{kept} {searched}");
+}
+
+#[test]
+fn runs_overlay_with_points_of_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let beside = vec![("elements".to_owned(), vec![(0.0, 1.0), (1.0, 2.0)])];
+    let to = folder.path().join("p.png");
+    plot_overlay(&[], "strain", &beside, &to).unwrap();
+    // Squares have soft edges.
+    let drawn = pixels(&to);
+    let near = |p: &&tiny_skia::PremultipliedColorU8| {
+        let [r, g, b] = color::LINES[0];
+        p.red().abs_diff(r) < 90 && p.green().abs_diff(g) < 60 && p.blue().abs_diff(b) < 60
+    };
+    let found = drawn.pixels().iter().filter(near).count();
+    assert!((30..200).contains(&found), "{found}");
+    assert!(matches!(plot_overlay(&[], "strain", &[], &to), Err(PlotError::Empty { .. })));
 }

@@ -42,12 +42,14 @@ pub struct Variant {
     pub series: Option<&'static str>,
     /// Changes to the deck: path and value, as `--set` takes them.
     pub overrides: Vec<(String, String)>,
+    /// A failure of the run is a result like any other, and does not fail the case.
+    pub may_fail: bool,
 }
 
 impl Variant {
     /// The deck as it is.
     pub fn new(label: impl Into<String>) -> Self {
-        Self { label: label.into(), series: None, overrides: Vec::new() }
+        Self { label: label.into(), series: None, overrides: Vec::new(), may_fail: false }
     }
 
     /// A member of a series of refinements.
@@ -59,6 +61,11 @@ impl Variant {
     pub fn set(mut self, path: &str, value: &str) -> Self {
         self.overrides.push((path.to_owned(), value.to_owned()));
         self
+    }
+
+    /// Lets the run fail.
+    pub fn may_fail(self) -> Self {
+        Self { may_fail: true, ..self }
     }
 
     /// Changes the spacing.

@@ -43,6 +43,15 @@ impl CaseReport {
                 *text += &format!("Run `{}` **failed**: {failure}\n\n", run.label);
             }
         }
+        for table in &self.tables {
+            let heads = table.head.len();
+            *text +=
+                &format!("{}:\n\n| {} |\n|---{}|\n", table.title, table.head.join(" | "), "|---:".repeat(heads - 1));
+            for row in &table.rows {
+                *text += &format!("| {} |\n", row.join(" | "));
+            }
+            text.push('\n');
+        }
         if !self.findings.is_empty() {
             *text += "| quantity | run | ours | reference | deviation | asked | verdict |\n";
             *text += "|---|---|---:|---|---:|---|---|\n";

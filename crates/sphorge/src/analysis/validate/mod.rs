@@ -23,7 +23,7 @@ pub use case::{Case, Effort, Variant};
 pub use cases::CASES;
 pub use error::ValidateError;
 pub use finding::{Bounds, Finding, Reference, ReferenceKind, Tolerance, Unit, Verdict};
-pub use report::{CaseReport, PictureRecord, Report, RunEntry};
+pub use report::{CaseReport, NumberTable, PictureRecord, Report, RunEntry};
 pub use study::{Demand, Study, StudyPoint};
 
 use crate::run::{Observer, Silent};

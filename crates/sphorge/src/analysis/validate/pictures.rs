@@ -1,11 +1,20 @@
 //! Pictures of a report.
 
-use super::{Case, PictureRecord, folder::Folder, runs::Runs};
+use super::{
+    Case, PictureRecord,
+    folder::Folder,
+    runs::{Run, Runs},
+};
 use crate::{
-    analysis::plot::{FieldPicture, FrameChoice, PlotError, plot_columns, plot_field},
+    analysis::plot::{
+        FieldPicture, FrameChoice, PlotError, View, plot_columns, plot_field, plot_field_of_runs, plot_overlay,
+    },
     output::RunDirectory,
 };
 use std::path::Path;
+
+/// Points of others: what they are, times in s and values in SI.
+pub(super) type Beside = Vec<(String, Vec<(f64, f64)>)>;
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug)]
@@ -16,9 +25,24 @@ pub(super) enum Subject {
     BeforeAfter(&'static str),
     /// Columns of the history.
     History(&'static [&'static str]),
+    /// A field inside runs of these labels, those that there are, at these times, s.
+    Inside { runs: &'static [&'static str], field: &'static str, times: &'static [f64], cut: Cut },
+    /// A column of the history of every run of the series and of another, with points of others.
+    Overlay { column: &'static str, and: &'static str, beside: fn() -> Beside },
 }
 
-/// A picture of the finest run of a series.
+/// A body cut in the middle, seen from the side that is gone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    /// Direction of view.
+    pub(super) view: View,
+    /// Part to show, right then up, m.
+    pub(super) window: [(f64, f64); 2],
+    /// Ends of the colour bar, SI; to fit if none.
+    pub(super) range: Option<(f64, f64)>,
+}
+
+/// A picture, of the finest run of a series unless its subject says otherwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Picture {
     pub(super) series: &'static str,
@@ -30,34 +54,62 @@ pub(super) struct Picture {
 pub(super) fn draw(case: &Case, runs: &Runs, folder: &Folder) -> Vec<PictureRecord> {
     let draw_one = |(k, picture): (usize, &Picture)| {
         let file = folder.pictures(case.name).join(format!("{}.png", k + 1));
-        let run = runs.finest(picture.series);
-        let label = run.map_or("", |run| run.label());
-        let caption = format!("{} ({label})", picture.caption);
-        let drawn = match run {
-            Some(run) => RunDirectory::open(&run.directory)
-                .map_err(PlotError::from)
-                .and_then(|run| subject(&run, picture.subject, &file))
-                .map_err(|error| error.to_string()),
-            None => Err("there is no such run".to_owned()),
+        let chosen = picture.runs(runs);
+        let caption = match &chosen[..] {
+            [run] => format!("{} ({})", picture.caption, run.label()),
+            _ => picture.caption.to_owned(),
         };
-        match drawn {
+        match picture.draw(&chosen, &file) {
             Ok(()) => PictureRecord { caption, file: Some(folder.relative(&file)), trouble: None },
-            Err(trouble) => PictureRecord { caption, file: None, trouble: Some(trouble) },
+            Err(trouble) => PictureRecord { caption, file: None, trouble: Some(trouble.to_string()) },
         }
     };
     case.pictures.iter().enumerate().map(draw_one).collect()
 }
 
-fn subject(run: &RunDirectory, subject: Subject, file: &Path) -> Result<(), PlotError> {
-    match subject {
-        Subject::Last(field) => plot_field(run, &FieldPicture::new(field), file),
-        Subject::BeforeAfter(field) => {
-            let frames = vec![FrameChoice::First, FrameChoice::Last];
-            plot_field(run, &FieldPicture { frames, ..FieldPicture::new(field) }, file)
+impl Picture {
+    /// The runs it shows.
+    fn runs<'a>(&'a self, runs: &'a Runs) -> Vec<&'a Run> {
+        match self.subject {
+            Subject::Inside { runs: labels, .. } => {
+                labels.iter().filter_map(|label| runs.0.iter().find(|run| run.label() == *label)).collect()
+            }
+            Subject::Overlay { and, .. } => runs.series(self.series).chain(runs.series(and)).collect(),
+            _ => runs.finest(self.series).into_iter().collect(),
         }
-        Subject::History(columns) => {
-            let columns: Vec<String> = columns.iter().map(|&column| column.to_owned()).collect();
-            plot_columns(run, &columns, file)
+    }
+
+    fn draw(&self, runs: &[&Run], file: &Path) -> Result<(), PlotError> {
+        let open = |run: &&Run| Ok((run.label().to_owned(), RunDirectory::open(&run.directory)?));
+        let runs = runs.iter().map(open).collect::<Result<Vec<_>, PlotError>>()?;
+        let Some((_, finest)) = runs.last() else {
+            return Err(PlotError::Empty { reason: "there is no such run".to_owned() });
+        };
+        match self.subject {
+            Subject::Last(field) => plot_field(finest, &FieldPicture::new(field), file),
+            Subject::BeforeAfter(field) => {
+                let frames = vec![FrameChoice::First, FrameChoice::Last];
+                plot_field(finest, &FieldPicture { frames, ..FieldPicture::new(field) }, file)
+            }
+            Subject::History(columns) => {
+                let columns: Vec<String> = columns.iter().map(|&column| column.to_owned()).collect();
+                plot_columns(finest, &columns, file)
+            }
+            Subject::Inside { field, times, cut, .. } => {
+                let picture = FieldPicture {
+                    frames: times.iter().map(|&time| FrameChoice::Time(time)).collect(),
+                    view: Some(cut.view),
+                    section: true,
+                    window: Some(cut.window),
+                    range: cut.range,
+                    ..FieldPicture::new(field)
+                };
+                match &runs[..] {
+                    [_] => plot_field(finest, &picture, file),
+                    several => plot_field_of_runs(several, &picture, file),
+                }
+            }
+            Subject::Overlay { column, beside, .. } => plot_overlay(&runs, column, &beside(), file),
         }
     }
 }

@@ -13,8 +13,20 @@ use serde::Serialize;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Findings {
     findings: Vec<Finding>,
+    tables: Vec<NumberTable>,
     studies: Vec<Study>,
     notes: Vec<String>,
+}
+
+/// Runs beside each other, a row each, in the form a source shows them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NumberTable {
+    /// What it is.
+    pub title: String,
+    /// Heads of the columns; the first names the row.
+    pub head: Vec<&'static str>,
+    /// Cells, as many a row as there are heads; an empty one has no number.
+    pub rows: Vec<Vec<String>>,
 }
 
 impl Findings {
@@ -22,6 +34,11 @@ impl Findings {
     pub(super) fn add(&mut self, mut finding: Finding) {
         finding.judge();
         self.findings.push(finding);
+    }
+
+    /// Adds a table, before all else.
+    pub(super) fn table(&mut self, table: NumberTable) {
+        self.tables.push(table);
     }
 
     /// Adds a study.
@@ -47,6 +64,8 @@ pub struct RunEntry {
     pub folder: String,
     /// Why it failed, if it did.
     pub failure: Option<String>,
+    /// Whether a failure is a result like any other.
+    pub may_fail: bool,
     /// Number of particles.
     pub particles: Option<u64>,
     /// Steps done.
@@ -67,6 +86,7 @@ impl RunEntry {
             overrides: run.variant.overrides.clone(),
             folder: folder.relative(&run.directory),
             failure: run.outcome.as_ref().err().cloned(),
+            may_fail: run.variant.may_fail,
             particles: summary.map(|s| s.particles),
             steps: summary.map(|s| s.steps),
             seconds: summary.map(|s| s.wall_seconds),
@@ -102,6 +122,8 @@ pub struct CaseReport {
     pub verdict: Verdict,
     /// The runs.
     pub runs: Vec<RunEntry>,
+    /// Runs beside each other.
+    pub tables: Vec<NumberTable>,
     /// Numbers.
     pub findings: Vec<Finding>,
     /// Numbers against spacing.
@@ -121,10 +143,11 @@ impl CaseReport {
         folder: &Folder,
     ) -> Self {
         let runs: Vec<_> = runs.0.iter().map(|run| RunEntry::new(run, folder)).collect();
-        let Findings { findings, studies, notes } = findings;
+        let Findings { findings, tables, studies, notes } = findings;
         let verdicts =
             || findings.iter().map(|f| f.verdict).chain(studies.iter().map(|s| s.verdict)).collect::<Vec<_>>();
-        let verdict = if runs.iter().any(|run| run.failure.is_some()) || verdicts().contains(&Verdict::Failed) {
+        let broken = |run: &RunEntry| run.failure.is_some() && !run.may_fail;
+        let verdict = if runs.iter().any(broken) || verdicts().contains(&Verdict::Failed) {
             Verdict::Failed
         } else if verdicts().contains(&Verdict::Passed) {
             Verdict::Passed
@@ -132,7 +155,7 @@ impl CaseReport {
             Verdict::Shown
         };
         let Case { name, title, about, deck, .. } = *case;
-        Self { name, title, about, deck, verdict, runs, findings, studies, notes, pictures }
+        Self { name, title, about, deck, verdict, runs, tables, findings, studies, notes, pictures }
     }
 
     /// Number of checks that passed and number of all.

@@ -7,7 +7,7 @@ use super::{
     report::{CaseReport, Report},
     study::Study,
 };
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
 use std::fmt;
 
 impl fmt::Display for Report {
@@ -33,6 +33,10 @@ impl fmt::Display for CaseReport {
         writeln!(f, "{}: {}", self.name, self.title)?;
         for run in self.runs.iter().filter(|run| run.failure.is_some()) {
             writeln!(f, "  run `{}` FAILED: {}", run.label, run.failure.as_deref().unwrap_or_default())?;
+        }
+        for numbers in &self.tables {
+            let columns: Vec<usize> = (1..numbers.head.len()).collect();
+            writeln!(f, "{}\n{}", numbers.title, table(&numbers.head, &columns, numbers.rows.iter()))?;
         }
         if !self.findings.is_empty() {
             let head = ["quantity", "run", "ours", "reference", "deviation", "asked", "verdict"];
@@ -104,7 +108,7 @@ fn significant_order(order: f64) -> String {
     significant((order * 100.0).round() / 100.0)
 }
 
-fn table(head: &[&str], right: &[usize], rows: impl Iterator<Item = [String; 7]>) -> Table {
+fn table(head: &[&str], right: &[usize], rows: impl Iterator<Item = impl Into<Row>>) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(head.iter().copied()).add_rows(rows);

@@ -184,7 +184,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     };
     numerics::check_smoothing(&raw.numerics, numerics.as_ref(), search, problems);
     let time = numerics::time(&raw.time, problems);
-    let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), problems);
+    let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), search, problems);
     let library = material::Library::new(&raw.material, problems);
     let (body_names, body_places) = Names::collect("body", raw.body.iter().map(|b| &b.name), problems);
     let (region_names, region_places) = Names::collect("region", raw.region.iter().map(|r| &r.name), problems);

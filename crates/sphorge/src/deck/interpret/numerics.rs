@@ -221,7 +221,12 @@ pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl
 }
 
 /// What to write and when; `end` is the end of the run, if it could be read.
-pub(crate) fn output(raw: &RawOutput, end: Option<f64>, problems: &mut Problems) -> Option<OutputControl> {
+pub(crate) fn output(
+    raw: &RawOutput,
+    end: Option<f64>,
+    search: Option<Search>,
+    problems: &mut Problems,
+) -> Option<OutputControl> {
     let frames = or_default!(raw.frames, defaults::FRAMES, |f: &crate::deck::value::Count| f.positive(problems));
     let frame_interval = or_default!(raw.frame_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
     let history_interval = or_default!(raw.history_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
@@ -231,7 +236,13 @@ pub(crate) fn output(raw: &RawOutput, end: Option<f64>, problems: &mut Problems)
         problems.push(fault.also(count.0.span.clone(), "here").help("keep one of them"));
     }
     let fields = match &raw.fields {
-        None => Some(FIELDS.iter().filter(|f| f.default_output).map(|f| f.name.to_owned()).collect()),
+        None => {
+            // Who is searched is what there is to see of an adaptive search.
+            let is_usual =
+                |name: &str, usual| usual || (name == "adapted" && matches!(search, Some(Search::Adaptive(_))));
+            let usual = FIELDS.iter().filter(|f| is_usual(f.name, f.default_output));
+            Some(usual.map(|f| f.name.to_owned()).collect())
+        }
         Some(words) => {
             let known: Vec<_> = words.iter().map(|word| word.get(problems)).collect();
             known.into_iter().map(|field| field.map(|f| f.name.to_owned())).collect::<Option<Vec<_>>>()

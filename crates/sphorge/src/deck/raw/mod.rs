@@ -152,7 +152,7 @@ pub(crate) struct RawOutput {
     /// Time between rows of `history.csv`.
     #[schemars(extend("examples" = ["0.1 us"], "x-default" = "end / 500"))]
     pub(crate) history_interval: Option<Given<Time>>,
-    /// Fields to write to frames.
+    /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: who was searched in the last step.
     #[schemars(extend("examples" = [["velocity", "plastic_strain"]], "x-default" = "the usual ones"))]
     pub(crate) fields: Option<Vec<Choice<FieldWord>>>,
 }
