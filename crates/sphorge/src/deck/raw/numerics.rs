@@ -128,7 +128,7 @@ pub(crate) struct RawTotalLagrangian {
     /// sums over current neighbours, and puts a bulk viscosity with the same constants in place of the pair viscosity.
     #[schemars(extend("examples" = ["frozen"], "default" = "corrected"))]
     pub(crate) form: Option<Choice<FormulationWord>>,
-    /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none.
+    /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs yield with the material.
     #[schemars(extend("examples" = [10.0], "default" = 10.0))]
     pub(crate) hourglass: Option<Given<Number>>,
 }

@@ -4,9 +4,18 @@
 //! can grow without bound. Ganzenmüller (2015, Eq 21 to 24) resists it with springs: where the linear motion puts neighbour `j` of
 //! `i` `delta_i = (F_i X_ij - x_ij) . x_ij/|x_ij|` farther out than it is,
 //!
-//! `f_ij = alpha/2 E V_i V_j W(X_ij)/|X_ij|^2 (delta_i + delta_j) x_ij/|x_ij|`
+//! `f_ij = V_i V_j W(X_ij)/|X_ij| s_ij x_ij/|x_ij|`,  `s_ij = alpha E (delta_i + delta_j)/(2 |X_ij|)`
 //!
 //! pushes `i` there, where `x_ij = x_i - x_j`. The work goes to the internal energy of both, half each.
+//!
+//! `s_ij` is a stress, and a metal bears no more than its flow stress `Y`. Springs as stiff as the metal at rest would hold up its
+//! flow, in which the motion is linear nowhere; springs weak enough for the flow let elastic bodies rattle. So they yield too:
+//!
+//! `s_ij -> s_ij/(1 + |s_ij|/(Y/2))`
+//!
+//! has the stiffness `alpha E` of Ganzenmüller for small errors, where elastic bodies stay, and never exceeds half the flow stress;
+//! its tangent `alpha E/(1 + 2 |s_ij|/Y)^2` falls with that of the metal. Stiffness and flow stress are the means of the two
+//! particles, so momentum is conserved.
 
 use super::CpuEngine;
 use super::kinematics::PairConstants;
@@ -19,17 +28,38 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::{Dimension, Real, Vector};
 
-/// Entries of an hourglass record: position as it is, deformation gradient.
+/// Entries of an hourglass record: position as it is, deformation gradient, stiffness `alpha E`, largest stress.
 mod entry {
     pub(super) const X: usize = 0;
     pub(super) const F: usize = 3;
+    pub(super) const STIFFNESS: usize = 12;
+    pub(super) const BOUND: usize = 13;
     pub(super) const LEN: usize = 16;
 }
 
 /// What the sum reads of a particle beside its kinematic record.
 pub(super) type HourglassRecord<T> = [T; entry::LEN];
 
-/// Sums of one particle, still without the factor `alpha E V_i / m_i`.
+/// Share of the flow stress that springs bear at most.
+const SHARE: f64 = 0.5;
+
+/// What they bear of a metal without strength, such as a melt, as a share of Young's modulus.
+const LEAST: f64 = 1e-4;
+
+/// Stress of a spring, Pa: `stiffness` (Pa) times its strain where that is small, never beyond `bound` (Pa, positive).
+#[inline(always)]
+fn spring_stress<R: Real>(stiffness: R, strain: R, bound: R) -> R {
+    let stress = stiffness * strain;
+    stress / (R::one() + stress.max(-stress) / bound)
+}
+
+/// Stiffness and bound of the springs of a particle, Pa.
+fn spring(strength: f64, young: f64, yield_stress: f64) -> [f64; 2] {
+    // A fluid has no springs; its bound only must not be zero.
+    [strength * young, (SHARE * yield_stress).max(LEAST * young).max(1.0)]
+}
+
+/// Sums of one particle, still without the factor `V_i / m_i`.
 #[derive(Clone, Copy)]
 struct HourglassSum<T> {
     acceleration: Vector<T>,
@@ -93,7 +123,11 @@ fn hourglass_row<L: Lanes, const D: usize>(
         }
         // Padding is at no distance and has no error: only the division must not fail.
         let size = h * h * L::of(1e-6);
-        let strength = L::of(0.5) * w * initial_j[WEIGHT] * error / (initial2.max(size) * r2.max(size));
+        let inverse = L::one() / (initial2.max(size) * r2.max(size)).sqrt();
+        let half = L::of(0.5);
+        let stiffness = (record_i[entry::STIFFNESS] + record_j[entry::STIFFNESS]) * half;
+        let bound = (record_i[entry::BOUND] + record_j[entry::BOUND]) * half;
+        let strength = w * initial_j[WEIGHT] * spring_stress(stiffness, error * inverse * half, bound) * inverse;
         let mut power = L::zero();
         for a in 0..D {
             acceleration[a] = strength.mul_add(x[a], acceleration[a]);
@@ -128,11 +162,18 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut records = std::mem::take(&mut self.records.hourglass);
         records.resize(count + self.halo.ghosts.len(), [T::zero(); entry::LEN]);
         let deformation = &reference.deformation;
+        let (material, yield_stress) = (&self.particles.material, &self.particles.yield_stress);
+        let set = |record: &mut HourglassRecord<T>, i: usize| {
+            let young = reference.young_modulus[material[i] as usize];
+            [record[entry::STIFFNESS], record[entry::BOUND]] =
+                spring(total.hourglass, young, yield_stress[i]).map(T::of);
+        };
         records[..count].par_iter_mut().enumerate().for_each(|(i, record)| {
             record[..3].copy_from_slice(&frame.encode::<T>(&position[i]));
             for c in 0..9 {
                 record[entry::F + c] = T::of(deformation[i][c / 3][c % 3]);
             }
+            set(record, i);
         });
         for (k, ghost) in self.halo.ghosts.iter().enumerate() {
             let source = ghost.source as usize;
@@ -141,12 +182,13 @@ impl<T: PairScalar> CpuEngine<T> {
             for c in 0..9 {
                 record[entry::F + c] = T::of(deformation[source][c / 3][c % 3] * ghost.sign[c / 3] * ghost.sign[c % 3]);
             }
+            set(record, source);
         }
 
         let (list, instructions, constants) = (&self.lists.list, self.instructions, &self.constants);
         let (kinematic, model) = (&self.records.kinematic, &self.model);
-        let Particles { acceleration, energy_rate, mass, material, .. } = &mut self.particles;
-        let (mass, material, young) = (&*mass, &*material, &reference.young_modulus);
+        let Particles { acceleration, energy_rate, mass, .. } = &mut self.particles;
+        let mass = &*mass;
         let records_of = &records;
         dispatch_dimension!(super::dimension(model), |D| {
             (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK))
@@ -166,7 +208,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     run(instructions, job);
                     for k in 0..acceleration.len() {
                         let i = b * BLOCK + k;
-                        let factor = total.hourglass * young[material[i] as usize] * reference.volume[i] / mass[i];
+                        let factor = reference.volume[i] / mass[i];
                         for a in 0..3 {
                             acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
                         }
@@ -175,5 +217,34 @@ impl<T: PairScalar> CpuEngine<T> {
                 });
         });
         self.records.hourglass = records;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn springs_are_those_of_the_metal_at_rest_and_yield_with_it() {
+        // E 200 GPa, strength 10, flow stress 800 MPa: 400 MPa at most.
+        let [stiffness, bound] = spring(10.0, 200e9, 800e6);
+        assert_eq!((stiffness, bound), (2e12, 400e6));
+        let stress = |strain: f64| spring_stress(stiffness, strain, bound);
+        assert!((stress(1e-8) / 2e4 - 1.0).abs() < 1e-4);
+        // As much again as the bound: half of it. Ten times: 10/11.
+        assert!((stress(2e-4) / 200e6 - 1.0).abs() < 1e-12);
+        assert!((stress(-2e-3) / -363.636_363_6e6 - 1.0).abs() < 1e-9);
+        // The tangent, k/(1 + r)^2: a quarter at the bound, 1/121 at ten times.
+        let tangent = |strain: f64| (stress(strain + 1e-9) - stress(strain - 1e-9)) / 2e-9;
+        assert!((tangent(2e-4) / 5e11 - 1.0).abs() < 1e-4 && (tangent(2e-3) / (2e12 / 121.0) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn springs_of_what_never_yields_are_linear_and_a_melt_keeps_a_little() {
+        let [stiffness, bound] = spring(10.0, 2e6, f64::INFINITY);
+        assert_eq!(spring_stress(stiffness, 0.3, bound), 6e6);
+        assert_eq!(spring(10.0, 200e9, 0.0)[1], 20e6);
+        let [stiffness, bound] = spring(10.0, 0.0, 0.0);
+        assert_eq!(spring_stress(stiffness, 0.3, bound), 0.0);
     }
 }

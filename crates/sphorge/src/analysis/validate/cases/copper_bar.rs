@@ -49,7 +49,7 @@ fn variants(effort: Effort) -> Vec<Variant> {
         Variant::of_series(label, series).set("body.bar.velocity.2", &format!("\"-{speed}\""))
     };
     match effort {
-        Effort::Quick => vec![at(SPEEDS, "190 m/s", "190 m/s").spacing("0.762 mm")],
+        Effort::Quick => vec![at(SPEEDS, "190 m/s", "190 m/s").spacing("0.635 mm")],
         Effort::Full => {
             let coarse = |row: &(&str, [f64; 2], [f64; 2])| {
                 at(COARSE, &format!("{}, 0.635 mm", row.0), row.0).spacing("0.635 mm")

@@ -45,8 +45,7 @@ pub(super) const CASE: Case = Case {
     ],
 };
 
-/// Weak hourglass control: as strong as usual it stiffens plastic flow.
-const LAGRANGIAN: &str = "{ total-lagrangian = { hourglass = 0.3 } }";
+const LAGRANGIAN: &str = "total-lagrangian";
 
 /// The bar between planes of symmetry.
 const QUARTER: &str = "{ intersection = [ \
