@@ -193,6 +193,26 @@ mod tests {
     }
 
     #[test]
+    fn an_energy_below_absolute_zero_pulls_no_harder_than_none() {
+        let law = EQUATIONS_OF_STATE.iter().position(|entry| entry.key == "mie-gruneisen").unwrap();
+        let values = vec![("sound-speed", 4000.0), ("shock-slope", 1.5), ("gruneisen", 2.0)];
+        let heated = |specific_heat| Constants {
+            equation_of_state: Some(LawConstants { law, values: values.clone() }),
+            elastic: ElasticConstants { shear: Some(80e9), ..Default::default() },
+            specific_heat,
+            reference_temperature: Some(300.0),
+            ..steel()
+        };
+        let pressure = |material: &Material, energy: f64| material.pressure(7850.0, energy).pressure;
+        // Gamma rho e at -400 300 J/kg; without specific heat at a hundredth of the square of the sound speed.
+        for (specific_heat, least) in [(Some(400.0), 1.2e5), (None, 1.6e5)] {
+            let material = build("steel", &heated(specific_heat)).unwrap();
+            assert!((pressure(&material, -1e5) / -1.57e9 - 1.0).abs() < 1e-9);
+            assert!((pressure(&material, -1e7) / (-2.0 * 7850.0 * least) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn tension_is_cut_off_where_the_material_spalls() {
         let material = build("steel", &Constants { spall_pressure: Some(1e9), ..steel() }).unwrap();
         // K = 175 GPa: 0.4 % of expansion is 0.7 GPa, 1 % would be 1.75 GPa.

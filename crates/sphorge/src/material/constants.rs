@@ -140,10 +140,14 @@ impl Material {
     }
 
     /// Pressure (Pa) and sound speed at a density (kg/m³) and a specific internal energy (J/kg), tension cut off where the
-    /// material spalls.
+    /// material spalls. Energies below that of absolute zero count as that.
     #[inline(always)]
     pub fn pressure(&self, density: f64, energy: f64) -> PressureState<f64> {
-        let state = self.equation_of_state.pressure(density, energy);
+        // An energy below that of absolute zero is an error of the sums, and with it the pressure would pull ever harder: tension
+        // at a negative energy works against itself. Metals without a specific heat hold about as much as others.
+        let c0 = self.equation_of_state.reference_sound_speed();
+        let least = -(self.specific_heat * self.reference_temperature).min(0.01 * c0 * c0);
+        let state = self.equation_of_state.pressure(density, energy.max(least));
         PressureState { pressure: state.pressure.max(-self.spall_pressure), ..state }
     }
 }
