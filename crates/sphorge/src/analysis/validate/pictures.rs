@@ -25,17 +25,19 @@ pub(super) enum Subject {
     BeforeAfter(&'static str),
     /// Columns of the history.
     History(&'static [&'static str]),
-    /// A field inside runs of these labels, those that there are, at these times, s.
-    Inside { runs: &'static [&'static str], field: &'static str, times: &'static [f64], cut: Cut },
+    /// A field in runs of these labels, those that there are, at these times, s.
+    Inside { runs: &'static [&'static str], field: &'static str, times: &'static [f64], look: Look },
     /// A column of the history of every run of the series and of another, with points of others.
     Overlay { column: &'static str, and: &'static str, beside: fn() -> Beside },
 }
 
-/// A body cut in the middle, seen from the side that is gone.
+/// How bodies are looked at.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cut {
+pub(super) struct Look {
     /// Direction of view.
     pub(super) view: View,
+    /// Cut in the middle, seen from the side that is gone.
+    pub(super) section: bool,
     /// Part to show, right then up, m.
     pub(super) window: [(f64, f64); 2],
     /// Ends of the colour bar, SI; to fit if none.
@@ -95,13 +97,13 @@ impl Picture {
                 let columns: Vec<String> = columns.iter().map(|&column| column.to_owned()).collect();
                 plot_columns(finest, &columns, file)
             }
-            Subject::Inside { field, times, cut, .. } => {
+            Subject::Inside { field, times, look, .. } => {
                 let picture = FieldPicture {
                     frames: times.iter().map(|&time| FrameChoice::Time(time)).collect(),
-                    view: Some(cut.view),
-                    section: true,
-                    window: Some(cut.window),
-                    range: cut.range,
+                    view: Some(look.view),
+                    section: look.section,
+                    window: Some(look.window),
+                    range: look.range,
                     ..FieldPicture::new(field)
                 };
                 match &runs[..] {
