@@ -187,21 +187,21 @@ impl Lanes for F32x8 {
         Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
     }
     #[inline(always)]
-    fn gather<const F: usize>(records: &[[f32; F]], indices: &[u32]) -> [Self; F] {
-        if !F.is_multiple_of(8) {
-            return gather_entries::<Self, F, 8>(records, indices);
+    fn gather_part<const F: usize, const N: usize>(records: &[[f32; F]], indices: &[u32], first: usize) -> [Self; N] {
+        if !N.is_multiple_of(8) {
+            return gather_entries::<Self, F, N, 8>(records, indices, first);
         }
         let indices = &indices[..8];
-        let mut lanes = [Self::zero(); F];
-        for first in (0..F).step_by(8) {
+        let mut lanes = [Self::zero(); N];
+        for part in (0..N).step_by(8) {
             let mut rows = unsafe { [_mm256_setzero_ps(); 8] };
             for k in 0..8 {
-                let row = &records[indices[k] as usize][first..first + 8];
+                let row = &records[indices[k] as usize][first + part..first + part + 8];
                 rows[k] = unsafe { _mm256_loadu_ps(row.as_ptr()) };
             }
             let columns = unsafe { transpose_8x8(rows) };
             for c in 0..8 {
-                lanes[first + c] = Self(columns[c]);
+                lanes[part + c] = Self(columns[c]);
             }
         }
         lanes
@@ -232,8 +232,14 @@ impl Lanes for F32x8 {
         Self::less_mask(a, b)
     }
     #[inline(always)]
-    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
-        compress_each(mask, &indices[..8], out)
+    fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize {
+        compress_each(mask, &indices[..8], Some(own), out)
+    }
+    #[inline(always)]
+    fn compress_values(self, mask: u32, out: &mut [f32]) {
+        let mut values = [0.0; 8];
+        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
+        compress_each(mask, &values, None, out);
     }
 }
 
@@ -251,16 +257,16 @@ impl Lanes for F64x4 {
         Self(unsafe { _mm256_loadu_pd(values.as_ptr()) })
     }
     #[inline(always)]
-    fn gather<const F: usize>(records: &[[f64; F]], indices: &[u32]) -> [Self; F] {
-        if !F.is_multiple_of(4) {
-            return gather_entries::<Self, F, 4>(records, indices);
+    fn gather_part<const F: usize, const N: usize>(records: &[[f64; F]], indices: &[u32], first: usize) -> [Self; N] {
+        if !N.is_multiple_of(4) {
+            return gather_entries::<Self, F, N, 4>(records, indices, first);
         }
         let indices = &indices[..4];
-        let mut lanes = [Self::zero(); F];
-        for first in (0..F).step_by(4) {
+        let mut lanes = [Self::zero(); N];
+        for part in (0..N).step_by(4) {
             let mut rows = unsafe { [_mm256_setzero_pd(); 4] };
             for k in 0..4 {
-                let row = &records[indices[k] as usize][first..first + 4];
+                let row = &records[indices[k] as usize][first + part..first + part + 4];
                 rows[k] = unsafe { _mm256_loadu_pd(row.as_ptr()) };
             }
             unsafe {
@@ -268,10 +274,10 @@ impl Lanes for F64x4 {
                 let t1 = _mm256_unpackhi_pd(rows[0], rows[1]);
                 let t2 = _mm256_unpacklo_pd(rows[2], rows[3]);
                 let t3 = _mm256_unpackhi_pd(rows[2], rows[3]);
-                lanes[first] = Self(_mm256_permute2f128_pd::<0x20>(t0, t2));
-                lanes[first + 1] = Self(_mm256_permute2f128_pd::<0x20>(t1, t3));
-                lanes[first + 2] = Self(_mm256_permute2f128_pd::<0x31>(t0, t2));
-                lanes[first + 3] = Self(_mm256_permute2f128_pd::<0x31>(t1, t3));
+                lanes[part] = Self(_mm256_permute2f128_pd::<0x20>(t0, t2));
+                lanes[part + 1] = Self(_mm256_permute2f128_pd::<0x20>(t1, t3));
+                lanes[part + 2] = Self(_mm256_permute2f128_pd::<0x31>(t0, t2));
+                lanes[part + 3] = Self(_mm256_permute2f128_pd::<0x31>(t1, t3));
             }
         }
         lanes
@@ -299,7 +305,13 @@ impl Lanes for F64x4 {
         Self::less_mask(a, b)
     }
     #[inline(always)]
-    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
-        compress_each(mask, &indices[..4], out)
+    fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize {
+        compress_each(mask, &indices[..4], Some(own), out)
+    }
+    #[inline(always)]
+    fn compress_values(self, mask: u32, out: &mut [f64]) {
+        let mut values = [0.0; 4];
+        unsafe { _mm256_storeu_pd(values.as_mut_ptr(), self.0) };
+        compress_each(mask, &values, None, out);
     }
 }

@@ -20,8 +20,8 @@ pub(crate) struct F64x8(__m512d);
 #[inline(always)]
 fn newton_inverse_sqrt(x: F32x16) -> F32x16 {
     let estimate = F32x16(unsafe { _mm512_rsqrt14_ps(x.0) });
-    let half = F32x16::of(0.5) * x;
-    estimate * (-(half * estimate)).mul_add(estimate, F32x16::of(1.5))
+    let half = F32x16::of(0.5) * x * estimate;
+    estimate * F32x16(unsafe { _mm512_fnmadd_ps(half.0, estimate.0, F32x16::of(1.5).0) })
 }
 
 macro_rules! arithmetic {
@@ -182,20 +182,57 @@ unsafe fn transpose_two_8x8(r: [__m512; 8]) -> [__m512; 8] {
     }
 }
 
-/// Eight columns, starting at entry `first`, of sixteen records.
+/// Fails unless all indices are those of records: one test for all of them.
 #[inline(always)]
-unsafe fn columns_f32<const F: usize>(records: &[[f32; F]], indices: &[u32], first: usize) -> [__m512; 8] {
-    let mut rows = unsafe { [_mm512_setzero_ps(); 8] };
-    for k in 0..8 {
-        let low = &records[indices[k] as usize][first..first + 8];
-        let high = &records[indices[k + 8] as usize][first..first + 8];
-        // SAFETY: both slices are eight long.
-        rows[k] = unsafe {
-            let low = _mm512_castps256_ps512(_mm256_loadu_ps(low.as_ptr()));
-            _mm512_insertf32x8::<1>(low, _mm256_loadu_ps(high.as_ptr()))
-        };
+fn assert_below_16(indices: &[u32; 16], count: usize) {
+    let count = u32::try_from(count).unwrap_or(u32::MAX) as i32;
+    let outside =
+        unsafe { _mm512_cmpge_epu32_mask(_mm512_loadu_si512(indices.as_ptr().cast()), _mm512_set1_epi32(count)) };
+    assert!(outside == 0, "index of a neighbour out of bounds");
+}
+
+/// As [`assert_below_16`], for eight indices.
+#[inline(always)]
+fn assert_below_8(indices: &[u32; 8], count: usize) {
+    let count = u32::try_from(count).unwrap_or(u32::MAX) as i32;
+    let outside =
+        unsafe { _mm256_cmpge_epu32_mask(_mm256_loadu_si256(indices.as_ptr().cast()), _mm256_set1_epi32(count)) };
+    assert!(outside == 0, "index of a neighbour out of bounds");
+}
+
+/// Index `k`, read from memory: the compiler would load them all at once and take the register apart, which costs more than
+/// the loads.
+#[inline(always)]
+fn index<const W: usize>(indices: &[u32; W], k: usize) -> usize {
+    // SAFETY: a reference is valid to read.
+    (unsafe { std::ptr::from_ref(&indices[k]).read_volatile() }) as usize
+}
+
+/// Eight columns of sixteen records of `F` entries, the first of which lies at `start`.
+///
+/// # Safety
+///
+/// Every index must be that of a record with eight entries at and behind its place of `start`.
+#[inline(always)]
+unsafe fn columns_f32<const F: usize>(start: *const f32, indices: &[u32; 16]) -> [__m512; 8] {
+    unsafe {
+        let mut rows = [_mm512_setzero_ps(); 8];
+        for k in 0..8 {
+            let low = _mm256_loadu_ps(start.add(F * index(indices, k)));
+            let high = _mm256_loadu_ps(start.add(F * index(indices, k + 8)));
+            rows[k] = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
+        }
+        transpose_two_8x8(rows)
     }
-    unsafe { transpose_two_8x8(rows) }
+}
+
+/// The first `W` indices.
+#[inline(always)]
+fn first_indices<const W: usize>(indices: &[u32]) -> &[u32; W] {
+    match indices.first_chunk::<W>() {
+        Some(indices) => indices,
+        None => panic!("fewer indices than lanes"),
+    }
 }
 
 impl Lanes for F32x16 {
@@ -212,16 +249,19 @@ impl Lanes for F32x16 {
         Self(unsafe { _mm512_loadu_ps(values.as_ptr()) })
     }
     #[inline(always)]
-    fn gather<const F: usize>(records: &[[f32; F]], indices: &[u32]) -> [Self; F] {
-        if !F.is_multiple_of(8) {
-            return gather_entries::<Self, F, 16>(records, indices);
+    fn gather_part<const F: usize, const N: usize>(records: &[[f32; F]], indices: &[u32], first: usize) -> [Self; N] {
+        if !N.is_multiple_of(8) {
+            return gather_entries::<Self, F, N, 16>(records, indices, first);
         }
-        let indices = &indices[..16];
-        let mut lanes = [Self::zero(); F];
-        for first in (0..F).step_by(8) {
-            let columns = unsafe { columns_f32(records, indices, first) };
+        let indices = first_indices::<16>(indices);
+        assert!(first + N <= F);
+        assert_below_16(indices, records.len());
+        let mut lanes = [Self::zero(); N];
+        for part in (0..N).step_by(8) {
+            // SAFETY: indices are those of records; `N` entries from `first` on lie within one.
+            let columns = unsafe { columns_f32::<F>(records.as_ptr().cast::<f32>().add(first + part), indices) };
             for c in 0..8 {
-                lanes[first + c] = Self(columns[c]);
+                lanes[part + c] = Self(columns[c]);
             }
         }
         lanes
@@ -244,14 +284,20 @@ impl Lanes for F32x16 {
         u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0) })
     }
     #[inline(always)]
-    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+    fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize {
         let (indices, out) = (&indices[..16], &mut out[..16]);
         // A compressed register and a full store: the compressing store is slow on some processors.
         unsafe {
-            let kept = _mm512_maskz_compress_epi32(mask as u16, _mm512_loadu_si512(indices.as_ptr().cast()));
-            _mm512_storeu_si512(out.as_mut_ptr().cast(), kept);
+            let indices = _mm512_loadu_si512(indices.as_ptr().cast());
+            let mask = _mm512_mask_cmpneq_epu32_mask(mask as u16, indices, _mm512_set1_epi32(own as i32));
+            _mm512_storeu_si512(out.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask, indices));
+            mask.count_ones() as usize
         }
-        mask.count_ones() as usize
+    }
+    #[inline(always)]
+    fn compress_values(self, mask: u32, out: &mut [f32]) {
+        let out = &mut out[..16];
+        unsafe { _mm512_storeu_ps(out.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.0)) }
     }
 }
 
@@ -305,21 +351,26 @@ impl Lanes for F64x8 {
         Self(unsafe { _mm512_loadu_pd(values.as_ptr()) })
     }
     #[inline(always)]
-    fn gather<const F: usize>(records: &[[f64; F]], indices: &[u32]) -> [Self; F] {
-        if !F.is_multiple_of(8) {
-            return gather_entries::<Self, F, 8>(records, indices);
+    fn gather_part<const F: usize, const N: usize>(records: &[[f64; F]], indices: &[u32], first: usize) -> [Self; N] {
+        if !N.is_multiple_of(8) {
+            return gather_entries::<Self, F, N, 8>(records, indices, first);
         }
-        let indices = &indices[..8];
-        let mut lanes = [Self::zero(); F];
-        for first in (0..F).step_by(8) {
-            let mut rows = unsafe { [_mm512_setzero_pd(); 8] };
-            for k in 0..8 {
-                let row = &records[indices[k] as usize][first..first + 8];
-                rows[k] = unsafe { _mm512_loadu_pd(row.as_ptr()) };
-            }
-            let columns = unsafe { transpose_8x8(rows) };
+        let indices = first_indices::<8>(indices);
+        assert!(first + N <= F);
+        assert_below_8(indices, records.len());
+        let mut lanes = [Self::zero(); N];
+        for part in (0..N).step_by(8) {
+            // SAFETY: indices are those of records; `N` entries from `first` on lie within one.
+            let columns = unsafe {
+                let start = records.as_ptr().cast::<f64>().add(first + part);
+                let mut rows = [_mm512_setzero_pd(); 8];
+                for k in 0..8 {
+                    rows[k] = _mm512_loadu_pd(start.add(F * index(indices, k)));
+                }
+                transpose_8x8(rows)
+            };
             for c in 0..8 {
-                lanes[first + c] = Self(columns[c]);
+                lanes[part + c] = Self(columns[c]);
             }
         }
         lanes
@@ -341,7 +392,12 @@ impl Lanes for F64x8 {
         u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0, b.0) })
     }
     #[inline(always)]
-    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
-        compress_each(mask, &indices[..8], out)
+    fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize {
+        compress_each(mask, &indices[..8], Some(own), out)
+    }
+    #[inline(always)]
+    fn compress_values(self, mask: u32, out: &mut [f64]) {
+        let out = &mut out[..8];
+        unsafe { _mm512_storeu_pd(out.as_mut_ptr(), _mm512_maskz_compress_pd(mask as u8, self.0)) }
     }
 }

@@ -21,7 +21,11 @@ impl Instructions {
         let mut all = [Some(Self::Scalar), None, None];
         #[cfg(target_arch = "x86_64")]
         {
-            let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("popcnt")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2");
             all[1] = avx2.then_some(Self::Avx2);
             let avx512 = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
@@ -60,13 +64,13 @@ pub(crate) fn run<T: PairScalar, J: Job<T>>(instructions: Instructions, job: J) 
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
 fn run_avx2<T: PairScalar, J: Job<T>>(job: J) {
     job.run::<T::Avx2>();
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq,avx512bw")]
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,avx512f,avx512vl,avx512dq,avx512bw")]
 fn run_avx512<T: PairScalar, J: Job<T>>(job: J) {
     job.run::<T::Avx512>();
 }

@@ -46,8 +46,17 @@ pub(crate) trait Lanes: Real {
     fn splat(value: Self::Element) -> Self;
     /// The first `WIDTH` values of a slice.
     fn load(values: &[Self::Element]) -> Self;
+    /// Takes entries `first` to `first + N` of the records at `WIDTH` indices apart into one bundle per entry.
+    fn gather_part<const F: usize, const N: usize>(
+        records: &[[Self::Element; F]],
+        indices: &[u32],
+        first: usize,
+    ) -> [Self; N];
     /// Takes the records at `WIDTH` indices apart into one bundle per record entry.
-    fn gather<const F: usize>(records: &[[Self::Element; F]], indices: &[u32]) -> [Self; F];
+    #[inline(always)]
+    fn gather<const F: usize>(records: &[[Self::Element; F]], indices: &[u32]) -> [Self; F] {
+        Self::gather_part::<F, F>(records, indices, 0)
+    }
     /// Difference `a - b` of two encoded coordinates, m; `unit` is the size of a unit, m.
     #[inline(always)]
     fn difference(a: Self, b: Self, unit: Self) -> Self {
@@ -61,9 +70,12 @@ pub(crate) trait Lanes: Real {
     fn largest(self) -> Self::Element;
     /// Bit k set where lane k of `a` is smaller than that of `b`.
     fn less(a: Self, b: Self) -> u32;
-    /// Writes those of the first `WIDTH` indices whose bit in `mask` is set one behind the other; returns how many. `out` has
-    /// room for `WIDTH`, all of which may be overwritten.
-    fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize;
+    /// Writes those of the first `WIDTH` indices whose bit in `mask` is set, `own` not among them, one behind the other; returns
+    /// how many. `out` has room for `WIDTH`, all of which may be overwritten.
+    fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize;
+    /// Writes the lanes whose bit in `mask` is set one behind the other. `out` has room for `WIDTH`, all of which may be
+    /// overwritten.
+    fn compress_values(self, mask: u32, out: &mut [Self::Element]);
 }
 
 /// A record, every entry in all lanes. Not `array::map`: a closure would not be compiled for the instructions in use.
@@ -79,26 +91,33 @@ pub(crate) fn splat_record<L: Lanes, const F: usize>(record: &[L::Element; F]) -
 /// Gathers records of any length value by value.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn gather_entries<L: Lanes, const F: usize, const W: usize>(records: &[[L::Element; F]], indices: &[u32]) -> [L; F] {
-    let mut lanes = [L::zero(); F];
-    for f in 0..F {
+fn gather_entries<L: Lanes, const F: usize, const N: usize, const W: usize>(
+    records: &[[L::Element; F]],
+    indices: &[u32],
+    first: usize,
+) -> [L; N] {
+    let mut lanes = [L::zero(); N];
+    for f in 0..N {
         let mut values = [<L::Element as Real>::zero(); W];
         for k in 0..W {
-            values[k] = records[indices[k] as usize][f];
+            values[k] = records[indices[k] as usize][first + f];
         }
         lanes[f] = L::load(&values);
     }
     lanes
 }
 
-/// Compression one index at a time.
+/// Compression one value at a time.
 #[inline(always)]
-fn compress_each(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
+fn compress_each<V: Copy + PartialEq>(mask: u32, values: &[V], own: Option<V>, out: &mut [V]) -> usize {
     let mut count = 0;
     let mut left = mask;
     while left != 0 {
-        out[count] = indices[left.trailing_zeros() as usize];
-        count += 1;
+        let value = values[left.trailing_zeros() as usize];
+        if own != Some(value) {
+            out[count] = value;
+            count += 1;
+        }
         left &= left - 1;
     }
     count
@@ -147,8 +166,15 @@ macro_rules! single_lane {
                 values[0]
             }
             #[inline(always)]
-            fn gather<const F: usize>(records: &[[Self; F]], indices: &[u32]) -> [Self; F] {
-                records[indices[0] as usize]
+            fn gather_part<const F: usize, const N: usize>(
+                records: &[[Self; F]],
+                indices: &[u32],
+                first: usize,
+            ) -> [Self; N] {
+                let record = &records[indices[0] as usize];
+                let mut part = [0.0; N];
+                part.copy_from_slice(&record[first..first + N]);
+                part
             }
             #[inline(always)]
             fn coordinate_difference($a: Self, $b: Self) -> Self {
@@ -167,8 +193,12 @@ macro_rules! single_lane {
                 u32::from(a < b)
             }
             #[inline(always)]
-            fn compress(mask: u32, indices: &[u32], out: &mut [u32]) -> usize {
-                compress_each(mask, indices, out)
+            fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize {
+                compress_each(mask, indices, Some(own), out)
+            }
+            #[inline(always)]
+            fn compress_values(self, mask: u32, out: &mut [Self]) {
+                compress_each(mask, &[self], None, out);
             }
         }
     };
@@ -237,10 +267,16 @@ mod tests {
         assert_eq!(mask, want);
         let indices: Vec<u32> = (100..100 + L::WIDTH as u32).collect();
         let mut out = vec![0; 2 * L::WIDTH];
-        let count = L::compress(mask, &indices, &mut out);
-        let kept: Vec<u32> =
-            indices.iter().copied().enumerate().filter(|(k, _)| mask >> k & 1 == 1).map(|(_, i)| i).collect();
-        assert_eq!(out[..count], kept);
+        let inside = |k: &usize| mask >> k & 1 == 1;
+        for own in [u32::MAX, 100, 101] {
+            let count = L::compress_others(mask, &indices, own, &mut out);
+            let kept: Vec<u32> = (0..L::WIDTH).filter(inside).map(|k| indices[k]).filter(|&i| i != own).collect();
+            assert_eq!(out[..count], kept);
+        }
+        let mut out = vec![of(0.0); 2 * L::WIDTH];
+        y.compress_values(mask, &mut out);
+        let kept: Vec<f64> = (0..L::WIDTH).filter(inside).map(|k| b[k].to_f64()).collect();
+        assert_eq!(out.iter().map(|v| v.to_f64()).take(kept.len()).collect::<Vec<_>>(), kept);
 
         fn gathers<L: Lanes, const F: usize>(lanes: &dyn Fn(L) -> Vec<f64>) {
             let records: Vec<[L::Element; F]> =
@@ -257,6 +293,12 @@ mod tests {
         gathers::<L, 8>(&lanes);
         gathers::<L, 9>(&lanes);
         gathers::<L, 16>(&lanes);
+        let records: Vec<[L::Element; 16]> =
+            (0..20).map(|r| std::array::from_fn(|f| of((100 * r + f) as f64))).collect();
+        let indices: Vec<u32> = (0..L::WIDTH as u32).map(|k| (7 * k + 3) % 20).collect();
+        for (f, bundle) in L::gather_part::<16, 8>(&records, &indices, 8).into_iter().enumerate() {
+            assert_eq!(lanes(bundle), indices.iter().map(|&i| f64::from(100 * i) + (8 + f) as f64).collect::<Vec<_>>());
+        }
 
         let unit = 1e-3;
         let encoded: Vec<L::Element> = (0..L::WIDTH).map(|k| L::Element::encode(f64::from(k as u32) * 17.0)).collect();

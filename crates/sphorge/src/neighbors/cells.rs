@@ -29,7 +29,7 @@ impl CellGrid {
         let (mut low, mut high) = bounds(points);
         let limit = (8 * points.len()).max(1 << 15);
         let cells = |low: &Vector<f64>, high: &Vector<f64>, size: f64| -> f64 {
-            (0..3).map(|a| ((high[a] - low[a]) / size).floor() + 3.0).product()
+            (0..3).map(|a| ((high[a] - low[a]) / size).floor() + 4.0).product()
         };
         let mut size = size;
         if cells(&low, &high, size) > limit as f64 {
@@ -38,6 +38,9 @@ impl CellGrid {
                 size *= 1.25;
             }
         }
+        // Cells keep their places in space while points move, so that the order of particles, made once in a while, stays that
+        // of the cells.
+        low = low.map(|x| (x / size).floor() * size);
         self.origin = low;
         self.inverse_size = 1.0 / size;
         // One rim cell on each side.
@@ -111,9 +114,15 @@ impl CellGrid {
         self.starts.len().saturating_sub(1)
     }
 
+    /// Where the points of a cell lie in the order.
+    #[inline(always)]
+    pub(crate) fn members_run(&self, cell: usize) -> std::ops::Range<usize> {
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
     /// Points of a cell.
     pub fn members(&self, cell: usize) -> &[u32] {
-        &self.order[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+        &self.order[self.members_run(cell)]
     }
 
     /// A cell that holds a point and the 26 around it.

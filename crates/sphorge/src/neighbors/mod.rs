@@ -1,6 +1,7 @@
 //! Neighbour lists and how they are found.
 
 mod brute_force;
+mod candidates;
 mod cells;
 mod foreign;
 mod frame;

@@ -4,13 +4,14 @@
 //! difference; only coordinates are renewed in between. Distances are tested in single precision on fixed-point coordinates,
 //! whatever the precision of the pair sums. Both rows of a pair come to the same verdict, bit for bit.
 
+use super::candidates::Candidates;
 use super::cells::bounds;
 use super::{BLOCK, Block, CellGrid, Frame, NeighborList, PAD};
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, MutexGuard};
 
 /// How far two points may lie apart to be neighbours: `factor (h_i + h_j) / 2`.
 #[derive(Clone, Copy, Debug)]
@@ -55,26 +56,34 @@ pub(crate) mod mark {
 /// The searcher: a cell grid and the points in its order, kept between searches.
 #[derive(Debug, Default)]
 pub(crate) struct Searcher {
-    grid: CellGrid,
+    pub(super) grid: CellGrid,
     /// Where the points were when they were sorted into cells, m, and the reach they were sorted for.
     sorted_at: Vec<Vector<f64>>,
     sorted_for: f64,
     bounds: (Vector<f64>, Vector<f64>),
     frame: Frame,
     /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole bundles.
-    x: [Vec<f32>; 3],
-    h: Vec<f32>,
+    pub(super) x: [Vec<f32>; 3],
+    pub(super) h: Vec<f32>,
     /// Place of every point in the cell order.
     place: Vec<u32>,
     /// Point indices in cell order, padded like the coordinates.
-    order: Vec<u32>,
+    pub(super) order: Vec<u32>,
     /// Bit k: the point in place k is searched. Only for partial searches.
     searched: Vec<u64>,
     /// Squared reach where all smoothing lengths are equal, in units of the frame.
     uniform: Option<f32>,
-    half_factor: f32,
-    /// Blocks being rebuilt, one for each thread.
-    spare: Vec<Mutex<Block>>,
+    pub(super) half_factor: f32,
+    /// One for each thread.
+    scratch: Vec<Mutex<Scratch>>,
+}
+
+/// What a thread needs beside the list.
+#[derive(Debug, Default)]
+struct Scratch {
+    /// A block being rebuilt.
+    spare: Block,
+    candidates: Candidates,
 }
 
 impl Searcher {
@@ -94,7 +103,9 @@ impl Searcher {
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
             block.clear();
             let rows = b * BLOCK..((b + 1) * BLOCK).min(count);
-            run(instructions, RowsJob { searcher: this, rows, block });
+            let candidates = &mut this.scratch().candidates;
+            candidates.clear();
+            run(instructions, RowsJob { searcher: this, rows, candidates, block });
         });
     }
 
@@ -115,7 +126,6 @@ impl Searcher {
     ) {
         self.prepare(points, reach);
         self.mark_searched(marks);
-        self.spare.resize_with(rayon::current_num_threads(), Mutex::default);
         let this = &*self;
         let source = |j: u32| if (j as usize) < count { j as usize } else { sources[j as usize - count] as usize };
         let mend = |row: &[u32]| {
@@ -132,13 +142,13 @@ impl Searcher {
         let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
 
         list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::SEARCH)).for_each(|(b, block)| {
-            this.rebuild(block, |old, new| {
+            this.rebuild(block, |old, new, candidates| {
                 for (k, i) in rows(b).enumerate() {
                     if searched(i) {
                         if !one_sided {
                             mend(old.row(k));
                         }
-                        run(instructions, RowsJob { searcher: this, rows: i..i + 1, block: new });
+                        run(instructions, RowsJob { searcher: this, rows: i..i + 1, candidates, block: new });
                         if !one_sided {
                             mend(new.row(k));
                         }
@@ -150,13 +160,13 @@ impl Searcher {
         });
         if !one_sided {
             list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::MEND)).for_each(|(b, block)| {
-                this.rebuild(block, |old, new| {
+                this.rebuild(block, |old, new, candidates| {
                     for (k, i) in rows(b).enumerate() {
                         if marks[i].load(Ordering::Relaxed) == mark::MEND {
                             for &j in old.row(k).iter().filter(|&&j| !searched(j as usize)) {
                                 new.push(j);
                             }
-                            run(instructions, MendJob { searcher: this, row: i, block: new });
+                            run(instructions, MendJob { searcher: this, row: i, candidates, block: new });
                         } else {
                             new.copy_row(old, k);
                         }
@@ -166,9 +176,10 @@ impl Searcher {
         }
     }
 
-    /// Indices of the points in the order of cells of the given size, m.
-    pub(crate) fn cell_order(&mut self, points: &[Vector<f64>], size: f64) -> &[u32] {
-        self.grid.sort(points, size);
+    /// Indices of the points in the order of the cells of a search with the given reach, m: points of one cell are then served
+    /// one after the other.
+    pub(crate) fn cell_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
+        self.grid.sort(points, reach * (1.0 + CELL_MARGIN));
         self.sorted_at.clear();
         self.grid.order()
     }
@@ -187,22 +198,30 @@ impl Searcher {
             + 4 * (self.place.capacity() + self.order.capacity())
             + 24 * self.sorted_at.capacity()
             + 8 * self.searched.capacity()
+            + self.scratch.iter().filter_map(|s| s.lock().ok()).map(|s| s.candidates.bytes()).sum::<usize>()
+    }
+
+    /// What the calling thread keeps for itself.
+    fn scratch(&self) -> MutexGuard<'_, Scratch> {
+        match self.scratch[rayon::current_thread_index().unwrap_or(0)].lock() {
+            Ok(scratch) => scratch,
+            // Only a panic in a row poisons the lock; all of it is cleared before use.
+            Err(poisoned) => poisoned.into_inner(),
+        }
     }
 
     /// Rebuilds a block into a spare one and puts it in its place.
-    fn rebuild(&self, block: &mut Block, fill: impl FnOnce(&Block, &mut Block)) {
-        let mut spare = match self.spare[rayon::current_thread_index().unwrap_or(0)].lock() {
-            Ok(spare) => spare,
-            // Only a panic in `fill` poisons the lock; its block is cleared before use.
-            Err(poisoned) => poisoned.into_inner(),
-        };
+    fn rebuild(&self, block: &mut Block, fill: impl FnOnce(&Block, &mut Block, &mut Candidates)) {
+        let Scratch { spare, candidates } = &mut *self.scratch();
         spare.clear();
-        fill(block, &mut spare);
-        std::mem::swap(block, &mut spare);
+        candidates.clear();
+        fill(block, spare, candidates);
+        std::mem::swap(block, spare);
     }
 
     /// Brings the columns to the positions of `points`, sorting them into cells anew if they have moved too far.
     fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
+        self.scratch.resize_with(rayon::current_num_threads(), Mutex::default);
         let largest = reach.largest();
         let allowed = 0.5 * CELL_MARGIN * largest;
         let sorted = self.sorted_at.len() == points.len()
@@ -266,7 +285,7 @@ impl Searcher {
 
     /// Bits of the `WIDTH` points from place `k` on.
     #[inline(always)]
-    fn searched_from(&self, k: usize) -> u32 {
+    pub(super) fn searched_from(&self, k: usize) -> u32 {
         let low = self.searched[k / 64] >> (k % 64);
         let high = (self.searched[k / 64 + 1] << 1) << (63 - k % 64);
         (low | high) as u32
@@ -274,18 +293,25 @@ impl Searcher {
 
     /// Adds the neighbours of point `i` to the row being written; if `ONLY_SEARCHED`, those among the searched points.
     #[inline(always)]
-    fn row<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(&self, i: usize, block: &mut Block) {
+    fn row<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(
+        &self,
+        i: usize,
+        candidates: &mut Candidates,
+        block: &mut Block,
+    ) {
+        candidates.collect::<L, ONLY_SEARCHED>(self, self.grid.cell_of(i));
         match self.uniform {
-            Some(limit) => self.row_within::<L, ONLY_SEARCHED, true>(i, limit, block),
-            None => self.row_within::<L, ONLY_SEARCHED, false>(i, 0.0, block),
+            Some(limit) => self.row_within::<L, true>(i, limit, candidates, block),
+            None => self.row_within::<L, false>(i, 0.0, candidates, block),
         }
     }
 
     #[inline(always)]
-    fn row_within<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool, const UNIFORM: bool>(
+    fn row_within<L: Lanes<Element = f32>, const UNIFORM: bool>(
         &self,
         i: usize,
         limit: f32,
+        candidates: &Candidates,
         block: &mut Block,
     ) {
         let own = self.place[i] as usize;
@@ -293,46 +319,35 @@ impl Searcher {
         let h_i = L::splat(self.h[own]);
         let half_factor = L::splat(self.half_factor);
         let uniform = L::splat(limit);
-        let runs = self.grid.runs_around_cell(self.grid.cell_of(i));
-        // Whole bundles are written, of which what is not kept is overwritten.
-        let most = runs.iter().map(|(first, last)| last - first).sum::<usize>() + PAD;
-        let found = block.room(most);
+        // Whole bundles, the last of which may reach past what was collected. All of a bundle is written, of which what is not
+        // kept is overwritten.
+        let end = candidates.count.next_multiple_of(L::WIDTH);
+        let found = block.room(end + PAD);
         let mut count = 0;
-        for (first, last) in runs {
-            // Whole bundles, the last of which may reach past the run.
-            let end = first + (last - first).next_multiple_of(L::WIDTH);
-            let bundles = self.x[0][first..end]
-                .chunks_exact(L::WIDTH)
-                .zip(self.x[1][first..end].chunks_exact(L::WIDTH))
-                .zip(self.x[2][first..end].chunks_exact(L::WIDTH))
-                .zip(self.order[first..end].chunks_exact(L::WIDTH));
-            let mut k = first;
-            for (((x, y), z), order) in bundles {
-                let dx = L::coordinate_difference(x_i[0], L::load(x));
-                let dy = L::coordinate_difference(x_i[1], L::load(y));
-                let dz = L::coordinate_difference(x_i[2], L::load(z));
-                let r2 = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-                let mut mask = if UNIFORM {
-                    L::less(r2, uniform)
-                } else {
-                    let r = half_factor * (h_i + L::load(&self.h[k..]));
-                    L::less(r2, r * r)
-                };
-                let left = last - k;
-                if left < L::WIDTH {
-                    mask &= (1 << left) - 1;
-                }
-                // Not its own neighbour.
-                let lane = own.wrapping_sub(k);
-                if lane < L::WIDTH {
-                    mask &= !(1 << lane);
-                }
-                if ONLY_SEARCHED {
-                    mask &= self.searched_from(k);
-                }
-                count += L::compress(mask, order, &mut found[count..]);
-                k += L::WIDTH;
+        let bundles = candidates.x[0][..end]
+            .chunks_exact(L::WIDTH)
+            .zip(candidates.x[1][..end].chunks_exact(L::WIDTH))
+            .zip(candidates.x[2][..end].chunks_exact(L::WIDTH))
+            .zip(candidates.h[..end].chunks_exact(L::WIDTH))
+            .zip(candidates.index[..end].chunks_exact(L::WIDTH));
+        let mut left = candidates.count;
+        for ((((x, y), z), h), index) in bundles {
+            let dx = L::coordinate_difference(x_i[0], L::load(x));
+            let dy = L::coordinate_difference(x_i[1], L::load(y));
+            let dz = L::coordinate_difference(x_i[2], L::load(z));
+            let r2 = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+            let mut mask = if UNIFORM {
+                L::less(r2, uniform)
+            } else {
+                let r = half_factor * (h_i + L::load(h));
+                L::less(r2, r * r)
+            };
+            if left < L::WIDTH {
+                mask &= (1 << left) - 1;
             }
+            left = left.saturating_sub(L::WIDTH);
+            // Not its own neighbour.
+            count += L::compress_others(mask, index, i as u32, &mut found[count..]);
         }
         block.advance(count);
         block.end_row(i as u32);
@@ -343,6 +358,7 @@ impl Searcher {
 struct RowsJob<'a> {
     searcher: &'a Searcher,
     rows: std::ops::Range<usize>,
+    candidates: &'a mut Candidates,
     block: &'a mut Block,
 }
 
@@ -350,7 +366,7 @@ impl Job<f32> for RowsJob<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f32>>(self) {
         for i in self.rows {
-            self.searcher.row::<L, false>(i, self.block);
+            self.searcher.row::<L, false>(i, self.candidates, self.block);
         }
     }
 }
@@ -359,13 +375,14 @@ impl Job<f32> for RowsJob<'_> {
 struct MendJob<'a> {
     searcher: &'a Searcher,
     row: usize,
+    candidates: &'a mut Candidates,
     block: &'a mut Block,
 }
 
 impl Job<f32> for MendJob<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f32>>(self) {
-        self.searcher.row::<L, true>(self.row, self.block);
+        self.searcher.row::<L, true>(self.row, self.candidates, self.block);
     }
 }
 

@@ -1,0 +1,104 @@
+//! Points that may be neighbours of those of one cell: what its rows are picked from.
+//!
+//! Around a cell lie 27, in nine runs of points, and most of those points are out of reach of every member. One pass over the
+//! runs with the box the members fill leaves about half, one behind the other.
+
+use super::PAD;
+use super::search::Searcher;
+use crate::lanes::Lanes;
+
+/// Points within reach of the box around the members of a cell, in the order of the cells.
+#[derive(Debug, Default)]
+pub(super) struct Candidates {
+    /// The cell they were collected for.
+    cell: Option<usize>,
+    /// Encoded coordinates and smoothing lengths; only the first `count` entries count, what follows is room.
+    pub(super) x: [Vec<f32>; 3],
+    pub(super) h: Vec<f32>,
+    /// Indices of the points.
+    pub(super) index: Vec<u32>,
+    pub(super) count: usize,
+}
+
+impl Candidates {
+    /// Forgets what was collected.
+    pub(super) fn clear(&mut self) {
+        self.cell = None;
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        4 * (self.x.iter().chain([&self.h]).map(Vec::capacity).sum::<usize>() + self.index.capacity())
+    }
+
+    /// Collects the candidates of `cell`, those among the searched points alone if `ONLY_SEARCHED`, unless they are here already.
+    #[inline(always)]
+    pub(super) fn collect<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(
+        &mut self,
+        searcher: &Searcher,
+        cell: usize,
+    ) {
+        if self.cell == Some(cell) {
+            return;
+        }
+        self.cell = Some(cell);
+        let runs = searcher.grid.runs_around_cell(cell);
+        let most = runs.iter().map(|(first, last)| last - first).sum::<usize>() + PAD;
+        if self.index.len() < most {
+            self.x.iter_mut().chain([&mut self.h]).for_each(|column| column.resize(most, 0.0));
+            self.index.resize(most, 0);
+        }
+
+        // The box the members fill, as a centre and half its size, in units.
+        let mut centre = [L::zero(); 3];
+        let mut half = [L::zero(); 3];
+        let members = searcher.grid.members_run(cell);
+        for a in 0..3 {
+            let (mut low, mut high) = (i32::MAX, i32::MIN);
+            for x in &searcher.x[a][members.clone()] {
+                let x = x.to_bits() as i32;
+                (low, high) = (low.min(x), high.max(x));
+            }
+            let middle = low + (high - low) / 2;
+            centre[a] = L::splat(f32::from_bits(middle as u32));
+            // One unit for the rounding of the middle.
+            half[a] = L::splat((high - middle) as f32 + 1.0);
+        }
+        let widest = searcher.h[members].iter().fold(0.0f32, |m, &h| m.max(h));
+        // A little more, so that rounding excludes no neighbour.
+        let factor = L::splat(searcher.half_factor * 1.00001);
+        let widest = L::splat(widest);
+
+        let mut count = 0;
+        let [out_x, out_y, out_z] = &mut self.x;
+        for (first, last) in runs {
+            let mut k = first;
+            while k < last {
+                let x = [L::load(&searcher.x[0][k..]), L::load(&searcher.x[1][k..]), L::load(&searcher.x[2][k..])];
+                let h = L::load(&searcher.h[k..]);
+                let mut r2 = L::zero();
+                for a in 0..3 {
+                    let outside = (L::coordinate_difference(x[a], centre[a]).abs() - half[a]).max(L::zero());
+                    r2 = outside.mul_add(outside, r2);
+                }
+                let r = factor * (widest + h);
+                let mut mask = L::less(r2, r * r);
+                let left = last - k;
+                if left < L::WIDTH {
+                    mask &= (1 << left) - 1;
+                }
+                if ONLY_SEARCHED {
+                    mask &= searcher.searched_from(k);
+                }
+                x[0].compress_values(mask, &mut out_x[count..]);
+                x[1].compress_values(mask, &mut out_y[count..]);
+                x[2].compress_values(mask, &mut out_z[count..]);
+                h.compress_values(mask, &mut self.h[count..]);
+                // No point has this index.
+                count += L::compress_others(mask, &searcher.order[k..], u32::MAX, &mut self.index[count..]);
+                k += L::WIDTH;
+            }
+        }
+        self.count = count;
+    }
+}
