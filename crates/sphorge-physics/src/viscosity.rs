@@ -37,9 +37,20 @@ pub fn monaghan_gingold<T: Real>(
     sound_speed_mean: T,
     inverse_density_mean: T,
 ) -> PairViscosity<T> {
-    let mu = h * v_dot_x.min(T::zero()) / (T::of(0.01) * h).mul_add(h, r2);
-    let pi = mu * (p.beta * mu - p.alpha * sound_speed_mean) * inverse_density_mean;
-    PairViscosity { pi, mu }
+    let mu = viscosity_mu(v_dot_x, r2, h);
+    PairViscosity { pi: viscous_pressure(p, mu, sound_speed_mean, inverse_density_mean), mu }
+}
+
+/// `mu_ij` alone, m/s; arguments as for [`monaghan_gingold`].
+#[inline(always)]
+pub fn viscosity_mu<T: Real>(v_dot_x: T, r2: T, h: T) -> T {
+    h * v_dot_x.min(T::zero()) / (T::of(0.01) * h).mul_add(h, r2)
+}
+
+/// `Pi_ij` of a known `mu_ij`, Pa m^6/kg^2; arguments as for [`monaghan_gingold`].
+#[inline(always)]
+pub fn viscous_pressure<T: Real>(p: ViscosityParameters<T>, mu: T, sound_speed_mean: T, inverse_density_mean: T) -> T {
+    mu * (p.beta * mu - p.alpha * sound_speed_mean) * inverse_density_mean
 }
 
 /// Balsara's switch, between 0 and 1: `|div v| / (|div v| + |curl v| + 1e-4 c/h)` (Balsara 1995). `Pi_ij` is multiplied by

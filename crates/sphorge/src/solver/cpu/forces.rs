@@ -4,13 +4,14 @@
 //! `dv_i/dt = sum_j m_j (sigma_i/rho_i^2 + sigma_j/rho_j^2 + R_ij f^n - Pi_ij I) . grad_i W_ij`, or with
 //! `(sigma_i + sigma_j)/(rho_i rho_j)`. Energy is the work of exactly these forces, so that the total is conserved.
 
-use super::kinematics::{PairConstants, pair_scale, reduced_distance};
+use super::kinematics::{PairConstants, PairScale, reduced_distance};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
 use super::records::{CORRECTED_LEN, Records, extra};
 use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
-use sphorge_physics::viscosity::{ViscosityParameters, monaghan_gingold};
+use sphorge_physics::kernel::Kernel;
+use sphorge_physics::viscosity::{ViscosityParameters, viscosity_mu, viscous_pressure};
 use sphorge_physics::{Vector, artificial_stress};
 
 /// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
@@ -25,6 +26,35 @@ pub(super) struct ForceTerms<T> {
     pub(super) volume_weighted: bool,
     /// Each particle takes the work of its own stress, else half of the pair's.
     pub(super) own_stress_work: bool,
+}
+
+impl<T: PairScalar> ForceTerms<T> {
+    /// Whether these are the terms most decks ask for, those of both papers; sweeps of them are compiled on their own, without
+    /// any of the questions.
+    pub(super) fn usual(&self, kernel: Kernel) -> bool {
+        kernel == Kernel::CubicSpline
+            && self.artificial_stress.is_some()
+            && self.xsph
+            && !self.balsara
+            && self.volume_weighted
+            && self.own_stress_work
+    }
+
+    /// The same terms; if `USUAL`, in a form the compiler knows.
+    #[inline(always)]
+    fn known<const USUAL: bool>(self) -> Self {
+        if !USUAL {
+            return self;
+        }
+        Self {
+            viscosity: self.viscosity,
+            artificial_stress: Some(self.artificial_stress.unwrap_or((T::zero(), 1))),
+            balsara: false,
+            xsph: true,
+            volume_weighted: true,
+            own_stress_work: true,
+        }
+    }
 }
 
 /// Sums of one particle; acceleration and energy rate still lack the factor `1/rho_i` of the volume-weighted form.
@@ -69,9 +99,43 @@ fn tensor_dot<L: Lanes, const D: usize>(g: &[L; CORRECTED_LEN], x: &Vector<L>) -
     t
 }
 
+/// Bundles of a row worked on together.
+const BATCH: usize = 8;
+
+/// Geometry of a bundle of pairs, between the passes over a row.
+#[derive(Clone, Copy)]
+struct Pairs<L> {
+    /// `x_i - x_j`, m.
+    x: Vector<L>,
+    /// `v_i - v_j`, m/s.
+    v: Vector<L>,
+    /// Weight of the neighbour.
+    weight: L,
+    /// Smoothing length of the neighbour, then of the pair, m.
+    h: L,
+    /// Distance squared, m²; then the weighted `F` of `grad_i W_ij = F x_ij`.
+    r2: L,
+    /// `v_ij . x_ij`, m²/s; then `mu_ij`, m/s.
+    v_dot_x: L,
+    /// Shape `w` of the kernel.
+    w: L,
+    /// `W_ij` times the weight.
+    kernel: L,
+}
+
+impl<L: Lanes> Pairs<L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        let o = L::zero();
+        Self { x: [o; 3], v: [o; 3], weight: o, h: o, r2: o, v_dot_x: o, w: o, kernel: o }
+    }
+}
+
 /// Row `k` of a block, particle `own`.
+///
+/// A pair's arithmetic is one long chain. In three short passes over the row, many pairs are in the processor at a time.
 #[inline(always)]
-fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
+fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const USUAL: bool>(
     records: &Records<L::Element>,
     own: usize,
     block: &Block,
@@ -79,90 +143,117 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     stored: Option<&StoredBlock<L::Element>>,
     constants: &PairConstants<L::Element>,
     terms: &ForceTerms<L::Element>,
+    pairs: &mut [Pairs<L>; BATCH],
 ) -> ForceSum<L::Element> {
+    let terms = terms.known::<USUAL>();
+    let kernel = if USUAL { Kernel::CubicSpline } else { constants.kernel };
     let record_i: [L; 16] = splat_record(&records.force[own]);
     let extra_i = if records.extra.is_empty() { [L::zero(); extra::LEN] } else { splat_record(&records.extra[own]) };
     let corrected_i = if CORRECTED { splat_record(&records.corrected[own]) } else { [L::zero(); CORRECTED_LEN] };
     let viscosity =
         ViscosityParameters { alpha: L::splat(terms.viscosity.alpha), beta: L::splat(terms.viscosity.beta) };
+    let own_scale = PairScale::<L>::own::<D>(constants, records.force[own][H]);
     let unit = L::splat(constants.unit);
     let half = L::of(0.5);
-    let support = L::of(constants.kernel.support());
+    let support = L::of(kernel.support());
 
     let mut acceleration = [L::zero(); 3];
     let mut energy_rate = L::zero();
     let mut xsph = [L::zero(); 3];
     let mut mu_max = L::zero();
-    for (bundle, indices) in block.padded_row(k, L::WIDTH).chunks_exact(L::WIDTH).enumerate() {
-        let record_j = L::gather(&records.force, indices);
-        let mut x = [L::zero(); 3];
-        let mut v = [L::zero(); 3];
-        let mut r2 = L::zero();
-        let mut v_dot_x = L::zero();
-        for a in 0..D {
-            x[a] = match stored {
-                None => L::difference(record_i[X + a], record_j[X + a], unit),
-                Some(stored) => stored.bundle(block.start(k) + bundle * L::WIDTH, a),
-            };
-            v[a] = record_i[V + a] - record_j[V + a];
-            r2 = x[a].mul_add(x[a], r2);
-            v_dot_x = v[a].mul_add(x[a], v_dot_x);
-        }
-        let (h, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
-        let (q, inverse_q) = reduced_distance(r2, h, inverse_h);
-        let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * scale * record_j[WEIGHT];
-
-        let inverse_density_mean = L::of(2.0) / (record_i[RHO] + record_j[RHO]);
-        let sound_mean = (record_i[C] + record_j[C]) * half;
-        let viscous = monaghan_gingold(viscosity, v_dot_x, r2, h, sound_mean, inverse_density_mean);
-        // Pairs of a skin count for nothing, nor do they for the time step.
-        mu_max = mu_max.max(L::select_lt(q, support, viscous.mu.abs(), L::zero()));
-        let mut pi = viscous.pi;
-        if terms.volume_weighted {
-            // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
-            pi = pi * record_i[RHO] * record_j[RHO];
-        }
-
-        // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
-        let (own_stress, other_stress) = if CORRECTED {
-            (tensor_dot::<L, D>(&corrected_i, &x), tensor_dot::<L, D>(&L::gather(&records.corrected, indices), &x))
-        } else {
-            (symmetric_dot::<L, D, 16>(&record_i, S, &x), symmetric_dot::<L, D, 16>(&record_j, S, &x))
-        };
-        let mut artificial = [L::zero(); 3];
-        let w = if terms.xsph || terms.artificial_stress.is_some() { constants.kernel.w(q) } else { L::zero() };
-        if terms.balsara || terms.artificial_stress.is_some() {
-            let extra_j = L::gather(&records.extra, indices);
-            if terms.balsara {
-                pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
-            }
-            if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
-                let factor = artificial_stress::pair_factor(w, L::splat(inverse_w_spacing), exponent);
-                let mut r = [L::zero(); 6];
-                for c in 0..6 {
-                    r[c] = extra_i[extra::R + c] + extra_j[extra::R + c];
-                }
-                artificial = symmetric_dot::<L, D, 6>(&r, 0, &x);
-                for a in 0..D {
-                    artificial[a] = artificial[a] * factor;
-                }
-            }
-        }
-        let mut work = L::zero();
-        for a in 0..D {
-            artificial[a] -= pi * x[a];
-            let total = own_stress[a] + other_stress[a] + artificial[a];
-            acceleration[a] = total.mul_add(weighted_f, acceleration[a]);
-            let share = if terms.own_stress_work { artificial[a].mul_add(half, own_stress[a]) } else { total * half };
-            work = share.mul_add(v[a], work);
-        }
-        // (v_j - v_i) . (...) . grad W: the sign of v_ij is turned.
-        energy_rate -= work * weighted_f;
-        if terms.xsph {
-            let mass = if terms.volume_weighted { record_j[WEIGHT] * record_j[RHO] } else { record_j[WEIGHT] };
-            let weight = w * scale * h * h * mass * inverse_density_mean;
+    for (batch, indices) in block.padded_row(k, L::WIDTH).chunks(BATCH * L::WIDTH).enumerate() {
+        for (bundle, (pair, indices)) in pairs.iter_mut().zip(indices.chunks_exact(L::WIDTH)).enumerate() {
+            let record_j: [L; 8] = L::gather_part(&records.force, indices, 0);
+            let mut r2 = L::zero();
+            let mut v_dot_x = L::zero();
             for a in 0..D {
-                xsph[a] -= v[a] * weight;
+                let x = match stored {
+                    None => L::difference(record_i[X + a], record_j[X + a], unit),
+                    Some(stored) => stored.bundle(block.start(k) + (batch * BATCH + bundle) * L::WIDTH, a),
+                };
+                let v = record_i[V + a] - record_j[V + a];
+                r2 = x.mul_add(x, r2);
+                v_dot_x = v.mul_add(x, v_dot_x);
+                pair.x[a] = x;
+                pair.v[a] = v;
+            }
+            pair.r2 = r2;
+            pair.v_dot_x = v_dot_x;
+            pair.weight = record_j[WEIGHT];
+            pair.h = record_j[H];
+        }
+        let bundles = indices.len() / L::WIDTH;
+        for pair in pairs[..bundles].iter_mut() {
+            let PairScale { h, inverse_h, gradient } = own_scale.with::<D>(constants, pair.h);
+            let (q, inverse_q) = reduced_distance(pair.r2, h, inverse_h);
+            let mu = viscosity_mu(pair.v_dot_x, pair.r2, h);
+            // Pairs of a skin count for nothing, nor do they for the time step.
+            mu_max = mu_max.max(L::select_lt(q, support, mu.abs(), L::zero()));
+            let weighted = gradient * pair.weight;
+            pair.r2 = kernel.dw_over_q_by(q, inverse_q) * weighted;
+            pair.v_dot_x = mu;
+            if terms.xsph || terms.artificial_stress.is_some() {
+                let w = kernel.w(q);
+                pair.w = w;
+                pair.kernel = w * (h * h) * weighted;
+            }
+        }
+        for (pair, indices) in pairs.iter().zip(indices.chunks_exact(L::WIDTH)) {
+            let state_j: [L; 8] = L::gather_part(&records.force, indices, S);
+            let (x, v) = (&pair.x, &pair.v);
+            let density_j = state_j[RHO - S];
+            let inverse_density_mean = L::of(2.0) / (record_i[RHO] + density_j);
+            let sound_mean = (record_i[C] + state_j[C - S]) * half;
+            let mut pi = viscous_pressure(viscosity, pair.v_dot_x, sound_mean, inverse_density_mean);
+            if terms.volume_weighted {
+                // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
+                pi = pi * record_i[RHO] * density_j;
+            }
+
+            // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
+            let (own_stress, other_stress) = if CORRECTED {
+                (tensor_dot::<L, D>(&corrected_i, x), tensor_dot::<L, D>(&L::gather(&records.corrected, indices), x))
+            } else {
+                (symmetric_dot::<L, D, 16>(&record_i, S, x), symmetric_dot::<L, D, 8>(&state_j, 0, x))
+            };
+            let mut artificial = [L::zero(); 3];
+            if terms.balsara || terms.artificial_stress.is_some() {
+                let extra_j = L::gather(&records.extra, indices);
+                if terms.balsara {
+                    pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
+                }
+                if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
+                    let factor = artificial_stress::pair_factor(pair.w, L::splat(inverse_w_spacing), exponent);
+                    let mut r = [L::zero(); 6];
+                    for c in 0..6 {
+                        r[c] = extra_i[extra::R + c] + extra_j[extra::R + c];
+                    }
+                    artificial = symmetric_dot::<L, D, 6>(&r, 0, x);
+                    for a in 0..D {
+                        artificial[a] = artificial[a] * factor;
+                    }
+                }
+            }
+            let weighted_f = pair.r2;
+            let mut work = L::zero();
+            for a in 0..D {
+                artificial[a] -= pi * x[a];
+                let total = own_stress[a] + other_stress[a] + artificial[a];
+                acceleration[a] = total.mul_add(weighted_f, acceleration[a]);
+                let share =
+                    if terms.own_stress_work { artificial[a].mul_add(half, own_stress[a]) } else { total * half };
+                work = share.mul_add(v[a], work);
+            }
+            // (v_j - v_i) . (...) . grad W: the sign of v_ij is turned.
+            energy_rate -= work * weighted_f;
+            if terms.xsph {
+                let mut weight = pair.kernel * inverse_density_mean;
+                if terms.volume_weighted {
+                    weight = weight * density_j;
+                }
+                for a in 0..D {
+                    xsph[a] -= v[a] * weight;
+                }
             }
         }
     }
@@ -184,8 +275,8 @@ impl<T: PairScalar> ForceSum<T> {
     }
 }
 
-/// The sums of a block of particles.
-pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool> {
+/// The sums of a block of particles; `USUAL` where the terms are [`ForceTerms::usual`].
+pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool, const USUAL: bool> {
     pub(super) records: &'a Records<T>,
     /// First particle of the block.
     pub(super) first: usize,
@@ -197,13 +288,23 @@ pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool> {
     pub(super) sums: &'a mut [ForceSum<T>; BLOCK],
 }
 
-impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for ForceJob<'_, T, D, CORRECTED> {
+impl<T: PairScalar, const D: usize, const CORRECTED: bool, const USUAL: bool> Job<T>
+    for ForceJob<'_, T, D, CORRECTED, USUAL>
+{
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
+        let mut pairs = [Pairs::zero(); BATCH];
         for k in 0..self.block.len() {
-            let own = self.first + k;
-            self.sums[k] =
-                force_row::<L, D, CORRECTED>(self.records, own, self.block, k, self.stored, self.constants, self.terms);
+            self.sums[k] = force_row::<L, D, CORRECTED, USUAL>(
+                self.records,
+                self.first + k,
+                self.block,
+                k,
+                self.stored,
+                self.constants,
+                self.terms,
+                &mut pairs,
+            );
         }
     }
 }

@@ -8,7 +8,7 @@ use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::kernel::Kernel;
-use sphorge_physics::{Real, Scalar, Tensor};
+use sphorge_physics::{Scalar, Tensor, Vector};
 
 /// Constants of a pair sum.
 #[derive(Clone, Copy, Debug)]
@@ -19,21 +19,40 @@ pub(super) struct PairConstants<T> {
     pub(super) kernel: Kernel,
     /// Normalisation `sigma_d` of the kernel.
     pub(super) sigma: T,
-    /// The smoothing length all particles share, if they do.
-    pub(super) uniform_h: Option<T>,
 }
 
-/// Inverse smoothing length of a pair and the factor of its kernel gradient, `sigma / h^(d+2)`.
-#[inline(always)]
-pub(super) fn pair_scale<L: Lanes, const D: usize>(constants: &PairConstants<L::Element>, h_i: L, h_j: L) -> (L, L, L) {
-    let (h, inverse_h) = match constants.uniform_h {
-        Some(h) => (L::splat(h), L::splat(L::Element::one() / h)),
-        None => {
-            let h = (h_i + h_j) * L::of(0.5);
-            (h, L::one() / h)
+/// Smoothing length of a pair, its inverse, and the factor of the kernel gradient, `sigma / h^(d+2)`.
+#[derive(Clone, Copy)]
+pub(super) struct PairScale<L> {
+    pub(super) h: L,
+    pub(super) inverse_h: L,
+    pub(super) gradient: L,
+}
+
+impl<L: Lanes> PairScale<L> {
+    #[inline(always)]
+    fn of<const D: usize>(constants: &PairConstants<L::Element>, h: L) -> Self {
+        let inverse_h = L::one() / h;
+        Self { h, inverse_h, gradient: L::splat(constants.sigma) * inverse_h.powu(D as u32 + 2) }
+    }
+
+    /// For a particle and those of its own smoothing length.
+    #[inline(always)]
+    pub(super) fn own<const D: usize>(constants: &PairConstants<L::Element>, h_i: L::Element) -> Self {
+        let scale = PairScale::<L::Element>::of::<D>(constants, h_i);
+        Self { h: L::splat(scale.h), inverse_h: L::splat(scale.inverse_h), gradient: L::splat(scale.gradient) }
+    }
+
+    /// For a bundle of pairs: where all smoothing lengths are that of the particle, which they are but where bodies meet,
+    /// its own scale, without a division.
+    #[inline(always)]
+    pub(super) fn with<const D: usize>(self, constants: &PairConstants<L::Element>, h_j: L) -> Self {
+        if L::less(self.h, h_j) | L::less(h_j, self.h) == 0 {
+            self
+        } else {
+            Self::of::<D>(constants, (self.h + h_j) * L::of(0.5))
         }
-    };
-    (h, inverse_h, L::splat(constants.sigma) * inverse_h.powu(D as u32 + 2))
+    }
 }
 
 /// `q = r/h` and its inverse, both finite at `r = 0`.
@@ -54,7 +73,35 @@ pub(super) struct GradientSum<T> {
     pub(super) inside: u32,
 }
 
+/// Bundles of a row worked on together.
+const BATCH: usize = 8;
+
+/// A bundle of pairs, between the passes over a row.
+#[derive(Clone, Copy)]
+struct Pairs<L> {
+    /// `x_i - x_j`, m.
+    x: Vector<L>,
+    /// `v_j - v_i`, m/s.
+    v: Vector<L>,
+    /// Weight of the neighbour.
+    weight: L,
+    /// Smoothing length of the neighbour, m.
+    h: L,
+    /// Distance squared, m².
+    r2: L,
+}
+
+impl<L: Lanes> Pairs<L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        let o = L::zero();
+        Self { x: [o; 3], v: [o; 3], weight: o, h: o, r2: o }
+    }
+}
+
 /// Row `k` of a block, particle `own`.
+///
+/// A pair's arithmetic is one long chain. In two short passes over the row, many pairs are in the processor at a time.
 #[inline(always)]
 fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     records: &[[L::Element; LEN]],
@@ -63,37 +110,47 @@ fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     k: usize,
     stored: Option<&StoredBlock<L::Element>>,
     constants: &PairConstants<L::Element>,
+    pairs: &mut [Pairs<L>; BATCH],
 ) -> GradientSum<L::Element> {
     let record_i: [L; LEN] = splat_record(&records[own]);
+    let own_scale = PairScale::<L>::own::<D>(constants, records[own][H]);
     let unit = L::splat(constants.unit);
     let support = L::of(constants.kernel.support());
     let mut gradient = [[L::zero(); 3]; 3];
     let mut moment = [[L::zero(); 3]; 3];
     let mut inside = L::zero();
     let row = block.padded_row(k, L::WIDTH);
-    for (bundle, indices) in row.chunks_exact(L::WIDTH).enumerate() {
-        let record_j = L::gather(records, indices);
-        let mut x = [L::zero(); 3];
-        let mut r2 = L::zero();
-        for a in 0..D {
-            x[a] = match stored {
-                None => L::difference(record_i[X + a], record_j[X + a], unit),
-                Some(stored) => stored.bundle(block.start(k) + bundle * L::WIDTH, a),
-            };
-            r2 = x[a].mul_add(x[a], r2);
+    for (batch, indices) in row.chunks(BATCH * L::WIDTH).enumerate() {
+        for (bundle, (pair, indices)) in pairs.iter_mut().zip(indices.chunks_exact(L::WIDTH)).enumerate() {
+            let record_j = L::gather(records, indices);
+            let mut r2 = L::zero();
+            for a in 0..D {
+                let x = match stored {
+                    None => L::difference(record_i[X + a], record_j[X + a], unit),
+                    Some(stored) => stored.bundle(block.start(k) + (batch * BATCH + bundle) * L::WIDTH, a),
+                };
+                r2 = x.mul_add(x, r2);
+                pair.x[a] = x;
+                pair.v[a] = record_j[V + a] - record_i[V + a];
+            }
+            pair.r2 = r2;
+            pair.weight = record_j[WEIGHT];
+            pair.h = record_j[H];
         }
-        let (h, inverse_h, scale) = pair_scale::<L, D>(constants, record_i[H], record_j[H]);
-        let (q, inverse_q) = reduced_distance(r2, h, inverse_h);
-        // grad_i W_ij = F x_ij, times the weight of the neighbour.
-        let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * scale * record_j[WEIGHT];
-        inside += L::select_lt(q, support, L::one(), L::zero());
-        for a in 0..D {
-            let v = (record_j[V + a] - record_i[V + a]) * weighted_f;
-            let y = x[a] * weighted_f;
-            for b in 0..D {
-                gradient[a][b] = v.mul_add(x[b], gradient[a][b]);
-                if CORRECTED {
-                    moment[a][b] -= y * x[b];
+        for pair in &pairs[..indices.len() / L::WIDTH] {
+            let scale = own_scale.with::<D>(constants, pair.h);
+            let (q, inverse_q) = reduced_distance(pair.r2, scale.h, scale.inverse_h);
+            // grad_i W_ij = F x_ij, times the weight of the neighbour.
+            let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * (scale.gradient * pair.weight);
+            inside += L::select_lt(q, support, L::one(), L::zero());
+            for a in 0..D {
+                let v = pair.v[a] * weighted_f;
+                let y = pair.x[a] * weighted_f;
+                for b in 0..D {
+                    gradient[a][b] = v.mul_add(pair.x[b], gradient[a][b]);
+                    if CORRECTED {
+                        moment[a][b] -= y * pair.x[b];
+                    }
                 }
             }
         }
@@ -136,6 +193,7 @@ pub(super) struct GradientJob<'a, T, const D: usize, const CORRECTED: bool> {
 impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for GradientJob<'_, T, D, CORRECTED> {
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
+        let mut pairs = [Pairs::zero(); BATCH];
         for k in 0..self.block.len() {
             self.sums[k] = gradient_row::<L, D, CORRECTED>(
                 self.records,
@@ -144,7 +202,27 @@ impl<T: PairScalar, const D: usize, const CORRECTED: bool> Job<T> for GradientJo
                 k,
                 self.stored,
                 self.constants,
+                &mut pairs,
             );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_of_a_pair_is_that_of_the_mean_smoothing_length() {
+        let constants = PairConstants { unit: 1.0, kernel: Kernel::CubicSpline, sigma: 3.0f64 };
+        let own = PairScale::<f64>::own::<3>(&constants, 2.0);
+        assert_eq!((own.h, own.inverse_h, own.gradient), (2.0, 0.5, 3.0 / 32.0));
+        let same = own.with::<3>(&constants, 2.0);
+        assert_eq!((same.h, same.inverse_h, same.gradient), (2.0, 0.5, 3.0 / 32.0));
+        for (h_j, h) in [(6.0, 4.0), (1.0, 1.5)] {
+            let other = own.with::<2>(&constants, h_j);
+            assert_eq!((other.h, other.inverse_h), (h, 1.0 / h));
+            assert!((other.gradient - 3.0 / (h * h * h * h)).abs() < 1e-15);
         }
     }
 }

@@ -131,13 +131,10 @@ impl<T: PairScalar> CpuEngine<T> {
             (particles.pressure[i], particles.sound_speed[i]) = (state.pressure, state.sound_speed);
         }
         let numerics = &model.numerics;
-        let h = &particles.smoothing_length;
-        let uniform_h = h.first().copied().filter(|first| h.iter().all(|h| h == first)).map(T::of);
         let constants = PairConstants {
             unit: T::one(),
             kernel: numerics.kernel,
             sigma: T::of(numerics.kernel.normalisation(dimension(&model))),
-            uniform_h,
         };
         let corrected = numerics.gradient_correction != crate::model::GradientCorrection::None || total_lagrangian;
         let adaptive = matches!(model.search, Search::Adaptive(_));
@@ -157,6 +154,7 @@ impl<T: PairScalar> CpuEngine<T> {
             halo: Halo::new(&model),
             walls: Walls::new(&model),
             motions: Motions::new(&model),
+            motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),
             contacts: BodyContacts::new(&model, count),
             heat: HeatFlow::new(&model, count),

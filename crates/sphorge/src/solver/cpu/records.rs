@@ -20,14 +20,14 @@ pub(super) mod force {
     /// Weight of the neighbour in the momentum sum.
     pub(crate) const WEIGHT: usize = 3;
     pub(crate) const V: usize = 4;
-    /// Sound speed.
-    pub(crate) const C: usize = 7;
+    /// Smoothing length.
+    pub(crate) const H: usize = 7;
     /// Scaled stress xx, yy, zz, xy, yz, xz.
     pub(crate) const S: usize = 8;
     /// Density.
     pub(crate) const RHO: usize = 14;
-    /// Smoothing length.
-    pub(crate) const H: usize = 15;
+    /// Sound speed.
+    pub(crate) const C: usize = 15;
     pub(crate) const LEN: usize = 16;
 }
 

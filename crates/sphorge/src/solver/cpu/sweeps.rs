@@ -248,6 +248,7 @@ impl<T: PairScalar> CpuEngine<T> {
             volume_weighted,
             own_stress_work: numerics.energy_split == EnergySplit::OwnStress,
         };
+        let usual = terms.usual(numerics.kernel);
         dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records;
             let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
@@ -265,16 +266,28 @@ impl<T: PairScalar> CpuEngine<T> {
                 .enumerate()
                 .for_each(|(b, (a, e, x, mu))| {
                     let mut sums = [ForceSum::zero(); BLOCK];
-                    let job = ForceJob::<T, D, CORRECTED> {
-                        records,
-                        first: b * BLOCK,
-                        block: &lists.list.blocks()[b],
-                        stored: lists.stored.as_ref().map(|s| s.block(b)),
-                        constants,
-                        terms: &terms,
-                        sums: &mut sums,
-                    };
-                    run(instructions, job);
+                    let first = b * BLOCK;
+                    let block = &lists.list.blocks()[b];
+                    let stored = lists.stored.as_ref().map(|s| s.block(b));
+                    let (terms, sums_of_block) = (&terms, &mut sums);
+                    if usual {
+                        let sums = sums_of_block;
+                        let job =
+                            ForceJob::<T, D, CORRECTED, true> { records, first, block, stored, constants, terms, sums };
+                        run(instructions, job);
+                    } else {
+                        let sums = sums_of_block;
+                        let job = ForceJob::<T, D, CORRECTED, false> {
+                            records,
+                            first,
+                            block,
+                            stored,
+                            constants,
+                            terms,
+                            sums,
+                        };
+                        run(instructions, job);
+                    }
                     for (k, sum) in sums.iter().enumerate().take(a.len()) {
                         let i = b * BLOCK + k;
                         // Weight over mass is 1/rho_i for the volume-weighted form.
