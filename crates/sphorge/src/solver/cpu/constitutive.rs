@@ -4,13 +4,13 @@ use super::records::{extra, force, kinematic};
 use super::total_lagrangian::bulk_viscosity;
 use super::{CpuEngine, Work};
 use crate::lanes::PairScalar;
-use crate::model::{Integrator, Material, Model, TemperatureSource};
+use crate::model::{Integrator, Material, Model, Numerics, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::{SymmetricTensor, Tensor, artificial_stress, heat, stress, tensor, viscosity};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, heat, stress, tensor, viscosity};
 
 /// Stress of a particle after a time `dt` with the velocity gradient `l`.
 #[inline(always)]
@@ -29,6 +29,15 @@ struct Inputs<'a> {
     last_increment: f64,
     temperature: f64,
 }
+
+/// What the update of a block writes: deviator, plastic strain and its increment, yield stress, plastic work, temperature;
+/// pressure; sound speed; force records.
+type BlockColumns<'a, T> = (
+    (&'a mut [SymmetricTensor<f64>], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64]),
+    &'a mut [f64],
+    &'a mut [f64],
+    &'a mut [[T; force::LEN]],
+);
 
 /// Columns a committed update writes.
 struct Committed<'a> {
@@ -104,11 +113,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let position = reference.map_or(&*position, |r| &r.position);
         let count = density.len();
         let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
-        let extra_on = !self.records.extra.is_empty();
-        let extra_length = if extra_on { count } else { 0 };
         let corrected_length = if corrected { count } else { 0 };
 
-        (
+        let columns = (
             (
                 deviator.par_chunks_mut(BLOCK),
                 plastic_strain.par_chunks_mut(BLOCK),
@@ -123,84 +130,77 @@ impl<T: PairScalar> CpuEngine<T> {
             self.records.force[..count].par_chunks_mut(BLOCK),
         )
             .into_par_iter()
-            .enumerate()
-            .for_each(|(b, ((s, ep, dep, y, wp, t), p, c, records))| {
-                for k in 0..s.len() {
-                    let i = b * BLOCK + k;
-                    let material = &model.materials[material[i] as usize];
-                    let inputs = Inputs {
-                        material,
-                        deviator: s[k],
-                        plastic_strain: ep[k],
-                        last_increment: dep[k],
-                        temperature: t[k],
+            .enumerate();
+        let update_block = |(b, ((s, ep, dep, y, wp, t), p, c, records)): (usize, BlockColumns<'_, T>),
+                            extras: &mut [_]| {
+            for k in 0..s.len() {
+                let i = b * BLOCK + k;
+                let material = &model.materials[material[i] as usize];
+                let inputs = Inputs {
+                    material,
+                    deviator: s[k],
+                    plastic_strain: ep[k],
+                    last_increment: dep[k],
+                    temperature: t[k],
+                };
+                let update = returned(&inputs, &velocity_gradient[i], dt);
+                let energy_here = energy[i] + 0.5 * full * energy_rate[i];
+                let state = material.pressure(density[i], energy_here);
+                (p[k], c[k]) = (state.pressure, state.sound_speed);
+                if commit {
+                    let columns = Committed {
+                        deviator: &mut s[k],
+                        plastic_strain: &mut ep[k],
+                        plastic_strain_increment: &mut dep[k],
+                        yield_stress: &mut y[k],
+                        plastic_work: &mut wp[k],
+                        temperature: &mut t[k],
                     };
-                    let update = returned(&inputs, &velocity_gradient[i], dt);
-                    let energy_here = energy[i] + 0.5 * full * energy_rate[i];
-                    let state = material.pressure(density[i], energy_here);
-                    (p[k], c[k]) = (state.pressure, state.sound_speed);
-                    if commit {
-                        let columns = Committed {
-                            deviator: &mut s[k],
-                            plastic_strain: &mut ep[k],
-                            plastic_strain_increment: &mut dep[k],
-                            yield_stress: &mut y[k],
-                            plastic_work: &mut wp[k],
-                            temperature: &mut t[k],
-                        };
-                        columns.take(&update, material, numerics.temperature, density[i], energy_here);
-                    }
-                    let record = &mut records[k];
-                    let scale = stress_scale(numerics.pair_form, density[i]);
-                    let mut pressure = state.pressure;
-                    if reference.is_some() {
-                        let l = &velocity_gradient[i];
-                        let (alpha, beta) = (numerics.viscosity_alpha, numerics.viscosity_beta);
-                        let (divergence, c, h) = (l[0][0] + l[1][1] + l[2][2], state.sound_speed, smoothing_length[i]);
-                        pressure += bulk_viscosity(alpha, beta, divergence, density[i], c, h);
-                    }
-                    let sigma = (update.deviator - SymmetricTensor::isotropic(pressure)) * scale;
-                    let components = sigma.to_array();
-                    let x = frame.encode::<T>(&position[i]);
-                    for a in 0..3 {
-                        record[force::X + a] = x[a];
-                        record[force::V + a] = T::of(evaluated_velocity[i][a]);
-                    }
-                    for (slot, value) in components.into_iter().enumerate() {
-                        record[force::S + slot] = T::of(value);
-                    }
-                    record[force::WEIGHT] = match numerics.pair_form {
-                        // Adjoint to the last digit: the volumes of the gradient correction, or of the gradient sum at the
-                        // same positions.
-                        PairForm::VolumeWeighted if corrected || !commit => kinematic_records[i][kinematic::WEIGHT],
-                        PairForm::VolumeWeighted => T::of(mass[i] / density[i]),
-                        PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
-                    };
-                    record[force::C] = T::of(state.sound_speed);
-                    record[force::RHO] = T::of(density[i]);
-                    record[force::H] = T::of(smoothing_length[i]);
+                    columns.take(&update, material, numerics.temperature, density[i], energy_here);
                 }
-            });
+                let record = &mut records[k];
+                let scale = stress_scale(numerics.pair_form, density[i]);
+                let mut pressure = state.pressure;
+                if reference.is_some() {
+                    let l = &velocity_gradient[i];
+                    let (alpha, beta) = (numerics.viscosity_alpha, numerics.viscosity_beta);
+                    let (divergence, c, h) = (l[0][0] + l[1][1] + l[2][2], state.sound_speed, smoothing_length[i]);
+                    pressure += bulk_viscosity(alpha, beta, divergence, density[i], c, h);
+                }
+                let sigma = (update.deviator - SymmetricTensor::isotropic(pressure)) * scale;
+                let components = sigma.to_array();
+                let x = frame.encode::<T>(&position[i]);
+                for a in 0..3 {
+                    record[force::X + a] = x[a];
+                    record[force::V + a] = T::of(evaluated_velocity[i][a]);
+                }
+                for (slot, value) in components.into_iter().enumerate() {
+                    record[force::S + slot] = T::of(value);
+                }
+                record[force::WEIGHT] = match numerics.pair_form {
+                    // Adjoint to the last digit: the volumes of the gradient correction, or of the gradient sum at the
+                    // same positions.
+                    PairForm::VolumeWeighted if corrected || !commit => kinematic_records[i][kinematic::WEIGHT],
+                    PairForm::VolumeWeighted => T::of(mass[i] / density[i]),
+                    PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
+                };
+                record[force::C] = T::of(state.sound_speed);
+                record[force::RHO] = T::of(density[i]);
+                record[force::H] = T::of(smoothing_length[i]);
+                if let Some(record) = extras.get_mut(k) {
+                    let (c, h) = (state.sound_speed, smoothing_length[i]);
+                    *record = extra_record(numerics, sigma, dimension, &velocity_gradient[i], c, h);
+                }
+            }
+        };
+        if self.records.extra.is_empty() {
+            columns.for_each(|block| update_block(block, &mut []));
+        } else {
+            let extras = self.records.extra[..count].par_chunks_mut(BLOCK);
+            columns.zip(extras).for_each(|(block, extras)| update_block(block, extras));
+        }
 
-        // The optional records are few enough to be a pass of their own.
         let records = &self.records.force;
-        self.records.extra[..extra_length].par_iter_mut().enumerate().for_each(|(i, record)| {
-            let stress = stress_of(&records[i]);
-            if let Some(a) = numerics.artificial_stress {
-                let r = artificial_stress::artificial_stress(stress, a.epsilon, dimension).to_array();
-                for (slot, value) in r.into_iter().enumerate() {
-                    record[extra::R + slot] = T::of(value);
-                }
-            }
-            if numerics.balsara {
-                let l = &velocity_gradient[i];
-                let divergence = l[0][0] + l[1][1] + l[2][2];
-                let curl = [l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]];
-                let norm = curl.iter().map(|w| w * w).sum::<f64>().sqrt();
-                let c = records[i][force::C].to_f64();
-                record[extra::BALSARA] = T::of(viscosity::balsara(divergence, norm, c, smoothing_length[i]));
-            }
-        });
         self.records.corrected[..corrected_length].par_iter_mut().enumerate().for_each(|(i, record)| {
             let stress = stress_of(&records[i]);
             let product = match reference {
@@ -291,6 +291,32 @@ impl<T: PairScalar> CpuEngine<T> {
             *plastic += plastic_strain_increment[i];
         });
     }
+}
+
+/// Artificial stress of a particle with the scaled stress `sigma`, and its Balsara factor.
+#[inline(always)]
+fn extra_record<T: PairScalar>(
+    numerics: &Numerics,
+    sigma: SymmetricTensor<f64>,
+    dimension: Dimension,
+    l: &Tensor<f64>,
+    sound_speed: f64,
+    h: f64,
+) -> [T; extra::LEN] {
+    let mut record = [T::zero(); extra::LEN];
+    if let Some(a) = numerics.artificial_stress {
+        let r = artificial_stress::artificial_stress(sigma, a.epsilon, dimension).to_array();
+        for (slot, value) in r.into_iter().enumerate() {
+            record[extra::R + slot] = T::of(value);
+        }
+    }
+    if numerics.balsara {
+        let divergence = l[0][0] + l[1][1] + l[2][2];
+        let curl = [l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]];
+        let norm = curl.iter().map(|w| w * w).sum::<f64>().sqrt();
+        record[extra::BALSARA] = T::of(viscosity::balsara(divergence, norm, sound_speed, h));
+    }
+    record
 }
 
 /// Factor between Cauchy stress and what the force sum adds up.

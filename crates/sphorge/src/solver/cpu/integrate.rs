@@ -147,36 +147,55 @@ fn kick(
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// First half kick and drift.
+    /// First half kick, drift, and the velocity forces are evaluated with: that of the end of the step, predicted with the last
+    /// acceleration. One pass: what it reads and writes is more than the caches hold.
     pub(super) fn leapfrog_begin(&mut self) {
         let dt = self.step.dt;
-        self.half_kick(self.step.time + 0.5 * dt);
-        let Work { xsph, motion, .. } = &self.work;
-        let Particles { position, velocity, .. } = &mut self.particles;
-        let motions = &self.motions;
-        (position.par_chunks_mut(BLOCK), velocity.par_chunks(BLOCK)).into_par_iter().enumerate().for_each(
-            |(b, (x, v))| {
+        let half = 0.5 * dt;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.book(half);
+        }
+        self.motions.set_time(&self.model, self.step.time + half);
+        self.motions_at_end.set_time(&self.model, self.step.time + dt);
+        let Work { xsph, external_acceleration, evaluated_velocity, motion, .. } = &mut self.work;
+        let (xsph, external_acceleration, motion) = (&*xsph, &*external_acceleration, &*motion);
+        let Particles { position, velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;
+        let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
+        let (motions, at_end) = (&self.motions, &self.motions_at_end);
+        (
+            position.par_chunks_mut(BLOCK),
+            velocity.par_chunks_mut(BLOCK),
+            energy.par_chunks_mut(BLOCK),
+            evaluated_velocity.par_chunks_mut(BLOCK),
+            self.external.partial.par_iter_mut(),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, (x, v, e, evaluated, partial))| {
+                *partial = (0.0, [0.0; 3]);
                 for k in 0..x.len() {
                     let i = b * BLOCK + k;
+                    let (a, external) = (acceleration[i], external_acceleration[i]);
+                    let kicked = kick(v[k], a, external, evaluated[k], mass[i], half, motions, motion[i]);
+                    v[k] = kicked.velocity;
+                    e[k] += half * energy_rate[i] + kicked.energy;
+                    add(partial, &kicked);
                     drift(&mut x[k], v[k], xsph[i], motions.of(motion[i]), dt);
+                    evaluated[k] = [0, 1, 2].map(|c| v[k][c] + half * a[c]);
+                    at_end.hold(motion[i], &mut evaluated[k]);
                 }
-            },
-        );
-        self.evaluate_velocity_at_end();
+            });
+        self.external.close();
+        std::mem::swap(&mut self.motions, &mut self.motions_at_end);
     }
 
     /// Second half kick.
     pub(super) fn leapfrog_finish(&mut self) {
-        self.half_kick(self.step.time + self.step.dt);
-    }
-
-    /// Half a step of velocity and energy with the rates of the last force sum; prescribed velocities are those of `time`.
-    fn half_kick(&mut self, time: f64) {
         let half = 0.5 * self.step.dt;
         if let Some(contacts) = &mut self.contacts {
             contacts.book(half);
         }
-        self.motions.set_time(&self.model, time);
+        self.motions.set_time(&self.model, self.step.time + self.step.dt);
         let Work { external_acceleration, evaluated_velocity, motion, .. } = &self.work;
         let Particles { velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;
         let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
@@ -196,22 +215,6 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             });
         self.external.close();
-    }
-
-    /// The velocity forces are evaluated with: that of the end of the step, predicted with the last acceleration.
-    fn evaluate_velocity_at_end(&mut self) {
-        let half = 0.5 * self.step.dt;
-        self.motions.set_time(&self.model, self.step.time + self.step.dt);
-        let Work { evaluated_velocity, motion, .. } = &mut self.work;
-        let Particles { velocity, acceleration, .. } = &self.particles;
-        let motions = &self.motions;
-        evaluated_velocity.par_chunks_mut(BLOCK).enumerate().for_each(|(b, evaluated)| {
-            for k in 0..evaluated.len() {
-                let i = b * BLOCK + k;
-                evaluated[k] = [0, 1, 2].map(|a| velocity[i][a] + half * acceleration[i][a]);
-                motions.hold(motion[i], &mut evaluated[k]);
-            }
-        });
     }
 
     /// State at mid-step, predicted with the rates of the last one.

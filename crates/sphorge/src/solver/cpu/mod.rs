@@ -48,6 +48,8 @@ pub(super) struct CpuEngine<T> {
     halo: Halo,
     walls: Walls,
     motions: Motions,
+    /// Prescribed velocities at the end of the step, while those of its middle are in use.
+    motions_at_end: Motions,
     external: ExternalSums,
     contacts: Option<BodyContacts>,
     heat: Option<HeatFlow>,
