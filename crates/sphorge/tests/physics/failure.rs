@@ -1,6 +1,6 @@
 //! A run that breaks down says where.
 
-use super::setup::COLLISION;
+use super::setup::{COLLISION, simulation};
 use sphorge::{deck, solver::Simulation};
 
 #[test]
@@ -26,4 +26,40 @@ fn an_infinite_velocity_is_found_before_it_spreads() {
     let mut simulation = Simulation::new(setup.model, particles);
     let failure = simulation.step(None).unwrap_err();
     assert!(failure.particle.is_some() && failure.time == 0.0, "{failure}");
+}
+
+/// A plate that a flux cools without end.
+const COOLED: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "5 mm" }
+time = { end = "1000 s" }
+thermal = { mechanics = false, boundary = [{ name = "sink", flux = "-1 MW/m^2" }] }
+
+[material.metal]
+density = "4000 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+specific-heat = "500 J/(kg K)"
+conductivity = "20 W/(m K)"
+
+[[body]]
+name = "plate"
+material = "metal"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["50 mm", "30 mm"] } }
+"#;
+
+#[test]
+fn a_flux_that_takes_more_heat_than_there_is_ends_the_run() {
+    let mut simulation = simulation(COOLED, &[]);
+    let failure = loop {
+        if let Err(failure) = simulation.step(None) {
+            break failure;
+        }
+        assert!(simulation.particles().temperature.iter().all(|&t| t >= 0.0));
+    };
+    assert_eq!(failure.field, "temperature");
+    assert!(failure.particle.is_some() && failure.step == simulation.steps() + 1 && failure.time > 0.0);
+    assert!(failure.to_string().contains("more heat than there is"), "{failure}");
 }

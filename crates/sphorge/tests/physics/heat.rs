@@ -84,6 +84,64 @@ fn a_slab_between_two_plates_converges_at_second_order() {
 }
 
 #[test]
+fn sums_at_initial_positions_conduct_as_well() {
+    let largest = |spacing: &str| {
+        let mut simulation = simulation(SLAB, &[("particles.spacing", spacing), ("search", "total-lagrangian")]);
+        simulation.next_step_estimate().unwrap();
+        let before = internal(&simulation);
+        run_to(&mut simulation, 100.0);
+        let ledger = simulation.ledger();
+        assert!((internal(&simulation) - before - ledger.boundary_heat()).abs() < 1e-11 * ledger.heat.exchanged);
+        let p = simulation.particles();
+        (0..p.len()).map(|i| (p.temperature[i] - 273.15 - slab(p.position[i][0], 100.0)).abs()).fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (largest("10 mm"), largest("5 mm"));
+    assert!(fine < 0.1 && (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+/// A block of iron that strikes a plane of symmetry, summed at initial positions.
+const PRESSED: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+search = "total-lagrangian"
+time = { end = "20 us" }
+symmetry = [{ axis = "y" }]
+
+[thermal]
+
+[material.iron]
+base = "armco-iron"
+conductivity = "80 W/(m K)"
+
+[[body]]
+name = "block"
+material = "iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "20 mm"] } }
+velocity = ["0 m/s", "-250 m/s"]
+"#;
+
+#[test]
+fn what_is_pressed_flat_keeps_the_heat_it_conducts() {
+    let run = |conductivity: &str| {
+        let mut simulation = simulation(PRESSED, &[("material.iron.conductivity", conductivity)]);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger();
+        run_to(&mut simulation, 20e-6);
+        let ledger = simulation.ledger();
+        let drift = ledger.total_energy() - first.total_energy() - ledger.external_work;
+        assert!(drift.abs() < 1e-12 * first.total.energies.kinetic, "{drift:.1e}");
+        let p = simulation.particles();
+        let mean = p.temperature.iter().sum::<f64>() / p.len() as f64;
+        (p.temperature.iter().copied().fold(0.0, f64::max) - mean, ledger.heat.exchanged)
+    };
+    // Conductivity as of iron: heat diffuses 0.02 mm. Ten thousand times as much: 2 mm.
+    let ((hot, little), (cooler, much)) = (run("80 W/(m K)"), run("800 kW/(m K)"));
+    assert!(hot > 50.0 && cooler < 0.8 * hot, "{hot} {cooler}");
+    assert!(little > 0.0 && much > 100.0 * little, "{little} {much}");
+}
+
+#[test]
 fn heat_passes_between_bodies_whatever_their_contact() {
     let pair = SLAB.replace(r#"max = ["100 mm"] } }"#, r#"max = ["50 mm"] } }"#).replace("on-faces", "cell-centres")
         + r#"

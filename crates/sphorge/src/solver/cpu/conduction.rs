@@ -1,11 +1,12 @@
 //! Heat: the flow between particles and through boundaries, and what it does to energy and temperature.
 //!
 //! Forward Euler with the temperatures of the start of the step, in double precision. Conduction in metals is slower than sound by
-//! many orders, so beside mechanics the flow is summed anew only when a tenth of the step that it bears itself has passed; until then the last flow
-//! goes on. Each sum is antisymmetric, so heat is conserved either way.
+//! many orders, so beside mechanics the flow is summed anew only when a tenth of the step that it bears itself has passed, or fifty steps; until
+//! then the last flow goes on. Each sum is antisymmetric, so heat is conserved either way.
 
 use super::CpuEngine;
 use super::contact::Places;
+use super::reference_conduction::ReferenceState;
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
@@ -14,10 +15,13 @@ use crate::solver::HeatLedger;
 use rayon::prelude::*;
 use sphorge_physics::conduction::{cell_size, lattice, pair_conductivity, surface_area, surface_conductance};
 use sphorge_physics::time_step::conduction_vote;
-use sphorge_physics::{Dimension, kernel::Kernel, tensor::dot};
+use sphorge_physics::{Dimension, Vector, kernel::Kernel, tensor::dot};
 
 /// Share of its own time step after which a flow beside mechanics is summed anew.
 const RENEWAL: f64 = 0.1;
+
+/// Steps beside mechanics after which it is summed anew in any case: work has warmed particles since.
+const RENEWAL_STEPS: u32 = 50;
 
 /// Flow of heat.
 #[derive(Clone, Debug)]
@@ -25,6 +29,8 @@ pub(super) struct HeatFlow {
     table: Table,
     /// Heat that flows in, W/kg.
     rate: Vec<f64>,
+    /// Flow at the initial positions, W/m²; empty but with the total Lagrangian form.
+    flow: Vec<Vector<f64>>,
     /// Power of each boundary by block, W; its heat of a step by block, J.
     partial: Vec<f64>,
     /// Heat that changed places in a step by block, J.
@@ -39,19 +45,21 @@ pub(super) struct HeatFlow {
     exchanged: f64,
     /// Time since the last evaluation, s; infinite before the first.
     age: f64,
+    /// Steps since then.
+    steps: u32,
     surfaces: bool,
 }
 
 /// Constants by body.
 #[derive(Clone, Debug)]
-struct Table {
+pub(super) struct Table {
     kernel: Kernel,
-    dimension: Dimension,
+    pub(super) dimension: Dimension,
     normalisation: f64,
-    conductivity: Vec<f64>,
+    pub(super) conductivity: Vec<f64>,
     specific_heat: Vec<f64>,
     /// `1 / moment` of the body's lattice.
-    correction: Vec<f64>,
+    pub(super) correction: Vec<f64>,
     /// Moment of its outermost layer over that of a full lattice.
     flat: Vec<f64>,
 }
@@ -77,6 +85,7 @@ impl HeatFlow {
         model.thermal.conduction.then(|| Self {
             table,
             rate: vec![0.0; particles],
+            flow: Vec::new(),
             // At least one column, so that a block always has a chunk.
             partial: vec![0.0; blocks * boundaries.max(1)],
             moved: vec![0.0; blocks],
@@ -85,6 +94,7 @@ impl HeatFlow {
             supplied: vec![0.0; boundaries],
             exchanged: 0.0,
             age: f64::INFINITY,
+            steps: 0,
             surfaces: model.thermal.boundaries.iter().any(|b| on_surface(b.kind)),
         })
     }
@@ -120,7 +130,8 @@ impl HeatFlow {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        8 * (self.rate.capacity() + self.partial.capacity() + self.moved.capacity() + self.limits.capacity())
+        24 * self.flow.capacity()
+            + 8 * (self.rate.capacity() + self.partial.capacity() + self.moved.capacity() + self.limits.capacity())
     }
 }
 
@@ -135,13 +146,13 @@ fn add_by_boundary(partial: &[f64], totals: &mut [f64]) {
 
 /// What flows to a particle, and what it sees of surfaces.
 #[derive(Clone, Copy, Debug, Default)]
-struct Inflow {
+pub(super) struct Inflow {
     /// W.
-    power: f64,
+    pub(super) power: f64,
     /// Sum of conductances, W/K.
-    conductance: f64,
+    pub(super) conductance: f64,
     /// `- sum_j V_j x_ij . grad_i W_ij / d` over that of a full lattice.
-    filled: f64,
+    pub(super) filled: f64,
 }
 
 /// The state a flow is summed from.
@@ -152,6 +163,11 @@ struct State<'a> {
 }
 
 impl Table {
+    /// `-1/r dW/dr`, 1/m^(d+2).
+    pub(super) fn slope(&self, r2: f64, h: f64) -> f64 {
+        -self.normalisation * self.kernel.dw_over_q(r2.sqrt() / h) / h.powi(self.dimension.count() as i32 + 2)
+    }
+
     fn add(&self, sum: &mut Inflow, i: usize, row: &[u32], state: State<'_>) {
         let p = state.particles;
         let a = p.body[i] as usize;
@@ -161,9 +177,7 @@ impl Table {
             let b = p.body[source] as usize;
             let x = [0, 1, 2].map(|k| p.position[i][k] - position[k]);
             let h = 0.5 * (p.smoothing_length[i] + p.smoothing_length[source]);
-            let q = dot(x, x).sqrt() / h;
-            // -1/r dW/dr.
-            let slope = -self.normalisation * self.kernel.dw_over_q(q) / h.powi(self.dimension.count() as i32 + 2);
+            let slope = self.slope(dot(x, x), h);
             let other = p.mass[source] / p.density[source];
             let conductivity = pair_conductivity(self.conductivity[a], self.conductivity[b]);
             let correction = 0.5 * (self.correction[a] + self.correction[b]);
@@ -194,18 +208,25 @@ impl Table {
 impl<T: PairScalar> CpuEngine<T> {
     /// Sums the flow of heat anew where it is due.
     pub(super) fn sum_heat(&mut self) {
-        let model = &*self.model;
-        let Some(heat) = &mut self.heat else { return };
-        if model.thermal.mechanics && heat.age < RENEWAL * model.time.courant * heat.limit() {
-            return;
-        }
-        heat.age = 0.0;
+        let model = self.model.clone();
+        let is_recent =
+            |heat: &HeatFlow| heat.steps < RENEWAL_STEPS && heat.age < RENEWAL * model.time.courant * heat.limit();
+        let due = |heat: &mut HeatFlow| !(model.thermal.mechanics && is_recent(heat));
+        let Some(mut heat) = self.heat.take_if(due) else { return };
+        (heat.age, heat.steps) = (0.0, 0);
+        self.sum_reference_flow(&heat.table, &mut heat.flow);
         let p = &self.particles;
         let places = Places { position: &p.position, velocity: &p.velocity, ghosts: &self.halo.ghosts };
         let state = State { places, particles: p };
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
-        let HeatFlow { table, rate, partial, limits, power, surfaces, .. } = heat;
+        let HeatFlow { table, rate, flow, partial, limits, power, surfaces, .. } = &mut heat;
         let (table, boundaries) = (&*table, &model.thermal.boundaries);
+        let reference = self.reference.as_ref().map(|reference| ReferenceState {
+            places: Places { position: &reference.position, ..places },
+            particles: p,
+            reference,
+            flow,
+        });
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (rate.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
             |(b, (rate, limit, powers))| {
@@ -215,7 +236,10 @@ impl<T: PairScalar> CpuEngine<T> {
                 for (k, rate) in rate.iter_mut().enumerate() {
                     let i = b * BLOCK + k;
                     let mut sum = Inflow::default();
-                    table.add(&mut sum, i, list.row(i), state);
+                    match reference {
+                        Some(state) => table.add_reference(&mut sum, i, list.row(i), state),
+                        None => table.add(&mut sum, i, list.row(i), state),
+                    }
                     if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
                         table.add(&mut sum, i, row, state);
                     }
@@ -237,6 +261,7 @@ impl<T: PairScalar> CpuEngine<T> {
         );
         power.fill(0.0);
         add_by_boundary(partial, power);
+        self.heat = Some(heat);
     }
 
     /// Lets the heat flow for the step: energy, temperature, account.
@@ -246,7 +271,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let Some(heat) = &mut self.heat else { return };
         let Particles { energy, temperature, mass, body, regions, .. } = &mut self.particles;
         let (mass, body, regions) = (&*mass, &*body, &*regions);
-        let HeatFlow { table, rate, partial, moved, power, supplied, exchanged, age, .. } = heat;
+        let HeatFlow { table, rate, partial, moved, power, supplied, exchanged, age, steps, .. } = heat;
         let boundaries = &model.thermal.boundaries;
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (
@@ -286,6 +311,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         *exchanged += moved.iter().sum::<f64>();
         *age += dt;
+        *steps += 1;
     }
 
     /// Warms particles by the heat of friction, where temperature is not that of the internal energy anyway.

@@ -1,12 +1,19 @@
 //! The check that ends a run before nonsense spreads.
 
+use crate::model::{HeatBoundaryKind, Model};
 use crate::particles::Particles;
 use crate::solver::RunFailure;
 use rayon::prelude::*;
 
-/// Names the first particle (in id order of failure, lowest index) with a value that is not finite or a density that is
-/// not positive.
-pub(super) fn check(p: &Particles) -> Result<(), RunFailure> {
+/// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
+pub(super) fn is_cooled(model: &Model) -> bool {
+    let cools = |kind| matches!(kind, HeatBoundaryKind::Flux(flux) if flux < 0.0);
+    model.thermal.conduction && model.thermal.boundaries.iter().any(|b| cools(b.kind))
+}
+
+/// Names the first particle (in id order of failure, lowest index) with a value that is not finite, a density that is not
+/// positive or, where something `is_cooled`, a temperature below zero.
+pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
     let wrong = |i: usize| -> Option<&'static str> {
         let finite = |v: &[f64]| v.iter().all(|c| c.is_finite());
         if !finite(&p.position[i]) {
@@ -23,7 +30,7 @@ pub(super) fn check(p: &Particles) -> Result<(), RunFailure> {
             Some("pressure")
         } else if !finite(&p.deviator[i].to_array()) {
             Some("deviator")
-        } else if !p.temperature[i].is_finite() {
+        } else if !p.temperature[i].is_finite() || (is_cooled && p.temperature[i] < 0.0) {
             Some("temperature")
         } else {
             None
@@ -34,6 +41,15 @@ pub(super) fn check(p: &Particles) -> Result<(), RunFailure> {
     };
     let field = wrong(i).unwrap_or("position");
     let value = p.column(field).map_or(f64::NAN, |c| c.magnitude(i));
+    let message = if field == "temperature" && p.temperature[i] < 0.0 {
+        format!(
+            "`temperature` became {value} K: a flux out of the body takes more heat than there is; convection ends by itself"
+        )
+    } else {
+        format!(
+            "`{field}` became {value}; a smaller `time.courant`, more artificial viscosity or a gentler contact may help"
+        )
+    };
     Err(RunFailure {
         step: 0,
         time: 0.0,
@@ -41,9 +57,7 @@ pub(super) fn check(p: &Particles) -> Result<(), RunFailure> {
         particle: Some(p.id[i]),
         body: Some(p.body[i]),
         position: Some(p.position[i]),
-        message: format!(
-            "`{field}` became {value}; a smaller `time.courant`, more artificial viscosity or a gentler contact may help"
-        ),
+        message,
     })
 }
 
@@ -56,11 +70,22 @@ mod tests {
         let mut p = Particles::new(3);
         p.density.fill(1.0);
         p.id.copy_from_slice(&[7, 8, 9]);
-        assert_eq!(check(&p), Ok(()));
+        assert_eq!(check(&p, true), Ok(()));
         p.temperature[2] = f64::NAN;
         p.density[1] = -2.0;
-        let failure = check(&p).unwrap_err();
+        let failure = check(&p, false).unwrap_err();
         assert_eq!((failure.particle, failure.field), (Some(8), "density"));
         assert!(failure.to_string().contains("-2"), "{failure}");
+    }
+
+    #[test]
+    fn a_temperature_below_zero_counts_where_something_is_cooled() {
+        let mut p = Particles::new(2);
+        p.density.fill(1.0);
+        p.temperature[1] = -2.0;
+        assert_eq!(check(&p, false), Ok(()));
+        let failure = check(&p, true).unwrap_err();
+        assert_eq!(failure.field, "temperature");
+        assert!(failure.to_string().contains("-2 K: a flux"), "{failure}");
     }
 }

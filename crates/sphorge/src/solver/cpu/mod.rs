@@ -13,6 +13,7 @@ mod kinematics;
 mod ledger;
 mod moving_least_squares;
 mod records;
+mod reference_conduction;
 mod search;
 mod smoothing;
 mod sweeps;
@@ -275,7 +276,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        guard::check(&self.particles)
+        guard::check(&self.particles, guard::is_cooled(&self.model))
     }
 
     fn vote(&self) -> Vote {

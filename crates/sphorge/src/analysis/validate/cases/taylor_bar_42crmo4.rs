@@ -26,7 +26,8 @@ pub(super) const CASE: Case = Case {
     title: "Taylor impact of a 42CrMo4 bar with heat at 287 m/s",
     about: "A round bar of 6.4 x 32.4 mm, Johnson-Cook with the constants of the DynELA benchmark (Pantalé et al.), beside Abaqus \
             Explicit and DynELA in 3D at 80 us. A quarter of the bar against planes of symmetry: the wall is rigid and without \
-            friction, as theirs. Strain and temperature are largest at the middle of the foot.",
+            friction, as theirs. Heat is conducted, and diffuses 0.03 mm in that time. Strain and \
+            temperature are largest at the middle of the foot.",
     deck: "taylor-bar-42crmo4",
     variants,
     judge,
