@@ -60,6 +60,10 @@ impl Units {
     }
 }
 
+/// Largest magnitude of a cell, and least of what is above zero: beyond them cells cannot be counted, nor powers taken.
+const LARGEST: f64 = 1e15;
+const LEAST: f64 = 1e-60;
+
 /// Where the columns are.
 struct Columns {
     position: Vec<usize>,
@@ -107,6 +111,8 @@ impl Reader<'_> {
         let fault = match text.parse::<f64>() {
             Ok(value) if !value.is_finite() => "is not a finite number",
             Ok(value) if must_be_positive && value <= 0.0 => "must be above zero",
+            Ok(value) if value.abs() > LARGEST => "is too large to compute with",
+            Ok(value) if must_be_positive && value < LEAST => "is too small to compute with",
             Ok(value) => return value,
             Err(_) => "is not a number",
         };

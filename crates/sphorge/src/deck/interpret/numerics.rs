@@ -243,10 +243,7 @@ pub(crate) fn output(
             let usual = FIELDS.iter().filter(|f| is_usual(f.name, f.default_output));
             Some(usual.map(|f| f.name.to_owned()).collect())
         }
-        Some(words) => {
-            let known: Vec<_> = words.iter().map(|word| word.get(problems)).collect();
-            known.into_iter().map(|field| field.map(|f| f.name.to_owned())).collect::<Option<Vec<_>>>()
-        }
+        Some(words) => super::observed::listed_fields(words, problems),
     };
     let end = end?;
     let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);

@@ -1,10 +1,11 @@
 //! Tracers and sections.
 
 use super::{Names, measure::Scene, shape::direction, vector};
+use crate::deck::choice::FieldWord;
 use crate::deck::defaults;
 use crate::deck::raw::{RawSection, RawTracer};
 use crate::deck::report::{Fault, Problems};
-use crate::deck::value::Word;
+use crate::deck::value::{Choice, Word};
 use crate::model::{Section, Tracer};
 
 /// All tracers of a deck.
@@ -12,6 +13,19 @@ pub(crate) fn tracers(raw: &[RawTracer], scene: &Scene<'_>, problems: &mut Probl
     Names::collect("tracer", raw.iter().map(|t| &t.name), problems);
     let read: Vec<_> = raw.iter().map(|t| tracer(t, scene, problems)).collect();
     read.into_iter().collect()
+}
+
+/// Names of the fields that are listed, each once.
+pub(crate) fn listed_fields(given: &[Choice<FieldWord>], problems: &mut Problems) -> Option<Vec<String>> {
+    let fields: Vec<_> = given.iter().map(|field| field.get(problems).map(|f| f.name)).collect();
+    for (k, field) in fields.iter().enumerate() {
+        if let (Some(name), Some(first)) = (field, fields.iter().position(|other| other == field).filter(|&j| j < k)) {
+            let fault =
+                Fault::new("duplicate-name", format!("field `{name}` is listed twice"), given[k].span(), "again");
+            problems.push(fault.also(given[first].span(), "first here").help("take one of them out"));
+        }
+    }
+    fields.into_iter().map(|field| field.map(str::to_owned)).collect()
 }
 
 /// All sections of a deck.
@@ -32,7 +46,6 @@ fn tracer(raw: &RawTracer, scene: &Scene<'_>, problems: &mut Problems) -> Option
     let is_fixed = raw.fixed.as_ref().map_or(Some(false), |f| f.get(problems));
     let fields = match &raw.fields {
         Some(given) => {
-            let fields: Vec<_> = given.iter().map(|field| field.get(problems)).collect();
             if given.is_empty() {
                 problems.push(Fault::new(
                     "empty-list",
@@ -41,7 +54,7 @@ fn tracer(raw: &RawTracer, scene: &Scene<'_>, problems: &mut Problems) -> Option
                     "writes nothing",
                 ));
             }
-            fields.into_iter().map(|field| field.map(|f| f.name.to_owned())).collect::<Option<Vec<_>>>()
+            listed_fields(given, problems)
         }
         None => {
             let usual = defaults::TRACER_FIELDS.iter().filter(|field| **field != "position" || is_fixed != Some(true));

@@ -262,6 +262,17 @@ fn constants_of_a_search_that_are_not_used_are_refused() {
 }
 
 #[test]
+fn fields_listed_twice_are_refused() {
+    let output = "[output]\nfields = [\"velocity\", \"energy\", \"velocity\"]\n[[wall]]";
+    let deck = changed("[[wall]]", output);
+    let problem = fault(&deck);
+    assert_eq!(problem.code(), "duplicate-name", "{problem}");
+    assert!(problem.to_string().contains("`velocity` is listed twice"), "{problem}");
+    let tracer = "[[tracer]]\nname = \"a\"\npoint = [0, \"1 mm\"]\nfields = [\"energy\", \"energy\"]\n[[wall]]";
+    assert_eq!(fault(&changed("[[wall]]", tracer)).code(), "duplicate-name");
+}
+
+#[test]
 fn tracers_that_follow_need_a_particle_near() {
     let tracer = |point: &str, more: &str| format!("[[tracer]]\nname = \"tail\"\npoint = {point}{more}\n[[wall]]");
     let (near, far) = ("[\"0 mm\", \"25.9 mm\"]", "[\"0 mm\", \"27 mm\"]");

@@ -178,6 +178,7 @@ fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
         assert!(report.problems().iter().all(|p| p.line() == Some(9)));
     };
     told("x,y\n0,1\n0,nan\n", "", &["`bar.csv`, line 3, column `y`: `nan` is not a finite number"]);
+    told("x,y\n0,1\n0,1e300\n", "", &["`bar.csv`, line 3, column `y`: `1e300` is too large to compute with"]);
     told("x,z\n0,1\n", "", &["`bar.csv`, line 1: no column `y`; it names `x` and `z`"]);
     told(
         "x,y\none,1\n,2\n",
