@@ -26,6 +26,18 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// A second block that touches the first, and heat that flows in both and into the air.
+const CONTACT_AND_HEAT: &str = r#"
+[[body]]
+name = "other"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm", "10 mm"], max = ["10 mm", "10 mm", "16 mm"] } }
+velocity = ["0.1 m/s", "0 m/s", "0 m/s"]
+
+[thermal]
+boundary = [{ name = "air", convection = { coefficient = "500 W/(m^2 K)", ambient = "500 K" } }]
+"#;
+
 /// Artificial stress, XSPH, density filter, a symmetry plane and periodic ends; the block vibrates gently, so that rows of the
 /// neighbour list keep their lengths.
 const DECK: &str = r#"
@@ -60,8 +72,9 @@ velocity = ["0.1 m/s", "0 m/s", "0 m/s"]
 
 #[test]
 fn steps_do_not_allocate() {
-    for search in ["every-step", "skin"] {
-        let setup = load_text("test", DECK, &[("search".to_owned(), search.to_owned())]).expect("the deck is right");
+    let meeting = format!("contact = \"penalty\"\n{DECK}{CONTACT_AND_HEAT}");
+    for (search, deck) in [("every-step", DECK), ("skin", DECK), ("every-step", &meeting), ("skin", &meeting)] {
+        let setup = load_text("test", deck, &[("search".to_owned(), search.to_owned())]).expect("the deck is right");
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
         pool.install(|| {
             let mut simulation = Simulation::new(setup.model, setup.particles);

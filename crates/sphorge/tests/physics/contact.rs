@@ -1,6 +1,6 @@
 //! Contact between bodies that cannot pull.
 
-use super::setup::{norm, run_to, simulation};
+use super::setup::{COLLISION, by_id, norm, run_to, simulation};
 use sphorge::solver::Simulation;
 
 /// Two elastic blocks of unlike metals and spacings with a gap between them, one on its way to the other.
@@ -233,6 +233,96 @@ fn plates_at_six_kilometres_a_second_do_not_pass_through_each_other() {
     let (pressure, velocity) = (mean(&|i| p.pressure[i]), mean(&|i| p.velocity[i][0]));
     assert!((pressure / 83.2e9 - 1.0).abs() < 0.02, "{pressure:.4e}");
     assert!((velocity / 3090.0 - 1.0).abs() < 0.01, "{velocity}");
+}
+
+/// A steel bullet on an aluminium plate, small and coarse.
+const BULLET: &str = r#"
+dimensions = "3d"
+particles = { spacing = "1.5 mm" }
+numerics = { precision = "double" }
+contact = "penalty"
+time = { end = "40 us" }
+
+[material.aluminium]
+density = "2700 kg/m^3"
+young-modulus = "70 GPa"
+poisson-ratio = 0.33
+equation-of-state = "linear"
+strength = { perfectly-plastic = { yield-stress = "220 MPa" } }
+
+[material.steel]
+base = "aluminium"
+density = "7850 kg/m^3"
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+strength = { perfectly-plastic = { yield-stress = "1200 MPa" } }
+
+[[body]]
+name = "bullet"
+material = "steel"
+shape = { cylinder = { from = ["0 mm", "0 mm", "-12 mm"], to = ["0 mm", "0 mm", "0 mm"], radius = "3 mm" } }
+velocity = ["0 m/s", "0 m/s", "400 m/s"]
+
+[[body]]
+name = "plate"
+material = "aluminium"
+shape = { box = { min = ["-13.5 mm", "-13.5 mm", "0 mm"], max = ["13.5 mm", "13.5 mm", "4.5 mm"] } }
+"#;
+
+/// Smallest distance of particles of two bodies, m.
+fn closest(simulation: &Simulation) -> f64 {
+    let p = simulation.particles();
+    let of = |body: u32| (0..p.len()).filter(move |&i| p.body[i] == body);
+    let distance = |i: usize, j: usize| norm([0, 1, 2].map(|k| p.position[i][k] - p.position[j][k]));
+    of(0).flat_map(|i| of(1).map(move |j| (i, j))).map(|(i, j)| distance(i, j)).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn a_bullet_at_400_metres_a_second_does_not_pass_into_a_plate() {
+    let mut simulation = simulation(BULLET, &[]);
+    let (mut least, mut energy, mut momentum) = (f64::INFINITY, 0.0f64, 0.0f64);
+    for k in 1..=10 {
+        let (e, m) = drifts(&mut simulation, 4e-6 * f64::from(k));
+        (energy, momentum) = (energy.max(e), momentum.max(m));
+        least = least.min(closest(&simulation));
+    }
+    assert!(energy < 1e-11 && momentum < 1e-11, "energy {energy:.1e}, momentum {momentum:.1e}");
+    assert!(least > 0.8 * 1.5e-3, "{least}");
+    assert!(speed(&simulation, 0, 2) < 350.0 && speed(&simulation, 1, 2) > 20.0);
+}
+
+#[test]
+fn every_search_finds_the_same_contact_and_the_same_heat() {
+    let text =
+        COLLISION.to_owned() + "\n[thermal]\n[material.iron]\nbase = \"armco-iron\"\nconductivity = \"80 kW/(m K)\"\n";
+    // An anvil so deep that some particles keep their lists.
+    let text = text.replace("material = \"armco-iron\"", "material = \"iron\"").replace("\"-12 mm\"]", "\"-48 mm\"]");
+    let run = |search: &str| {
+        // Steps of one size compare sums alone.
+        let overrides =
+            [("search", search), ("contact", "{ penalty = { friction = 0.2 } }"), ("time.fixed-step", "30 ns")];
+        let mut simulation = simulation(&text, &overrides);
+        run_to(&mut simulation, 1e-6);
+        // The wave has not gone through the anvil yet.
+        let searched = simulation.step(None).unwrap().searched_fraction;
+        assert!(search == "every-step" || searched < 1.0, "{search}: {searched}");
+        let (energy, momentum) = drifts(&mut simulation, 6e-6);
+        assert!(energy < 1e-11 && momentum < 1e-12, "{search}: energy {energy:.1e}, momentum {momentum:.1e}");
+        assert!(simulation.ledger().heat.exchanged > 0.0);
+        simulation
+    };
+    let every = run("every-step");
+    for (search, way, warmth) in [("skin", 1e-11, 1e-6), ("adaptive", 1e-11, 1e-6)] {
+        let other = run(search);
+        let (a, b) = (every.particles(), other.particles());
+        let pairs: Vec<_> = by_id(a).into_iter().zip(by_id(b)).collect();
+        let apart = |&(i, j): &(usize, usize)| norm([0, 1, 2].map(|k| a.position[i][k] - b.position[j][k]));
+        let moved = pairs.iter().map(apart).fold(0.0, f64::max);
+        let warmed = pairs.iter().map(|&(i, j)| (a.temperature[i] - b.temperature[j]).abs()).fold(0.0, f64::max);
+        let force = other.ledger().contacts[0].force[1] / every.ledger().contacts[0].force[1];
+        assert!(moved < way && warmed < warmth, "{search}: {moved:e} m, {warmed:e} K after a way of 1.5e-3 m");
+        assert!((force - 1.0).abs() < 0.02, "{search}: {force}");
+    }
 }
 
 #[test]

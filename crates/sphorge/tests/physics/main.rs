@@ -8,5 +8,6 @@ mod external_forces;
 mod failure;
 mod heat;
 mod setup;
+mod spall;
 mod symmetry;
 mod two_ways;

@@ -1,0 +1,61 @@
+//! Tension cut off where a material spalls.
+
+use super::setup::simulation;
+
+/// A copper flyer strikes a target twice as thick at 500 m/s: the release waves of both free faces meet in its middle.
+const PLATES: &str = r#"
+dimensions = "1d"
+particles = { spacing = "0.05 mm" }
+numerics = { precision = "double", viscosity = { alpha = 1.0, beta = 2.0 } }
+contact = "penalty"
+time = { end = "3 us" }
+
+[material.copper]
+density = "8930 kg/m^3"
+equation-of-state = { mie-gruneisen = { sound-speed = "3940 m/s", shock-slope = 1.49, gruneisen = 2.0 } }
+strength = "none"
+
+[[body]]
+name = "flyer"
+material = "copper"
+shape = { box = { min = ["-2 mm"], max = ["0 mm"] } }
+velocity = ["500 m/s"]
+
+[[body]]
+name = "target"
+material = "copper"
+shape = { box = { min = ["0 mm"], max = ["4 mm"] } }
+"#;
+
+/// Lowest pressure of the target on the way, Pa; velocity of its free face when the shock has arrived and least after that, m/s.
+fn impact(overrides: &[(&str, &str)]) -> (f64, f64, f64) {
+    let mut simulation = simulation(PLATES, overrides);
+    let (mut lowest, mut arrived, mut least) = (f64::INFINITY, 0.0f64, f64::INFINITY);
+    while simulation.time() < 2.2e-6 {
+        simulation.step(None).unwrap_or_else(|failure| panic!("{failure}"));
+        let p = simulation.particles();
+        let target = || (0..p.len()).filter(|&i| p.body[i] == 1);
+        lowest = target().map(|i| p.pressure[i]).fold(lowest, f64::min);
+        let face = target().max_by(|&a, &b| p.position[a][0].total_cmp(&p.position[b][0])).unwrap();
+        let velocity = p.velocity[face][0];
+        arrived = arrived.max(velocity);
+        if simulation.time() > 1.3e-6 {
+            least = least.min(velocity);
+        }
+    }
+    (lowest, arrived, least)
+}
+
+#[test]
+fn release_waves_that_meet_pull_no_harder_than_the_spall_pressure() {
+    let (whole, arrived, stopped) = impact(&[]);
+    let (spalled, face, kept) = impact(&[("material.copper.spall-pressure", "1 GPa")]);
+    // Without it the tension nears the pressure of the impact, 9.6 GPa, and takes back what the shock gave the free face.
+    assert!(whole < -8e9, "{whole:e}");
+    assert!((-1e9..-0.99e9).contains(&spalled), "{spalled:e}");
+    assert!((arrived / 500.0 - 1.0).abs() < 0.06 && (face / arrived - 1.0).abs() < 1e-9, "{arrived} {face}");
+    // The pull-back of the free face is 2 p_s/(rho_0 c_0), 57 m/s.
+    let pull_back = face - kept;
+    assert!((50.0..65.0).contains(&pull_back), "{pull_back}");
+    assert!(stopped < 0.2 * arrived, "{arrived} {stopped}");
+}
