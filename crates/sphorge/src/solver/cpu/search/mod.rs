@@ -105,12 +105,13 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     pub(super) fn largest_smoothing_length(&self) -> f64 {
-        self.particles.smoothing_length.iter().fold(0.0, |m: f64, &h| m.max(h))
+        self.particles.smoothing_length.par_iter().with_min_len(CHUNK).copied().reduce(|| 0.0, f64::max)
     }
 
     /// Two particles can close in by twice the largest displacement.
     fn moved_beyond_skin(&self, fraction: f64) -> bool {
-        let smallest = self.particles.smoothing_length.iter().fold(f64::INFINITY, |m: f64, &h| m.min(h));
+        let smoothing_lengths = self.particles.smoothing_length.par_iter().with_min_len(CHUNK).copied();
+        let smallest = smoothing_lengths.reduce(|| f64::INFINITY, f64::min);
         let skin = self.skin_left(fraction * smallest, fraction);
         let allowed = 0.5 * skin * self.model.numerics.kernel.support();
         skin <= 0.0 || moved_beyond(&self.particles.position, &self.lists.points, allowed)
