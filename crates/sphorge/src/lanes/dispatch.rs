@@ -13,6 +13,9 @@ pub(crate) enum Instructions {
     /// 512-bit registers.
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    /// 128-bit registers of 64-bit ARM processors.
+    #[cfg(target_arch = "aarch64")]
+    Neon,
 }
 
 impl Instructions {
@@ -32,6 +35,10 @@ impl Instructions {
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw");
             all[2] = (avx2 && avx512).then_some(Self::Avx512);
+        }
+        #[cfg(target_arch = "aarch64")]
+        {
+            all[1] = std::arch::is_aarch64_feature_detected!("neon").then_some(Self::Neon);
         }
         all.into_iter().flatten()
     }
@@ -60,6 +67,9 @@ pub(crate) fn run<T: PairScalar, J: Job<T>>(instructions: Instructions, job: J) 
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
         Instructions::Avx512 => unsafe { run_avx512(job) },
+        // Part of what the compiler assumes of the architecture: needs no function of its own.
+        #[cfg(target_arch = "aarch64")]
+        Instructions::Neon => job.run::<T::Neon>(),
     }
 }
 

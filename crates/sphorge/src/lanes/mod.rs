@@ -7,6 +7,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod dispatch;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 
 pub(crate) use dispatch::{Instructions, Job, run};
 
@@ -24,6 +26,9 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
     /// Bundle of a 256-bit register.
     #[cfg(target_arch = "x86_64")]
     type Avx2: Lanes<Element = Self>;
+    /// Bundle of a 128-bit register.
+    #[cfg(target_arch = "aarch64")]
+    type Neon: Lanes<Element = Self>;
 
     /// A coordinate, given as a number of units from the origin, in the form records carry it.
     ///
@@ -89,7 +94,7 @@ pub(crate) fn splat_record<L: Lanes, const F: usize>(record: &[L::Element; F]) -
 }
 
 /// Gathers records of any length value by value.
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 #[inline(always)]
 fn gather_entries<L: Lanes, const F: usize, const N: usize, const W: usize>(
     records: &[[L::Element; F]],
@@ -129,6 +134,8 @@ impl PairScalar for f64 {
     type Avx512 = avx512::F64x8;
     #[cfg(target_arch = "x86_64")]
     type Avx2 = avx2::F64x4;
+    #[cfg(target_arch = "aarch64")]
+    type Neon = neon::F64x2;
 
     #[inline(always)]
     fn encode(units: f64) -> Self {
@@ -143,6 +150,8 @@ impl PairScalar for f32 {
     type Avx512 = avx512::F32x16;
     #[cfg(target_arch = "x86_64")]
     type Avx2 = avx2::F32x8;
+    #[cfg(target_arch = "aarch64")]
+    type Neon = neon::F32x4;
 
     #[inline(always)]
     fn encode(units: f64) -> Self {
@@ -290,6 +299,8 @@ mod tests {
                 );
             }
         }
+        gathers::<L, 1>(&lanes);
+        gathers::<L, 3>(&lanes);
         gathers::<L, 8>(&lanes);
         gathers::<L, 9>(&lanes);
         gathers::<L, 16>(&lanes);
