@@ -6,14 +6,14 @@
 //! back. Fraser Eq 18 leaves out the density and the principal frame. `eps = 0.3`; `n = 4` in Gray, 6 in Fraser.
 
 use crate::tensile_part::tensile_part;
-use crate::{Dimension, Real, Scalar, SymmetricTensor};
+use crate::{Dimension, Real, SymmetricTensor};
 
 /// `R_i` in Pa, before division by the square of the density; never tensile.
 ///
 /// Only directions the case computes in take part: in plane strain the in-plane principal frame, so `R_zz = 0`; in one
 /// dimension `xx` alone.
-#[inline]
-pub fn artificial_stress<T: Scalar>(sigma: SymmetricTensor<T>, epsilon: T, dimension: Dimension) -> SymmetricTensor<T> {
+#[inline(always)]
+pub fn artificial_stress<T: Real>(sigma: SymmetricTensor<T>, epsilon: T, dimension: Dimension) -> SymmetricTensor<T> {
     tensile_part(sigma, dimension) * -epsilon
 }
 

@@ -5,18 +5,21 @@
 //! without overshooting; the projection on its direction is, by the Cayley–Hamilton theorem,
 //! `P = (s^2 + x s + (x^2 - J2) I)/(3 x^2 - J2)`. What is left is a plane problem. Values that coincide do no harm.
 
-use crate::{Dimension, Scalar, SymmetricTensor};
+use crate::{Dimension, Real, SymmetricTensor};
 
 /// Newton steps; convergence is quadratic, five reach round-off.
-const MAXIMUM_STEPS: u32 = 12;
+const STEPS: u32 = 5;
 
 /// `J2` of a deviator that counts as none, Pa^2: cubes of its components are still numbers.
 const NO_SHEAR: f64 = 1e-24;
 
+/// Keeps zero over zero a number, Pa.
+const LEAST: f64 = 1e-30;
+
 /// `sum max(lambda_k, 0) n_k n_k^T` over the principal directions a case computes in: in plane strain those in the plane, in
-/// one dimension the axis.
-#[inline]
-pub fn tensile_part<T: Scalar>(sigma: SymmetricTensor<T>, dimension: Dimension) -> SymmetricTensor<T> {
+/// one dimension the axis. Without branches, so that it runs on SIMD lanes.
+#[inline(always)]
+pub fn tensile_part<T: Real>(sigma: SymmetricTensor<T>, dimension: Dimension) -> SymmetricTensor<T> {
     match dimension {
         Dimension::One => SymmetricTensor { xx: sigma.xx.max(T::zero()), ..SymmetricTensor::zero() },
         Dimension::Two => in_plane(sigma),
@@ -24,83 +27,82 @@ pub fn tensile_part<T: Scalar>(sigma: SymmetricTensor<T>, dimension: Dimension) 
     }
 }
 
-fn in_plane<T: Scalar>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
-    let zero = T::zero();
+#[inline(always)]
+fn in_plane<T: Real>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
     let half = T::of(0.5);
     let middle = half * (sigma.xx + sigma.yy);
     let difference = half * (sigma.xx - sigma.yy);
     let radius = (difference * difference + sigma.xy * sigma.xy).sqrt();
-    let (high, low) = (middle + radius, middle - radius);
-    let plane = SymmetricTensor { xx: sigma.xx, yy: sigma.yy, xy: sigma.xy, ..SymmetricTensor::zero() };
-    let mut part = SymmetricTensor::zero();
-    if low >= zero {
-        part = plane;
-    } else if high > zero {
-        // n n^T = (sigma - low I)/(high - low).
-        let scale = high / (radius + radius);
-        part.xx = (difference + radius) * scale;
-        part.yy = (radius - difference) * scale;
-        part.xy = sigma.xy * scale;
+    // high n n^T + low m m^T = (high + low)/2 I + (high - low)/2 (sigma - middle I)/radius.
+    let high = (middle + radius).max(T::zero());
+    let low = (middle - radius).max(T::zero());
+    let mean = half * (high + low);
+    let scale = half * (high - low) / radius.max(T::of(LEAST));
+    SymmetricTensor {
+        xx: mean + difference * scale,
+        yy: mean - difference * scale,
+        xy: sigma.xy * scale,
+        ..SymmetricTensor::zero()
     }
-    part
 }
 
-fn in_space<T: Scalar>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
+#[inline(always)]
+fn in_space<T: Real>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
     let zero = T::zero();
+    let half = T::of(0.5);
     let mean = (sigma.xx + sigma.yy + sigma.zz) * T::of(1.0 / 3.0);
     let s = sigma - SymmetricTensor::isotropic(mean);
-    let j2 = T::of(0.5) * s.double_dot(s);
+    let j2_here = half * s.double_dot(s);
+    let j2 = j2_here.max(T::of(NO_SHEAR));
     // All principal values lie within mean +- 2 sqrt(J2/3).
     let reach = T::of(2.0) * (j2 * T::of(1.0 / 3.0)).sqrt();
-    let mut part = SymmetricTensor::zero();
-    if j2 < T::of(NO_SHEAR) {
-        // Far ahead of a wave numbers fall until their products vanish.
-        part = SymmetricTensor::isotropic(mean.max(zero));
-    } else if mean >= reach {
-        part = sigma;
-    } else if mean > -reach {
-        let j3 = determinant(s);
-        let x = root_apart(if j3 < zero { -reach } else { reach }, j2, j3);
-        let apart =
-            (square(s) + s * x + SymmetricTensor::isotropic(x * x - j2)) * (T::one() / (T::of(3.0) * x * x - j2));
-        // The other two: `middle +- radius`, in the plane across.
-        let across = SymmetricTensor::isotropic(T::one()) - apart;
-        let middle = T::of(-0.5) * x;
-        let difference = s - apart * x - across * middle;
-        let radius = (T::of(0.5) * difference.double_dot(difference)).sqrt();
-        let high = (mean + middle + radius).max(zero);
-        let low = (mean + middle - radius).max(zero);
-        part = apart * (mean + x).max(zero) + across * (T::of(0.5) * (high + low));
-        if radius > zero {
-            part = part + difference * (T::of(0.5) * (high - low) / radius);
-        }
+
+    // The principal value that stands apart, from outside all of them.
+    let j3 = determinant(s);
+    let mut x = T::select_lt(j3, zero, -reach, reach);
+    for _ in 0..STEPS {
+        x -= ((x * x - j2) * x - j3) / (T::of(3.0) * x * x - j2);
     }
-    part
+    let apart = (square(s) + s * x + SymmetricTensor::isotropic(x * x - j2)) * (T::one() / (T::of(3.0) * x * x - j2));
+    // The other two: `middle +- radius`, in the plane across.
+    let across = SymmetricTensor::isotropic(T::one()) - apart;
+    let middle = T::of(-0.5) * x;
+    let difference = s - apart * x - across * middle;
+    let radius = (half * difference.double_dot(difference)).sqrt();
+    let high = (mean + middle + radius).max(zero);
+    let low = (mean + middle - radius).max(zero);
+    let mixed = apart * (mean + x).max(zero)
+        + across * (half * (high + low))
+        + difference * (half * (high - low) / radius.max(T::of(LEAST)));
+
+    // Far ahead of a wave numbers fall until their products vanish.
+    let isotropic = SymmetricTensor::isotropic(mean.max(zero));
+    let part = choose(mean, reach, mixed, sigma);
+    let part = choose(-reach, mean, part, SymmetricTensor::zero());
+    choose(j2_here, T::of(NO_SHEAR), isotropic, part)
 }
 
-/// The principal value that stands apart, from outside all of them.
+/// `then` where `a < b`, else `otherwise`.
 #[inline(always)]
-fn root_apart<T: Scalar>(from: T, j2: T, j3: T) -> T {
-    let mut x = from;
-    let mut steps = 0;
-    let mut searching = true;
-    while searching {
-        let step = ((x * x - j2) * x - j3) / (T::of(3.0) * x * x - j2);
-        x -= step;
-        steps += 1;
-        searching = step.abs() > T::epsilon() * from.abs() && steps < MAXIMUM_STEPS;
+fn choose<T: Real>(a: T, b: T, then: SymmetricTensor<T>, otherwise: SymmetricTensor<T>) -> SymmetricTensor<T> {
+    SymmetricTensor {
+        xx: T::select_lt(a, b, then.xx, otherwise.xx),
+        yy: T::select_lt(a, b, then.yy, otherwise.yy),
+        zz: T::select_lt(a, b, then.zz, otherwise.zz),
+        xy: T::select_lt(a, b, then.xy, otherwise.xy),
+        yz: T::select_lt(a, b, then.yz, otherwise.yz),
+        xz: T::select_lt(a, b, then.xz, otherwise.xz),
     }
-    x
 }
 
 #[inline(always)]
-fn determinant<T: Scalar>(s: SymmetricTensor<T>) -> T {
+fn determinant<T: Real>(s: SymmetricTensor<T>) -> T {
     s.xx * (s.yy * s.zz - s.yz * s.yz) - s.xy * (s.xy * s.zz - s.yz * s.xz) + s.xz * (s.xy * s.yz - s.yy * s.xz)
 }
 
 /// `s s`.
 #[inline(always)]
-fn square<T: Scalar>(s: SymmetricTensor<T>) -> SymmetricTensor<T> {
+fn square<T: Real>(s: SymmetricTensor<T>) -> SymmetricTensor<T> {
     SymmetricTensor {
         xx: s.xx * s.xx + s.xy * s.xy + s.xz * s.xz,
         yy: s.xy * s.xy + s.yy * s.yy + s.yz * s.yz,

@@ -81,6 +81,11 @@ pub(crate) trait Lanes: Real {
     /// Writes the lanes whose bit in `mask` is set one behind the other. `out` has room for `WIDTH`, all of which may be
     /// overwritten.
     fn compress_values(self, mask: u32, out: &mut [Self::Element]);
+    /// Writes all lanes to the front of `out`.
+    #[inline(always)]
+    fn store(self, out: &mut [Self::Element]) {
+        self.compress_values(((1u64 << Self::WIDTH) - 1) as u32, out);
+    }
 }
 
 /// A record, every entry in all lanes. Not `array::map`: a closure would not be compiled for the instructions in use.
@@ -283,6 +288,8 @@ mod tests {
             assert_eq!(out[..count], kept);
         }
         let mut out = vec![of(0.0); 2 * L::WIDTH];
+        x.store(&mut out);
+        assert_eq!(out[..L::WIDTH], a);
         y.compress_values(mask, &mut out);
         let kept: Vec<f64> = (0..L::WIDTH).filter(inside).map(|k| b[k].to_f64()).collect();
         assert_eq!(out.iter().map(|v| v.to_f64()).take(kept.len()).collect::<Vec<_>>(), kept);

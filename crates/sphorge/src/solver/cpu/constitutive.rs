@@ -3,8 +3,8 @@
 use super::records::{extra, force, kinematic};
 use super::total_lagrangian::bulk_viscosity;
 use super::{CpuEngine, Work};
-use crate::lanes::PairScalar;
-use crate::model::{Integrator, Material, Model, Numerics, TemperatureSource};
+use crate::lanes::{Job, Lanes, PairScalar, run};
+use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -112,7 +112,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let reference = self.reference.as_ref();
         let position = reference.map_or(&*position, |r| &r.position);
         let count = density.len();
-        let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
+        let (kinematic_records, frame, instructions) = (&self.records.kinematic, self.records.frame, self.instructions);
         let corrected_length = if corrected { count } else { 0 };
 
         let columns = (
@@ -132,7 +132,9 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .enumerate();
         let update_block = |(b, ((s, ep, dep, y, wp, t), p, c, records)): (usize, BlockColumns<'_, T>),
-                            extras: &mut [_]| {
+                            extras: &mut [[T; extra::LEN]]| {
+            // Stress of the block by component, for the artificial stress.
+            let mut stress = [[0.0; BLOCK]; 6];
             for k in 0..s.len() {
                 let i = b * BLOCK + k;
                 let material = &model.materials[material[i] as usize];
@@ -187,9 +189,22 @@ impl<T: PairScalar> CpuEngine<T> {
                 record[force::C] = T::of(state.sound_speed);
                 record[force::RHO] = T::of(density[i]);
                 record[force::H] = T::of(smoothing_length[i]);
-                if let Some(record) = extras.get_mut(k) {
-                    let (c, h) = (state.sound_speed, smoothing_length[i]);
-                    *record = extra_record(numerics, sigma, dimension, &velocity_gradient[i], c, h);
+                if !extras.is_empty() {
+                    for (column, value) in stress.iter_mut().zip(components) {
+                        column[k] = value;
+                    }
+                    if numerics.balsara {
+                        let (l, c, h) = (&velocity_gradient[i], state.sound_speed, smoothing_length[i]);
+                        extras[k][extra::BALSARA] = T::of(balsara_factor(l, c, h));
+                    }
+                }
+            }
+            if let Some(artificial) = numerics.artificial_stress {
+                run(instructions, ArtificialStressJob { stress: &mut stress, epsilon: artificial.epsilon, dimension });
+                for (k, record) in extras.iter_mut().enumerate() {
+                    for (slot, column) in stress.iter().enumerate() {
+                        record[extra::R + slot] = T::of(column[k]);
+                    }
                 }
             }
         };
@@ -293,30 +308,37 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-/// Artificial stress of a particle with the scaled stress `sigma`, and its Balsara factor.
-#[inline(always)]
-fn extra_record<T: PairScalar>(
-    numerics: &Numerics,
-    sigma: SymmetricTensor<f64>,
+/// Balsara factor of a particle.
+fn balsara_factor(l: &Tensor<f64>, sound_speed: f64, h: f64) -> f64 {
+    let divergence = l[0][0] + l[1][1] + l[2][2];
+    let curl = [l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]];
+    let norm = curl.iter().map(|w| w * w).sum::<f64>().sqrt();
+    viscosity::balsara(divergence, norm, sound_speed, h)
+}
+
+/// Takes the stress of a block, component by component, to its artificial stress.
+struct ArtificialStressJob<'a> {
+    stress: &'a mut [[f64; BLOCK]; 6],
+    epsilon: f64,
     dimension: Dimension,
-    l: &Tensor<f64>,
-    sound_speed: f64,
-    h: f64,
-) -> [T; extra::LEN] {
-    let mut record = [T::zero(); extra::LEN];
-    if let Some(a) = numerics.artificial_stress {
-        let r = artificial_stress::artificial_stress(sigma, a.epsilon, dimension).to_array();
-        for (slot, value) in r.into_iter().enumerate() {
-            record[extra::R + slot] = T::of(value);
+}
+
+impl Job<f64> for ArtificialStressJob<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        let epsilon = L::splat(self.epsilon);
+        for k in (0..BLOCK).step_by(L::WIDTH) {
+            let mut sigma = [L::zero(); 6];
+            for c in 0..6 {
+                sigma[c] = L::load(&self.stress[c][k..]);
+            }
+            let sigma = SymmetricTensor::from_array(sigma);
+            let r = artificial_stress::artificial_stress(sigma, epsilon, self.dimension).to_array();
+            for c in 0..6 {
+                r[c].store(&mut self.stress[c][k..]);
+            }
         }
     }
-    if numerics.balsara {
-        let divergence = l[0][0] + l[1][1] + l[2][2];
-        let curl = [l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]];
-        let norm = curl.iter().map(|w| w * w).sum::<f64>().sqrt();
-        record[extra::BALSARA] = T::of(viscosity::balsara(divergence, norm, sound_speed, h));
-    }
-    record
 }
 
 /// Factor between Cauchy stress and what the force sum adds up.
