@@ -22,8 +22,8 @@
 //! - reversal time: when the mean velocity first has the other sign than it first had, on the straight line between the two
 //!   samples around it.
 //!
-//! - crater diameter, cloud length and width: what is left of a plate are its particles in pieces of at least a tenth of its mass,
-//!   where particles hang together up to `link` spacings. About the line of flight there are the two sides in the plane, in space
+//! - crater diameter, cloud length and width: what is left of a plate are its particles in pieces of at least a tenth of its mass
+//!   that still stand between its undeformed faces somewhere; particles hang together up to `link` spacings. About the line of flight there are the two sides in the plane, in space
 //!   36 sectors. The clear opening is twice the mean over sectors of the smallest `r - s/2` of what is left; from lip to lip, of the
 //!   `r` of the particle that stands furthest out of the undeformed face. The cloud is every other particle of any body behind
 //!   the undeformed back face: its length goes from that face to `max(x + s/2)` along the flight, its width is the reach `max(r +
@@ -113,10 +113,10 @@ impl Measures {
     }
 }
 
-/// What several measures of one moment look at: what is left of plates, by plate and link.
+/// What several measures of one moment look at: what is left of plates, by plate, axis of the flight and link.
 #[derive(Debug, Default)]
 struct Shared {
-    remains: Vec<((usize, u64), Vec<bool>)>,
+    remains: Vec<((usize, usize, u64), Vec<bool>)>,
 }
 
 impl Shared {
@@ -126,10 +126,13 @@ impl Shared {
         particles: &'a Particles,
         perforation: &'a Perforation,
     ) -> Flight<'a> {
-        let key = (perforation.plate, perforation.link.to_bits());
+        let Perforation { plate, axis, .. } = *perforation;
+        let key = (plate, axis, perforation.link.to_bits());
         let place = self.remains.iter().position(|(other, _)| *other == key).unwrap_or_else(|| {
-            let link = perforation.link * model.bodies[perforation.plate].spacing;
-            self.remains.push((key, remains(model, particles, perforation.plate, link)));
+            let link = perforation.link * model.bodies[plate].spacing;
+            let (low, high) = model.bodies[plate].shape.bounds(model.dimensions);
+            let in_place = |x: &[f64; 3]| (low[axis]..=high[axis]).contains(&x[axis]);
+            self.remains.push((key, remains(model, particles, plate, link, in_place)));
             self.remains.len() - 1
         });
         Flight { model, particles, perforation, remains: &self.remains[place].1 }

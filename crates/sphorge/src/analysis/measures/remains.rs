@@ -27,8 +27,14 @@ impl Sets {
 }
 
 /// For every particle, whether it belongs to what is left of `body`: to a piece, joined over distances up to `link` (m), of at
-/// least a tenth of the body's mass.
-pub(super) fn remains(model: &Model, particles: &Particles, body: usize, link: f64) -> Vec<bool> {
+/// least a tenth of the body's mass, some of which is `in_place`. A plug that flies off in one piece is not.
+pub(super) fn remains(
+    model: &Model,
+    particles: &Particles,
+    body: usize,
+    link: f64,
+    in_place: impl Fn(&[f64; 3]) -> bool,
+) -> Vec<bool> {
     let count = model.dimensions.count();
     let cell = |p: &[f64; 3]| -> [i64; 3] {
         std::array::from_fn(|a| if a < count { (p[a] / link).floor() as i64 } else { 0 })
@@ -64,14 +70,18 @@ pub(super) fn remains(model: &Model, particles: &Particles, body: usize, link: f
         }
     }
     let mut mass = vec![0.0; particles.len()];
+    let mut stands = vec![false; particles.len()];
     let mut whole = 0.0;
     for &(_, i) in &sorted {
-        mass[sets.root(i) as usize] += particles.mass[i as usize];
+        let root = sets.root(i) as usize;
+        mass[root] += particles.mass[i as usize];
+        stands[root] |= in_place(&particles.position[i as usize]);
         whole += particles.mass[i as usize];
     }
     let mut left = vec![false; particles.len()];
     for &(_, i) in &sorted {
-        left[i as usize] = mass[sets.root(i) as usize] >= LARGE * whole;
+        let root = sets.root(i) as usize;
+        left[i as usize] = stands[root] && mass[root] >= LARGE * whole;
     }
     left
 }

@@ -274,8 +274,11 @@ fn pieces_of_a_plate_hang_together_in_space_too() {
     }
     let mut model = measuring(MeasureKind::ReversalTime { probe: Probe::default(), axis: 0 });
     model.dimensions = crate::model::Dimensions::Three;
-    let left = remains(&model, &particles, 0, 0.15);
+    let left = remains(&model, &particles, 0, 0.15, |_| true);
     assert_eq!(left.iter().filter(|l| **l).count(), 20);
-    assert!(remains(&model, &particles, 0, 0.21).iter().all(|l| *l));
-    assert!(remains(&model, &particles, 1, 0.21).iter().all(|l| !l));
+    assert!(remains(&model, &particles, 0, 0.21, |_| true).iter().all(|l| *l));
+    assert!(remains(&model, &particles, 1, 0.21, |_| true).iter().all(|l| !l));
+    // The row ends at 0.9: it flies off where the plate stands beyond.
+    assert_eq!(remains(&model, &particles, 0, 0.15, |x| x[2] > 0.85).iter().filter(|l| **l).count(), 20);
+    assert!(remains(&model, &particles, 0, 0.15, |x| x[2] > 0.95).iter().all(|l| !l));
 }
