@@ -24,7 +24,8 @@ pub trait Real:
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Inverse of the square root, to a few units of round-off; infinite at zero.
+    /// Inverse of the square root, to a few units of round-off, for normal positive numbers; at zero a bundle may give
+    /// anything.
     #[inline(always)]
     fn inverse_sqrt(self) -> Self {
         Self::one() / self.sqrt()
