@@ -168,7 +168,7 @@ pub struct TimeControl {
 pub struct OutputControl {
     /// Time between frames, s.
     pub frame_interval: f64,
-    /// Time between rows of the history, s.
+    /// Time between rows of the history, s; a row is that of the first step past its time.
     pub history_interval: f64,
     /// Names of the fields to write; see [`crate::particles::FIELDS`].
     pub fields: Vec<String>,

@@ -139,7 +139,8 @@ fn steps<S: Stepper>(
         if let Some(reason) = end_reason(&time, engine, kinetic, initial_kinetic, stop) {
             break reason;
         }
-        let report = match engine.step(frames.next().min(rows.next())) {
+        // Steps end at frames. Rows come after the first step that has passed them, so that asking for more changes nothing.
+        let report = match engine.step(frames.next()) {
             Ok(report) => report,
             Err(failure) => return Ok(Ending::Failed(failure)),
         };

@@ -95,7 +95,7 @@ impl Recorder {
             self.audit = Some(*audit);
             self.audits.add(audit);
         }
-        // Every row is landed on, so the last step before it says little of what limits the run.
+        // A step cut for a frame says little of what limits the run.
         let landing = report.reason == VoteReason::Output;
         if !landing || self.landing_since_row {
             self.step_size = (report.dt, Some(report.reason));

@@ -1,4 +1,4 @@
-//! Output times.
+//! Output times: of frames, where steps end, and of rows, which come after the first step past theirs.
 
 /// The times `k * interval` after zero, and the end.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ impl Schedule {
         Self { interval, end, next: 1 }
     }
 
-    /// The next time to land on, s. Multiplied, not summed up, so that it does not drift.
+    /// The next time, s. Multiplied, not summed up, so that it does not drift.
     pub(super) fn next(&self) -> f64 {
         let time = self.next as f64 * self.interval;
         if time < self.end - SAME * self.interval { time } else { self.end }

@@ -149,7 +149,7 @@ pub(crate) struct RawOutput {
     /// Time between frames, instead of `frames`.
     #[schemars(extend("examples" = ["1 us"], "x-default" = "end / frames"))]
     pub(crate) frame_interval: Option<Given<Time>>,
-    /// Time between rows of `history.csv`.
+    /// Time between rows of `history.csv`. A row is that of the first step past its time: steps are not cut for it.
     #[schemars(extend("examples" = ["0.1 us"], "x-default" = "end / 500"))]
     pub(crate) history_interval: Option<Given<Time>>,
     /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: who was searched in the last step.
