@@ -1,36 +1,36 @@
 //! Votes on the time step: each the longest step, in s, that one process bears. The smallest wins.
 
-use crate::Scalar;
+use crate::Real;
 
 /// Speed of longitudinal waves, m/s: `c_l^2 = c^2 + 4 G/(3 rho)` from the bulk sound speed (m/s), `G` (Pa) and density (kg/m^3).
 #[inline(always)]
-pub fn longitudinal_speed<T: Scalar>(c_bulk: T, shear_modulus: T, rho: T) -> T {
+pub fn longitudinal_speed<T: Real>(c_bulk: T, shear_modulus: T, rho: T) -> T {
     (c_bulk * c_bulk + T::of(4.0 / 3.0) * shear_modulus / rho).sqrt()
 }
 
 /// Sound and artificial viscosity: `courant h / (c_l + |mu|)`, with the largest `|mu|` (m/s) among the particle's pairs.
 #[inline(always)]
-pub fn sound_vote<T: Scalar>(h: T, longitudinal_speed: T, mu_max: T, courant: T) -> T {
+pub fn sound_vote<T: Real>(h: T, longitudinal_speed: T, mu_max: T, courant: T) -> T {
     courant * h / (longitudinal_speed + mu_max.abs())
 }
 
 /// Acceleration: `factor sqrt(h / |a|)` (Monaghan 1992 uses 0.25); infinite where there is none.
 #[inline(always)]
-pub fn acceleration_vote<T: Scalar>(h: T, acceleration: T, factor: T) -> T {
+pub fn acceleration_vote<T: Real>(h: T, acceleration: T, factor: T) -> T {
     factor * (h / acceleration.abs()).sqrt()
 }
 
 /// A penalty contact of that stiffness (1/s^2): `factor 2/sqrt(k)`, a fraction of the stability limit; infinite where there is
 /// none.
 #[inline(always)]
-pub fn contact_vote<T: Scalar>(stiffness: T, factor: T) -> T {
+pub fn contact_vote<T: Real>(stiffness: T, factor: T) -> T {
     factor * T::of(2.0) / stiffness.sqrt()
 }
 
 /// Conduction: `courant m c_p / G` with the sum `G` (W/K) of a particle's conductances; at `m c_p / G` an explicit step would bring
 /// it to the temperature of its neighbours. Infinite where there is none.
 #[inline(always)]
-pub fn conduction_vote<T: Scalar>(heat_capacity: T, conductance: T, courant: T) -> T {
+pub fn conduction_vote<T: Real>(heat_capacity: T, conductance: T, courant: T) -> T {
     courant * heat_capacity / conductance
 }
 

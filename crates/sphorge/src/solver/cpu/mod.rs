@@ -285,7 +285,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             return conduction;
         }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        votes::smaller(votes::vote(&self.model, &self.particles, &self.work.mu, contact), conduction)
+        votes::smaller(votes::vote(&self.model, &self.particles, &self.work.mu, contact, self.instructions), conduction)
     }
 
     fn pairs(&self) -> u64 {
