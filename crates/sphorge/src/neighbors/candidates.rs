@@ -26,6 +26,20 @@ impl Candidates {
         self.cell = None;
     }
 
+    /// Points there is room for.
+    pub(super) fn room(&self) -> usize {
+        self.index.len()
+    }
+
+    /// Makes room for `most` points.
+    #[inline(always)]
+    pub(super) fn make_room(&mut self, most: usize) {
+        if self.index.len() < most {
+            self.x.iter_mut().chain([&mut self.h]).for_each(|column| column.resize(most, 0.0));
+            self.index.resize(most, 0);
+        }
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         4 * (self.x.iter().chain([&self.h]).map(Vec::capacity).sum::<usize>() + self.index.capacity())
@@ -44,10 +58,7 @@ impl Candidates {
         self.cell = Some(cell);
         let runs = searcher.grid.runs_around_cell(cell);
         let most = runs.iter().map(|(first, last)| last - first).sum::<usize>() + PAD;
-        if self.index.len() < most {
-            self.x.iter_mut().chain([&mut self.h]).for_each(|column| column.resize(most, 0.0));
-            self.index.resize(most, 0);
-        }
+        self.make_room(most);
 
         // The box the members fill, as a centre and half its size, in units.
         let mut centre = [L::zero(); 3];

@@ -6,6 +6,7 @@ mod cells;
 mod foreign;
 mod frame;
 mod list;
+mod odometer;
 mod search;
 
 pub use brute_force::brute_force;
@@ -14,5 +15,6 @@ pub(crate) use cells::bounds;
 pub(crate) use foreign::ForeignList;
 pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
+pub(crate) use odometer::Odometer;
 pub use search::Reach;
-pub(crate) use search::{Searcher, mark};
+pub(crate) use search::{Searcher, mark, range_of};

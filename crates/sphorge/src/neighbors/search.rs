@@ -6,12 +6,12 @@
 
 use super::candidates::Candidates;
 use super::cells::bounds;
-use super::{BLOCK, Block, CellGrid, Frame, NeighborList, PAD};
+use super::{BLOCK, Block, CellGrid, Frame, NeighborList, Odometer, PAD};
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// How far two points may lie apart to be neighbours: `factor (h_i + h_j) / 2`.
 #[derive(Clone, Copy, Debug)]
@@ -20,12 +20,19 @@ pub struct Reach<'a> {
     pub smoothing_length: &'a [f64],
     /// Kernel support in smoothing lengths, skin included.
     pub factor: f64,
+    /// Smallest and largest smoothing length, m.
+    pub(crate) range: (f64, f64),
 }
 
-impl Reach<'_> {
+impl<'a> Reach<'a> {
+    /// Points with these smoothing lengths (m), `factor` of which the kernel reaches.
+    pub fn new(smoothing_length: &'a [f64], factor: f64) -> Self {
+        Self { smoothing_length, factor, range: range_of(smoothing_length) }
+    }
+
     /// Largest distance of any pair, m.
     pub fn largest(&self) -> f64 {
-        self.factor * self.smoothing_length.par_iter().with_min_len(CHUNK).copied().reduce(|| 0.0, f64::max)
+        self.factor * self.range.1
     }
 
     /// Squared distance at which `i` and `j` cease to be neighbours, m².
@@ -36,12 +43,29 @@ impl Reach<'_> {
     }
 }
 
+/// Smallest and largest smoothing length.
+pub(crate) fn range_of(smoothing_length: &[f64]) -> (f64, f64) {
+    let of = |h: &f64| (*h, *h);
+    let widen = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    smoothing_length.par_iter().with_min_len(CHUNK).map(of).reduce(|| (f64::INFINITY, 0.0), widen)
+}
+
 /// What a cell is larger than the reach, as a share of it: a few more points to leave out, and particles are sorted into cells
 /// once in several steps.
 const CELL_MARGIN: f64 = 0.1;
 
 /// Points one thread takes at a time.
 const CHUNK: usize = 1024;
+
+/// Places whose coordinates a partial search renews together; a word of bits.
+const PLACES: usize = 64;
+
+/// Whether a partial search has coordinates of the places of a group.
+mod need {
+    pub(super) const NONE: u8 = 0;
+    pub(super) const WANTED: u8 = 1;
+    pub(super) const HERE: u8 = 2;
+}
 
 /// What a partial search does to a row.
 pub(crate) mod mark {
@@ -57,12 +81,15 @@ pub(crate) mod mark {
 #[derive(Debug, Default)]
 pub(crate) struct Searcher {
     pub(super) grid: CellGrid,
-    /// Where the points were when they were sorted into cells, m, and the reach they were sorted for.
+    /// Where the points were when they were sorted into cells, m, with the reading of the odometer then, m, and the reach they
+    /// were sorted for, m.
     sorted_at: Vec<Vector<f64>>,
+    sorted_when: Odometer,
     sorted_for: f64,
     bounds: (Vector<f64>, Vector<f64>),
     frame: Frame,
-    /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole bundles.
+    /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole bundles. A partial search
+    /// renews those it may look at.
     pub(super) x: [Vec<f32>; 3],
     pub(super) h: Vec<f32>,
     /// Place of every point in the cell order.
@@ -71,6 +98,8 @@ pub(crate) struct Searcher {
     pub(super) order: Vec<u32>,
     /// Bit k: the point in place k is searched. Only for partial searches.
     searched: Vec<u64>,
+    /// What a partial search needs of each [`PLACES`] places.
+    needed: Vec<AtomicU8>,
     /// Squared reach where all smoothing lengths are equal, in units of the frame.
     uniform: Option<f32>,
     pub(super) half_factor: f32,
@@ -88,16 +117,19 @@ struct Scratch {
 
 impl Searcher {
     /// Fills `list` with the neighbours of the first `count` of `points`. Rows come in the order of the cells, which depends on
-    /// positions alone, never on threads.
+    /// positions alone, never on threads. The `odometer` is that
+    /// of the points.
     pub(crate) fn search(
         &mut self,
         points: &[Vector<f64>],
         count: usize,
         reach: &Reach<'_>,
+        odometer: Odometer,
         instructions: Instructions,
         list: &mut NeighborList,
     ) {
-        self.prepare(points, reach);
+        self.prepare(points, reach, odometer);
+        self.encode_all(points, reach);
         list.resize(count);
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
@@ -109,23 +141,26 @@ impl Searcher {
         });
     }
 
-    /// Searches the points marked [`mark::SEARCH`] and mends the rows of all they are or were neighbours of, so that the
-    /// list stays symmetric: of every pair either both rows know or none. `marks` has an entry for every point, that of a
-    /// ghost (a point from `count` on, image of `source[ghost]`) equal to its source's; rows to be mended get
+    /// Searches the points `searched` and mends the rows of all they are or were neighbours of, so that the list stays symmetric: of
+    /// every pair either both rows know or none. A ghost (a point from `count` on, image of `source[ghost]`) is searched if its
+    /// source is. `marks` says [`mark::SEARCH`] of these points and [`mark::KEEP`] of the others; rows to be mended get
     /// [`mark::MEND`]. With `one_sided` nothing is mended.
     pub(crate) fn renew(
         &mut self,
         points: &[Vector<f64>],
-        count: usize,
         sources: &[u32],
         reach: &Reach<'_>,
+        odometer: Odometer,
         instructions: Instructions,
         list: &mut NeighborList,
+        searched: &[u32],
         marks: &[AtomicU8],
         one_sided: bool,
     ) {
-        self.prepare(points, reach);
-        self.mark_searched(marks);
+        let count = points.len() - sources.len();
+        self.prepare(points, reach, odometer);
+        self.note_searched(searched);
+        self.encode_wanted(points, reach);
         let this = &*self;
         let source = |j: u32| if (j as usize) < count { j as usize } else { sources[j as usize - count] as usize };
         let mend = |row: &[u32]| {
@@ -159,6 +194,11 @@ impl Searcher {
             });
         });
         if !one_sided {
+            let mended = |b: usize| rows(b).filter(|&i| marks[i].load(Ordering::Relaxed) == mark::MEND);
+            // A former neighbour may be anywhere.
+            (0..list.blocks().len()).into_par_iter().for_each(|b| mended(b).for_each(|i| this.want_cell_of(i)));
+            self.encode_wanted(points, reach);
+            let this = &*self;
             list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::MEND)).for_each(|(b, block)| {
                 this.rebuild(block, |old, new, candidates| {
                     for (k, i) in rows(b).enumerate() {
@@ -180,8 +220,13 @@ impl Searcher {
     /// one after the other.
     pub(crate) fn cell_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
         self.grid.sort(points, reach * (1.0 + CELL_MARGIN));
-        self.sorted_at.clear();
+        self.forget();
         self.grid.order()
+    }
+
+    /// Makes the next search sort points into cells anew: they have been put elsewhere, or into another order.
+    pub(crate) fn forget(&mut self) {
+        self.sorted_at.clear();
     }
 
     /// The frame in which coordinates of the points are encoded for pair sums; it holds them until they have moved through
@@ -198,16 +243,14 @@ impl Searcher {
             + 4 * (self.place.capacity() + self.order.capacity())
             + 24 * self.sorted_at.capacity()
             + 8 * self.searched.capacity()
+            + self.needed.capacity()
             + self.scratch.iter().filter_map(|s| s.lock().ok()).map(|s| s.candidates.bytes()).sum::<usize>()
     }
 
     /// What the calling thread keeps for itself.
     fn scratch(&self) -> MutexGuard<'_, Scratch> {
-        match self.scratch[rayon::current_thread_index().unwrap_or(0)].lock() {
-            Ok(scratch) => scratch,
-            // Only a panic in a row poisons the lock; all of it is cleared before use.
-            Err(poisoned) => poisoned.into_inner(),
-        }
+        // Only a panic in a row poisons the lock; all of it is cleared before use.
+        self.scratch[rayon::current_thread_index().unwrap_or(0)].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Rebuilds a block into a spare one and puts it in its place.
@@ -219,68 +262,137 @@ impl Searcher {
         std::mem::swap(block, spare);
     }
 
-    /// Brings the columns to the positions of `points`, sorting them into cells anew if they have moved too far.
-    fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
-        self.scratch.resize_with(rayon::current_num_threads(), Mutex::default);
+    /// Sorts `points` into cells anew if they have moved too far.
+    fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>, odometer: Odometer) {
+        self.prepare_scratch();
         let largest = reach.largest();
-        let allowed = 0.5 * CELL_MARGIN * largest;
-        let sorted = self.sorted_at.len() == points.len()
-            && self.sorted_for == largest
-            && points.par_chunks(CHUNK).zip(self.sorted_at.par_chunks(CHUNK)).all(|(now, then)| {
-                now.iter().zip(then).all(|(now, then)| {
-                    let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
-                    d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= allowed * allowed
-                })
-            });
-        if !sorted {
-            self.grid.sort(points, largest * (1.0 + CELL_MARGIN));
-            self.sorted_at.clear();
-            self.sorted_at.extend_from_slice(points);
-            self.sorted_for = largest;
-            self.bounds = bounds(points);
-            self.frame = self.frame::<f32>();
+        self.half_factor = (0.5 * reach.factor) as f32;
+        if self.serves(points, largest, odometer) {
+            return;
         }
+        self.grid.sort(points, largest * (1.0 + CELL_MARGIN));
+        self.sorted_at.clear();
+        self.sorted_at.extend_from_slice(points);
+        (self.sorted_for, self.sorted_when) = (largest, odometer);
+        self.bounds = bounds(points);
+        self.frame = self.frame::<f32>();
         let padded = points.len() + PAD;
         for column in self.x.iter_mut().chain([&mut self.h]) {
             column.resize(padded, 0.0);
         }
         self.order.resize(padded, 0);
+        self.order[..points.len()].copy_from_slice(self.grid.order());
         self.place.resize(points.len(), 0);
-        let h = reach.smoothing_length;
-        self.half_factor = (0.5 * reach.factor) as f32;
-        let inverse_unit = 1.0 / self.frame.unit;
-        let limit = largest * inverse_unit;
-        self.uniform = h.iter().all(|&other| other == h[0]).then_some((limit * limit) as f32);
+        for (k, &i) in self.grid.order().iter().enumerate() {
+            self.place[i as usize] = k as u32;
+        }
+    }
 
+    /// One scratch for each thread, each as large as the largest: who gets the densest cells next is chance.
+    fn prepare_scratch(&mut self) {
+        self.scratch.resize_with(rayon::current_num_threads(), Mutex::default);
+        let room = |s: &mut Mutex<Scratch>| s.get_mut().unwrap_or_else(PoisonError::into_inner).candidates.room();
+        let most = self.scratch.iter_mut().map(room).max().unwrap_or(0);
+        for scratch in &mut self.scratch {
+            scratch.get_mut().unwrap_or_else(PoisonError::into_inner).candidates.make_room(most);
+        }
+    }
+
+    /// Whether the cells serve points that are where `points` are.
+    fn serves(&self, points: &[Vector<f64>], largest: f64, odometer: Odometer) -> bool {
+        let allowed = 0.5 * CELL_MARGIN * largest;
+        self.sorted_at.len() == points.len()
+            && self.sorted_for == largest
+            && (odometer.is_within(self.sorted_when, allowed)
+                || points.par_chunks(CHUNK).zip(self.sorted_at.par_chunks(CHUNK)).all(|(now, then)| {
+                    now.iter().zip(then).all(|(now, then)| {
+                        let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
+                        d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= allowed * allowed
+                    })
+                }))
+    }
+
+    /// Brings all columns to the positions of `points`.
+    fn encode_all(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
+        self.encode(points, reach, CHUNK, |_| true);
+    }
+
+    /// Brings the columns of the groups that are wanted to the positions of `points`.
+    fn encode_wanted(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
+        let needed = std::mem::take(&mut self.needed);
+        let is_wanted = |group: usize| needed[group].load(Ordering::Relaxed) == need::WANTED;
+        self.encode(points, reach, PLACES, is_wanted);
+        needed.par_iter().with_min_len(CHUNK).for_each(|need| {
+            if need.load(Ordering::Relaxed) == need::WANTED {
+                need.store(need::HERE, Ordering::Relaxed);
+            }
+        });
+        self.needed = needed;
+    }
+
+    /// Brings columns to the positions of `points`, in groups of `size` places, those that are `wanted`.
+    fn encode(
+        &mut self,
+        points: &[Vector<f64>],
+        reach: &Reach<'_>,
+        size: usize,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) {
+        let inverse_unit = 1.0 / self.frame.unit;
+        let limit = reach.largest() * inverse_unit;
+        self.uniform = (reach.range.0 == reach.range.1).then_some((limit * limit) as f32);
         let (frame, grid) = (self.frame, &self.grid);
         let [x, y, z] = &mut self.x;
-        (x.par_chunks_mut(CHUNK), y.par_chunks_mut(CHUNK), z.par_chunks_mut(CHUNK), self.h.par_chunks_mut(CHUNK))
+        (x.par_chunks_mut(size), y.par_chunks_mut(size), z.par_chunks_mut(size), self.h.par_chunks_mut(size))
             .into_par_iter()
-            .zip(grid.order().par_chunks(CHUNK))
-            .for_each(|((x, y, z, h), order)| {
+            .zip(grid.order().par_chunks(size))
+            .with_min_len(CHUNK / size)
+            .enumerate()
+            .filter(|(group, _)| wanted(*group))
+            .for_each(|(_, ((x, y, z, h), order))| {
                 for (k, &i) in order.iter().enumerate() {
                     [x[k], y[k], z[k]] = frame.encode::<f32>(&points[i as usize]);
                     h[k] = (reach.smoothing_length[i as usize] * inverse_unit) as f32;
                 }
             });
-        if !sorted {
-            for (k, &i) in grid.order().iter().enumerate() {
-                self.place[i as usize] = k as u32;
-                self.order[k] = i;
+    }
+
+    /// Notes who is searched, and that all around them is needed.
+    fn note_searched(&mut self, searched: &[u32]) {
+        // One word more than needed: bundles may start anywhere.
+        self.searched.resize(self.order.len() / 64 + 2, 0);
+        self.searched.fill(0);
+        self.needed.resize_with(self.order.len().div_ceil(PLACES), AtomicU8::default);
+        self.needed.par_iter_mut().with_min_len(CHUNK).for_each(|need| *need.get_mut() = need::NONE);
+        let mut last = None;
+        for &i in searched {
+            let k = self.place[i as usize] as usize;
+            self.searched[k / 64] |= 1 << (k % 64);
+            let cell = self.grid.cell_of(i as usize);
+            // Points of one cell come one after the other.
+            if last != Some(cell) {
+                last = Some(cell);
+                for (first, last) in self.grid.runs_around_cell(cell) {
+                    self.want(first..last);
+                }
             }
         }
     }
 
-    fn mark_searched(&mut self, marks: &[AtomicU8]) {
-        // One word more than needed: bundles may start anywhere.
-        self.searched.resize(self.order.len() / 64 + 2, 0);
-        self.searched[..].fill(0);
-        self.searched.par_chunks_mut(CHUNK / 64).zip(self.grid.order().par_chunks(CHUNK)).for_each(|(words, order)| {
-            for (k, &i) in order.iter().enumerate() {
-                let bit = u64::from(marks[i as usize].load(Ordering::Relaxed) == mark::SEARCH);
-                words[k / 64] |= bit << (k % 64);
+    fn want_cell_of(&self, i: usize) {
+        self.want(self.grid.members_run(self.grid.cell_of(i)));
+    }
+
+    /// Asks for the coordinates of places.
+    fn want(&self, places: std::ops::Range<usize>) {
+        if places.is_empty() {
+            return;
+        }
+        for need in &self.needed[places.start / PLACES..=(places.end - 1) / PLACES] {
+            if need.load(Ordering::Relaxed) == need::NONE {
+                need.store(need::WANTED, Ordering::Relaxed);
             }
-        });
+        }
     }
 
     /// Bits of the `WIDTH` points from place `k` on.
@@ -408,9 +520,9 @@ mod tests {
             let points = cloud(700, 88172645463325252 + dimensions as u64, dimensions);
             // Only the first 600 points are owners, the rest play ghosts.
             let smoothing: Vec<f64> = (0..700).map(|i| if uneven && i % 3 == 0 { 1.5 * h } else { h }).collect();
-            let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
+            let reach = Reach::new(&smoothing, 2.0);
             let mut list = NeighborList::default();
-            Searcher::default().search(&points, 600, &reach, instructions, &mut list);
+            Searcher::default().search(&points, 600, &reach, Odometer::default(), instructions, &mut list);
             list.blocks_mut().iter_mut().for_each(Block::sort_rows);
             let oracle = brute_force(&points, 600, &reach);
             assert!(oracle.pairs() > 600);
@@ -441,15 +553,25 @@ mod tests {
         (before, after, marks)
     }
 
+    fn lost() -> Odometer {
+        let mut odometer = Odometer::default();
+        odometer.lose_track();
+        odometer
+    }
+
+    fn searched(marks: &[AtomicU8]) -> Vec<u32> {
+        (0..marks.len() as u32).filter(|&i| marks[i as usize].load(Ordering::Relaxed) == mark::SEARCH).collect()
+    }
+
     #[test]
     fn a_partial_search_of_all_that_moved_is_a_whole_search() {
         for instructions in Instructions::available() {
             let (before, after, marks) = moved_cloud();
             let smoothing = vec![0.07; 600];
-            let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
+            let reach = Reach::new(&smoothing, 2.0);
             let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
-            searcher.search(&before, 600, &reach, instructions, &mut list);
-            searcher.renew(&after, 600, &[], &reach, instructions, &mut list, &marks, false);
+            searcher.search(&before, 600, &reach, Odometer::default(), instructions, &mut list);
+            searcher.renew(&after, &[], &reach, lost(), instructions, &mut list, &searched(&marks), &marks, false);
             list.blocks_mut().iter_mut().for_each(Block::sort_rows);
             let oracle = brute_force(&after, 600, &reach);
             for i in 0..600 {
@@ -464,11 +586,12 @@ mod tests {
         // Half of those that moved are not searched.
         (0..600).step_by(14).for_each(|i| marks[i].store(mark::KEEP, Ordering::Relaxed));
         let smoothing = vec![0.07; 600];
-        let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
+        let reach = Reach::new(&smoothing, 2.0);
         for one_sided in [false, true] {
             let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
-            searcher.search(&before, 600, &reach, Instructions::best(), &mut list);
-            searcher.renew(&after, 600, &[], &reach, Instructions::best(), &mut list, &marks, one_sided);
+            searcher.search(&before, 600, &reach, Odometer::default(), Instructions::best(), &mut list);
+            let all = searched(&marks);
+            searcher.renew(&after, &[], &reach, lost(), Instructions::best(), &mut list, &all, &marks, one_sided);
             let lonely = (0..600)
                 .flat_map(|i| list.row(i).iter().map(move |&j| (i, j as usize)))
                 .filter(|&(i, j)| !list.row(j).contains(&(i as u32)))
@@ -481,9 +604,9 @@ mod tests {
     fn coincident_points_are_neighbours_and_a_crowd_has_long_rows() {
         let points = vec![[0.5; 3]; 1500];
         let smoothing = vec![0.1; 1500];
-        let reach = Reach { smoothing_length: &smoothing, factor: 2.0 };
+        let reach = Reach::new(&smoothing, 2.0);
         let mut list = NeighborList::default();
-        Searcher::default().search(&points, 1500, &reach, Instructions::best(), &mut list);
+        Searcher::default().search(&points, 1500, &reach, Odometer::default(), Instructions::best(), &mut list);
         assert_eq!(list.row(7).len(), 1499);
         assert!(!list.row(7).contains(&7));
     }

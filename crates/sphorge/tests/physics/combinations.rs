@@ -143,3 +143,13 @@ fn what_a_search_cannot_serve_is_refused_with_the_reason() {
         assert!(report.as_ref().is_some_and(|report| report.contains(reason)), "{search}: {report:?}");
     }
 }
+
+#[test]
+fn an_audit_does_not_change_a_bit_of_the_run() {
+    for search in ["every-step", "skin", "adaptive", "total-lagrangian"] {
+        let (audited, _) = run(SQUEEZE, search, &[("audit", "1")]);
+        let (alone, _) = run(SQUEEZE, search, PLAIN);
+        let [audited, alone] = [&audited, &alone].map(|s| (s.particles().id.clone(), s.particles().position.clone()));
+        assert!(audited == alone, "{search}");
+    }
+}

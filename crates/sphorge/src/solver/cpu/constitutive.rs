@@ -300,10 +300,18 @@ impl<T: PairScalar> CpuEngine<T> {
         let dt = self.step.dt;
         let Particles { velocity_gradient, plastic_strain_increment, .. } = &self.particles;
         let Work { strain_since_search, plastic_since_search, .. } = &mut self.work;
-        strain_since_search.par_iter_mut().zip(plastic_since_search).enumerate().for_each(|(i, (strain, plastic))| {
-            let d = SymmetricTensor::symmetric_part(&velocity_gradient[i]);
-            *strain += dt * d.double_dot(d).sqrt();
-            *plastic += plastic_strain_increment[i];
+        let columns = (
+            strain_since_search.par_chunks_mut(BLOCK),
+            plastic_since_search.par_chunks_mut(BLOCK),
+            velocity_gradient.par_chunks(BLOCK),
+            plastic_strain_increment.par_chunks(BLOCK),
+        );
+        columns.into_par_iter().for_each(|(strain, plastic, l, increment)| {
+            for (((strain, plastic), l), increment) in strain.iter_mut().zip(plastic).zip(l).zip(increment) {
+                let d = SymmetricTensor::symmetric_part(l);
+                *strain += dt * d.double_dot(d).sqrt();
+                *plastic += increment;
+            }
         });
     }
 }

@@ -48,16 +48,19 @@ impl Halo {
         self.periodic.iter().flatten().fold(0.0, |longest: f64, (low, high)| longest.max(high - low))
     }
 
-    /// Brings particles that left a periodic cell back in.
-    pub(super) fn wrap(&self, positions: &mut [Vector<f64>]) {
+    /// Brings particles that left a periodic cell back in; says whether there were any.
+    pub(super) fn wrap(&self, positions: &mut [Vector<f64>]) -> bool {
+        let mut left = false;
         for (axis, cell) in self.periodic.iter().enumerate() {
             let Some((low, high)) = *cell else { continue };
             for p in positions.iter_mut() {
                 if p[axis] < low || p[axis] >= high {
                     p[axis] = low + (p[axis] - low).rem_euclid(high - low);
+                    left = true;
                 }
             }
         }
+        left
     }
 
     /// Makes the ghosts of all particles within `reach` of a plane or an end; later axes also repeat earlier ghosts, which
@@ -183,7 +186,7 @@ mod tests {
     fn periodic_copies_and_wrapping() {
         let mut halo = Halo { periodic: [Some((1.0, 3.0)), None, None], ..Halo::default() };
         let mut p = [[3.25, 0.0, 0.0], [0.5, 0.0, 0.0], [2.0, 0.0, 0.0]];
-        halo.wrap(&mut p);
+        assert!(halo.wrap(&mut p) && !halo.wrap(&mut p));
         assert_eq!(p, [[1.25, 0.0, 0.0], [2.5, 0.0, 0.0], [2.0, 0.0, 0.0]]);
         halo.rebuild(&p, 0.6);
         let images: Vec<_> = halo.ghosts.iter().map(|g| (g.source, g.position(&p[g.source as usize])[0])).collect();

@@ -85,10 +85,20 @@ impl Motions {
     }
 }
 
+/// What a kick and a drift did to a block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moved {
+    /// Work of everything that is not a pair force, J, and its impulse, N s.
+    work: f64,
+    impulse: Vector<f64>,
+    /// Square of the longest way of a particle, m².
+    farthest: f64,
+}
+
 /// Work and impulse of everything that is not a pair force, block by block so that the sum does not depend on threads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ExternalSums {
-    partial: Vec<(f64, Vector<f64>)>,
+    partial: Vec<Moved>,
     /// Work since the start, J.
     pub(super) work: f64,
     /// Impulse since the start, N s.
@@ -97,16 +107,20 @@ pub(super) struct ExternalSums {
 
 impl ExternalSums {
     pub(super) fn new(count: usize) -> Self {
-        Self { partial: vec![(0.0, [0.0; 3]); count.div_ceil(BLOCK)], ..Self::default() }
+        Self { partial: vec![Moved::default(); count.div_ceil(BLOCK)], ..Self::default() }
     }
 
-    fn close(&mut self) {
-        for (work, impulse) in &self.partial {
-            self.work += work;
+    /// Adds up the blocks; the longest way of any particle, m.
+    fn close(&mut self) -> f64 {
+        let mut farthest = 0.0_f64;
+        for moved in &self.partial {
+            self.work += moved.work;
             for a in 0..3 {
-                self.impulse[a] += impulse[a];
+                self.impulse[a] += moved.impulse[a];
             }
+            farthest = farthest.max(moved.farthest);
         }
+        farthest.sqrt()
     }
 }
 
@@ -172,7 +186,7 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .enumerate()
             .for_each(|(b, (x, v, e, evaluated, partial))| {
-                *partial = (0.0, [0.0; 3]);
+                *partial = Moved::default();
                 for k in 0..x.len() {
                     let i = b * BLOCK + k;
                     let (a, external) = (acceleration[i], external_acceleration[i]);
@@ -180,12 +194,13 @@ impl<T: PairScalar> CpuEngine<T> {
                     v[k] = kicked.velocity;
                     e[k] += half * energy_rate[i] + kicked.energy;
                     add(partial, &kicked);
-                    drift(&mut x[k], v[k], xsph[i], motions.of(motion[i]), dt);
+                    let way = drift(&mut x[k], v[k], xsph[i], motions.of(motion[i]), dt);
+                    partial.farthest = partial.farthest.max(way);
                     evaluated[k] = [0, 1, 2].map(|c| v[k][c] + half * a[c]);
                     at_end.hold(motion[i], &mut evaluated[k]);
                 }
             });
-        self.external.close();
+        self.lists.odometer.advance(self.external.close());
         std::mem::swap(&mut self.motions, &mut self.motions_at_end);
     }
 
@@ -204,7 +219,7 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .enumerate()
             .for_each(|(b, (v, e, partial))| {
-                *partial = (0.0, [0.0; 3]);
+                *partial = Moved::default();
                 for k in 0..v.len() {
                     let i = b * BLOCK + k;
                     let (a, external, evaluated) = (acceleration[i], external_acceleration[i], evaluated_velocity[i]);
@@ -220,6 +235,8 @@ impl<T: PairScalar> CpuEngine<T> {
     /// State at mid-step, predicted with the rates of the last one.
     pub(super) fn predict(&mut self) {
         let half = 0.5 * self.step.dt;
+        // Of a middle that is left again: who has moved how far is looked at every time.
+        self.lists.odometer.lose_track();
         self.motions.set_time(&self.model, self.step.time + half);
         self.base.position.copy_from_slice(&self.particles.position);
         self.base.velocity.copy_from_slice(&self.particles.velocity);
@@ -265,7 +282,7 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .enumerate()
             .for_each(|(b, (x, v, e, partial))| {
-                *partial = (0.0, [0.0; 3]);
+                *partial = Moved::default();
                 for k in 0..x.len() {
                     let i = b * BLOCK + k;
                     let (a, external, evaluated) = (acceleration[i], external_acceleration[i], evaluated_velocity[i]);
@@ -288,17 +305,22 @@ impl<T: PairScalar> CpuEngine<T> {
 }
 
 #[inline(always)]
-fn add(partial: &mut (f64, Vector<f64>), kicked: &Kick) {
-    partial.0 += kicked.work;
+fn add(partial: &mut Moved, kicked: &Kick) {
+    partial.work += kicked.work;
     for a in 0..3 {
-        partial.1[a] += kicked.impulse[a];
+        partial.impulse[a] += kicked.impulse[a];
     }
 }
 
-/// Moves a particle with its velocity and XSPH correction; along a prescribed axis with the prescribed velocity alone.
+/// Moves a particle with its velocity and XSPH correction; along a prescribed axis with the prescribed velocity alone. Returns the
+/// square of its way, m².
 #[inline(always)]
-fn drift(x: &mut Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], dt: f64) {
+fn drift(x: &mut Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], dt: f64) -> f64 {
+    let mut way = 0.0;
     for a in 0..3 {
-        x[a] += dt * prescribed[a].unwrap_or(v[a] + xsph[a]);
+        let step = dt * prescribed[a].unwrap_or(v[a] + xsph[a]);
+        x[a] += step;
+        way += step * step;
     }
+    way
 }

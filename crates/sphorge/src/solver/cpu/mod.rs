@@ -24,6 +24,7 @@ use super::engine::{Engine, SearchReport, Vote};
 use super::{Audit, Ledger, RunFailure};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Search, TemperatureSource};
+use crate::neighbors::range_of;
 use crate::particles::{Particles, Permutation};
 use conduction::HeatFlow;
 use contact::BodyContacts;
@@ -172,6 +173,7 @@ impl<T: PairScalar> CpuEngine<T> {
             model,
             reference: None,
         };
+        engine.lists.smoothing_lengths = range_of(&engine.particles.smoothing_length);
         engine.sort_particles();
         if total_lagrangian {
             engine.reference = Some(Reference::new(&engine.particles, &engine.model));

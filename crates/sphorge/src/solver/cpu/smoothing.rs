@@ -3,7 +3,7 @@
 use super::CpuEngine;
 use crate::lanes::PairScalar;
 use crate::model::SmoothingLength;
-use crate::neighbors::BLOCK;
+use crate::neighbors::{BLOCK, range_of};
 use rayon::prelude::*;
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -20,6 +20,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let ratio = (at_rest / density[i]).powf(power).clamp(1.0 / factor, factor);
             *h = model.bodies[body[i] as usize].smoothing_length * ratio;
         });
+        self.lists.smoothing_lengths = range_of(&self.particles.smoothing_length);
     }
 
     /// The thinnest skin since the last search, as a length to be multiplied by the support, m; `constant` where smoothing lengths

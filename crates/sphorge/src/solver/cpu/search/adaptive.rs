@@ -9,11 +9,12 @@
 //! - one-sidedness: rows of neighbours of searched particles are mended, so that of every pair both rows know or none;
 //! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
 
-use super::super::CpuEngine;
+use super::super::{CpuEngine, Work};
 use super::{CHUNK, moved_beyond};
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, Search};
 use crate::neighbors::{Reach, mark};
+use crate::particles::Particles;
 use crate::solver::engine::SearchReport;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -35,50 +36,48 @@ impl<T: PairScalar> CpuEngine<T> {
             let factor = self.model.numerics.kernel.support();
             let lists = &mut self.lists;
             let origin = &self.work.origin;
-            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, origin, reach, factor);
+            let odometer = lists.odometer;
+            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, origin, odometer, reach, factor);
         }
         let marked = self.mark(adaptive);
         let count = self.particles.len();
         if adaptive.guard.is_some() && marked as f64 > EVERYONE_ABOVE * count as f64 {
             return self.search_everyone();
         }
+        self.step.adapted_someone = marked > 0;
         if marked == 0 {
-            return self.search_no_one();
+            return SearchReport { searched_fraction: 0.0 };
         }
-        self.place_points();
+        if !self.halo.ghosts.is_empty() {
+            self.place_points();
+        }
         let factor = self.reach_factor();
         let one_sided = adaptive.guard.is_none();
-        let super::Lists { list, searcher, points, smoothing_length, sources, marks, .. } = &mut self.lists;
+        let (odometer, range) = (self.lists.odometer, self.lists.smoothing_lengths);
+        let super::Lists { list, searcher, points, smoothing_length, sources, marks, to_search, stored, .. } =
+            &mut self.lists;
+        // Without ghosts the particles are all there is.
+        let (points, smoothing_length) = if sources.is_empty() {
+            (&self.particles.position, &self.particles.smoothing_length)
+        } else {
+            (&*points, &*smoothing_length)
+        };
         marks.truncate(count);
-        for &source in sources.iter() {
-            marks.push(AtomicU8::new(marks[source as usize].load(Ordering::Relaxed)));
+        for (k, &source) in sources.iter().enumerate() {
+            let mark = marks[source as usize].load(Ordering::Relaxed);
+            marks.push(AtomicU8::new(mark));
+            if mark == mark::SEARCH {
+                to_search.push((count + k) as u32);
+            }
         }
-        let reach = Reach { smoothing_length, factor };
-        searcher.renew(points, count, sources, &reach, self.instructions, list, marks, one_sided);
-        // Every particle that can touch another body is among strangers and was searched: all pairs of bodies are in the rows.
-        self.take_contacts();
-        let super::Lists { list, points, marks, stored, .. } = &mut self.lists;
-        let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
+        let reach = Reach { smoothing_length, factor, range };
+        searcher.renew(points, sources, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
         if let Some(stored) = stored {
+            let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
             stored.renew(list, points, searched);
         }
-        let (step, particles, work) = (self.step.count as u32, &mut self.particles, &mut self.work);
-        let columns = (
-            particles.adapted.par_chunks_mut(CHUNK),
-            particles.last_searched.par_chunks_mut(CHUNK),
-            work.strain_since_search.par_chunks_mut(CHUNK),
-            work.plastic_since_search.par_chunks_mut(CHUNK),
-        );
-        columns.into_par_iter().enumerate().for_each(|(c, (adapted, last, strain, plastic))| {
-            for k in 0..adapted.len() {
-                let anew = searched(c * CHUNK + k);
-                adapted[k] = u32::from(anew);
-                if anew {
-                    (last[k], strain[k], plastic[k]) = (step, 0.0, 0.0);
-                }
-            }
-        });
-        self.step.adapted_someone = true;
+        // Every particle that can touch another body is among strangers and was searched: all pairs of bodies are in the rows.
+        self.take_contacts();
         SearchReport { searched_fraction: marked as f64 / count as f64 }
     }
 
@@ -90,6 +89,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         if matches!(self.model.search, Search::Adaptive(_)) {
             self.lists.searched_at.clone_from(&self.particles.position);
+            self.lists.searched_when = self.lists.odometer;
             self.work.strain_since_search.fill(0.0);
             self.work.plastic_since_search.fill(0.0);
         }
@@ -107,35 +107,43 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Whether a particle may have come near a symmetry plane or a periodic end without a ghost.
     fn ghosts_used_up(&self) -> bool {
         let allowed = GHOST_MARGIN * self.largest_reach();
-        !self.halo.is_empty() && moved_beyond(&self.particles.position, &self.lists.searched_at, allowed)
+        !self.halo.is_empty()
+            && !self.lists.odometer.is_within(self.lists.searched_when, allowed)
+            && moved_beyond(&self.particles.position, &self.lists.searched_at, allowed)
     }
 
     /// Marks the particles to be searched, returns how many.
     fn mark(&mut self, adaptive: AdaptiveSearch) -> usize {
         let count = self.particles.len();
-        let super::Lists { marks, guard, .. } = &mut self.lists;
+        let super::Lists { marks, to_search, guard, .. } = &mut self.lists;
         marks.resize_with(count.max(marks.len()), AtomicU8::default);
-        let plastic = if adaptive.accumulate {
-            &self.work.plastic_since_search
-        } else {
-            &self.particles.plastic_strain_increment
-        };
-        let strain = &self.work.strain_since_search;
-        let marks = &marks[..count];
-        marks
-            .par_chunks(CHUNK)
-            .enumerate()
-            .map(|(c, marks)| {
-                let mut marked = 0;
-                for (k, to_mark) in marks.iter().enumerate() {
-                    let i = c * CHUNK + k;
-                    let search = plastic[i] > adaptive.plastic_strain_threshold
-                        || adaptive.guard.is_some_and(|bound| strain[i] > bound || guard.among_strangers(i));
-                    to_mark.store(if search { mark::SEARCH } else { mark::KEEP }, Ordering::Relaxed);
-                    marked += usize::from(search);
+        let step = self.step.count as u32;
+        let Particles { plastic_strain_increment, adapted, last_searched, .. } = &mut self.particles;
+        let (plastic_strain_increment, guard) = (&*plastic_strain_increment, &*guard);
+        let Work { strain_since_search, plastic_since_search, .. } = &mut self.work;
+        let columns = (
+            marks[..count].par_chunks_mut(CHUNK),
+            adapted.par_chunks_mut(CHUNK),
+            last_searched.par_chunks_mut(CHUNK),
+            strain_since_search.par_chunks_mut(CHUNK),
+            plastic_since_search.par_chunks_mut(CHUNK),
+        );
+        columns.into_par_iter().enumerate().for_each(|(c, (marks, adapted, last, strain, plastic))| {
+            for k in 0..marks.len() {
+                let i = c * CHUNK + k;
+                let flow = if adaptive.accumulate { plastic[k] } else { plastic_strain_increment[i] };
+                let search = flow > adaptive.plastic_strain_threshold
+                    || adaptive.guard.is_some_and(|bound| strain[k] > bound || guard.among_strangers(i));
+                *marks[k].get_mut() = if search { mark::SEARCH } else { mark::KEEP };
+                adapted[k] = u32::from(search);
+                if search {
+                    (last[k], strain[k], plastic[k]) = (step, 0.0, 0.0);
                 }
-                marked
-            })
-            .sum()
+            }
+        });
+        to_search.clear();
+        let marked = |i: &u32| *marks[*i as usize].get_mut() == mark::SEARCH;
+        to_search.extend((0..count as u32).filter(marked));
+        to_search.len()
     }
 }

@@ -1,9 +1,9 @@
 //! What the lists miss: a comparison with an exact search of everyone.
 
 use super::super::CpuEngine;
-use super::StoredBlock;
+use super::{StoredBlock, place};
 use crate::lanes::PairScalar;
-use crate::neighbors::{BLOCK, NeighborList, Reach, Searcher, brute_force};
+use crate::neighbors::{BLOCK, NeighborList, Odometer, Reach, Searcher, brute_force};
 use crate::solver::Audit;
 use rayon::prelude::*;
 use sphorge_physics::{SymmetricTensor, Vector, tensor::dot};
@@ -28,23 +28,28 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Compares the lists, at the positions as they are, with an exact search: pairs within the kernel support that are
     /// missing, pairs beyond it, and what both do to density rate and force.
     pub(in super::super) fn audit_lists(&mut self) -> Audit {
-        self.place_points();
+        // Those of the lists may be older.
+        let (mut points, mut smoothing_length) = (Vec::new(), Vec::new());
+        place(&self.particles, &self.halo.ghosts, &mut points, &mut smoothing_length);
         let count = self.particles.len();
         let factor = self.model.numerics.kernel.support();
         let lists = &self.lists;
-        let reach = Reach { smoothing_length: &lists.smoothing_length, factor };
-        let exact = if lists.points.len() <= EVERY_PAIR_UP_TO {
-            brute_force(&lists.points, count, &reach)
+        let reach = Reach::new(&smoothing_length, factor);
+        let exact = if points.len() <= EVERY_PAIR_UP_TO {
+            brute_force(&points, count, &reach)
         } else {
             let mut exact = NeighborList::default();
             // A hair more than the support: the distance decides below.
             let reach = Reach { factor: factor * (1.0 + 1e-5), ..reach };
-            Searcher::default().search(&lists.points, count, &reach, self.instructions, &mut exact);
+            Searcher::default().search(&points, count, &reach, Odometer::default(), self.instructions, &mut exact);
             exact
         };
         let (ours, theirs): (Vec<Sums>, Vec<Sums>) = (0..count)
             .into_par_iter()
-            .map(|i| (self.audit_row(i, &lists.list, true, &exact), self.audit_row(i, &exact, false, &lists.list)))
+            .map(|i| {
+                let ours = self.audit_row(i, &reach, &points, &lists.list, true, &exact);
+                (ours, self.audit_row(i, &reach, &points, &exact, false, &lists.list))
+            })
             .unzip();
 
         let mass = &self.particles.mass;
@@ -73,9 +78,17 @@ impl<T: PairScalar> CpuEngine<T> {
         audit
     }
 
-    /// Sums of particle `i` over its row in `list`; pairs that `other` lacks are missed there. With `kept`, distances are those
+    /// Sums of particle `i` of the given points over its row in `list`; pairs that `other` lacks are missed there. With `kept`, distances are those
     /// of the last search where the strategy keeps them.
-    fn audit_row(&self, i: usize, list: &NeighborList, kept: bool, other: &NeighborList) -> Sums {
+    fn audit_row(
+        &self,
+        i: usize,
+        reach: &Reach<'_>,
+        points: &[Vector<f64>],
+        list: &NeighborList,
+        kept: bool,
+        other: &NeighborList,
+    ) -> Sums {
         let particles = &self.particles;
         let count = particles.len();
         let lists = &self.lists;
@@ -90,10 +103,10 @@ impl<T: PairScalar> CpuEngine<T> {
         let known = other.row(i);
         for (n, &j) in list.row(i).iter().enumerate() {
             let j = j as usize;
-            let source = if j < count { j } else { lists.sources[j - count] as usize };
+            let source = if j < count { j } else { self.halo.ghosts[j - count].source as usize };
             let sign = if j < count { [1.0; 3] } else { self.halo.ghosts[j - count].sign };
-            let now = [0, 1, 2].map(|a| lists.points[i][a] - lists.points[j][a]);
-            let h = 0.5 * (lists.smoothing_length[i] + lists.smoothing_length[j]);
+            let now = [0, 1, 2].map(|a| points[i][a] - points[j][a]);
+            let h = 0.5 * (reach.smoothing_length[i] + reach.smoothing_length[j]);
             let inside = dot(now, now).sqrt() < kernel.support() * h;
             sums.stale += u64::from(kept && !inside);
             if !kept {

@@ -5,7 +5,7 @@
 //! strangers is found by looking at cells: a particle is among strangers if the cells around it hold another body, another
 //! piece of its own body, or material that came from farther apart than such cells can hold.
 
-use crate::neighbors::{CellGrid, NeighborList};
+use crate::neighbors::{CellGrid, NeighborList, Odometer};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
@@ -24,8 +24,9 @@ const PARTED: f64 = 1.5;
 #[derive(Debug, Default)]
 pub(super) struct Guard {
     cells: CellGrid,
-    /// Positions when particles were sorted into cells, m.
+    /// Positions when particles were sorted into cells, m, and the reading of the odometer then, m.
     sorted_at: Vec<Vector<f64>>,
+    sorted_when: Odometer,
     pieces: Pieces,
     contents: Vec<Content>,
     strangers_near: Vec<bool>,
@@ -66,16 +67,19 @@ impl Guard {
         list: &NeighborList,
         searched_at: &[Vector<f64>],
         origin: &[Vector<f64>],
+        odometer: Odometer,
         reach: f64,
         support: f64,
     ) {
         let allowed = 0.5 * (CELL_WIDTH - 1.0) * reach;
         if self.sorted_at.len() == particles.len()
-            && !super::moved_beyond(&particles.position, &self.sorted_at, allowed)
+            && (odometer.is_within(self.sorted_when, allowed)
+                || !super::moved_beyond(&particles.position, &self.sorted_at, allowed))
         {
             return;
         }
         self.sorted_at.clone_from(&particles.position);
+        self.sorted_when = odometer;
         let size = CELL_WIDTH * reach;
         self.cells.sort(&particles.position, size);
         self.pieces.find(particles, list, origin, support);
@@ -190,10 +194,10 @@ mod tests {
     }
 
     fn flags(particles: &Particles, searched_at: &[Vector<f64>]) -> Vec<bool> {
-        let reach = Reach { smoothing_length: &particles.smoothing_length, factor: 2.0 };
+        let reach = Reach::new(&particles.smoothing_length, 2.0);
         let list = brute_force(&particles.position, 10, &reach);
         let mut guard = Guard::default();
-        guard.refresh(particles, &list, searched_at, searched_at, 1.2, 2.0);
+        guard.refresh(particles, &list, searched_at, searched_at, Odometer::default(), 1.2, 2.0);
         (0..10).map(|i| guard.among_strangers(i)).collect()
     }
 

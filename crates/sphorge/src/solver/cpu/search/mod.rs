@@ -8,10 +8,11 @@ mod stored;
 pub(super) use stored::{StoredBlock, StoredPairs};
 
 use super::CpuEngine;
+use super::halo::Ghost;
 use crate::lanes::PairScalar;
 use crate::model::Search;
-use crate::neighbors::{BLOCK, Frame, NeighborList, Reach, Searcher, bounds};
-use crate::particles::Permutation;
+use crate::neighbors::{BLOCK, Frame, NeighborList, Odometer, Reach, Searcher, bounds};
+use crate::particles::{Particles, Permutation};
 use crate::solver::engine::SearchReport;
 use guard::Guard;
 use rayon::prelude::*;
@@ -36,10 +37,18 @@ pub(super) struct Lists<T> {
     /// Positions of particles and ghosts at the last search, m.
     points: Vec<Vector<f64>>,
     pub(super) smoothing_length: Vec<f64>,
+    /// Smallest and largest smoothing length, m.
+    pub(super) smoothing_lengths: (f64, f64),
+    pub(super) odometer: Odometer,
+    /// Its readings at the last search of everyone, and when the frame was made.
+    searched_when: Odometer,
+    framed_when: Odometer,
     /// Source of every ghost.
     sources: Vec<u32>,
     /// What a partial search does with each row; ghosts as their sources.
     marks: Vec<AtomicU8>,
+    /// Points of a partial search.
+    to_search: Vec<u32>,
     /// Positions at the last search of everyone, m; only for adaptive search.
     searched_at: Vec<Vector<f64>>,
     guard: Guard,
@@ -60,6 +69,7 @@ impl<T> Lists<T> {
             + self.stored.as_ref().map_or(0, StoredPairs::bytes)
             + 32 * self.points.capacity()
             + 5 * self.marks.capacity()
+            + 4 * self.to_search.capacity()
             + 24 * self.searched_at.capacity()
             + self.guard.bytes()
     }
@@ -105,16 +115,17 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     pub(super) fn largest_smoothing_length(&self) -> f64 {
-        self.particles.smoothing_length.par_iter().with_min_len(CHUNK).copied().reduce(|| 0.0, f64::max)
+        self.lists.smoothing_lengths.1
     }
 
     /// Two particles can close in by twice the largest displacement.
     fn moved_beyond_skin(&self, fraction: f64) -> bool {
-        let smoothing_lengths = self.particles.smoothing_length.par_iter().with_min_len(CHUNK).copied();
-        let smallest = smoothing_lengths.reduce(|| f64::INFINITY, f64::min);
+        let smallest = self.lists.smoothing_lengths.0;
         let skin = self.skin_left(fraction * smallest, fraction);
         let allowed = 0.5 * skin * self.model.numerics.kernel.support();
-        skin <= 0.0 || moved_beyond(&self.particles.position, &self.lists.points, allowed)
+        skin <= 0.0
+            || (!self.lists.odometer.is_within(self.lists.searched_when, allowed)
+                && moved_beyond(&self.particles.position, &self.lists.points, allowed))
     }
 
     fn search_no_one(&mut self) -> SearchReport {
@@ -128,13 +139,17 @@ impl<T: PairScalar> CpuEngine<T> {
     fn search_everyone(&mut self) -> SearchReport {
         let reach_factor = self.reach_factor();
         let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
-        self.halo.wrap(&mut self.particles.position);
+        if self.halo.wrap(&mut self.particles.position) {
+            self.lists.searcher.forget();
+            self.lists.guard.forget();
+        }
         self.halo.rebuild(&self.particles.position, ghost_reach);
         self.place_points();
         let count = self.particles.len();
-        let Lists { list, searcher, points, smoothing_length, sources, .. } = &mut self.lists;
-        let reach = Reach { smoothing_length, factor: reach_factor };
-        searcher.search(points, count, &reach, self.instructions, list);
+        let Lists { list, searcher, points, smoothing_length, smoothing_lengths, sources, odometer, .. } =
+            &mut self.lists;
+        let reach = Reach { smoothing_length, factor: reach_factor, range: *smoothing_lengths };
+        searcher.search(points, count, &reach, *odometer, self.instructions, list);
         let frame = searcher.frame::<T>();
         if self.reference.is_some() {
             // Another body's material is no part of the deformation of this one.
@@ -150,6 +165,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.set_frame(frame);
         self.take_contacts();
+        self.lists.searched_when = self.lists.odometer;
         self.lists.searches += 1;
         self.lists.stale = false;
         self.particles.adapted.fill(1);
@@ -177,36 +193,30 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Positions and smoothing lengths of particles and ghosts, for the searcher.
     fn place_points(&mut self) {
         let Lists { points, smoothing_length, sources, .. } = &mut self.lists;
-        let (position, ghosts) = (&self.particles.position, &self.halo.ghosts);
-        let count = position.len();
-        points.resize(count + ghosts.len(), [0.0; 3]);
-        smoothing_length.resize(count + ghosts.len(), 0.0);
-        let copy_points = || copy(position, points);
-        let copy_lengths = || copy(&self.particles.smoothing_length, smoothing_length);
-        rayon::join(copy_points, copy_lengths);
-        for (k, ghost) in ghosts.iter().enumerate() {
-            let source = ghost.source as usize;
-            points[count + k] = ghost.position(&position[source]);
-            smoothing_length[count + k] = self.particles.smoothing_length[source];
-        }
+        let ghosts = &self.halo.ghosts;
+        place(&self.particles, ghosts, points, smoothing_length);
         sources.clear();
         sources.extend(ghosts.iter().map(|g| g.source));
     }
 
     /// The frame of the records around the positions as they are: lists may outlive it.
     fn follow_frame(&mut self) {
+        if self.lists.odometer.is_within(self.lists.framed_when, self.largest_reach()) {
+            return;
+        }
         let (mut low, mut high) = bounds(&self.particles.position);
         if let Some(reference) = &self.reference {
             let (other_low, other_high) = bounds(&reference.position);
             low = [0, 1, 2].map(|a| low[a].min(other_low[a]));
             high = [0, 1, 2].map(|a| high[a].max(other_high[a]));
         }
-        // Ghosts stand at most as far outside as the reach they were made for.
-        self.set_frame(Frame::around::<T>(low, high, 3.0 * self.largest_reach() + self.halo.longest_shift()));
+        // Ghosts stand at most as far outside as the reach they were made for; all may move by a reach.
+        self.set_frame(Frame::around::<T>(low, high, 4.0 * self.largest_reach() + self.halo.longest_shift()));
     }
 
     fn set_frame(&mut self, frame: Frame) {
         self.records.frame = frame;
+        self.lists.framed_when = self.lists.odometer;
         self.constants.unit = T::of(frame.unit);
     }
 
@@ -232,6 +242,21 @@ impl<T: PairScalar> CpuEngine<T> {
         self.lists.stale = true;
         // It knows particles by their places.
         self.lists.guard.forget();
+    }
+}
+
+/// Positions (m) and smoothing lengths (m) of particles and ghosts.
+fn place(particles: &Particles, ghosts: &[Ghost], points: &mut Vec<Vector<f64>>, smoothing_length: &mut Vec<f64>) {
+    let count = particles.len();
+    points.resize(count + ghosts.len(), [0.0; 3]);
+    smoothing_length.resize(count + ghosts.len(), 0.0);
+    let copy_points = || copy(&particles.position, points);
+    let copy_lengths = || copy(&particles.smoothing_length, smoothing_length);
+    rayon::join(copy_points, copy_lengths);
+    for (k, ghost) in ghosts.iter().enumerate() {
+        let source = ghost.source as usize;
+        points[count + k] = ghost.position(&particles.position[source]);
+        smoothing_length[count + k] = particles.smoothing_length[source];
     }
 }
 
