@@ -151,6 +151,21 @@ pub fn return_mapping_near<T: Scalar>(
     returned
 }
 
+/// What [`return_mapping`] gives where the stress stays below the `yield_stress` (Pa) that it gave in the step before: that step was
+/// elastic, and the temperature is the same. Costs no evaluation of the law; nothing where the stress may yield.
+#[inline(always)]
+pub fn elastic_return<T: Scalar>(trial: SymmetricTensor<T>, yield_stress: T) -> Option<Returned<T>> {
+    let squared = T::of(1.5) * trial.double_dot(trial);
+    let elastic = yield_stress > T::zero() && squared <= yield_stress * yield_stress;
+    elastic.then(|| Returned {
+        deviator: trial,
+        plastic_strain_increment: T::zero(),
+        yield_stress,
+        plastic_work: T::zero(),
+        iterations: 0,
+    })
+}
+
 /// Von Mises equivalent of a deviator, without overflow of the squares in single precision.
 #[inline(always)]
 fn equivalent_stress<T: Scalar>(deviator: SymmetricTensor<T>) -> T {

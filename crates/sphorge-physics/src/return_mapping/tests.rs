@@ -32,6 +32,18 @@ fn below_yield_nothing_happens() {
 }
 
 #[test]
+fn a_known_yield_stress_spares_an_elastic_step_the_law() {
+    let iron = law("johnson-cook", &IRON);
+    // The same to the last digit, strained and warm.
+    let whole = radial(&iron, 300.0e6, 0.2, 400.0, 1e-8);
+    assert!(whole.yield_stress > 300.0e6 && whole.yield_stress < 400.0e6);
+    assert_eq!(elastic_return(deviator(300.0e6), whole.yield_stress), Some(whole));
+    // Beyond it, and where a melt has none, the law is asked.
+    assert_eq!(elastic_return(deviator(1.01 * whole.yield_stress), whole.yield_stress), None);
+    assert_eq!(elastic_return(deviator(0.0), 0.0), None);
+}
+
+#[test]
 fn no_strength_and_no_limit() {
     assert_eq!(radial(&law("none", &[]), 1.0e9, 0.0, 300.0, 1e-8).deviator, SymmetricTensor::zero());
     let r = radial(&law("elastic", &[]), 1.0e12, 0.0, 300.0, 1e-8);

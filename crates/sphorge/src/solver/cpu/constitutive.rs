@@ -9,7 +9,7 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
-use sphorge_physics::return_mapping::{Returned, return_mapping_near};
+use sphorge_physics::return_mapping::{Returned, elastic_return, return_mapping_near};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, heat, stress, tensor, viscosity};
 
 /// Stress of a particle after a time `dt` with the velocity gradient `l`.
@@ -18,6 +18,12 @@ fn returned(p: &Inputs<'_>, l: &Tensor<f64>, dt: f64) -> Returned<f64> {
     let m = p.material;
     let trial = stress::trial_deviator(p.deviator, l, m.shear_modulus, dt);
     let (rule, law, g) = (m.return_rule, &m.flow_law, m.shear_modulus);
+    if let Some(yield_stress) = p.known_yield_stress
+        && law.yields()
+        && let Some(elastic) = elastic_return(trial, yield_stress)
+    {
+        return elastic;
+    }
     return_mapping_near(rule, law, g, trial, p.plastic_strain, p.temperature, dt, p.last_increment)
 }
 
@@ -28,6 +34,8 @@ struct Inputs<'a> {
     /// Plastic strain increment of the last step.
     last_increment: f64,
     temperature: f64,
+    /// Yield stress of the last step, Pa, if it was elastic and the temperature is still that one.
+    known_yield_stress: Option<f64>,
 }
 
 /// What the update of a block writes: deviator, plastic strain and its increment, yield stress, plastic work, temperature;
@@ -84,6 +92,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let dt = self.step.dt_to_evaluation(numerics.integrator);
         let model: &Model = &self.model;
         let corrected = self.corrected();
+        let only_flow_heats = self.only_flow_heats();
         let dimension = super::dimension(model);
 
         let Work { correction, evaluated_velocity, .. } = &self.work;
@@ -144,6 +153,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     plastic_strain: ep[k],
                     last_increment: dep[k],
                     temperature: t[k],
+                    known_yield_stress: (only_flow_heats && dep[k] == 0.0).then_some(y[k]),
                 };
                 let update = returned(&inputs, &velocity_gradient[i], dt);
                 let energy_here = energy[i] + 0.5 * full * energy_rate[i];
@@ -231,6 +241,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Takes the stress through the whole step with the gradient of mid-step, for good.
     pub(super) fn commit_stress(&mut self) {
         let dt = self.step.dt;
+        let only_flow_heats = self.only_flow_heats();
         let model: &Model = &self.model;
         let base = &self.base;
         let Particles {
@@ -275,6 +286,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         plastic_strain: ep[k],
                         last_increment: dep[k],
                         temperature: t[k],
+                        known_yield_stress: (only_flow_heats && dep[k] == 0.0).then_some(y[k]),
                     };
                     let update = returned(&inputs, &velocity_gradient[i], dt);
                     rho[k] = stress::density_after(base.density[i], &velocity_gradient[i], dt);
@@ -295,6 +307,12 @@ impl<T: PairScalar> CpuEngine<T> {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
+    /// Whether the temperature of a particle that stays elastic does not change.
+    fn only_flow_heats(&self) -> bool {
+        let by_flow = self.model.numerics.temperature == TemperatureSource::PlasticWork;
+        by_flow && self.heat.is_none() && self.contacts.is_none()
+    }
+
     /// Adds the strain of the step to what adaptive search looks at.
     pub(super) fn accumulate_strain(&mut self) {
         let dt = self.step.dt;
