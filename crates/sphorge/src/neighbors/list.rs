@@ -127,6 +127,31 @@ impl Block {
         self.used
     }
 
+    /// Replaces row `k` of particle `own`: in its place if there is room, else by way of a `spare` block.
+    pub(crate) fn set_row(&mut self, k: usize, own: u32, row: &[u32], spare: &mut Self) {
+        if self.row(k) == row {
+            return;
+        }
+        let place = self.starts[k] as usize..self.starts[k + 1] as usize;
+        if row.len() <= place.len() {
+            let place = &mut self.indices[place];
+            place[..row.len()].copy_from_slice(row);
+            place[row.len()..].fill(own);
+            self.lengths[k] = row.len() as u32;
+            return;
+        }
+        spare.clear();
+        for other in 0..self.len() {
+            if other == k {
+                row.iter().for_each(|&j| spare.push(j));
+                spare.end_row(own);
+            } else {
+                spare.copy_row(self, other);
+            }
+        }
+        std::mem::swap(self, spare);
+    }
+
     /// Rows written.
     pub fn len(&self) -> usize {
         self.lengths.len()
@@ -178,6 +203,30 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_row_is_replaced_in_its_place_or_the_block_is_made_anew() {
+        let mut block = Block::default();
+        block.clear();
+        for (own, row) in [vec![1, 2], vec![0, 2], vec![0]].into_iter().enumerate() {
+            row.iter().for_each(|&j| block.push(j));
+            block.end_row(own as u32);
+        }
+        let rows = |block: &Block| [0, 1, 2].map(|k| block.row(k).to_vec());
+        let mut spare = Block::default();
+        block.set_row(1, 1, &[7], &mut spare);
+        assert_eq!(rows(&block), [vec![1, 2], vec![7], vec![0]]);
+        assert_eq!(block.padded_row(1, 4), [7, 1, 1, 1]);
+        assert_eq!(block.padded_len(), 3 * PAD);
+        let long: Vec<u32> = (10..10 + PAD as u32 + 1).collect();
+        block.set_row(1, 1, &long, &mut spare);
+        assert_eq!(rows(&block), [vec![1, 2], long, vec![0]]);
+        assert_eq!((block.padded_row(1, PAD).len(), block.padded_row(1, PAD)[PAD + 1]), (2 * PAD, 1));
+        assert_eq!(block.padded_row(2, 4), [0, 2, 2, 2]);
+        // A long row that became short keeps its place; what comes behind stays where it is.
+        block.set_row(1, 1, &[], &mut spare);
+        assert_eq!((block.row(1).len(), block.start(2), block.row(2)), (0, 3 * PAD, &[0][..]));
+    }
 
     #[test]
     fn rows_are_padded_with_the_particle_itself() {

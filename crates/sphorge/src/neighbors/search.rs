@@ -112,6 +112,8 @@ pub(crate) struct Searcher {
 struct Scratch {
     /// A block being rebuilt.
     spare: Block,
+    /// A row being made.
+    row: Block,
     candidates: Candidates,
 }
 
@@ -141,10 +143,10 @@ impl Searcher {
         });
     }
 
-    /// Searches the points `searched` and mends the rows of all they are or were neighbours of, so that the list stays symmetric: of
-    /// every pair either both rows know or none. A ghost (a point from `count` on, image of `source[ghost]`) is searched if its
-    /// source is. `marks` says [`mark::SEARCH`] of these points and [`mark::KEEP`] of the others; rows to be mended get
-    /// [`mark::MEND`]. With `one_sided` nothing is mended.
+    /// Searches the points `searched`. Where a row gains or loses a neighbour, that neighbour's row is mended, so that a symmetric
+    /// list stays so: of every pair either both rows know or none. A ghost (a point from `count` on, image of `source[ghost]`) is
+    /// searched if its source is. `marks` says [`mark::SEARCH`] of these points and [`mark::KEEP`] of the others; rows to be mended
+    /// get [`mark::MEND`]. With `one_sided` nothing is mended.
     pub(crate) fn renew(
         &mut self,
         points: &[Vector<f64>],
@@ -161,59 +163,58 @@ impl Searcher {
         self.prepare(points, reach, odometer);
         self.note_searched(searched);
         self.encode_wanted(points, reach);
-        let this = &*self;
+        let mark_of = |i: usize| marks[i].load(Ordering::Relaxed);
         let source = |j: u32| if (j as usize) < count { j as usize } else { sources[j as usize - count] as usize };
-        let mend = |row: &[u32]| {
-            for &j in row {
-                let j = source(j);
-                if marks[j].load(Ordering::Relaxed) == mark::KEEP {
-                    // Every thread writes the same value.
-                    marks[j].store(mark::MEND, Ordering::Relaxed);
-                }
+        let mend = |j: u32| {
+            if mark_of(source(j)) == mark::KEEP {
+                // Every thread writes the same value.
+                marks[source(j)].store(mark::MEND, Ordering::Relaxed);
             }
         };
-        let rows = |b: usize| b * BLOCK..((b + 1) * BLOCK).min(count);
-        let has = |b: usize, what: u8| rows(b).any(|i| marks[i].load(Ordering::Relaxed) == what);
-        let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
+        let rows = |b: usize, what: u8| {
+            (b * BLOCK..((b + 1) * BLOCK).min(count)).filter(move |&i| marks[i].load(Ordering::Relaxed) == what)
+        };
 
-        list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::SEARCH)).for_each(|(b, block)| {
-            this.rebuild(block, |old, new, candidates| {
-                for (k, i) in rows(b).enumerate() {
-                    if searched(i) {
-                        if !one_sided {
-                            mend(old.row(k));
-                        }
-                        run(instructions, RowsJob { searcher: this, rows: i..i + 1, candidates, block: new });
-                        if !one_sided {
-                            mend(new.row(k));
-                        }
-                    } else {
-                        new.copy_row(old, k);
-                    }
+        let this = &*self;
+        list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
+            let mut to_search = rows(b, mark::SEARCH).peekable();
+            if to_search.peek().is_none() {
+                return;
+            }
+            let Scratch { spare, row, candidates } = &mut *this.scratch();
+            candidates.clear();
+            for i in to_search {
+                row.clear();
+                run(instructions, RowsJob { searcher: this, rows: i..i + 1, candidates, block: row });
+                if !one_sided {
+                    differences(block.row(i % BLOCK), row.row(0), mend);
                 }
-            });
+                block.set_row(i % BLOCK, i as u32, row.row(0), spare);
+            }
         });
-        if !one_sided {
-            let mended = |b: usize| rows(b).filter(|&i| marks[i].load(Ordering::Relaxed) == mark::MEND);
-            // A former neighbour may be anywhere.
-            (0..list.blocks().len()).into_par_iter().for_each(|b| mended(b).for_each(|i| this.want_cell_of(i)));
-            self.encode_wanted(points, reach);
-            let this = &*self;
-            list.blocks_mut().par_iter_mut().enumerate().filter(|(b, _)| has(*b, mark::MEND)).for_each(|(b, block)| {
-                this.rebuild(block, |old, new, candidates| {
-                    for (k, i) in rows(b).enumerate() {
-                        if marks[i].load(Ordering::Relaxed) == mark::MEND {
-                            for &j in old.row(k).iter().filter(|&&j| !searched(j as usize)) {
-                                new.push(j);
-                            }
-                            run(instructions, MendJob { searcher: this, row: i, candidates, block: new });
-                        } else {
-                            new.copy_row(old, k);
-                        }
-                    }
-                });
-            });
+        if one_sided {
+            return;
         }
+        // A former neighbour may be anywhere.
+        (0..list.blocks().len()).into_par_iter().for_each(|b| rows(b, mark::MEND).for_each(|i| this.want_cell_of(i)));
+        self.encode_wanted(points, reach);
+        let this = &*self;
+        list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
+            let mut to_mend = rows(b, mark::MEND).peekable();
+            if to_mend.peek().is_none() {
+                return;
+            }
+            let Scratch { spare, row, candidates } = &mut *this.scratch();
+            candidates.clear();
+            for i in to_mend {
+                row.clear();
+                for &j in block.row(i % BLOCK).iter().filter(|&&j| mark_of(j as usize) != mark::SEARCH) {
+                    row.push(j);
+                }
+                run(instructions, MendJob { searcher: this, row: i, candidates, block: row });
+                block.set_row(i % BLOCK, i as u32, row.row(0), spare);
+            }
+        });
     }
 
     /// Indices of the points in the order of the cells of a search with the given reach, m: points of one cell are then served
@@ -251,15 +252,6 @@ impl Searcher {
     fn scratch(&self) -> MutexGuard<'_, Scratch> {
         // Only a panic in a row poisons the lock; all of it is cleared before use.
         self.scratch[rayon::current_thread_index().unwrap_or(0)].lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Rebuilds a block into a spare one and puts it in its place.
-    fn rebuild(&self, block: &mut Block, fill: impl FnOnce(&Block, &mut Block, &mut Candidates)) {
-        let Scratch { spare, candidates } = &mut *self.scratch();
-        spare.clear();
-        candidates.clear();
-        fill(block, spare, candidates);
-        std::mem::swap(block, spare);
     }
 
     /// Sorts `points` into cells anew if they have moved too far.
@@ -466,6 +458,17 @@ impl Searcher {
     }
 }
 
+/// Visits what two rows without repetitions do not share.
+fn differences(old: &[u32], new: &[u32], mut visit: impl FnMut(u32)) {
+    // Rows come in the order of the cells and mostly stay as they are.
+    let same = old.iter().zip(new).take_while(|(a, b)| a == b).count();
+    let (old, new) = (&old[same..], &new[same..]);
+    let same = old.iter().rev().zip(new.iter().rev()).take_while(|(a, b)| a == b).count();
+    let (old, new) = (&old[..old.len() - same], &new[..new.len() - same]);
+    old.iter().filter(|j| !new.contains(j)).for_each(|&j| visit(j));
+    new.iter().filter(|j| !old.contains(j)).for_each(|&j| visit(j));
+}
+
 /// Rows made anew.
 struct RowsJob<'a> {
     searcher: &'a Searcher,
@@ -598,6 +601,21 @@ mod tests {
                 .count();
             assert_eq!(lonely > 0, one_sided, "{lonely}");
         }
+    }
+
+    #[test]
+    fn rows_differ_in_what_only_one_has() {
+        let between = |old: &[u32], new: &[u32]| {
+            let mut found = Vec::new();
+            differences(old, new, |j| found.push(j));
+            found
+        };
+        assert!(between(&[], &[]).is_empty() && between(&[4, 2, 9], &[4, 2, 9]).is_empty());
+        // Another order is no difference.
+        assert!(between(&[4, 2, 9, 7], &[4, 9, 2, 7]).is_empty());
+        assert_eq!(between(&[4, 2, 9, 7], &[4, 9, 5, 7]), [2, 5]);
+        assert_eq!(between(&[4, 2], &[4, 2, 7]), [7]);
+        assert_eq!(between(&[1, 4], &[]), [1, 4]);
     }
 
     #[test]

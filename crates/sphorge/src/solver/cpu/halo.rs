@@ -31,11 +31,13 @@ pub(super) struct Halo {
     symmetry: Vec<SymmetryPlane>,
     periodic: [Option<(f64, f64)>; 3],
     pub(super) ghosts: Vec<Ghost>,
+    /// Ghosts before the last rebuilding.
+    former: Vec<Ghost>,
 }
 
 impl Halo {
     pub(super) fn new(model: &Model) -> Self {
-        Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ghosts: Vec::new() }
+        Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ..Self::default() }
     }
 
     /// No planes and no periodic axes.
@@ -64,8 +66,9 @@ impl Halo {
     }
 
     /// Makes the ghosts of all particles within `reach` of a plane or an end; later axes also repeat earlier ghosts, which
-    /// fills edges and corners.
-    pub(super) fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) {
+    /// fills edges and corners. Says whether they are others than before: then their numbers mean other points.
+    pub(super) fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool {
+        std::mem::swap(&mut self.ghosts, &mut self.former);
         self.ghosts.clear();
         for axis in 0..3 {
             let before = self.ghosts.len();
@@ -109,6 +112,7 @@ impl Halo {
                 }
             }
         }
+        self.ghosts != self.former
     }
 
     /// Fills the kinematic records of ghosts, which follow those of the `count` particles; `place` tells where a particle is.
@@ -176,7 +180,7 @@ mod tests {
         let plane = |axis| SymmetryPlane { axis, position: 0.0, side: 1.0 };
         let mut halo = Halo { symmetry: vec![plane(0), plane(1)], ..Halo::default() };
         let p = [0.2, 0.3, 5.0];
-        halo.rebuild(&[p], 1.0);
+        assert!(halo.rebuild(&[p], 1.0) && !halo.rebuild(&[p], 1.0));
         let mut images: Vec<_> = halo.ghosts.iter().map(|g| g.position(&p)).collect();
         images.sort_by(|a, b| a.partial_cmp(b).unwrap());
         assert_eq!(images, [[-0.2, -0.3, 5.0], [-0.2, 0.3, 5.0], [0.2, -0.3, 5.0]]);
@@ -188,8 +192,12 @@ mod tests {
         let mut p = [[3.25, 0.0, 0.0], [0.5, 0.0, 0.0], [2.0, 0.0, 0.0]];
         assert!(halo.wrap(&mut p) && !halo.wrap(&mut p));
         assert_eq!(p, [[1.25, 0.0, 0.0], [2.5, 0.0, 0.0], [2.0, 0.0, 0.0]]);
-        halo.rebuild(&p, 0.6);
+        assert!(halo.rebuild(&p, 0.6));
         let images: Vec<_> = halo.ghosts.iter().map(|g| (g.source, g.position(&p[g.source as usize])[0])).collect();
         assert_eq!(images, [(0, 3.25), (1, 0.5)]);
+        // As many, of others.
+        p.swap(1, 2);
+        assert!(halo.rebuild(&p, 0.6));
+        assert_eq!(halo.ghosts.len(), 2);
     }
 }

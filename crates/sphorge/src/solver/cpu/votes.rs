@@ -36,9 +36,10 @@ impl Job<f64> for VoteJob<'_> {
             let h = L::load(&columns.smoothing_length[k..]);
             let (c, rho) = (L::load(&columns.sound_speed[k..]), L::load(&columns.density[k..]));
             let speed = longitudinal_speed(c, L::load(&columns.shear_modulus[k..]), rho);
-            by_sound = by_sound.min(sound_vote(h, speed, L::load(&columns.mu[k..]), courant));
+            // The second of two is taken where the first is no number.
+            by_sound = sound_vote(h, speed, L::load(&columns.mu[k..]), courant).min(by_sound);
             let acceleration = L::load(&columns.acceleration[k..]).sqrt();
-            by_acceleration = by_acceleration.min(acceleration_vote(h, acceleration, courant));
+            by_acceleration = acceleration_vote(h, acceleration, courant).min(by_acceleration);
         }
         *self.votes = (-(-by_sound).largest(), -(-by_acceleration).largest());
     }

@@ -6,7 +6,8 @@
 //! - elastic strain: a particle whose strain since its last search passes a bound is searched;
 //! - strangers: particles near another body, near another piece of their own, or near material that came from afar are
 //!   searched every step ([`super::guard`]);
-//! - one-sidedness: rows of neighbours of searched particles are mended, so that of every pair both rows know or none;
+//! - one-sidedness: rows of neighbours that a searched particle gains or loses are mended, so that of every pair both rows know
+//!   or none;
 //! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
 
 use super::super::{CpuEngine, Work};

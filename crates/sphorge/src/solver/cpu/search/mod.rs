@@ -143,7 +143,9 @@ impl<T: PairScalar> CpuEngine<T> {
             self.lists.searcher.forget();
             self.lists.guard.forget();
         }
-        self.halo.rebuild(&self.particles.position, ghost_reach);
+        if self.halo.rebuild(&self.particles.position, ghost_reach) {
+            self.lists.searcher.forget();
+        }
         self.place_points();
         let count = self.particles.len();
         let Lists { list, searcher, points, smoothing_length, smoothing_lengths, sources, odometer, .. } =
