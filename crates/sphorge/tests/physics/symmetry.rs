@@ -109,3 +109,32 @@ side = "negative"
         assert!((0..2).all(|a| (x[a] - other[a]).abs() < 1e-12), "{start:?}: {x:?} and {other:?}");
     }
 }
+
+/// A row of layers that drifts along a periodic axis. Its reach of 2.5 spacings lets a layer leave the ghosts of one end in the step
+/// in which another enters those of the other.
+const DRIFT: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm", smoothing = 1.25 }
+numerics = { precision = "double" }
+time = { end = "20 us" }
+periodic = { y = ["0 mm", "6 mm"] }
+
+[[body]]
+name = "block"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["8 mm", "6 mm"] } }
+velocity = ["0 m/s", "200 m/s"]
+"#;
+
+#[test]
+fn ghosts_that_change_in_equal_number_are_searched_for_anew() {
+    for search in ["every-step", "skin", "adaptive"] {
+        let mut simulation = simulation(DRIFT, &[("search", search), ("audit", "1")]);
+        // More than a spacing of the drift.
+        while simulation.time() < 6e-6 {
+            let report = simulation.step(None).unwrap();
+            let missed = report.audit.map(|audit| audit.missed_pairs);
+            assert_eq!(missed, Some(0), "{search}, step {}", report.step);
+        }
+    }
+}
