@@ -87,6 +87,14 @@ fn symmetric_dot<L: Lanes, const D: usize, const F: usize>(s: &[L; F], at: usize
     }
 }
 
+/// Corrected records, the first eight of their nine entries at a time: records of eight are taken apart by shuffles.
+#[inline(always)]
+fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: &[u32]) -> [L; CORRECTED_LEN] {
+    let [a, b, c, d, e, f, g, h]: [L; 8] = L::gather_part(records, indices, 0);
+    let [i]: [L; 1] = L::gather_part(records, indices, 8);
+    [a, b, c, d, e, f, g, h, i]
+}
+
 /// `g . x` of a general tensor.
 #[inline(always)]
 fn tensor_dot<L: Lanes, const D: usize>(g: &[L; CORRECTED_LEN], x: &Vector<L>) -> Vector<L> {
@@ -212,7 +220,10 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const USUAL: bool>
 
             // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
             let (own_stress, other_stress) = if CORRECTED {
-                (tensor_dot::<L, D>(&corrected_i, x), tensor_dot::<L, D>(&L::gather(&records.corrected, indices), x))
+                (
+                    tensor_dot::<L, D>(&corrected_i, x),
+                    tensor_dot::<L, D>(&gather_corrected(&records.corrected, indices), x),
+                )
             } else {
                 (symmetric_dot::<L, D, 16>(&record_i, S, x), symmetric_dot::<L, D, 8>(&state_j, 0, x))
             };

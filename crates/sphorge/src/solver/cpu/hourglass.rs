@@ -18,7 +18,7 @@
 //! particles, so momentum is conserved.
 
 use super::CpuEngine;
-use super::kinematics::PairConstants;
+use super::kinematics::{PairConstants, PairScale, reduced_distance};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
 use super::sweeps::dispatch_dimension;
 use crate::lanes::{Job, Lanes, PairScalar, run, splat_record};
@@ -78,62 +78,101 @@ struct HourglassJob<'a, T, const D: usize> {
 impl<T: PairScalar, const D: usize> Job<T> for HourglassJob<'_, T, D> {
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
+        let mut springs = [Springs::zero(); BATCH];
         for k in 0..self.block.len() {
-            self.sums[k] = hourglass_row::<L, D>(&self, k);
+            self.sums[k] = hourglass_row::<L, D>(&self, k, &mut springs);
         }
     }
 }
 
+/// Bundles of a row worked on together.
+const BATCH: usize = 8;
+
+/// A bundle of springs, between the passes over a row.
+#[derive(Clone, Copy)]
+struct Springs<L> {
+    /// `x_i - x_j`, m.
+    x: Vector<L>,
+    /// `|x_ij|^2` and `|X_ij|^2`, m².
+    r2: L,
+    initial2: L,
+    /// `((F_i + F_j) X_ij - 2 x_ij) . x_ij`, m².
+    error: L,
+    /// `v_ij . x_ij`, m²/s.
+    v_dot_x: L,
+    /// Smoothing length of the neighbour, m, and its volume.
+    h: L,
+    volume: L,
+    /// Stiffness and bound of the neighbour, Pa.
+    stiffness: L,
+    bound: L,
+}
+
+impl<L: Lanes> Springs<L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        let o = L::zero();
+        Self { x: [o; 3], r2: o, initial2: o, error: o, v_dot_x: o, h: o, volume: o, stiffness: o, bound: o }
+    }
+}
+
+/// Row `k` of a block, in two short passes, so that many pairs are in the processor at a time.
 #[inline(always)]
 fn hourglass_row<L: Lanes, const D: usize>(
     job: &HourglassJob<'_, L::Element, D>,
     k: usize,
+    springs: &mut [Springs<L>; BATCH],
 ) -> HourglassSum<L::Element> {
     let own = job.first + k;
     let initial_i: [L; kinematic::LEN] = splat_record(&job.kinematic[own]);
     let record_i: [L; entry::LEN] = splat_record(&job.records[own]);
+    let own_scale = PairScale::<L>::own::<D>(job.constants, job.kinematic[own][H]);
     let unit = L::splat(job.constants.unit);
     let kernel = job.constants.kernel;
+    let half = L::of(0.5);
     let mut acceleration = [L::zero(); 3];
     let mut energy_rate = L::zero();
-    for indices in job.block.padded_row(k, L::WIDTH).chunks_exact(L::WIDTH) {
-        let initial_j = L::gather(job.kinematic, indices);
-        let record_j = L::gather(job.records, indices);
-        let mut initial = [L::zero(); 3];
-        let mut x = [L::zero(); 3];
-        let mut initial2 = L::zero();
-        let mut r2 = L::zero();
-        for a in 0..D {
-            initial[a] = L::difference(initial_i[X + a], initial_j[X + a], unit);
-            x[a] = L::difference(record_i[entry::X + a], record_j[entry::X + a], unit);
-            initial2 = initial[a].mul_add(initial[a], initial2);
-            r2 = x[a].mul_add(x[a], r2);
-        }
-        let h = (initial_i[H] + initial_j[H]) * L::of(0.5);
-        let inverse_h = L::one() / h;
-        let w = kernel.w(initial2.sqrt() * inverse_h) * L::splat(job.constants.sigma) * inverse_h.powu(D as u32);
-        // (F_i + F_j) X_ij - 2 x_ij, along x_ij.
-        let mut error = L::zero();
-        for a in 0..D {
-            let mut linear = x[a] * L::of(-2.0);
-            for b in 0..D {
-                linear = (record_i[entry::F + 3 * a + b] + record_j[entry::F + 3 * a + b]).mul_add(initial[b], linear);
+    for indices in job.block.padded_row(k, L::WIDTH).chunks(BATCH * L::WIDTH) {
+        for (spring, indices) in springs.iter_mut().zip(indices.chunks_exact(L::WIDTH)) {
+            let initial_j = L::gather(job.kinematic, indices);
+            let record_j = L::gather(job.records, indices);
+            let mut initial = [L::zero(); 3];
+            let [mut initial2, mut r2, mut v_dot_x, mut error] = [L::zero(); 4];
+            for a in 0..D {
+                initial[a] = L::difference(initial_i[X + a], initial_j[X + a], unit);
+                initial2 = initial[a].mul_add(initial[a], initial2);
             }
-            error = linear.mul_add(x[a], error);
+            for a in 0..D {
+                let x = L::difference(record_i[entry::X + a], record_j[entry::X + a], unit);
+                let mut linear = x * L::of(-2.0);
+                for b in 0..D {
+                    linear =
+                        (record_i[entry::F + 3 * a + b] + record_j[entry::F + 3 * a + b]).mul_add(initial[b], linear);
+                }
+                r2 = x.mul_add(x, r2);
+                error = linear.mul_add(x, error);
+                v_dot_x = x.mul_add(initial_i[V + a] - initial_j[V + a], v_dot_x);
+                spring.x[a] = x;
+            }
+            (spring.r2, spring.initial2, spring.error, spring.v_dot_x) = (r2, initial2, error, v_dot_x);
+            (spring.h, spring.volume) = (initial_j[H], initial_j[WEIGHT]);
+            (spring.stiffness, spring.bound) = (record_j[entry::STIFFNESS], record_j[entry::BOUND]);
         }
-        // Padding is at no distance and has no error: only the division must not fail.
-        let size = h * h * L::of(1e-6);
-        let inverse = L::one() / (initial2.max(size) * r2.max(size)).sqrt();
-        let half = L::of(0.5);
-        let stiffness = (record_i[entry::STIFFNESS] + record_j[entry::STIFFNESS]) * half;
-        let bound = (record_i[entry::BOUND] + record_j[entry::BOUND]) * half;
-        let strength = w * initial_j[WEIGHT] * spring_stress(stiffness, error * inverse * half, bound) * inverse;
-        let mut power = L::zero();
-        for a in 0..D {
-            acceleration[a] = strength.mul_add(x[a], acceleration[a]);
-            power = x[a].mul_add(initial_i[V + a] - initial_j[V + a], power);
+        for spring in &springs[..indices.len() / L::WIDTH] {
+            let PairScale { h, inverse_h, gradient } = own_scale.with::<D>(job.constants, spring.h);
+            let (q, _) = reduced_distance(spring.initial2, h, inverse_h);
+            let w = kernel.w(q) * (h * h) * gradient;
+            // Padding is at no distance and has no error: only the division must not fail.
+            let size = h * h * L::of(1e-6);
+            let inverse = (spring.initial2.max(size) * spring.r2.max(size)).inverse_sqrt();
+            let stiffness = (record_i[entry::STIFFNESS] + spring.stiffness) * half;
+            let bound = (record_i[entry::BOUND] + spring.bound) * half;
+            let strength = w * spring.volume * spring_stress(stiffness, spring.error * inverse * half, bound) * inverse;
+            for a in 0..D {
+                acceleration[a] = strength.mul_add(spring.x[a], acceleration[a]);
+            }
+            energy_rate -= half * strength * spring.v_dot_x;
         }
-        energy_rate -= L::of(0.5) * strength * power;
     }
     let mut sum = HourglassSum { acceleration: [L::Element::zero(); 3], energy_rate: energy_rate.sum() };
     for a in 0..D {
