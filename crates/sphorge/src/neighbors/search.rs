@@ -119,8 +119,7 @@ struct Scratch {
 
 impl Searcher {
     /// Fills `list` with the neighbours of the first `count` of `points`. Rows come in the order of the cells, which depends on
-    /// positions alone, never on threads. The `odometer` is that
-    /// of the points.
+    /// positions alone, never on threads. The `odometer` is that of the points.
     pub(crate) fn search(
         &mut self,
         points: &[Vector<f64>],
