@@ -14,7 +14,7 @@
 //! Units: stress Pa, time s, temperature K, work J/m^3.
 
 use crate::flow::{FlowLaw, FlowState, YieldStress};
-use crate::{Scalar, SymmetricTensor};
+use crate::{Real, Scalar, SymmetricTensor};
 
 /// How a stress beyond yield is brought back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -151,19 +151,12 @@ pub fn return_mapping_near<T: Scalar>(
     returned
 }
 
-/// What [`return_mapping`] gives where the stress stays below the `yield_stress` (Pa) that it gave in the step before: that step was
-/// elastic, and the temperature is the same. Costs no evaluation of the law; nothing where the stress may yield.
+/// How far a trial deviator stays below the `yield_stress` (Pa) that [`return_mapping`] gave in the step before, where that step
+/// was elastic and the temperature is the same: `Y^2 - 3/2 S:S`, Pa^2. Where it is positive, the step is elastic too: the law need
+/// not be asked, stress is the trial, yield stress the same, and nothing flows. Never positive where a melt has no strength.
 #[inline(always)]
-pub fn elastic_return<T: Scalar>(trial: SymmetricTensor<T>, yield_stress: T) -> Option<Returned<T>> {
-    let squared = T::of(1.5) * trial.double_dot(trial);
-    let elastic = yield_stress > T::zero() && squared <= yield_stress * yield_stress;
-    elastic.then(|| Returned {
-        deviator: trial,
-        plastic_strain_increment: T::zero(),
-        yield_stress,
-        plastic_work: T::zero(),
-        iterations: 0,
-    })
+pub fn elastic_margin<T: Real>(trial: SymmetricTensor<T>, yield_stress: T) -> T {
+    yield_stress * yield_stress - T::of(1.5) * trial.double_dot(trial)
 }
 
 /// Von Mises equivalent of a deviator, without overflow of the squares in single precision.

@@ -6,13 +6,13 @@
 //! gradient at the middle of the step. Plain Euler steps of the rate inflate the stress in rotation.
 
 use crate::tensor;
-use crate::{Scalar, SymmetricTensor, Tensor};
+use crate::{Real, Scalar, SymmetricTensor, Tensor};
 
 /// Rotation of a step, `Q = (I - dt/2 W)^-1 (I + dt/2 W)`, `W = skew L`: proper and orthogonal to round-off for any step.
 ///
 /// With `b` the axial vector of `dt/2 W` and `B` its matrix, `Q = I + 2/(1 + b.b) (B + B B)`.
-#[inline]
-pub fn rotation<T: Scalar>(l: &Tensor<T>, dt: T) -> Tensor<T> {
+#[inline(always)]
+pub fn rotation<T: Real>(l: &Tensor<T>, dt: T) -> Tensor<T> {
     let quarter = T::of(0.25) * dt;
     let b = [quarter * (l[2][1] - l[1][2]), quarter * (l[0][2] - l[2][0]), quarter * (l[1][0] - l[0][1])];
     let b_b = tensor::dot(b, b);
@@ -32,8 +32,8 @@ pub fn rotation<T: Scalar>(l: &Tensor<T>, dt: T) -> Tensor<T> {
 /// Half of the shear comes before the turn and half after it: the shear of a step turns half as far as the stress it is
 /// added to. All of it after the turn (as Hughes & Winget print it) is first order only, and gains energy in a body that
 /// spins and swings.
-#[inline]
-pub fn trial_deviator<T: Scalar>(s: SymmetricTensor<T>, l: &Tensor<T>, shear_modulus: T, dt: T) -> SymmetricTensor<T> {
+#[inline(always)]
+pub fn trial_deviator<T: Real>(s: SymmetricTensor<T>, l: &Tensor<T>, shear_modulus: T, dt: T) -> SymmetricTensor<T> {
     let half_shear = SymmetricTensor::symmetric_part(l).deviator() * (shear_modulus * dt);
     (s + half_shear).congruence(&rotation(l, dt)) + half_shear
 }

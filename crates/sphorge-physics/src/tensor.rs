@@ -1,6 +1,6 @@
 //! Vectors and second-order tensors in three dimensions. Plane strain and one-dimensional cases carry the full tensor.
 
-use crate::{Real, Scalar};
+use crate::Real;
 use core::ops::{Add, Mul, Sub};
 
 /// A vector `[x, y, z]`.
@@ -124,7 +124,7 @@ impl<T: Real> SymmetricTensor<T> {
     }
 }
 
-impl<T: Scalar> SymmetricTensor<T> {
+impl<T: Real> SymmetricTensor<T> {
     /// Von Mises equivalent `sqrt(3/2 S:S)` of a deviator.
     #[inline(always)]
     pub fn von_mises(self) -> T {

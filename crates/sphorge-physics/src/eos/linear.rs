@@ -1,8 +1,8 @@
 //! Linear pressure.
 
 use super::{PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SOUND_SPEED};
-use crate::Scalar;
 use crate::parameter::Parameter;
+use crate::{Real, Scalar};
 
 /// `p = K (rho/rho_0 - 1)`, `K = rho_0 c_0^2`; energy has no effect. For small volume change.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,13 +14,14 @@ pub struct Linear<T> {
 }
 
 impl<T: Scalar> Linear<T> {
-    /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> Linear<U> {
+    /// The same law in another precision, or in lanes.
+    #[inline(always)]
+    pub fn cast<U: Real>(&self) -> Linear<U> {
         Linear { density: U::of(self.density.to_f64()), sound_speed: U::of(self.sound_speed.to_f64()) }
     }
 }
 
-impl<T: Scalar> PressureLaw<T> for Linear<T> {
+impl<T: Real> PressureLaw<T> for Linear<T> {
     const KEY: &'static str = "linear";
     const NAME: &'static str = "linear";
     const REFERENCE: &'static str = "Hooke's law for volume change, K = rho_0 c_0^2";

@@ -1,8 +1,8 @@
 //! Mie–Grüneisen with the exact Hugoniot of a linear shock velocity.
 
 use super::{GRUNEISEN, PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
-use crate::Scalar;
 use crate::parameter::Parameter;
+use crate::{Real, Scalar};
 
 /// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), with the Hugoniot of
 /// `Us = c_0 + S Up` not expanded: `P_H = rho_0 c_0^2 chi / (1 - S chi)^2`, `chi = 1 - rho_0/rho`, in compression, and
@@ -26,8 +26,9 @@ pub struct MieGruneisenHugoniot<T> {
 const TANGENT_FROM: f64 = 0.9;
 
 impl<T: Scalar> MieGruneisenHugoniot<T> {
-    /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> MieGruneisenHugoniot<U> {
+    /// The same law in another precision, or in lanes.
+    #[inline(always)]
+    pub fn cast<U: Real>(&self) -> MieGruneisenHugoniot<U> {
         MieGruneisenHugoniot {
             density: U::of(self.density.to_f64()),
             sound_speed: U::of(self.sound_speed.to_f64()),
@@ -37,7 +38,7 @@ impl<T: Scalar> MieGruneisenHugoniot<T> {
     }
 }
 
-impl<T: Scalar> PressureLaw<T> for MieGruneisenHugoniot<T> {
+impl<T: Real> PressureLaw<T> for MieGruneisenHugoniot<T> {
     const KEY: &'static str = "mie-gruneisen";
     const NAME: &'static str = "Mie–Grüneisen, exact linear Us-Up Hugoniot";
     const REFERENCE: &'static str =
@@ -57,20 +58,17 @@ impl<T: Scalar> PressureLaw<T> for MieGruneisenHugoniot<T> {
     fn reference_curve(&self, density: T) -> ReferenceCurve<T> {
         let c_2 = self.sound_speed * self.sound_speed;
         let eta = (density - self.density) / self.density;
+        let volume_ratio = self.density / density;
+        let chi = eta * volume_ratio;
+        let s_chi = (self.shock_slope * chi).min(T::of(TANGENT_FROM));
+        // Distance along the tangent: zero before it starts, and where `S = 0` it never does.
+        let beyond = (self.shock_slope * chi - s_chi) / self.shock_slope.max(T::of(1e-30));
+        let q = T::one() / (T::one() - s_chi);
+        let tangent = c_2 * (T::one() + s_chi) * q * q * q;
+        let compressed = c_2 * (chi - beyond) * q * q + tangent * beyond;
         // `P_H / rho_0` and its slope against `rho`; in expansion linear in `eta`.
-        let mut hugoniot = c_2 * eta;
-        let mut hugoniot_slope = c_2;
-        if eta > T::zero() {
-            let volume_ratio = self.density / density;
-            let chi = eta * volume_ratio;
-            let s_chi = (self.shock_slope * chi).min(T::of(TANGENT_FROM));
-            // Distance along the tangent: zero before it starts, and where `S = 0` it never does.
-            let beyond = (self.shock_slope * chi - s_chi) / self.shock_slope.max(T::of(1e-30));
-            let q = T::one() / (T::one() - s_chi);
-            let slope = c_2 * (T::one() + s_chi) * q * q * q;
-            hugoniot = c_2 * (chi - beyond) * q * q + slope * beyond;
-            hugoniot_slope = slope * volume_ratio * volume_ratio;
-        }
+        let hugoniot = T::select_lt(T::zero(), eta, compressed, c_2 * eta);
+        let hugoniot_slope = T::select_lt(T::zero(), eta, tangent * volume_ratio * volume_ratio, c_2);
         let half_gamma = T::of(0.5) * self.gruneisen;
         let factor = T::one() - half_gamma * eta;
         ReferenceCurve {

@@ -1,8 +1,8 @@
 //! Mie–Grüneisen with the Hugoniot expanded in the compression.
 
 use super::{GRUNEISEN, PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
-use crate::Scalar;
 use crate::parameter::Parameter;
+use crate::{Real, Scalar};
 
 /// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), with
 /// `P_H = a_0 eta + b_0 eta^2 + c_0 eta^3` in compression and `a_0 eta` in expansion (Eq 16, from `Us = c_s + S Up`):
@@ -22,8 +22,9 @@ pub struct MieGruneisenPolynomial<T> {
 }
 
 impl<T: Scalar> MieGruneisenPolynomial<T> {
-    /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> MieGruneisenPolynomial<U> {
+    /// The same law in another precision, or in lanes.
+    #[inline(always)]
+    pub fn cast<U: Real>(&self) -> MieGruneisenPolynomial<U> {
         MieGruneisenPolynomial {
             density: U::of(self.density.to_f64()),
             sound_speed: U::of(self.sound_speed.to_f64()),
@@ -33,7 +34,7 @@ impl<T: Scalar> MieGruneisenPolynomial<T> {
     }
 }
 
-impl<T: Scalar> PressureLaw<T> for MieGruneisenPolynomial<T> {
+impl<T: Real> PressureLaw<T> for MieGruneisenPolynomial<T> {
     const KEY: &'static str = "mie-gruneisen-polynomial";
     const NAME: &'static str = "Mie–Grüneisen, Hugoniot as a polynomial";
     const REFERENCE: &'static str =

@@ -17,8 +17,8 @@ pub use linear::Linear;
 pub use mie_gruneisen_hugoniot::MieGruneisenHugoniot;
 pub use mie_gruneisen_polynomial::MieGruneisenPolynomial;
 
-use crate::Scalar;
 use crate::parameter::{Bound, LawEntry, Parameter, PhysicalQuantity};
+use crate::{Real, Scalar};
 
 /// Pressure and what the time step and the viscosity need beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,7 +40,7 @@ pub struct ReferenceCurve<T> {
 }
 
 /// What a law of the form `p = f(rho) + Gamma rho e` has to give.
-pub trait PressureLaw<T: Scalar>: Copy {
+pub trait PressureLaw<T: Real>: Copy {
     /// Name in a deck.
     const KEY: &'static str;
     /// Name in a text.
@@ -94,7 +94,7 @@ pub(crate) const GRUNEISEN: Parameter = Parameter::required(
 const SOUND_SPEED_SQUARED_FLOOR: f64 = 0.01;
 
 #[inline(always)]
-fn pressure_state<T: Scalar, L: PressureLaw<T>>(law: &L, density: T, energy: T) -> PressureState<T> {
+fn pressure_state<T: Real, L: PressureLaw<T>>(law: &L, density: T, energy: T) -> PressureState<T> {
     let curve = law.reference_curve(density);
     let gamma = law.gruneisen();
     let pressure = curve.pressure + gamma * density * energy;
@@ -154,7 +154,7 @@ macro_rules! equations_of_state {
             },)*
         ];
 
-        impl<T: Scalar> EquationOfState<T> {
+        impl<T: Real> EquationOfState<T> {
             /// Pressure and sound speed at a density (kg/m^3) and specific internal energy (J/kg).
             #[inline(always)]
             pub fn pressure(&self, density: T, energy: T) -> PressureState<T> {
@@ -179,12 +179,6 @@ macro_rules! equations_of_state {
                 match self { $(Self::$law(law) => law.gruneisen(),)* }
             }
 
-            /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
-            #[inline]
-            pub fn isentropic_energy(&self, density: T) -> T {
-                match self { $(Self::$law(law) => isentropic_energy(law, density),)* }
-            }
-
             /// Name in a deck.
             pub fn key(&self) -> &'static str {
                 match self { $(Self::$law(_) => <$law<T> as PressureLaw<T>>::KEY,)* }
@@ -194,9 +188,18 @@ macro_rules! equations_of_state {
             pub fn parameters(&self) -> &'static [Parameter] {
                 match self { $(Self::$law(_) => <$law<T> as PressureLaw<T>>::PARAMETERS,)* }
             }
+        }
 
-            /// The same law in another precision.
-            pub fn cast<U: Scalar>(&self) -> EquationOfState<U> {
+        impl<T: Scalar> EquationOfState<T> {
+            /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
+            #[inline]
+            pub fn isentropic_energy(&self, density: T) -> T {
+                match self { $(Self::$law(law) => isentropic_energy(law, density),)* }
+            }
+
+            /// The same law in another precision, or with every constant in all lanes of a bundle.
+            #[inline(always)]
+            pub fn cast<U: Real>(&self) -> EquationOfState<U> {
                 match self { $(Self::$law(law) => EquationOfState::$law(law.cast()),)* }
             }
         }

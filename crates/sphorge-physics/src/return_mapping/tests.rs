@@ -37,10 +37,15 @@ fn a_known_yield_stress_spares_an_elastic_step_the_law() {
     // The same to the last digit, strained and warm.
     let whole = radial(&iron, 300.0e6, 0.2, 400.0, 1e-8);
     assert!(whole.yield_stress > 300.0e6 && whole.yield_stress < 400.0e6);
-    assert_eq!(elastic_return(deviator(300.0e6), whole.yield_stress), Some(whole));
-    // Beyond it, and where a melt has none, the law is asked.
-    assert_eq!(elastic_return(deviator(1.01 * whole.yield_stress), whole.yield_stress), None);
-    assert_eq!(elastic_return(deviator(0.0), 0.0), None);
+    assert!(elastic_margin(deviator(300.0e6), whole.yield_stress) > 0.0);
+    assert_eq!((whole.deviator, whole.plastic_strain_increment, whole.plastic_work), (deviator(300.0e6), 0.0, 0.0));
+    // Beyond it, and where a melt has none or nothing is a number, the law is asked.
+    assert!(elastic_margin(deviator(1.01 * whole.yield_stress), whole.yield_stress) < 0.0);
+    for (stress, yield_stress) in [(0.0, 0.0), (f64::NAN, 1.0e9), (1.0e6, f64::NAN)] {
+        let margin = elastic_margin(deviator(stress), yield_stress);
+        assert!(margin.is_nan() || margin <= 0.0, "{stress} {yield_stress}");
+    }
+    assert!(elastic_margin(deviator(1.0e12), f64::INFINITY) > 0.0);
 }
 
 #[test]

@@ -309,6 +309,11 @@ impl Lanes for F64x4 {
         compress_each(mask, &indices[..4], Some(own), out)
     }
     #[inline(always)]
+    fn store(self, out: &mut [f64]) {
+        let out = &mut out[..4];
+        unsafe { _mm256_storeu_pd(out.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
     fn compress_values(self, mask: u32, out: &mut [f64]) {
         let mut values = [0.0; 4];
         unsafe { _mm256_storeu_pd(values.as_mut_ptr(), self.0) };

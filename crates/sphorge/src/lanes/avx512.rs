@@ -1,6 +1,6 @@
 //! Bundles in 512-bit registers.
 
-use super::{Lanes, compress_each, gather_entries};
+use super::{Lanes, PairScalar, compress_each, gather_entries};
 use sphorge_physics::Real;
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -301,6 +301,28 @@ impl Lanes for F32x16 {
     }
 }
 
+/// Stores eight doubles.
+///
+/// # Safety
+///
+/// The processor must have AVX-512.
+#[inline(always)]
+pub(super) unsafe fn store_f64(values: __m512d, out: &mut [f64]) {
+    let out = &mut out[..8];
+    unsafe { _mm512_storeu_pd(out.as_mut_ptr(), values) }
+}
+
+/// Stores eight doubles as singles.
+///
+/// # Safety
+///
+/// The processor must have AVX-512.
+#[inline(always)]
+pub(super) unsafe fn store_f32(values: __m512d, out: &mut [f32]) {
+    let out = &mut out[..8];
+    unsafe { _mm256_storeu_ps(out.as_mut_ptr(), _mm512_cvtpd_ps(values)) }
+}
+
 /// From four registers with one 128-bit part per even (or odd) column, the four columns.
 #[inline(always)]
 unsafe fn gather_parts(a: __m512d, b: __m512d, c: __m512d, d: __m512d) -> [__m512d; 4] {
@@ -394,6 +416,21 @@ impl Lanes for F64x8 {
     #[inline(always)]
     fn compress_others(mask: u32, indices: &[u32], own: u32, out: &mut [u32]) -> usize {
         compress_each(mask, &indices[..8], Some(own), out)
+    }
+    #[inline(always)]
+    fn store(self, out: &mut [f64]) {
+        let out = &mut out[..8];
+        unsafe { _mm512_storeu_pd(out.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn store_part<T: PairScalar, const F: usize>(columns: [Self; 8], records: &mut [[T; F]], first: usize) {
+        let [a, b, c, d, e, f, g, h] = columns;
+        let rows = unsafe { transpose_8x8([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0]) };
+        for k in 0..8 {
+            if let Some(record) = records.get_mut(k) {
+                unsafe { T::store_avx512(rows[k], &mut record[first..first + 8]) };
+            }
+        }
     }
     #[inline(always)]
     fn compress_values(self, mask: u32, out: &mut [f64]) {

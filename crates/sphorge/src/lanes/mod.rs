@@ -30,6 +30,14 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
     #[cfg(target_arch = "aarch64")]
     type Neon: Lanes<Element = Self>;
 
+    /// Rounds the numbers of a 512-bit register into the first eight places.
+    ///
+    /// # Safety
+    ///
+    /// The processor must have AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    unsafe fn store_avx512(values: std::arch::x86_64::__m512d, out: &mut [Self]);
+
     /// A coordinate, given as a number of units from the origin, in the form records carry it.
     ///
     /// Single precision keeps it as a 32-bit integer (stored as the bits of a float): differences of integers are exact, so
@@ -85,6 +93,18 @@ pub(crate) trait Lanes: Real {
     #[inline(always)]
     fn store(self, out: &mut [Self::Element]) {
         self.compress_values(((1u64 << Self::WIDTH) - 1) as u32, out);
+    }
+    /// Writes lane k of eight bundles to the entries of record k from `first` on, rounded to the precision of the records, for as
+    /// many records as there are, at most `WIDTH`: the other way of [`Lanes::gather_part`].
+    #[inline(always)]
+    fn store_part<T: PairScalar, const F: usize>(columns: [Self; 8], records: &mut [[T; F]], first: usize) {
+        let mut values = [<Self::Element as Real>::zero(); crate::neighbors::PAD];
+        for c in 0..8 {
+            columns[c].store(&mut values);
+            for (record, value) in records.iter_mut().zip(&values[..Self::WIDTH]) {
+                record[first + c] = T::of(value.to_f64());
+            }
+        }
     }
 }
 
@@ -142,6 +162,12 @@ impl PairScalar for f64 {
     #[cfg(target_arch = "aarch64")]
     type Neon = neon::F64x2;
 
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    unsafe fn store_avx512(values: std::arch::x86_64::__m512d, out: &mut [Self]) {
+        unsafe { avx512::store_f64(values, out) }
+    }
+
     #[inline(always)]
     fn encode(units: f64) -> Self {
         units
@@ -157,6 +183,12 @@ impl PairScalar for f32 {
     type Avx2 = avx2::F32x8;
     #[cfg(target_arch = "aarch64")]
     type Neon = neon::F32x4;
+
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    unsafe fn store_avx512(values: std::arch::x86_64::__m512d, out: &mut [Self]) {
+        unsafe { avx512::store_f32(values, out) }
+    }
 
     #[inline(always)]
     fn encode(units: f64) -> Self {
@@ -290,6 +322,22 @@ mod tests {
         let mut out = vec![of(0.0); 2 * L::WIDTH];
         x.store(&mut out);
         assert_eq!(out[..L::WIDTH], a);
+        fn stores<L: Lanes, T: PairScalar>(x: L, y: L, a: &[L::Element], b: &[L::Element]) {
+            for count in 1..=L::WIDTH + 1 {
+                let mut records = vec![[T::one(); 11]; count];
+                L::store_part([x, y, y, x, x, y, x, y], &mut records, 2);
+                for (k, record) in records.into_iter().enumerate() {
+                    let mut want = [T::one(); 11];
+                    if k < L::WIDTH {
+                        let (a, b) = (T::of(a[k].to_f64()), T::of(b[k].to_f64()));
+                        want[2..10].copy_from_slice(&[a, b, b, a, a, b, a, b]);
+                    }
+                    assert_eq!(record, want);
+                }
+            }
+        }
+        stores::<L, f32>(x, y, &a, &b);
+        stores::<L, f64>(x, y, &a, &b);
         y.compress_values(mask, &mut out);
         let kept: Vec<f64> = (0..L::WIDTH).filter(inside).map(|k| b[k].to_f64()).collect();
         assert_eq!(out.iter().map(|v| v.to_f64()).take(kept.len()).collect::<Vec<_>>(), kept);

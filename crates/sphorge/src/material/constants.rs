@@ -1,7 +1,8 @@
 //! Constants of a material in SI units, some or all of them given.
 
 use crate::model::Material;
-use sphorge_physics::{eos::PressureState, return_mapping::ReturnRule};
+use sphorge_physics::eos::{EquationOfState, PressureState};
+use sphorge_physics::{Real, return_mapping::ReturnRule};
 
 /// A law and those of its constants that are given.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -143,12 +144,40 @@ impl Material {
     /// material spalls. Energies below that of absolute zero count as that.
     #[inline(always)]
     pub fn pressure(&self, density: f64, energy: f64) -> PressureState<f64> {
+        self.bounded_pressure().at(density, energy)
+    }
+
+    /// The same, to be computed one by one or on lanes.
+    #[inline(always)]
+    pub(crate) fn bounded_pressure<T: Real>(&self) -> BoundedPressure<T> {
         // An energy below that of absolute zero is an error of the sums, and with it the pressure would pull ever harder: tension
         // at a negative energy works against itself. Metals without a specific heat hold about as much as others.
         let c0 = self.equation_of_state.reference_sound_speed();
-        let least = -(self.specific_heat * self.reference_temperature).min(0.01 * c0 * c0);
-        let state = self.equation_of_state.pressure(density, energy.max(least));
-        PressureState { pressure: state.pressure.max(-self.spall_pressure), ..state }
+        let least_energy = -(self.specific_heat * self.reference_temperature).min(0.01 * c0 * c0);
+        BoundedPressure {
+            law: self.equation_of_state.cast(),
+            least_energy: T::of(least_energy),
+            least: T::of(-self.spall_pressure),
+        }
+    }
+}
+
+/// The pressure of a material: its law, and what energy and pressure do not fall below.
+#[derive(Clone, Copy)]
+pub(crate) struct BoundedPressure<T> {
+    law: EquationOfState<T>,
+    /// J/kg.
+    least_energy: T,
+    /// Pa.
+    least: T,
+}
+
+impl<T: Real> BoundedPressure<T> {
+    /// At a density (kg/m³) and a specific internal energy (J/kg).
+    #[inline(always)]
+    pub(crate) fn at(&self, density: T, energy: T) -> PressureState<T> {
+        let state = self.law.pressure(density, energy.max(self.least_energy));
+        PressureState { pressure: state.pressure.max(self.least), ..state }
     }
 }
 

@@ -1,86 +1,113 @@
 //! Per-particle update: density is known, stress, temperature and what the force sum reads follow.
 
+use super::prefetch::prefetch_behind;
 use super::records::{extra, force, kinematic};
-use super::total_lagrangian::bulk_viscosity;
+use super::stress_columns::{ElasticInputs, PackStress, StressColumns, StressForm};
 use super::{CpuEngine, Work};
-use crate::lanes::{Job, Lanes, PairScalar, run};
+use crate::lanes::{Instructions, PairScalar, run};
 use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
-use sphorge_physics::return_mapping::{Returned, elastic_return, return_mapping_near};
-use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, heat, stress, tensor, viscosity};
+use sphorge_physics::return_mapping::{Returned, return_mapping_near};
+use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, tensor, viscosity};
 
-/// Stress of a particle after a time `dt` with the velocity gradient `l`.
-#[inline(always)]
-fn returned(p: &Inputs<'_>, l: &Tensor<f64>, dt: f64) -> Returned<f64> {
-    let m = p.material;
-    let trial = stress::trial_deviator(p.deviator, l, m.shear_modulus, dt);
-    let (rule, law, g) = (m.return_rule, &m.flow_law, m.shear_modulus);
-    if let Some(yield_stress) = p.known_yield_stress
-        && law.yields()
-        && let Some(elastic) = elastic_return(trial, yield_stress)
-    {
-        return elastic;
+/// What a plastic step of a block of particles reads and writes.
+struct FlowColumns<'a> {
+    plastic_strain: &'a mut [f64],
+    plastic_strain_increment: &'a mut [f64],
+    yield_stress: &'a mut [f64],
+    plastic_work: &'a mut [f64],
+    temperature: &'a mut [f64],
+}
+
+/// Chunks of the columns of a [`FlowColumns`], in its order.
+type FlowChunks<'a> = (&'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64]);
+
+/// What a step of the stress is the same in for all particles.
+#[derive(Clone, Copy)]
+struct StressStep<'a> {
+    materials: &'a [Material],
+    temperature: TemperatureSource,
+    /// Whether the temperature of a particle that stays elastic does not change.
+    only_flow_heats: bool,
+    instructions: Instructions,
+    /// Whether plastic strain and heat are those of the end of the step, else only the stress is.
+    commit: bool,
+}
+
+impl<'a> FlowColumns<'a> {
+    fn new(chunks: FlowChunks<'a>) -> Self {
+        let (plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature) = chunks;
+        Self { plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature }
     }
-    return_mapping_near(rule, law, g, trial, p.plastic_strain, p.temperature, dt, p.last_increment)
-}
 
-struct Inputs<'a> {
-    material: &'a Material,
-    deviator: SymmetricTensor<f64>,
-    plastic_strain: f64,
-    /// Plastic strain increment of the last step.
-    last_increment: f64,
-    temperature: f64,
-    /// Yield stress of the last step, Pa, if it was elastic and the temperature is still that one.
-    known_yield_stress: Option<f64>,
-}
+    /// Takes stress through a step; `columns` know density and energy after it.
+    #[inline(always)]
+    fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
+        let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);
+        for (known, (increment, yield_stress)) in columns.known_yield_stress.iter_mut().zip(last) {
+            *known = if step.only_flow_heats && *increment == 0.0 { *yield_stress } else { 0.0 };
+        }
+        let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
+        // An elastic step changes nothing here: adding zeros would read and write as much again as there is.
+        let mut left = !elastic & (u128::MAX >> (BLOCK - particles.material.len()));
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let material = &step.materials[particles.material[k] as usize];
+            let update = return_mapping_near(
+                material.return_rule,
+                &material.flow_law,
+                material.shear_modulus,
+                columns.deviator_of(k),
+                self.plastic_strain[k],
+                self.temperature[k],
+                particles.dt,
+                self.plastic_strain_increment[k],
+            );
+            columns.set_deviator(k, update.deviator);
+            if step.commit {
+                self.commit(k, &update, material, step.temperature, columns.density[k], columns.energy[k]);
+            }
+        }
+    }
 
-/// What the update of a block writes: deviator, plastic strain and its increment, yield stress, plastic work, temperature;
-/// pressure; sound speed; force records.
-type BlockColumns<'a, T> = (
-    (&'a mut [SymmetricTensor<f64>], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64]),
-    &'a mut [f64],
-    &'a mut [f64],
-    &'a mut [[T; force::LEN]],
-);
-
-/// Columns a committed update writes.
-struct Committed<'a> {
-    deviator: &'a mut SymmetricTensor<f64>,
-    plastic_strain: &'a mut f64,
-    plastic_strain_increment: &'a mut f64,
-    yield_stress: &'a mut f64,
-    plastic_work: &'a mut f64,
-    temperature: &'a mut f64,
-}
-
-impl Committed<'_> {
     /// Takes over a return mapping: plastic strain, heat.
     #[inline(always)]
-    fn take(self, update: &Returned<f64>, material: &Material, source: TemperatureSource, density: f64, energy: f64) {
-        *self.deviator = update.deviator;
-        *self.plastic_strain += update.plastic_strain_increment;
-        *self.plastic_strain_increment = update.plastic_strain_increment;
-        *self.yield_stress = update.yield_stress;
-        *self.plastic_work += update.plastic_work / density;
+    fn commit(
+        &mut self,
+        k: usize,
+        update: &Returned<f64>,
+        material: &Material,
+        source: TemperatureSource,
+        density: f64,
+        energy: f64,
+    ) {
+        self.plastic_strain[k] += update.plastic_strain_increment;
+        self.plastic_strain_increment[k] = update.plastic_strain_increment;
+        self.yield_stress[k] = update.yield_stress;
+        self.plastic_work[k] += update.plastic_work / density;
         match source {
             TemperatureSource::PlasticWork => {
                 let (beta, cp) = (material.taylor_quinney, material.specific_heat);
-                *self.temperature += heat::temperature_rise_from_plastic_work(beta, update.plastic_work, density, cp);
+                self.temperature[k] += heat::temperature_rise_from_plastic_work(beta, update.plastic_work, density, cp);
             }
             TemperatureSource::Energy => {
                 let (t0, cp) = (material.reference_temperature, material.specific_heat);
                 let cold = material.equation_of_state.cold_energy(density, t0, cp);
                 let elastic = heat::elastic_energy(update.deviator, material.shear_modulus, density);
-                let stored = (1.0 - material.taylor_quinney) * *self.plastic_work;
-                *self.temperature = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
+                let stored = (1.0 - material.taylor_quinney) * self.plastic_work[k];
+                self.temperature[k] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
             }
         }
     }
 }
+
+/// What the update of a block of particles writes: deviator, flow, pressure, sound speed, force records.
+type Chunks<'a, T> =
+    (&'a mut [SymmetricTensor<f64>], FlowChunks<'a>, &'a mut [f64], &'a mut [f64], &'a mut [[T; force::LEN]]);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Updates the stress to the configuration forces are evaluated in and packs it for the force sum. Leapfrog commits
@@ -88,12 +115,25 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn update_stress(&mut self) {
         let numerics = &self.model.numerics;
         let commit = numerics.integrator == Integrator::Leapfrog;
-        let full = self.step.dt;
-        let dt = self.step.dt_to_evaluation(numerics.integrator);
+        let half = 0.5 * self.step.dt;
         let model: &Model = &self.model;
+        let step = StressStep {
+            materials: &model.materials,
+            temperature: numerics.temperature,
+            only_flow_heats: self.only_flow_heats(),
+            instructions: self.instructions,
+            commit,
+        };
+        let dt = self.step.dt_to_evaluation(numerics.integrator);
         let corrected = self.corrected();
-        let only_flow_heats = self.only_flow_heats();
-        let dimension = super::dimension(model);
+        // Forces of the total Lagrangian form are summed at initial positions.
+        let reference = self.reference.as_ref();
+        let form = StressForm {
+            pair_form: numerics.pair_form,
+            bulk_viscosity: reference.map(|_| (numerics.viscosity_alpha, numerics.viscosity_beta)),
+            artificial_stress: numerics.artificial_stress.map(|a| a.epsilon),
+            dimension: super::dimension(model),
+        };
 
         let Work { correction, evaluated_velocity, .. } = &self.work;
         let Particles {
@@ -117,16 +157,14 @@ impl<T: PairScalar> CpuEngine<T> {
         } = &mut self.particles;
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
-        // Forces of the total Lagrangian form are summed at initial positions.
-        let reference = self.reference.as_ref();
         let position = reference.map_or(&*position, |r| &r.position);
         let count = density.len();
-        let (kinematic_records, frame, instructions) = (&self.records.kinematic, self.records.frame, self.instructions);
+        let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
         let corrected_length = if corrected { count } else { 0 };
 
-        let columns = (
+        let chunks = (
+            deviator.par_chunks_mut(BLOCK),
             (
-                deviator.par_chunks_mut(BLOCK),
                 plastic_strain.par_chunks_mut(BLOCK),
                 plastic_strain_increment.par_chunks_mut(BLOCK),
                 yield_stress.par_chunks_mut(BLOCK),
@@ -140,89 +178,71 @@ impl<T: PairScalar> CpuEngine<T> {
         )
             .into_par_iter()
             .enumerate();
-        let update_block = |(b, ((s, ep, dep, y, wp, t), p, c, records)): (usize, BlockColumns<'_, T>),
-                            extras: &mut [[T; extra::LEN]]| {
-            // Stress of the block by component, for the artificial stress.
-            let mut stress = [[0.0; BLOCK]; 6];
-            for k in 0..s.len() {
-                let i = b * BLOCK + k;
-                let material = &model.materials[material[i] as usize];
-                let inputs = Inputs {
-                    material,
-                    deviator: s[k],
-                    plastic_strain: ep[k],
-                    last_increment: dep[k],
-                    temperature: t[k],
-                    known_yield_stress: (only_flow_heats && dep[k] == 0.0).then_some(y[k]),
-                };
-                let update = returned(&inputs, &velocity_gradient[i], dt);
-                let energy_here = energy[i] + 0.5 * full * energy_rate[i];
-                let state = material.pressure(density[i], energy_here);
-                (p[k], c[k]) = (state.pressure, state.sound_speed);
-                if commit {
-                    let columns = Committed {
-                        deviator: &mut s[k],
-                        plastic_strain: &mut ep[k],
-                        plastic_strain_increment: &mut dep[k],
-                        yield_stress: &mut y[k],
-                        plastic_work: &mut wp[k],
-                        temperature: &mut t[k],
-                    };
-                    columns.take(&update, material, numerics.temperature, density[i], energy_here);
+        let update = |columns: &mut StressColumns,
+                      (b, (s, flow, p, c, records)): (usize, Chunks<'_, T>),
+                      extras: &mut [[T; extra::LEN]]| {
+            let first = b * BLOCK;
+            let particles = first..first + s.len();
+            prefetch_behind(s);
+            prefetch_behind(records);
+            prefetch_behind(extras);
+            prefetch_behind(&velocity_gradient[particles.clone()]);
+            prefetch_behind(&position[particles.clone()]);
+            prefetch_behind(&evaluated_velocity[particles.clone()]);
+            columns.density[..s.len()].copy_from_slice(&density[particles.clone()]);
+            let energies = energy[particles.clone()].iter().zip(&energy_rate[particles.clone()]);
+            for (here, (energy, rate)) in columns.energy.iter_mut().zip(energies) {
+                *here = energy + half * rate;
+            }
+            if form.bulk_viscosity.is_some() {
+                columns.smoothing_length[..s.len()].copy_from_slice(&smoothing_length[particles.clone()]);
+            }
+            let inputs = ElasticInputs {
+                material: &material[particles.clone()],
+                deviator: s,
+                velocity_gradient: &velocity_gradient[particles],
+                dt,
+            };
+            FlowColumns::new(flow).take_step(&step, columns, &inputs);
+            run(step.instructions, PackStress { columns, form, records, extras });
+
+            if commit {
+                for (k, s) in s.iter_mut().enumerate() {
+                    *s = columns.deviator_of(k);
                 }
-                let record = &mut records[k];
-                let scale = stress_scale(numerics.pair_form, density[i]);
-                let mut pressure = state.pressure;
-                if reference.is_some() {
-                    let l = &velocity_gradient[i];
-                    let (alpha, beta) = (numerics.viscosity_alpha, numerics.viscosity_beta);
-                    let (divergence, c, h) = (l[0][0] + l[1][1] + l[2][2], state.sound_speed, smoothing_length[i]);
-                    pressure += bulk_viscosity(alpha, beta, divergence, density[i], c, h);
-                }
-                let sigma = (update.deviator - SymmetricTensor::isotropic(pressure)) * scale;
-                let components = sigma.to_array();
+            }
+            p.copy_from_slice(&columns.pressure[..p.len()]);
+            c.copy_from_slice(&columns.sound_speed[..c.len()]);
+            for (k, record) in records.iter_mut().enumerate() {
+                let i = first + k;
                 let x = frame.encode::<T>(&position[i]);
                 for a in 0..3 {
                     record[force::X + a] = x[a];
                     record[force::V + a] = T::of(evaluated_velocity[i][a]);
                 }
-                for (slot, value) in components.into_iter().enumerate() {
-                    record[force::S + slot] = T::of(value);
-                }
                 record[force::WEIGHT] = match numerics.pair_form {
                     // Adjoint to the last digit: the volumes of the gradient correction, or of the gradient sum at the
                     // same positions.
                     PairForm::VolumeWeighted if corrected || !commit => kinematic_records[i][kinematic::WEIGHT],
-                    PairForm::VolumeWeighted => T::of(mass[i] / density[i]),
+                    PairForm::VolumeWeighted => T::of(mass[i] / columns.density[k]),
                     PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
                 };
-                record[force::C] = T::of(state.sound_speed);
-                record[force::RHO] = T::of(density[i]);
                 record[force::H] = T::of(smoothing_length[i]);
-                if !extras.is_empty() {
-                    for (column, value) in stress.iter_mut().zip(components) {
-                        column[k] = value;
-                    }
-                    if numerics.balsara {
-                        let (l, c, h) = (&velocity_gradient[i], state.sound_speed, smoothing_length[i]);
-                        extras[k][extra::BALSARA] = T::of(balsara_factor(l, c, h));
-                    }
-                }
             }
-            if let Some(artificial) = numerics.artificial_stress {
-                run(instructions, ArtificialStressJob { stress: &mut stress, epsilon: artificial.epsilon, dimension });
+            if numerics.balsara {
                 for (k, record) in extras.iter_mut().enumerate() {
-                    for (slot, column) in stress.iter().enumerate() {
-                        record[extra::R + slot] = T::of(column[k]);
-                    }
+                    let (l, h) = (&velocity_gradient[first + k], smoothing_length[first + k]);
+                    record[extra::BALSARA] = T::of(balsara_factor(l, columns.sound_speed[k], h));
                 }
             }
         };
         if self.records.extra.is_empty() {
-            columns.for_each(|block| update_block(block, &mut []));
+            chunks.for_each_init(StressColumns::new, |columns, chunk| update(columns, chunk, &mut []));
         } else {
             let extras = self.records.extra[..count].par_chunks_mut(BLOCK);
-            columns.zip(extras).for_each(|(block, extras)| update_block(block, extras));
+            chunks
+                .zip(extras)
+                .for_each_init(StressColumns::new, |columns, (chunk, extras)| update(columns, chunk, extras));
         }
 
         let records = &self.records.force;
@@ -240,9 +260,15 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Takes the stress through the whole step with the gradient of mid-step, for good.
     pub(super) fn commit_stress(&mut self) {
-        let dt = self.step.dt;
-        let only_flow_heats = self.only_flow_heats();
         let model: &Model = &self.model;
+        let step = StressStep {
+            materials: &model.materials,
+            temperature: model.numerics.temperature,
+            only_flow_heats: self.only_flow_heats(),
+            instructions: self.instructions,
+            commit: true,
+        };
+        let dt = self.step.dt;
         let base = &self.base;
         let Particles {
             material,
@@ -261,8 +287,8 @@ impl<T: PairScalar> CpuEngine<T> {
         } = &mut self.particles;
         let (material, energy, velocity_gradient) = (&*material, &*energy, &*velocity_gradient);
         (
+            deviator.par_chunks_mut(BLOCK),
             (
-                deviator.par_chunks_mut(BLOCK),
                 plastic_strain.par_chunks_mut(BLOCK),
                 plastic_strain_increment.par_chunks_mut(BLOCK),
                 yield_stress.par_chunks_mut(BLOCK),
@@ -276,32 +302,22 @@ impl<T: PairScalar> CpuEngine<T> {
         )
             .into_par_iter()
             .enumerate()
-            .for_each(|(b, ((s, ep, dep, y, wp, t), p, c, rho))| {
-                for k in 0..s.len() {
-                    let i = b * BLOCK + k;
-                    let material = &model.materials[material[i] as usize];
-                    let inputs = Inputs {
-                        material,
-                        deviator: s[k],
-                        plastic_strain: ep[k],
-                        last_increment: dep[k],
-                        temperature: t[k],
-                        known_yield_stress: (only_flow_heats && dep[k] == 0.0).then_some(y[k]),
-                    };
-                    let update = returned(&inputs, &velocity_gradient[i], dt);
-                    rho[k] = stress::density_after(base.density[i], &velocity_gradient[i], dt);
-                    let state = material.pressure(rho[k], energy[i]);
-                    (p[k], c[k]) = (state.pressure, state.sound_speed);
-                    let columns = Committed {
-                        deviator: &mut s[k],
-                        plastic_strain: &mut ep[k],
-                        plastic_strain_increment: &mut dep[k],
-                        yield_stress: &mut y[k],
-                        plastic_work: &mut wp[k],
-                        temperature: &mut t[k],
-                    };
-                    columns.take(&update, material, model.numerics.temperature, rho[k], energy[i]);
+            .for_each_init(StressColumns::new, |columns, (b, (s, flow, p, c, rho))| {
+                let particles = b * BLOCK..b * BLOCK + s.len();
+                let material = &material[particles.clone()];
+                let l = &velocity_gradient[particles.clone()];
+                for ((rho, l), base) in rho.iter_mut().zip(l).zip(&base.density[particles.clone()]) {
+                    *rho = stress::density_after(*base, l, dt);
                 }
+                columns.density[..s.len()].copy_from_slice(rho);
+                columns.energy[..s.len()].copy_from_slice(&energy[particles]);
+                let inputs = ElasticInputs { material, deviator: s, velocity_gradient: l, dt };
+                FlowColumns::new(flow).take_step(&step, columns, &inputs);
+                for (k, s) in s.iter_mut().enumerate() {
+                    *s = columns.deviator_of(k);
+                }
+                p.copy_from_slice(&columns.pressure[..p.len()]);
+                c.copy_from_slice(&columns.sound_speed[..c.len()]);
             });
     }
 }
@@ -342,42 +358,11 @@ fn balsara_factor(l: &Tensor<f64>, sound_speed: f64, h: f64) -> f64 {
     viscosity::balsara(divergence, norm, sound_speed, h)
 }
 
-/// Takes the stress of a block, component by component, to its artificial stress.
-struct ArtificialStressJob<'a> {
-    stress: &'a mut [[f64; BLOCK]; 6],
-    epsilon: f64,
-    dimension: Dimension,
-}
-
-impl Job<f64> for ArtificialStressJob<'_> {
-    #[inline(always)]
-    fn run<L: Lanes<Element = f64>>(self) {
-        let epsilon = L::splat(self.epsilon);
-        for k in (0..BLOCK).step_by(L::WIDTH) {
-            let mut sigma = [L::zero(); 6];
-            for c in 0..6 {
-                sigma[c] = L::load(&self.stress[c][k..]);
-            }
-            let sigma = SymmetricTensor::from_array(sigma);
-            let r = artificial_stress::artificial_stress(sigma, epsilon, self.dimension).to_array();
-            for c in 0..6 {
-                r[c].store(&mut self.stress[c][k..]);
-            }
-        }
-    }
-}
-
-/// Factor between Cauchy stress and what the force sum adds up.
-#[inline(always)]
-fn stress_scale(form: PairForm, density: f64) -> f64 {
-    match form {
-        PairForm::VolumeWeighted => 1.0,
-        PairForm::DensityWeighted | PairForm::Mixed => 1.0 / (density * density),
-    }
-}
-
 /// Scaled stress of a force record, in double precision.
 #[inline(always)]
 fn stress_of<T: PairScalar>(record: &[T; force::LEN]) -> SymmetricTensor<f64> {
     SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|c| record[force::S + c].to_f64()))
 }
+
+#[cfg(test)]
+mod tests;

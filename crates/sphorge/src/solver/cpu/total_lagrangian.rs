@@ -21,7 +21,7 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
-use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector, gradient_correction, tensor};
+use sphorge_physics::{Dimension, Real, SymmetricTensor, Tensor, Vector, gradient_correction, tensor};
 use std::sync::Arc;
 
 /// The initial configuration, and how far the material is from it.
@@ -82,9 +82,10 @@ pub(super) fn without_pair_terms(model: &Arc<Model>) -> Arc<Model> {
 }
 
 /// Bulk viscosity, Pa; zero in expansion.
-pub(super) fn bulk_viscosity(alpha: f64, beta: f64, divergence: f64, density: f64, sound_speed: f64, h: f64) -> f64 {
-    let rate = h * (-divergence).max(0.0);
-    0.5 * density * (alpha * sound_speed * rate + beta * rate * rate)
+#[inline(always)]
+pub(super) fn bulk_viscosity<T: Real>(alpha: T, beta: T, divergence: T, density: T, sound_speed: T, h: T) -> T {
+    let rate = h * (-divergence).max(T::zero());
+    T::of(0.5) * density * (alpha * sound_speed * rate + beta * rate * rate)
 }
 
 impl<T: PairScalar> CpuEngine<T> {

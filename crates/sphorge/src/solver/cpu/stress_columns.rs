@@ -1,0 +1,216 @@
+//! The stress of a block of particles side by side, on SIMD lanes: all that does not ask the flow law.
+
+use super::records::{extra, force};
+use super::total_lagrangian::bulk_viscosity;
+use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
+use crate::model::Material;
+use crate::neighbors::{BLOCK, PAD};
+use sphorge_physics::pair::PairForm;
+use sphorge_physics::return_mapping::elastic_margin;
+use sphorge_physics::{Dimension, Real, SymmetricTensor, Tensor, artificial_stress, stress};
+
+/// What the stress of a block of particles is computed from and becomes, a column for each quantity. Places behind the last particle hold
+/// anything.
+pub(super) struct StressColumns {
+    /// Deviator after the step, Pa.
+    deviator: [[f64; BLOCK]; 6],
+    /// Of the velocity, 1/s.
+    divergence: [f64; BLOCK],
+    shear_modulus: [f64; BLOCK],
+    /// Yield stress of the last step, Pa, where a stress below it is known to be elastic, else zero.
+    pub(super) known_yield_stress: [f64; BLOCK],
+    pub(super) density: [f64; BLOCK],
+    /// Specific internal energy, J/kg.
+    pub(super) energy: [f64; BLOCK],
+    /// Smoothing length, m; only with bulk viscosity.
+    pub(super) smoothing_length: [f64; BLOCK],
+    pub(super) pressure: [f64; BLOCK],
+    pub(super) sound_speed: [f64; BLOCK],
+}
+
+impl StressColumns {
+    pub(super) fn new() -> Self {
+        let zero = [0.0; BLOCK];
+        Self {
+            deviator: [zero; 6],
+            divergence: zero,
+            shear_modulus: zero,
+            known_yield_stress: zero,
+            density: zero,
+            energy: zero,
+            smoothing_length: zero,
+            pressure: zero,
+            sound_speed: zero,
+        }
+    }
+
+    /// Takes deviators through an elastic step; pressure and sound speed follow from density and energy. Bit k of what comes back
+    /// is set where that is all there is to particle k; for the others a flow law is to be asked.
+    #[inline(always)]
+    pub(super) fn take_elastic_step(
+        &mut self,
+        instructions: Instructions,
+        materials: &[Material],
+        particles: &ElasticInputs<'_>,
+    ) -> u128 {
+        let Some(&most) = particles.material.first() else { return 0 };
+        for (modulus, material) in self.shear_modulus.iter_mut().zip(particles.material) {
+            *modulus = materials[*material as usize].shear_modulus;
+        }
+        let mut elastic = 0;
+        let material = &materials[most as usize];
+        run(instructions, ElasticStep { columns: self, particles, material, elastic: &mut elastic });
+        // Where bodies meet, those of another material are few.
+        for (k, m) in particles.material.iter().enumerate() {
+            if *m != most {
+                let state = materials[*m as usize].pressure(self.density[k], self.energy[k]);
+                (self.pressure[k], self.sound_speed[k]) = (state.pressure, state.sound_speed);
+            }
+        }
+        elastic
+    }
+
+    /// Deviator of particle `k`.
+    #[inline(always)]
+    pub(super) fn deviator_of(&self, k: usize) -> SymmetricTensor<f64> {
+        let c = &self.deviator;
+        SymmetricTensor::from_array([c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]])
+    }
+
+    #[inline(always)]
+    pub(super) fn set_deviator(&mut self, k: usize, deviator: SymmetricTensor<f64>) {
+        for (column, value) in self.deviator.iter_mut().zip(deviator.to_array()) {
+            column[k] = value;
+        }
+    }
+}
+
+/// What an elastic step starts from, as particles have it.
+pub(super) struct ElasticInputs<'a> {
+    pub(super) material: &'a [u32],
+    pub(super) deviator: &'a [SymmetricTensor<f64>],
+    pub(super) velocity_gradient: &'a [Tensor<f64>],
+    /// Length of the step, s.
+    pub(super) dt: f64,
+}
+
+impl ElasticInputs<'_> {
+    /// Deviators and velocity gradients from particle `k` on; the last one in the lanes behind it.
+    #[inline(always)]
+    fn lanes<L: Lanes<Element = f64>>(&self, k: usize) -> (SymmetricTensor<L>, Tensor<L>) {
+        let last = self.deviator.len() - 1;
+        let mut indices = [0; PAD];
+        let mut s = [[0.0; PAD]; 6];
+        for lane in 0..L::WIDTH {
+            let i = (k + lane).min(last);
+            indices[lane] = i as u32;
+            let deviator = self.deviator[i].to_array();
+            for c in 0..6 {
+                s[c][lane] = deviator[c];
+            }
+        }
+        let mut deviator = [L::zero(); 6];
+        for c in 0..6 {
+            deviator[c] = L::load(&s[c]);
+        }
+        let (gradients, _) = self.velocity_gradient.as_flattened().as_flattened().as_chunks::<9>();
+        // Eight at a time are taken apart by shuffles.
+        let [xx, xy, xz, yx, yy, yz, zx, zy]: [L; 8] = L::gather_part(gradients, &indices, 0);
+        let [zz]: [L; 1] = L::gather_part(gradients, &indices, 8);
+        (SymmetricTensor::from_array(deviator), [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]])
+    }
+}
+
+/// The elastic step of particles of one material.
+struct ElasticStep<'a> {
+    columns: &'a mut StressColumns,
+    particles: &'a ElasticInputs<'a>,
+    material: &'a Material,
+    elastic: &'a mut u128,
+}
+
+impl Job<f64> for ElasticStep<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        let columns = self.columns;
+        let dt = L::splat(self.particles.dt);
+        let law = self.material.bounded_pressure::<L>();
+        let mut elastic = 0;
+        for k in (0..self.particles.deviator.len()).step_by(L::WIDTH) {
+            let (last, l) = self.particles.lanes::<L>(k);
+            let trial = stress::trial_deviator(last, &l, L::load(&columns.shear_modulus[k..]), dt);
+            let components = trial.to_array();
+            for c in 0..6 {
+                components[c].store(&mut columns.deviator[c][k..]);
+            }
+            (l[0][0] + l[1][1] + l[2][2]).store(&mut columns.divergence[k..]);
+            let margin = elastic_margin(trial, L::load(&columns.known_yield_stress[k..]));
+            elastic |= u128::from(L::less(L::zero(), margin)) << k;
+            let state = law.at(L::load(&columns.density[k..]), L::load(&columns.energy[k..]));
+            state.pressure.store(&mut columns.pressure[k..]);
+            state.sound_speed.store(&mut columns.sound_speed[k..]);
+        }
+        *self.elastic = elastic;
+    }
+}
+
+/// What the force sum wants to know of the stress.
+#[derive(Clone, Copy)]
+pub(super) struct StressForm {
+    pub(super) pair_form: PairForm,
+    /// Coefficients `alpha` and `beta` where viscosity is a pressure of the particle.
+    pub(super) bulk_viscosity: Option<(f64, f64)>,
+    /// Coefficient of the artificial stress, where there is one.
+    pub(super) artificial_stress: Option<f64>,
+    pub(super) dimension: Dimension,
+}
+
+/// Cauchy stress from deviator and pressure, scaled, and its artificial stress, written where the force sum reads them.
+pub(super) struct PackStress<'a, T> {
+    pub(super) columns: &'a StressColumns,
+    pub(super) form: StressForm,
+    pub(super) records: &'a mut [[T; force::LEN]],
+    pub(super) extras: &'a mut [[T; extra::LEN]],
+}
+
+impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        let Self { columns, form, records, extras } = self;
+        for k in (0..records.len()).step_by(L::WIDTH) {
+            let (density, sound_speed) = (L::load(&columns.density[k..]), L::load(&columns.sound_speed[k..]));
+            let mut pressure = L::load(&columns.pressure[k..]);
+            if let Some((alpha, beta)) = form.bulk_viscosity {
+                let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
+                pressure += bulk_viscosity(L::splat(alpha), L::splat(beta), divergence, density, sound_speed, h);
+            }
+            let mut deviator = [L::zero(); 6];
+            for c in 0..6 {
+                deviator[c] = L::load(&columns.deviator[c][k..]);
+            }
+            let cauchy = SymmetricTensor::from_array(deviator) - SymmetricTensor::isotropic(pressure);
+            let sigma = cauchy * stress_scale(form.pair_form, density);
+            let [xx, yy, zz, xy, yz, xz] = sigma.to_array();
+            // In the order of the record from its stress on.
+            L::store_part([xx, yy, zz, xy, yz, xz, density, sound_speed], &mut records[k..], force::S);
+            if let Some(epsilon) = form.artificial_stress {
+                let r = artificial_stress::artificial_stress(sigma, L::splat(epsilon), form.dimension);
+                let [xx, yy, zz, xy, yz, xz] = r.to_array();
+                L::store_part([xx, yy, zz, xy, yz, xz, L::zero(), L::zero()], &mut extras[k..], extra::R);
+            }
+        }
+    }
+}
+
+// Eight entries are written at a time.
+const _: () = assert!(force::S + 6 == force::RHO && force::RHO + 1 == force::C && force::LEN == force::S + 8);
+const _: () = assert!(extra::R == 0 && extra::LEN == 8);
+
+/// Factor between Cauchy stress and what the force sum adds up.
+#[inline(always)]
+fn stress_scale<T: Real>(form: PairForm, density: T) -> T {
+    match form {
+        PairForm::VolumeWeighted => T::one(),
+        PairForm::DensityWeighted | PairForm::Mixed => T::one() / (density * density),
+    }
+}
