@@ -7,11 +7,11 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Eight single-precision numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct F32x8(__m256);
+pub(crate) struct F32x8(pub(super) __m256);
 
 /// Four double-precision numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct F64x4(__m256d);
+pub(crate) struct F64x4(pub(super) __m256d);
 
 // SAFETY of every `unsafe` below: bundles exist only inside jobs started after the processor has been found to have AVX2 and
 // FMA (see `Lanes`); loads and stores stay within slices whose length is asserted or checked by indexing.
@@ -173,6 +173,52 @@ unsafe fn transpose_8x8(r: [__m256; 8]) -> [__m256; 8] {
     }
 }
 
+/// The sums of bundles, some at a time; a single one left over alone. No function that takes another: closures are not compiled
+/// for the instructions in use.
+macro_rules! sums_in_parts {
+    ($bundles:ident, $n:ident, $at_a_time:literal, $sums_of:ident) => {{
+        let mut sums = [0.0; $n];
+        let mut part = 0;
+        while part < $n {
+            let count = $at_a_time.min($n - part);
+            if count == 1 {
+                sums[part] = $bundles[part].sum();
+                break;
+            }
+            let mut some = [Self::zero(); $at_a_time];
+            some[..count].copy_from_slice(&$bundles[part..part + count]);
+            // SAFETY: a bundle exists, so that the processor has the instructions.
+            let of_some = unsafe { $sums_of(&some) };
+            sums[part..part + count].copy_from_slice(&of_some[..count]);
+            part += $at_a_time;
+        }
+        sums
+    }};
+}
+
+/// The sums over the lanes of eight bundles.
+#[inline(always)]
+unsafe fn sums_of_8(r: &[F32x8; 8]) -> [f32; 8] {
+    unsafe {
+        let mut pairs = [_mm256_setzero_ps(); 4];
+        for k in 0..4 {
+            let (a, b) = (r[2 * k].0, r[2 * k + 1].0);
+            // a0+a2, b0+b2, a1+a3, b1+b3, in both halves.
+            pairs[k] = _mm256_add_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+        }
+        let mut quads = [_mm256_setzero_ps(); 2];
+        for k in 0..2 {
+            let (a, b) = (pairs[2 * k], pairs[2 * k + 1]);
+            quads[k] = _mm256_add_ps(_mm256_shuffle_ps::<0x44>(a, b), _mm256_shuffle_ps::<0xEE>(a, b));
+        }
+        let [a, b] = quads;
+        let all = _mm256_add_ps(_mm256_permute2f128_ps::<0x20>(a, b), _mm256_permute2f128_ps::<0x31>(a, b));
+        let mut sums = [0.0; 8];
+        _mm256_storeu_ps(sums.as_mut_ptr(), all);
+        sums
+    }
+}
+
 impl Lanes for F32x8 {
     type Element = f32;
     const WIDTH: usize = 8;
@@ -220,6 +266,10 @@ impl Lanes for F32x8 {
         }
     }
     #[inline(always)]
+    fn sums<const N: usize>(bundles: [Self; N]) -> [f32; N] {
+        sums_in_parts!(bundles, N, 8usize, sums_of_8)
+    }
+    #[inline(always)]
     fn largest(self) -> f32 {
         unsafe {
             let s = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
@@ -240,6 +290,21 @@ impl Lanes for F32x8 {
         let mut values = [0.0; 8];
         unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
         compress_each(mask, &values, None, out);
+    }
+}
+
+/// The sums over the lanes of four bundles.
+#[inline(always)]
+unsafe fn sums_of_4(r: &[F64x4; 4]) -> [f64; 4] {
+    unsafe {
+        let [a, b, c, d] = [r[0].0, r[1].0, r[2].0, r[3].0];
+        // a0+a1, b0+b1, a2+a3, b2+b3.
+        let ab = _mm256_add_pd(_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        let cd = _mm256_add_pd(_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+        let all = _mm256_add_pd(_mm256_permute2f128_pd::<0x20>(ab, cd), _mm256_permute2f128_pd::<0x31>(ab, cd));
+        let mut sums = [0.0; 4];
+        _mm256_storeu_pd(sums.as_mut_ptr(), all);
+        sums
     }
 }
 
@@ -292,6 +357,10 @@ impl Lanes for F64x4 {
             let s = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
             _mm_cvtsd_f64(_mm_add_sd(s, _mm_unpackhi_pd(s, s)))
         }
+    }
+    #[inline(always)]
+    fn sums<const N: usize>(bundles: [Self; N]) -> [f64; N] {
+        sums_in_parts!(bundles, N, 4usize, sums_of_4)
     }
     #[inline(always)]
     fn largest(self) -> f64 {

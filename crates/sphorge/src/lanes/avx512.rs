@@ -1,5 +1,6 @@
 //! Bundles in 512-bit registers.
 
+use super::avx2::{F32x8, F64x4};
 use super::{Lanes, PairScalar, compress_each, gather_entries};
 use sphorge_physics::Real;
 use std::arch::x86_64::*;
@@ -276,6 +277,15 @@ impl Lanes for F32x16 {
         unsafe { _mm512_reduce_add_ps(self.0) }
     }
     #[inline(always)]
+    fn sums<const N: usize>(bundles: [Self; N]) -> [f32; N] {
+        let mut halved = [F32x8::zero(); N];
+        for k in 0..N {
+            let b = bundles[k].0;
+            halved[k] = unsafe { F32x8(_mm512_castps512_ps256(b)) + F32x8(_mm512_extractf32x8_ps::<1>(b)) };
+        }
+        F32x8::sums(halved)
+    }
+    #[inline(always)]
     fn largest(self) -> f32 {
         unsafe { _mm512_reduce_max_ps(self.0) }
     }
@@ -404,6 +414,15 @@ impl Lanes for F64x8 {
     #[inline(always)]
     fn sum(self) -> f64 {
         unsafe { _mm512_reduce_add_pd(self.0) }
+    }
+    #[inline(always)]
+    fn sums<const N: usize>(bundles: [Self; N]) -> [f64; N] {
+        let mut halved = [F64x4::zero(); N];
+        for k in 0..N {
+            let b = bundles[k].0;
+            halved[k] = unsafe { F64x4(_mm512_castpd512_pd256(b)) + F64x4(_mm512_extractf64x4_pd::<1>(b)) };
+        }
+        F64x4::sums(halved)
     }
     #[inline(always)]
     fn largest(self) -> f64 {

@@ -59,7 +59,8 @@ pub(crate) trait Lanes: Real {
     fn splat(value: Self::Element) -> Self;
     /// The first `WIDTH` values of a slice.
     fn load(values: &[Self::Element]) -> Self;
-    /// Takes entries `first` to `first + N` of the records at `WIDTH` indices apart into one bundle per entry.
+    /// Takes entries `first` to `first + N` of the records at the first `WIDTH` indices apart into one bundle per entry; panics
+    /// unless there are such records.
     fn gather_part<const F: usize, const N: usize>(
         records: &[[Self::Element; F]],
         indices: &[u32],
@@ -79,6 +80,15 @@ pub(crate) trait Lanes: Real {
     fn coordinate_difference(a: Self, b: Self) -> Self;
     /// Sum over the lanes, always in the same order.
     fn sum(self) -> Self::Element;
+    /// The sum of each bundle over its lanes, always in the same order.
+    #[inline(always)]
+    fn sums<const N: usize>(bundles: [Self; N]) -> [Self::Element; N] {
+        let mut sums = [<Self::Element as Real>::zero(); N];
+        for k in 0..N {
+            sums[k] = bundles[k].sum();
+        }
+        sums
+    }
     /// Largest lane.
     fn largest(self) -> Self::Element;
     /// Bit k set where lane k of `a` is smaller than that of `b`.
@@ -306,6 +316,11 @@ mod tests {
         close(lanes(y.abs()), each(&|_, y| y.abs()));
         close(lanes(L::select_lt(x, y, x, L::of(9.0))), each(&|x, y| if x < y { x } else { 9.0 }));
         close(vec![x.sum().to_f64()], vec![a.iter().map(|v| v.to_f64()).sum()]);
+        let sum_of = |v: &[L::Element]| v.iter().map(|v| v.to_f64()).sum::<f64>();
+        let (p, q) = (sum_of(&a), sum_of(&b));
+        // As many as one part, one more, and a few of a part.
+        close(L::sums([x, y, y, x, y, x, x, y, x]).map(|v| v.to_f64()).to_vec(), vec![p, q, q, p, q, p, p, q, p]);
+        close(L::sums([x, y, y, x, y, x, x]).map(|v| v.to_f64()).to_vec(), vec![p, q, q, p, q, p, p]);
         close(vec![y.largest().to_f64()], vec![b.iter().map(|v| v.to_f64()).fold(f64::MIN, f64::max)]);
 
         let want: u32 = a.iter().zip(&b).enumerate().map(|(k, (x, y))| u32::from(x < y) << k).sum();

@@ -6,7 +6,7 @@
 
 use super::kinematics::{PairConstants, PairScale, reduced_distance};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
-use super::records::{CORRECTED_LEN, Records, extra};
+use super::records::{CORRECTED_LEN, Records, extra, force};
 use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
@@ -119,7 +119,7 @@ struct Pairs<L> {
     v: Vector<L>,
     /// Weight of the neighbour.
     weight: L,
-    /// Smoothing length of the neighbour, then of the pair, m.
+    /// Smoothing length of the neighbour, m.
     h: L,
     /// Distance squared, m²; then the weighted `F` of `grad_i W_ij = F x_ij`.
     r2: L,
@@ -139,6 +139,187 @@ impl<L: Lanes> Pairs<L> {
     }
 }
 
+/// What a row knows of its own particle, in every lane, and of the sum.
+#[derive(Clone, Copy)]
+struct Own<L: Lanes> {
+    record: [L; force::LEN],
+    extra: [L; extra::LEN],
+    corrected: [L; CORRECTED_LEN],
+    scale: PairScale<L>,
+    viscosity: ViscosityParameters<L>,
+    kernel: Kernel,
+}
+
+impl<L: Lanes> Own<L> {
+    #[inline(always)]
+    fn of<const D: usize, const CORRECTED: bool, const USUAL: bool>(
+        records: &Records<L::Element>,
+        own: usize,
+        constants: &PairConstants<L::Element>,
+        terms: &ForceTerms<L::Element>,
+    ) -> Self {
+        let zero = L::zero();
+        Self {
+            record: splat_record(&records.force[own]),
+            extra: if records.extra.is_empty() { [zero; extra::LEN] } else { splat_record(&records.extra[own]) },
+            corrected: if CORRECTED { splat_record(&records.corrected[own]) } else { [zero; CORRECTED_LEN] },
+            scale: PairScale::own::<D>(constants, records.force[own][H]),
+            viscosity: ViscosityParameters {
+                alpha: L::splat(terms.viscosity.alpha),
+                beta: L::splat(terms.viscosity.beta),
+            },
+            kernel: if USUAL { Kernel::CubicSpline } else { constants.kernel },
+        }
+    }
+}
+
+/// First pass over a bundle: who the neighbours are. `stored` gives the distances and where in it those of the bundle start.
+#[inline(always)]
+fn locate<L: Lanes, const D: usize>(
+    own: &Own<L>,
+    records: &Records<L::Element>,
+    indices: &[u32],
+    stored: Option<(&StoredBlock<L::Element>, usize)>,
+    constants: &PairConstants<L::Element>,
+    pair: &mut Pairs<L>,
+) {
+    let unit = L::splat(constants.unit);
+    let record_j: [L; 8] = L::gather_part(&records.force, indices, 0);
+    let mut r2 = L::zero();
+    let mut v_dot_x = L::zero();
+    for a in 0..D {
+        let x = match stored {
+            None => L::difference(own.record[X + a], record_j[X + a], unit),
+            Some((stored, at)) => stored.bundle(at, a),
+        };
+        let v = own.record[V + a] - record_j[V + a];
+        r2 = x.mul_add(x, r2);
+        v_dot_x = v.mul_add(x, v_dot_x);
+        pair.x[a] = x;
+        pair.v[a] = v;
+    }
+    pair.r2 = r2;
+    pair.v_dot_x = v_dot_x;
+    pair.weight = record_j[WEIGHT];
+    pair.h = record_j[H];
+}
+
+/// Second pass over a bundle: kernel, its gradient, and `mu`, the largest of which so far is `mu_max`.
+#[inline(always)]
+fn weigh<L: Lanes, const D: usize>(
+    own: &Own<L>,
+    constants: &PairConstants<L::Element>,
+    terms: &ForceTerms<L::Element>,
+    pair: &mut Pairs<L>,
+    mu_max: L,
+) -> L {
+    let PairScale { h, inverse_h, gradient } = own.scale.with::<D>(constants, pair.h);
+    let (q, inverse_q) = reduced_distance(pair.r2, h, inverse_h);
+    let mu = viscosity_mu(pair.v_dot_x, pair.r2, h);
+    let weighted = gradient * pair.weight;
+    pair.r2 = own.kernel.dw_over_q_by(q, inverse_q) * weighted;
+    pair.v_dot_x = mu;
+    if terms.xsph || terms.artificial_stress.is_some() {
+        let w = own.kernel.w(q);
+        pair.w = w;
+        pair.kernel = w * (h * h) * weighted;
+    }
+    // Pairs of a skin count for nothing, nor do they for the time step.
+    mu_max.max(L::select_lt(q, L::of(own.kernel.support()), mu.abs(), L::zero()))
+}
+
+/// What a row adds up, lane by lane.
+#[derive(Clone, Copy)]
+struct Sums<L> {
+    acceleration: Vector<L>,
+    energy_rate: L,
+    xsph: Vector<L>,
+}
+
+impl<L: Lanes> Sums<L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self { acceleration: [L::zero(); 3], energy_rate: L::zero(), xsph: [L::zero(); 3] }
+    }
+
+    /// Third pass over a bundle: the forces.
+    #[inline(always)]
+    fn add<const D: usize, const CORRECTED: bool>(
+        &mut self,
+        own: &Own<L>,
+        records: &Records<L::Element>,
+        indices: &[u32],
+        terms: &ForceTerms<L::Element>,
+        pair: &Pairs<L>,
+    ) {
+        let half = L::of(0.5);
+        let (x, v) = (&pair.x, &pair.v);
+        let state_j: [L; 8] = L::gather_part(&records.force, indices, S);
+        let density_j = state_j[RHO - S];
+        let inverse_density_mean = L::of(2.0) / (own.record[RHO] + density_j);
+        let sound_mean = (own.record[C] + state_j[C - S]) * half;
+        let mut pi = viscous_pressure(own.viscosity, pair.v_dot_x, sound_mean, inverse_density_mean);
+        if terms.volume_weighted {
+            // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
+            pi = pi * own.record[RHO] * density_j;
+        }
+
+        // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
+        let (own_stress, other_stress) = if CORRECTED {
+            let corrected_j = gather_corrected(&records.corrected, indices);
+            (tensor_dot::<L, D>(&own.corrected, x), tensor_dot::<L, D>(&corrected_j, x))
+        } else {
+            (symmetric_dot::<L, D, 16>(&own.record, S, x), symmetric_dot::<L, D, 8>(&state_j, 0, x))
+        };
+        let mut artificial = [L::zero(); 3];
+        if terms.balsara || terms.artificial_stress.is_some() {
+            let extra_j: [L; extra::LEN] = L::gather(&records.extra, indices);
+            if terms.balsara {
+                pi = pi * (own.extra[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
+            }
+            if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
+                let factor = artificial_stress::pair_factor(pair.w, L::splat(inverse_w_spacing), exponent);
+                let mut r = [L::zero(); 6];
+                for c in 0..6 {
+                    r[c] = own.extra[extra::R + c] + extra_j[extra::R + c];
+                }
+                artificial = symmetric_dot::<L, D, 6>(&r, 0, x);
+                for a in 0..D {
+                    artificial[a] = artificial[a] * factor;
+                }
+            }
+        }
+        let weighted_f = pair.r2;
+        let mut work = L::zero();
+        for a in 0..D {
+            artificial[a] -= pi * x[a];
+            let total = own_stress[a] + other_stress[a] + artificial[a];
+            self.acceleration[a] = total.mul_add(weighted_f, self.acceleration[a]);
+            let share = if terms.own_stress_work { artificial[a].mul_add(half, own_stress[a]) } else { total * half };
+            work = share.mul_add(v[a], work);
+        }
+        // (v_j - v_i) . (...) . grad W: the sign of v_ij is turned.
+        self.energy_rate -= work * weighted_f;
+        if terms.xsph {
+            let mut weight = pair.kernel * inverse_density_mean;
+            if terms.volume_weighted {
+                weight = weight * density_j;
+            }
+            for a in 0..D {
+                self.xsph[a] -= v[a] * weight;
+            }
+        }
+    }
+
+    /// All lanes together.
+    #[inline(always)]
+    fn total(&self) -> ForceSum<L::Element> {
+        let ([ax, ay, az], [x, y, z]) = (self.acceleration, self.xsph);
+        let [ax, ay, az, x, y, z, energy_rate] = L::sums([ax, ay, az, x, y, z, self.energy_rate]);
+        ForceSum { acceleration: [ax, ay, az], energy_rate, xsph: [x, y, z], ..ForceSum::zero() }
+    }
+}
+
 /// Row `k` of a block, particle `own`.
 ///
 /// A pair's arithmetic is one long chain. In three short passes over the row, many pairs are in the processor at a time.
@@ -153,129 +334,26 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const USUAL: bool>
     terms: &ForceTerms<L::Element>,
     pairs: &mut [Pairs<L>; BATCH],
 ) -> ForceSum<L::Element> {
-    let terms = terms.known::<USUAL>();
-    let kernel = if USUAL { Kernel::CubicSpline } else { constants.kernel };
-    let record_i: [L; 16] = splat_record(&records.force[own]);
-    let extra_i = if records.extra.is_empty() { [L::zero(); extra::LEN] } else { splat_record(&records.extra[own]) };
-    let corrected_i = if CORRECTED { splat_record(&records.corrected[own]) } else { [L::zero(); CORRECTED_LEN] };
-    let viscosity =
-        ViscosityParameters { alpha: L::splat(terms.viscosity.alpha), beta: L::splat(terms.viscosity.beta) };
-    let own_scale = PairScale::<L>::own::<D>(constants, records.force[own][H]);
-    let unit = L::splat(constants.unit);
-    let half = L::of(0.5);
-    let support = L::of(kernel.support());
-
-    let mut acceleration = [L::zero(); 3];
-    let mut energy_rate = L::zero();
-    let mut xsph = [L::zero(); 3];
-    let mut mu_max = L::zero();
-    for (batch, indices) in block.padded_row(k, L::WIDTH).chunks(BATCH * L::WIDTH).enumerate() {
-        for (bundle, (pair, indices)) in pairs.iter_mut().zip(indices.chunks_exact(L::WIDTH)).enumerate() {
-            let record_j: [L; 8] = L::gather_part(&records.force, indices, 0);
-            let mut r2 = L::zero();
-            let mut v_dot_x = L::zero();
-            for a in 0..D {
-                let x = match stored {
-                    None => L::difference(record_i[X + a], record_j[X + a], unit),
-                    Some(stored) => stored.bundle(block.start(k) + (batch * BATCH + bundle) * L::WIDTH, a),
-                };
-                let v = record_i[V + a] - record_j[V + a];
-                r2 = x.mul_add(x, r2);
-                v_dot_x = v.mul_add(x, v_dot_x);
-                pair.x[a] = x;
-                pair.v[a] = v;
-            }
-            pair.r2 = r2;
-            pair.v_dot_x = v_dot_x;
-            pair.weight = record_j[WEIGHT];
-            pair.h = record_j[H];
+    let terms = &terms.known::<USUAL>();
+    let own = Own::<L>::of::<D, CORRECTED, USUAL>(records, own, constants, terms);
+    let mut sums = Sums::<L>::zero();
+    let mut mu = L::zero();
+    let mut at = block.start(k);
+    for indices in block.padded_row(k, L::WIDTH).chunks(BATCH * L::WIDTH) {
+        let bundles = indices.chunks_exact(L::WIDTH);
+        let count = bundles.len();
+        for (pair, indices) in pairs.iter_mut().zip(bundles.clone()) {
+            locate::<L, D>(&own, records, indices, stored.map(|s| (s, at)), constants, pair);
+            at += L::WIDTH;
         }
-        let bundles = indices.len() / L::WIDTH;
-        for pair in pairs[..bundles].iter_mut() {
-            let PairScale { h, inverse_h, gradient } = own_scale.with::<D>(constants, pair.h);
-            let (q, inverse_q) = reduced_distance(pair.r2, h, inverse_h);
-            let mu = viscosity_mu(pair.v_dot_x, pair.r2, h);
-            // Pairs of a skin count for nothing, nor do they for the time step.
-            mu_max = mu_max.max(L::select_lt(q, support, mu.abs(), L::zero()));
-            let weighted = gradient * pair.weight;
-            pair.r2 = kernel.dw_over_q_by(q, inverse_q) * weighted;
-            pair.v_dot_x = mu;
-            if terms.xsph || terms.artificial_stress.is_some() {
-                let w = kernel.w(q);
-                pair.w = w;
-                pair.kernel = w * (h * h) * weighted;
-            }
+        for pair in &mut pairs[..count] {
+            mu = weigh::<L, D>(&own, constants, terms, pair, mu);
         }
-        for (pair, indices) in pairs.iter().zip(indices.chunks_exact(L::WIDTH)) {
-            let state_j: [L; 8] = L::gather_part(&records.force, indices, S);
-            let (x, v) = (&pair.x, &pair.v);
-            let density_j = state_j[RHO - S];
-            let inverse_density_mean = L::of(2.0) / (record_i[RHO] + density_j);
-            let sound_mean = (record_i[C] + state_j[C - S]) * half;
-            let mut pi = viscous_pressure(viscosity, pair.v_dot_x, sound_mean, inverse_density_mean);
-            if terms.volume_weighted {
-                // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
-                pi = pi * record_i[RHO] * density_j;
-            }
-
-            // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
-            let (own_stress, other_stress) = if CORRECTED {
-                (
-                    tensor_dot::<L, D>(&corrected_i, x),
-                    tensor_dot::<L, D>(&gather_corrected(&records.corrected, indices), x),
-                )
-            } else {
-                (symmetric_dot::<L, D, 16>(&record_i, S, x), symmetric_dot::<L, D, 8>(&state_j, 0, x))
-            };
-            let mut artificial = [L::zero(); 3];
-            if terms.balsara || terms.artificial_stress.is_some() {
-                let extra_j = L::gather(&records.extra, indices);
-                if terms.balsara {
-                    pi = pi * (extra_i[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
-                }
-                if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
-                    let factor = artificial_stress::pair_factor(pair.w, L::splat(inverse_w_spacing), exponent);
-                    let mut r = [L::zero(); 6];
-                    for c in 0..6 {
-                        r[c] = extra_i[extra::R + c] + extra_j[extra::R + c];
-                    }
-                    artificial = symmetric_dot::<L, D, 6>(&r, 0, x);
-                    for a in 0..D {
-                        artificial[a] = artificial[a] * factor;
-                    }
-                }
-            }
-            let weighted_f = pair.r2;
-            let mut work = L::zero();
-            for a in 0..D {
-                artificial[a] -= pi * x[a];
-                let total = own_stress[a] + other_stress[a] + artificial[a];
-                acceleration[a] = total.mul_add(weighted_f, acceleration[a]);
-                let share =
-                    if terms.own_stress_work { artificial[a].mul_add(half, own_stress[a]) } else { total * half };
-                work = share.mul_add(v[a], work);
-            }
-            // (v_j - v_i) . (...) . grad W: the sign of v_ij is turned.
-            energy_rate -= work * weighted_f;
-            if terms.xsph {
-                let mut weight = pair.kernel * inverse_density_mean;
-                if terms.volume_weighted {
-                    weight = weight * density_j;
-                }
-                for a in 0..D {
-                    xsph[a] -= v[a] * weight;
-                }
-            }
+        for (pair, indices) in pairs.iter().zip(bundles) {
+            sums.add::<D, CORRECTED>(&own, records, indices, terms, pair);
         }
     }
-    let mut sum = ForceSum::zero();
-    for a in 0..D {
-        sum.acceleration[a] = acceleration[a].sum();
-        sum.xsph[a] = xsph[a].sum();
-    }
-    sum.energy_rate = energy_rate.sum();
-    sum.mu = mu_max.largest();
-    sum
+    ForceSum { mu: mu.largest(), ..sums.total() }
 }
 
 impl<T: PairScalar> ForceSum<T> {

@@ -8,7 +8,7 @@ use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::kernel::Kernel;
-use sphorge_physics::{Scalar, Tensor, Vector};
+use sphorge_physics::{Tensor, Vector};
 
 /// Constants of a pair sum.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +99,107 @@ impl<L: Lanes> Pairs<L> {
     }
 }
 
+/// What a row knows of its own particle, in every lane.
+#[derive(Clone, Copy)]
+struct Own<L: Lanes> {
+    record: [L; LEN],
+    scale: PairScale<L>,
+}
+
+impl<L: Lanes> Own<L> {
+    #[inline(always)]
+    fn of<const D: usize>(constants: &PairConstants<L::Element>, record: &[L::Element; LEN]) -> Self {
+        Self { record: splat_record(record), scale: PairScale::own::<D>(constants, record[H]) }
+    }
+}
+
+/// First pass over a bundle: who the neighbours are. `stored` gives the distances and where in it those of the bundle start.
+#[inline(always)]
+fn locate<L: Lanes, const D: usize>(
+    own: &Own<L>,
+    records: &[[L::Element; LEN]],
+    indices: &[u32],
+    stored: Option<(&StoredBlock<L::Element>, usize)>,
+    constants: &PairConstants<L::Element>,
+    pair: &mut Pairs<L>,
+) {
+    let unit = L::splat(constants.unit);
+    let record_j = L::gather(records, indices);
+    let mut r2 = L::zero();
+    for a in 0..D {
+        let x = match stored {
+            None => L::difference(own.record[X + a], record_j[X + a], unit),
+            Some((stored, at)) => stored.bundle(at, a),
+        };
+        r2 = x.mul_add(x, r2);
+        pair.x[a] = x;
+        pair.v[a] = record_j[V + a] - own.record[V + a];
+    }
+    pair.r2 = r2;
+    pair.weight = record_j[WEIGHT];
+    pair.h = record_j[H];
+}
+
+/// What a row adds up, lane by lane.
+#[derive(Clone, Copy)]
+struct Sums<L> {
+    gradient: Tensor<L>,
+    moment: Tensor<L>,
+    /// Pairs inside the kernel support.
+    inside: u32,
+}
+
+impl<L: Lanes> Sums<L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self { gradient: [[L::zero(); 3]; 3], moment: [[L::zero(); 3]; 3], inside: 0 }
+    }
+
+    /// Second pass over a bundle.
+    #[inline(always)]
+    fn add<const D: usize, const CORRECTED: bool>(
+        &mut self,
+        own: &Own<L>,
+        constants: &PairConstants<L::Element>,
+        pair: &Pairs<L>,
+    ) {
+        let scale = own.scale.with::<D>(constants, pair.h);
+        let (q, inverse_q) = reduced_distance(pair.r2, scale.h, scale.inverse_h);
+        // grad_i W_ij = F x_ij, times the weight of the neighbour.
+        let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * (scale.gradient * pair.weight);
+        self.inside += L::less(q, L::of(constants.kernel.support())).count_ones();
+        for a in 0..D {
+            let v = pair.v[a] * weighted_f;
+            let y = pair.x[a] * weighted_f;
+            for b in 0..D {
+                self.gradient[a][b] = v.mul_add(pair.x[b], self.gradient[a][b]);
+                if CORRECTED {
+                    self.moment[a][b] -= y * pair.x[b];
+                }
+            }
+        }
+    }
+
+    /// All lanes together.
+    #[inline(always)]
+    fn total<const CORRECTED: bool>(&self) -> GradientSum<L::Element> {
+        let mut sum = GradientSum::zero();
+        sum.gradient = total_of(&self.gradient);
+        if CORRECTED {
+            sum.moment = total_of(&self.moment);
+        }
+        sum.inside = self.inside;
+        sum
+    }
+}
+
+#[inline(always)]
+fn total_of<L: Lanes>(t: &Tensor<L>) -> Tensor<L::Element> {
+    let [a, b, c, d, e, f, g, h, i] =
+        L::sums([t[0][0], t[0][1], t[0][2], t[1][0], t[1][1], t[1][2], t[2][0], t[2][1], t[2][2]]);
+    [[a, b, c], [d, e, f], [g, h, i]]
+}
+
 /// Row `k` of a block, particle `own`.
 ///
 /// A pair's arithmetic is one long chain. In two short passes over the row, many pairs are in the processor at a time.
@@ -112,61 +213,24 @@ fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     constants: &PairConstants<L::Element>,
     pairs: &mut [Pairs<L>; BATCH],
 ) -> GradientSum<L::Element> {
-    let record_i: [L; LEN] = splat_record(&records[own]);
-    let own_scale = PairScale::<L>::own::<D>(constants, records[own][H]);
-    let unit = L::splat(constants.unit);
-    let support = L::of(constants.kernel.support());
-    let mut gradient = [[L::zero(); 3]; 3];
-    let mut moment = [[L::zero(); 3]; 3];
-    let mut inside = L::zero();
+    let own = Own::<L>::of::<D>(constants, &records[own]);
+    let mut sums = Sums::<L>::zero();
     let row = block.padded_row(k, L::WIDTH);
-    for (batch, indices) in row.chunks(BATCH * L::WIDTH).enumerate() {
-        for (bundle, (pair, indices)) in pairs.iter_mut().zip(indices.chunks_exact(L::WIDTH)).enumerate() {
-            let record_j = L::gather(records, indices);
-            let mut r2 = L::zero();
-            for a in 0..D {
-                let x = match stored {
-                    None => L::difference(record_i[X + a], record_j[X + a], unit),
-                    Some(stored) => stored.bundle(block.start(k) + (batch * BATCH + bundle) * L::WIDTH, a),
-                };
-                r2 = x.mul_add(x, r2);
-                pair.x[a] = x;
-                pair.v[a] = record_j[V + a] - record_i[V + a];
-            }
-            pair.r2 = r2;
-            pair.weight = record_j[WEIGHT];
-            pair.h = record_j[H];
+    let mut at = block.start(k);
+    for indices in row.chunks(BATCH * L::WIDTH) {
+        let bundles = indices.chunks_exact(L::WIDTH);
+        let count = bundles.len();
+        for (pair, indices) in pairs.iter_mut().zip(bundles) {
+            locate::<L, D>(&own, records, indices, stored.map(|s| (s, at)), constants, pair);
+            at += L::WIDTH;
         }
-        for pair in &pairs[..indices.len() / L::WIDTH] {
-            let scale = own_scale.with::<D>(constants, pair.h);
-            let (q, inverse_q) = reduced_distance(pair.r2, scale.h, scale.inverse_h);
-            // grad_i W_ij = F x_ij, times the weight of the neighbour.
-            let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * (scale.gradient * pair.weight);
-            inside += L::select_lt(q, support, L::one(), L::zero());
-            for a in 0..D {
-                let v = pair.v[a] * weighted_f;
-                let y = pair.x[a] * weighted_f;
-                for b in 0..D {
-                    gradient[a][b] = v.mul_add(pair.x[b], gradient[a][b]);
-                    if CORRECTED {
-                        moment[a][b] -= y * pair.x[b];
-                    }
-                }
-            }
+        for pair in &pairs[..count] {
+            sums.add::<D, CORRECTED>(&own, constants, pair);
         }
     }
+    let mut sum = sums.total::<CORRECTED>();
     // Padding is the particle itself, at distance zero: inside the support.
-    let padding = row.len() - block.row(k).len();
-    let mut sum = GradientSum::zero();
-    for a in 0..D {
-        for b in 0..D {
-            sum.gradient[a][b] = gradient[a][b].sum();
-            if CORRECTED {
-                sum.moment[a][b] = moment[a][b].sum();
-            }
-        }
-    }
-    sum.inside = inside.sum().to_f64() as u32 - padding as u32;
+    sum.inside -= (row.len() - block.row(k).len()) as u32;
     sum
 }
 
