@@ -136,8 +136,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
             let (list, instructions) = (&self.lists.list, self.instructions);
             let stored = self.lists.stored.as_ref();
-            let sum_block = |b: usize| {
-                let mut sums = [GradientSum::zero(); BLOCK];
+            let sum_block = |sums: &mut [GradientSum<T>; BLOCK], b: usize| {
                 let block = &list.blocks()[b];
                 let job = GradientJob::<T, D, CORRECTED> {
                     records,
@@ -145,11 +144,11 @@ impl<T: PairScalar> CpuEngine<T> {
                     block,
                     stored: stored.map(|s| s.block(b)),
                     constants,
-                    sums: &mut sums,
+                    sums,
                 };
                 run(instructions, job);
-                sums
             };
+            let room = || [GradientSum::zero(); BLOCK];
             let finish =
                 |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
                     let scale = if per_density { 1.0 / predicted_density(*rho, last, half) } else { 1.0 };
@@ -171,16 +170,16 @@ impl<T: PairScalar> CpuEngine<T> {
                 (columns.0, columns.1, columns.2, self.work.correction.par_chunks_mut(BLOCK))
                     .into_par_iter()
                     .enumerate()
-                    .for_each(|(b, (l, n, rho, correction))| {
-                        let sums = sum_block(b);
+                    .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
+                        sum_block(sums, b);
                         for k in 0..l.len() {
                             l[k] = finish(&sums[k], &mut rho[k], &l[k], Some(&mut correction[k]));
                             n[k] = sums[k].inside;
                         }
                     });
             } else {
-                columns.into_par_iter().enumerate().for_each(|(b, (l, n, rho))| {
-                    let sums = sum_block(b);
+                columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
+                    sum_block(sums, b);
                     for k in 0..l.len() {
                         l[k] = finish(&sums[k], &mut rho[k], &l[k], None);
                         n[k] = sums[k].inside;
@@ -256,6 +255,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let Work { xsph, mu, .. } = &mut self.work;
             let Particles { acceleration, energy_rate, mass, .. } = &mut self.particles;
             let mass = &*mass;
+            let room = || [ForceSum::zero(); BLOCK];
             (
                 acceleration.par_chunks_mut(BLOCK),
                 energy_rate.par_chunks_mut(BLOCK),
@@ -264,19 +264,18 @@ impl<T: PairScalar> CpuEngine<T> {
             )
                 .into_par_iter()
                 .enumerate()
-                .for_each(|(b, (a, e, x, mu))| {
-                    let mut sums = [ForceSum::zero(); BLOCK];
+                .for_each_init(room, |sums, (b, (a, e, x, mu))| {
                     let first = b * BLOCK;
                     let block = &lists.list.blocks()[b];
                     let stored = lists.stored.as_ref().map(|s| s.block(b));
-                    let (terms, sums_of_block) = (&terms, &mut sums);
+                    let terms = &terms;
                     if usual {
-                        let sums = sums_of_block;
+                        let sums = &mut *sums;
                         let job =
                             ForceJob::<T, D, CORRECTED, true> { records, first, block, stored, constants, terms, sums };
                         run(instructions, job);
                     } else {
-                        let sums = sums_of_block;
+                        let sums = &mut *sums;
                         let job = ForceJob::<T, D, CORRECTED, false> {
                             records,
                             first,
