@@ -41,7 +41,21 @@ pub fn trial_deviator<T: Real>(s: SymmetricTensor<T>, l: &Tensor<T>, shear_modul
 /// Density (kg/m^3) after a step: `rho exp(-tr(L) dt)`, the solution of `drho/dt = -rho div v` at constant `div v`.
 #[inline]
 pub fn density_after<T: Scalar>(rho: T, l: &Tensor<T>, dt: T) -> T {
-    rho * (-(l[0][0] + l[1][1] + l[2][2]) * dt).exp()
+    rho * exponential(-(l[0][0] + l[1][1] + l[2][2]) * dt)
+}
+
+/// `exp(x)`: near zero, where a step keeps it, by its series, whose first omitted term is beyond double precision.
+#[inline]
+fn exponential<T: Scalar>(x: T) -> T {
+    if x.abs() < T::of(1.0 / 64.0) {
+        let mut sum = T::one();
+        for k in (1..=7).rev() {
+            sum = (sum * x).mul_add(T::of(1.0 / f64::from(k)), T::one());
+        }
+        sum
+    } else {
+        x.exp()
+    }
 }
 
 #[cfg(test)]
@@ -131,6 +145,15 @@ mod tests {
         };
         let (coarse, fine) = (error(20), error(40));
         assert!(fine < 1e-3 && coarse / fine > 3.9 && coarse / fine < 4.1, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn the_series_of_the_exponential_is_exact_and_meets_the_function() {
+        for x in [0.0f64, 1e-9, -3e-4, 0.0156, -0.0156, 1.0 / 64.0, 0.7, -2.0] {
+            let relative = exponential(x) / x.exp() - 1.0;
+            assert!(relative.abs() <= 2.0 * f64::EPSILON, "{x}: {relative}");
+        }
+        assert!(exponential(f64::NAN).is_nan());
     }
 
     #[test]
