@@ -35,6 +35,10 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Adds wall and gravity accelerations to those of the pair sum.
     pub(super) fn add_external_forces(&mut self) {
         let model = &*self.model;
+        if model.walls.is_empty() && model.gravity == [0.0; 3] {
+            // The external acceleration is zero from the start.
+            return;
+        }
         let (walls, dt) = (&self.walls, self.step.dt);
         let Work { external_acceleration, evaluated_velocity, .. } = &mut self.work;
         let velocity = &*evaluated_velocity;
