@@ -144,7 +144,8 @@ impl Pieces {
         for i in 0..particles.len() {
             for &j in list.row(i) {
                 let j = j as usize;
-                if j < i && body[i] == body[j] {
+                // Those already joined, as most are, need no second look.
+                if j < i && self.of[i] != self.of[j] && body[i] == body[j] {
                     let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
                     let r = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
                     let at_start: Vector<f64> = [0, 1, 2].map(|a| origin[i][a] - origin[j][a]);
