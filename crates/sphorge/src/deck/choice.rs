@@ -71,7 +71,7 @@ words! {
     }
     SearchWord, "search strategy", Search {
         "every-step" => Search::EveryStep, "all particles, every step";
-        "skin" => defaults::SKIN, "lists with a skin, renewed when a particle has moved through half of it";
+        "skin" => defaults::SKIN, "lists with a skin, renewed when two particles may have closed in by it";
         "adaptive" => Search::Adaptive(defaults::ADAPTIVE), "particles whose plastic strain grows (Fraser), and all a guard finds";
         "total-lagrangian" => Search::TotalLagrangian(defaults::TOTAL_LAGRANGIAN), "no one after the start: sums over the initial neighbours";
     }

@@ -113,7 +113,7 @@ pub struct Numerics {
 pub enum Search {
     /// All particles, every step.
     EveryStep,
-    /// Verlet lists with a skin, all particles searched when one has moved half the skin.
+    /// Verlet lists with a skin, all particles searched when two may have closed in by the skin.
     Skin {
         /// Skin as a share of the kernel radius.
         fraction: f64,

@@ -94,7 +94,7 @@ pub(crate) struct RawArtificialStress {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(crate) struct RawSearch {
-    /// Neighbour lists with a skin, renewed when a particle has moved through half of it.
+    /// Neighbour lists with a skin, renewed when two particles may have closed in by it.
     pub(crate) skin: Option<RawSkin>,
     /// Particles whose plastic strain grows are searched again (Fraser), and all a guard finds.
     pub(crate) adaptive: Option<RawAdaptive>,

@@ -88,6 +88,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 if stale || self.moved_beyond_skin(fraction) {
                     self.search_everyone()
                 } else {
+                    self.follow_frame();
                     self.search_no_one()
                 }
             }
@@ -118,14 +119,19 @@ impl<T: PairScalar> CpuEngine<T> {
         self.lists.smoothing_lengths.1
     }
 
-    /// Two particles can close in by twice the largest displacement.
+    /// Whether two particles may have closed in by more than the skin: by twice the longest way of any since the search, or by what
+    /// the ways of all differ, which for a body in flight is little.
     fn moved_beyond_skin(&self, fraction: f64) -> bool {
         let smallest = self.lists.smoothing_lengths.0;
         let skin = self.skin_left(fraction * smallest, fraction);
-        let allowed = 0.5 * skin * self.model.numerics.kernel.support();
+        let skin = skin * self.model.numerics.kernel.support();
+        let (now, then) = (&self.particles.position, &self.lists.points);
+        // Images in symmetry planes go other ways than their sources.
+        let ways_differ = || !self.halo.is_empty() || differ_beyond(now, then, skin);
         skin <= 0.0
-            || (!self.lists.odometer.is_within(self.lists.searched_when, allowed)
-                && moved_beyond(&self.particles.position, &self.lists.points, allowed))
+            || (!self.lists.odometer.is_within(self.lists.searched_when, 0.5 * skin)
+                && moved_beyond(now, then, 0.5 * skin)
+                && ways_differ())
     }
 
     fn search_no_one(&mut self) -> SearchReport {
@@ -275,4 +281,39 @@ fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool
             d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > allowed * allowed
         })
     })
+}
+
+/// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
+fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+    let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let of_chunk = |(now, then): (&[Vector<f64>], &[Vector<f64>])| {
+        let (mut low, mut high) = nothing();
+        for (now, then) in now.iter().zip(then) {
+            for a in 0..3 {
+                let way = now[a] - then[a];
+                (low[a], high[a]) = (low[a].min(way), high[a].max(way));
+            }
+        }
+        (low, high)
+    };
+    let join = |a: (Vector<f64>, Vector<f64>), b: (Vector<f64>, Vector<f64>)| {
+        ([0, 1, 2].map(|k| a.0[k].min(b.0[k])), [0, 1, 2].map(|k| a.1[k].max(b.1[k])))
+    };
+    let (low, high) = now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).map(of_chunk).reduce(nothing, join);
+    (0..3).map(|a| (high[a] - low[a]).powi(2)).sum::<f64>() > allowed * allowed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_differ_by_what_is_left_without_the_motion_all_share() {
+        let then: Vec<Vector<f64>> = (0..10_000).map(|i| [f64::from(i), 2.0, 3.0]).collect();
+        let mut now: Vec<Vector<f64>> = then.iter().map(|x| [x[0] + 100.0, x[1] - 7.0, x[2]]).collect();
+        assert!(moved_beyond(&now, &then, 100.0) && !differ_beyond(&now, &then, 1e-9));
+        now[9_000][0] += 3.0;
+        now[20][1] -= 4.0;
+        assert!(!differ_beyond(&now, &then, 5.0 + 1e-9) && differ_beyond(&now, &then, 5.0 - 1e-9));
+    }
 }
