@@ -57,6 +57,43 @@ fn a_skin_gives_the_sums_of_a_search_every_step() {
     assert!(apart < 1e-10, "{apart:.1e} m after a way of 1e-3 m");
 }
 
+/// A block of iron that turns slowly and flies fast.
+const FLIGHT: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+
+[numerics]
+precision = "mixed"
+
+[time]
+end = "20 us"
+
+[[body]]
+name = "block"
+material = "armco-iron"
+shape = { box = { min = ["-10 mm", "-5 mm"], max = ["10 mm", "5 mm"] } }
+velocity = ["3000 m/s", "-1000 m/s"]
+spin = { rate = "100 rad/s" }
+"#;
+
+#[test]
+fn a_body_in_flight_keeps_its_lists() {
+    let flown = |search: &str| {
+        let mut simulation = simulation(FLIGHT, &[("search", search), ("time.fixed-step", "50 ns")]);
+        let mut searches = 0;
+        while simulation.time() < 20e-6 {
+            searches += u32::from(simulation.step(Some(20e-6)).unwrap().searched_fraction > 0.0);
+        }
+        (simulation, searches)
+    };
+    // Through 25 times the kernel radius: far out of the frame in which the first sums read positions.
+    let (with_skin, searches) = flown("skin");
+    let (reference, every) = flown("every-step");
+    assert!(searches <= 1 && every >= 400, "{searches} searches with a skin, {every} without");
+    let apart = distance(&with_skin, &reference);
+    assert!(apart < 1e-9, "{apart:.1e} m after a way of 6e-2 m");
+}
+
 #[test]
 fn smoothing_lengths_follow_the_density_with_any_skin() {
     let follow = ("numerics.smoothing-length", "{ follow-density = { factor = 1.02 } }");
