@@ -1,6 +1,6 @@
 //! Arguments that name a deck and change it, shared by the commands that read decks.
 
-use crate::failure::Failure;
+use crate::{failure::Failure, memory};
 use clap::{Args, ValueEnum};
 use sphorge::deck::{self, Setup};
 use sphorge::decks::{self, ShippedDeck};
@@ -85,9 +85,10 @@ impl FoundDeck {
     /// # Errors
     /// Something is wrong with it.
     pub(crate) fn load(&self) -> Result<Setup, Failure> {
+        let limit = memory::particle_limit();
         let setup = match &self.source {
-            Source::Shipped(shipped) => deck::load_text(shipped.name, shipped.text, &self.overrides),
-            Source::File(path) => deck::load(path, &self.overrides),
+            Source::Shipped(shipped) => deck::load_text_within(shipped.name, shipped.text, &self.overrides, limit),
+            Source::File(path) => deck::load(path, &self.overrides, limit),
         };
         setup.map_err(|report| Failure::BadInput(report.into()))
     }

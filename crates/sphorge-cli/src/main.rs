@@ -6,6 +6,7 @@ mod deck_arguments;
 #[cfg(test)]
 mod documents;
 mod failure;
+mod memory;
 mod progress;
 mod readable;
 mod signals;

@@ -1,6 +1,6 @@
 //! Shows how far a run is: a bar with the time left on a terminal, a line every tenth part otherwise.
 
-use crate::{readable, terminal};
+use crate::{memory, readable, terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sphorge::run::{Observer, Progress, RunStart};
 use std::io::{self, IsTerminal};
@@ -53,6 +53,7 @@ impl ProgressDisplay {
 
 impl Observer for ProgressDisplay {
     fn started(&mut self, start: &RunStart) {
+        memory::reset_peak();
         self.particles = start.particles;
         if !start.title.is_empty() {
             self.lines.print(&start.title);
@@ -64,6 +65,10 @@ impl Observer for ProgressDisplay {
             readable::threads(start.threads),
             start.directory.display(),
         ));
+    }
+
+    fn peak_memory_bytes(&mut self) -> Option<u64> {
+        memory::peak_resident_bytes()
     }
 
     fn progressed(&mut self, progress: &Progress) {

@@ -1,23 +1,20 @@
 //! Smoothed-particle hydrodynamics for metals that yield, flow and break.
 //!
-//! A deck becomes a validated [`model`], an engine ([`solver`]) steps its [`particles`], sinks write what happened, analysis
-//! measures, plots and compares.
+//! A [`deck`] becomes a validated [`model`]; [`run`] takes its [`particles`] through time with an [`engine`], [`measures`] them and
+//! writes what happened ([`output`]); [`plot`] and [`compare`] look at the files, [`validate`] sets cases beside known answers.
 
-pub mod analysis;
 pub mod bench;
-pub mod boundary;
-pub mod deck;
-pub mod decks;
+pub mod compare;
 pub mod forecast;
-pub mod geometry;
-mod lanes;
-pub mod material;
-pub mod model;
-pub mod neighbors;
+pub mod measures;
+mod number;
+mod observed;
 pub mod output;
-pub mod particles;
+pub mod plot;
 pub mod run;
-pub mod solver;
+pub mod validate;
 
-pub use model::Model;
-pub use particles::Particles;
+pub use sphorge_deck as deck;
+pub use sphorge_deck::{decks, material};
+pub use sphorge_engine as engine;
+pub use sphorge_engine::{Model, Particles, geometry, model, particles};

@@ -1,6 +1,6 @@
 //! No step allocates once buffers have grown.
 
-use sphorge::{deck::load_text, solver::Simulation};
+use sphorge::{deck::load_text, engine::Simulation};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,9 +1,9 @@
 //! A deck becomes a folder that can be read back, pictured and compared.
 
 use sphorge::{
-    analysis::plot::{FieldPicture, plot_field, plot_run},
     deck::load_text,
     output::{FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series},
+    plot::{FieldPicture, plot_field, plot_run},
     run::{RunError, RunOptions, Silent, execute},
 };
 use std::{path::Path, sync::atomic::AtomicBool};

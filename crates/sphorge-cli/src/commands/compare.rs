@@ -5,7 +5,7 @@ use crate::{
     terminal,
 };
 use clap::Args;
-use sphorge::analysis::Comparison;
+use sphorge::compare::Comparison;
 use std::path::PathBuf;
 
 /// Arguments of `compare`.

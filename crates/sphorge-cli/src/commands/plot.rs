@@ -6,8 +6,8 @@ use crate::{
 };
 use clap::{Args, ValueEnum};
 use sphorge::{
-    analysis::plot::{ColorMap, FieldPicture, FrameChoice, PlotError, View, plot_columns, plot_field, plot_run},
     output::{OutputError, RunDirectory},
+    plot::{ColorMap, FieldPicture, FrameChoice, PlotError, View, plot_columns, plot_field, plot_run},
 };
 use std::path::PathBuf;
 

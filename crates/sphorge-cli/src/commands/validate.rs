@@ -7,10 +7,8 @@ use crate::{
 };
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
-use sphorge::analysis::validate::{
-    Case, CaseReport, Effort, ValidateError, ValidateOptions, Variant, Watcher, validate,
-};
 use sphorge::run::Observer;
+use sphorge::validate::{Case, CaseReport, Effort, ValidateError, ValidateOptions, Variant, Watcher, validate};
 use std::path::PathBuf;
 
 /// Arguments of `validate`.

@@ -9,10 +9,12 @@
 //!
 //! Units: `rho` kg/m^3, `e` J/kg with `e = 0` in the reference state, `p` Pa, positive in compression, `c` m/s.
 
+mod bounded;
 mod linear;
 mod mie_gruneisen_hugoniot;
 mod mie_gruneisen_polynomial;
 
+pub use bounded::BoundedPressure;
 pub use linear::Linear;
 pub use mie_gruneisen_hugoniot::MieGruneisenHugoniot;
 pub use mie_gruneisen_polynomial::MieGruneisenPolynomial;

@@ -3,7 +3,7 @@
 use super::BenchRow;
 use crate::{
     deck::{DeckReport, Setup},
-    solver::{RunFailure, Simulation, StageSeconds},
+    engine::{RunFailure, Simulation, StageSeconds},
 };
 use serde::Serialize;
 use std::time::Instant;

@@ -1,13 +1,13 @@
 //! What a run would take: looks at the model, then takes a few real steps and writes nothing.
 
 use crate::{
-    analysis::observed::Observed,
     deck::Setup,
+    engine::{RunFailure, Simulation, VoteReason},
     geometry::Volume,
     model::{Dimensions, Model, Solid},
+    observed::Observed,
     output::{FrameHeader, write_frame},
     particles::Particles,
-    solver::{RunFailure, Simulation, VoteReason},
 };
 use std::{
     io::{self, Write},

@@ -19,9 +19,9 @@ use super::{
     sync::Pacing,
 };
 use crate::{
+    engine::{Audit, ContactLedger, Energies, HeatLedger, Ledger, VoteReason},
     model::{Dimensions, MeasureKind, Model},
     particles::find_field,
-    solver::{Audit, ContactLedger, Energies, HeatLedger, Ledger, VoteReason},
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use super::{
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
 };
-use crate::solver::{Audit, StageSeconds};
+use crate::engine::{Audit, StageSeconds};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, fmt, fs};
 

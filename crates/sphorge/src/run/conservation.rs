@@ -1,6 +1,6 @@
 //! Drift of what ought to be conserved, from ledger to ledger.
 
-use crate::solver::Ledger;
+use crate::engine::Ledger;
 use std::array;
 
 /// Drift at one time.
@@ -82,7 +82,7 @@ fn relative(change: f64, scale: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::{BodyLedger, Energies};
+    use crate::engine::{BodyLedger, Energies};
 
     fn ledger(kinetic: f64, internal: f64, work: f64, momentum: f64, impulse: f64, scale: f64) -> Ledger {
         Ledger {

@@ -9,9 +9,9 @@ use super::{
 };
 use crate::{
     deck::Setup,
+    engine::{Simulation, StepReport},
     model::TimeControl,
     output::{Durability, EndReason, FailureRecord, OutputError, RunDirectory, Summary, write_file},
-    solver::{Simulation, StepReport},
 };
 use std::{
     path::PathBuf,
@@ -88,14 +88,16 @@ fn run<S: Stepper>(
 
     match steps(&mut engine, &mut recorder, stop, observer, &mut pace) {
         Ok(Ending::Reached(reason)) => {
-            let (summary, written) = recorder.summary(&engine, reason, None, pace.seconds());
+            let (summary, written) =
+                recorder.summary(&engine, reason, None, pace.seconds(), observer.peak_memory_bytes());
             written.map_err(|source| RunError::Output { source })?;
             Ok(summary)
         }
         Ok(Ending::Failed(failure)) => {
             let flushed = recorder.flush();
+            let memory = observer.peak_memory_bytes();
             let (summary, written) =
-                recorder.summary(&engine, EndReason::Failure, Some(failure.clone()), pace.seconds());
+                recorder.summary(&engine, EndReason::Failure, Some(failure.clone()), pace.seconds(), memory);
             flushed.and(written).map_err(|source| RunError::Output { source })?;
             Err(RunError::Failed { failure, directory: path, summary: Box::new(summary) })
         }
@@ -110,7 +112,8 @@ fn run<S: Stepper>(
                 position: None,
             });
             // The disk may still take this one small file; the trouble to report is the first one.
-            let _ = recorder.summary(&engine, EndReason::Failure, Some(failure), pace.seconds());
+            let memory = observer.peak_memory_bytes();
+            let _ = recorder.summary(&engine, EndReason::Failure, Some(failure), pace.seconds(), memory);
             Err(RunError::Output { source })
         }
     }

@@ -14,7 +14,6 @@
 mod conservation;
 mod drive;
 mod error;
-mod memory;
 mod progress;
 mod record;
 mod schedule;

@@ -1,6 +1,6 @@
 //! How far a run is, for whoever watches.
 
-use crate::solver::VoteReason;
+use crate::engine::VoteReason;
 use std::{path::PathBuf, time::Instant};
 
 /// A run about to start.
@@ -51,6 +51,10 @@ pub trait Observer: Send {
     fn progressed(&mut self, _progress: &Progress) {}
     /// Frame `index` at `time` (s) is on the disk.
     fn frame_written(&mut self, _index: usize, _time: f64) {}
+    /// Largest memory of the process since [`Self::started`], bytes, for the summary; `None` where nobody knows.
+    fn peak_memory_bytes(&mut self) -> Option<u64> {
+        None
+    }
 }
 
 /// An observer that does nothing.

@@ -1,18 +1,15 @@
 //! Writes frames, rows and the summary of a run under way.
 
-use super::{
-    conservation::Conservation,
-    memory::{peak_resident_bytes, reset_peak},
-    stepper::Stepper,
-};
+use super::{conservation::Conservation, stepper::Stepper};
 use crate::{
-    analysis::{Measures, observed::Observed},
+    engine::{Audit, Energies, StepReport, VoteReason},
+    measures::Measures,
     model::{Model, Precision},
+    observed::Observed,
     output::{
         AuditRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample,
         OutputError, RunDirectory, SeriesEntry, Status, Summary, measure_unit, write_frame_file, write_series,
     },
-    solver::{Audit, Energies, StepReport, VoteReason},
 };
 use std::{array, time::Instant};
 
@@ -53,7 +50,6 @@ struct StepSums {
 
 impl Recorder {
     pub(super) fn new(directory: RunDirectory, model: &Model) -> Result<Self, OutputError> {
-        reset_peak();
         let observed = Observed::new(model);
         let mirrored = array::from_fn(|axis| model.symmetry.iter().any(|plane| plane.axis == axis));
         Ok(Self {
@@ -188,6 +184,7 @@ impl Recorder {
         end_reason: EndReason,
         failure: Option<Box<FailureRecord>>,
         seconds: f64,
+        peak_memory_bytes: Option<u64>,
     ) -> (Summary, Result<(), OutputError>) {
         let model = engine.model();
         let steps = self.steps.count;
@@ -221,7 +218,7 @@ impl Recorder {
             particle_steps_per_second: per_second(engine.particles().len() as f64 * steps as f64),
             pairs_per_second: per_second(self.steps.pairs),
             searched_fraction: if steps > 0 { self.steps.searched / steps as f64 } else { 0.0 },
-            peak_memory_bytes: peak_resident_bytes().unwrap_or(self.engine_bytes),
+            peak_memory_bytes: peak_memory_bytes.unwrap_or(self.engine_bytes),
             engine_memory_bytes: self.engine_bytes,
             energy: EnergyRecord {
                 kinetic: self.energies.kinetic,

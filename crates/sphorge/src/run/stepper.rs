@@ -1,10 +1,10 @@
 //! What the driver asks of a simulation; apart from it so that the driver can be tested alone.
 
 use crate::{
+    engine::{Ledger, RunFailure, Simulation, StageSeconds, StepReport, VoteReason},
     model::Model,
     output::FailureRecord,
     particles::Particles,
-    solver::{Ledger, RunFailure, Simulation, StageSeconds, StepReport, VoteReason},
 };
 
 /// Something that takes time steps.

@@ -2,10 +2,10 @@
 
 use super::{drive::drive, stepper::Stepper, *};
 use crate::{
+    engine::{BodyLedger, Energies, Ledger, StageSeconds, StepReport, VoteReason},
     model::{Measure, MeasureKind, Model, Probe},
     output::{EndReason, FailureRecord, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
     particles::Particles,
-    solver::{BodyLedger, Energies, Ledger, StageSeconds, StepReport, VoteReason},
 };
 use std::{
     fs,

@@ -1,7 +1,7 @@
 //! Adaptive search: what the published rule misses, the guarded one finds; nothing else changes.
 
 use super::setup::{COLLISION, by_id, norm, run_steps, run_to, simulation};
-use sphorge::solver::{Audit, Simulation};
+use sphorge::engine::{Audit, Simulation};
 
 const EVERY_STEP: &str = "every-step";
 const GUARDED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5 } }";
@@ -190,7 +190,7 @@ fn the_total_lagrangian_rod_spins_without_strain_and_conserves() {
     let before = simulation.ledger();
     run_to(&mut simulation, 1e-3);
     let after = simulation.ledger();
-    let total = |l: &sphorge::solver::Ledger| l.total.energies.kinetic + l.total.energies.internal;
+    let total = |l: &sphorge::engine::Ledger| l.total.energies.kinetic + l.total.energies.internal;
     assert!((total(&after) / total(&before) - 1.0).abs() < 1e-12);
     assert!((after.total.angular_momentum[2] / before.total.angular_momentum[2] - 1.0).abs() < 1e-6);
     assert!((after.total.energies.kinetic / before.total.energies.kinetic - 1.0).abs() < 1e-3);

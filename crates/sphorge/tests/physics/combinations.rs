@@ -1,7 +1,7 @@
 //! Every search strategy together with the other choices of a deck: the answer of a search every step, or a refusal that says why.
 
 use super::setup::{by_id, norm, simulation};
-use sphorge::{deck, solver::Simulation};
+use sphorge::{deck, engine::Simulation};
 
 /// A block strikes the end of a bar so long that its other end stays alone.
 const STRIKE: &str = r#"

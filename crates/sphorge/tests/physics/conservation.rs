@@ -1,14 +1,14 @@
 //! What no force may change.
 
 use super::setup::{COLLISION, norm, run_steps, run_to, simulation};
-use sphorge::solver::Simulation;
+use sphorge::engine::Simulation;
 
 /// Largest drift of total energy and of linear momentum over a run, relative to the first total and to the first
 /// `sum m |v|`.
 fn drifts(simulation: &mut Simulation, end: f64) -> (f64, f64) {
     simulation.next_step_estimate().unwrap();
     let first = simulation.ledger().total;
-    let energy = |e: sphorge::solver::Energies| e.kinetic + e.internal;
+    let energy = |e: sphorge::engine::Energies| e.kinetic + e.internal;
     let (mut energy_drift, mut momentum_drift) = (0.0f64, 0.0f64);
     while simulation.time() < end {
         simulation.step(Some(end)).unwrap();

@@ -1,7 +1,7 @@
 //! Contact between bodies that cannot pull.
 
 use super::setup::{COLLISION, by_id, norm, run_to, simulation};
-use sphorge::solver::Simulation;
+use sphorge::engine::Simulation;
 
 /// Two elastic blocks of unlike metals and spacings with a gap between them, one on its way to the other.
 const BLOCKS: &str = r#"

@@ -1,7 +1,7 @@
 //! A run that breaks down says where.
 
 use super::setup::{COLLISION, simulation};
-use sphorge::{deck, solver::Simulation};
+use sphorge::{deck, engine::Simulation};
 
 #[test]
 fn a_value_that_is_not_a_number_names_step_particle_and_field() {

@@ -1,7 +1,7 @@
 //! Heat that flows: series solutions, and accounts that close.
 
 use super::setup::{COLLISION, by_id, run_steps, run_to, simulation};
-use sphorge::solver::{Simulation, VoteReason};
+use sphorge::engine::{Simulation, VoteReason};
 use std::f64::consts::PI;
 
 /// A slab of 100 mm between two plates, from 0 degC; diffusivity 1e-5 m^2/s.

@@ -1,6 +1,6 @@
 //! Simulations from deck text.
 
-use sphorge::{Particles, deck, solver::Simulation};
+use sphorge::{Particles, deck, engine::Simulation};
 
 /// A deck's simulation, with some values changed.
 pub(crate) fn simulation(text: &str, overrides: &[(&str, &str)]) -> Simulation {

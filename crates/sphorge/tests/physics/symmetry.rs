@@ -1,7 +1,7 @@
 //! Symmetry planes and periodic ends against the whole problem, and against each other.
 
 use super::setup::{run_to, simulation};
-use sphorge::{Particles, solver::Simulation};
+use sphorge::{Particles, engine::Simulation};
 use std::collections::HashMap;
 
 const BLOCK: &str = r#"

@@ -1,7 +1,7 @@
 //! The same answer computed in two ways.
 
 use super::setup::{COLLISION, by_id, norm, run_steps, run_to, simulation};
-use sphorge::{Particles, solver::Simulation};
+use sphorge::{Particles, engine::Simulation};
 
 /// A run in a pool of its own.
 fn on_threads(threads: usize, overrides: &[(&str, &str)], steps: u64) -> Particles {

@@ -1,0 +1,177 @@
+//! Words a deck chooses from.
+
+use super::defaults;
+use super::value::{Choices, Given, Scalar, Velocity};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use sphorge_engine::model::{
+    Arrangement, CraterEdge, Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision,
+    Search, TemperatureSource,
+};
+use sphorge_engine::particles::{FIELDS, FieldInfo};
+use sphorge_physics::{kernel::Kernel, pair::PairForm, return_mapping::ReturnRule};
+use std::borrow::Cow;
+
+macro_rules! words {
+    ($( $name:ident, $what:literal, $value:ty { $( $word:literal => $chosen:expr, $meaning:literal; )+ } )+) => { $(
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) enum $name {}
+        impl Choices for $name {
+            type Value = $value;
+            const NAME: &'static str = stringify!($name);
+            const WHAT: &'static str = $what;
+            fn table() -> Vec<(&'static str, $value, &'static str)> {
+                vec![ $( ($word, $chosen, $meaning), )+ ]
+            }
+        }
+    )+ };
+}
+
+words! {
+    ArrangementWord, "lattice", Arrangement {
+        "square" => Arrangement::Square, "square in the plane, cubic in space";
+        "hexagonal" => Arrangement::Hexagonal, "triangular in the plane, hexagonal close-packed in space";
+        "rings" => Arrangement::Rings, "concentric rings of equally spaced particles; for discs and cylinders";
+    }
+    PlacementWord, "lattice placement", LatticePlacement {
+        "cell-centres" => LatticePlacement::CellCentres, "the outermost particles are half a spacing inside the faces";
+        "on-faces" => LatticePlacement::OnFaces, "the outermost particles lie on the faces";
+    }
+    IntegratorWord, "time integrator", Integrator {
+        "leapfrog" => Integrator::Leapfrog, "kick, drift, kick";
+        "predictor-corrector" => Integrator::PredictorCorrector, "Monaghan (1989)";
+    }
+    PrecisionWord, "precision", Precision {
+        "mixed" => Precision::Mixed, "pair arithmetic in single precision, sums in double";
+        "double" => Precision::Double, "everything in double precision";
+    }
+    GradientCorrectionWord, "gradient correction", GradientCorrection {
+        "none" => GradientCorrection::None, "plain kernel gradient";
+        "linear" => GradientCorrection::Linear, "exact for linear fields, in the velocity gradient and adjoint in the force";
+    }
+    PairFormWord, "pair form", PairForm {
+        "volume-weighted" => PairForm::VolumeWeighted, "m/rho of the neighbour, (sigma_i + sigma_j)/(rho_i rho_j)";
+        "density-weighted" => PairForm::DensityWeighted, "m_j/rho_i, sigma_i/rho_i^2 + sigma_j/rho_j^2";
+        "mixed" => PairForm::Mixed, "m/rho of the neighbour, sigma_i/rho_i^2 + sigma_j/rho_j^2 (Patiño et al.): not adjoint";
+    }
+    EnergySplitWord, "energy split", EnergySplit {
+        "own-stress" => EnergySplit::OwnStress, "each particle takes the work of its own stress";
+        "symmetric" => EnergySplit::Symmetric, "each takes half (Patiño et al. Eq 10)";
+    }
+    TemperatureWord, "source of temperature", TemperatureSource {
+        "plastic-work" => TemperatureSource::PlasticWork, "heat of plastic work";
+        "energy" => TemperatureSource::Energy, "internal energy less cold, elastic and stored energy: for shock heating";
+    }
+    ReturnRuleWord, "return rule", ReturnRule {
+        "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";
+        "benz-asphaug" => ReturnRule::BenzAsphaug, "the square of that factor (Patiño et al. Eq 28 as printed)";
+    }
+    SmoothingLengthWord, "course of the smoothing length", bool {
+        "constant" => false, "as at the start";
+        "follow-density" => true, "grows where material expands and shrinks where it is compressed, at most by a factor of 2";
+    }
+    SearchWord, "search strategy", Search {
+        "every-step" => Search::EveryStep, "all particles, every step";
+        "skin" => defaults::SKIN, "lists with a skin, renewed when two particles may have closed in by it";
+        "adaptive" => Search::Adaptive(defaults::ADAPTIVE), "particles whose plastic strain grows (Fraser), and all a guard finds";
+        "total-lagrangian" => Search::TotalLagrangian(defaults::TOTAL_LAGRANGIAN), "no one after the start: sums over the initial neighbours";
+    }
+    GuardWord, "guard of the adaptive search", Option<f64> {
+        "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and strangers are searched too, gradients are those of the positions as they are";
+        "none" => None, "the rule of Fraser as published, kernel values of the last search";
+    }
+    FormulationWord, "total Lagrangian form", bool {
+        "corrected" => true, "deformation gradient and first Piola-Kirchhoff stress with corrected gradients";
+        "frozen" => false, "lists and kernel values of the start in the sums of the other strategies (Fraser, Table 1)";
+    }
+    ContactWord, "wall contact", bool {
+        "monaghan-kos" => true, "repulsion of Monaghan & Kos (1999)";
+        "penalty" => false, "linear penalty with damping and friction; pushes only";
+    }
+    BodyContactWord, "contact between bodies", bool {
+        "kernel-sum" => false, "particles of other bodies are neighbours like any other, as in the papers: bodies stick";
+        "penalty" => true, "bodies push each other and never pull, with damping and friction";
+    }
+    AxisWord, "axis", usize {
+        "x" => 0, "first axis";
+        "y" => 1, "second axis";
+        "z" => 2, "third axis";
+    }
+    EdgeWord, "edge of a crater", CraterEdge {
+        "clear" => CraterEdge::Clear, "the clear opening";
+        "entry-lips" => CraterEdge::EntryLips, "from crest to crest of the lips on the side the projectile comes from";
+        "exit-lips" => CraterEdge::ExitLips, "from crest to crest of the lips on the side it leaves by";
+    }
+    SideWord, "side", f64 {
+        "positive" => 1.0, "towards larger coordinates";
+        "negative" => -1.0, "towards smaller coordinates";
+    }
+}
+
+/// Space dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum DimensionsWord {}
+impl Choices for DimensionsWord {
+    type Value = Dimensions;
+    const NAME: &'static str = "DimensionsWord";
+    const WHAT: &'static str = "number of dimensions";
+    fn meant(word: &str) -> Option<&'static str> {
+        match word.to_lowercase().as_str() {
+            "1" | "one" => Some("1d"),
+            "2d" | "2" | "two" | "plane" | "plane strain" => Some("plane-strain"),
+            "3" | "three" => Some("3d"),
+            _ => None,
+        }
+    }
+    fn table() -> Vec<(&'static str, Dimensions, &'static str)> {
+        vec![
+            ("1d", Dimensions::One, "motion along x, uniaxial strain; stresses across are carried"),
+            ("plane-strain", Dimensions::PlaneStrain, "motion in the x-y plane; the stress out of it is carried"),
+            ("3d", Dimensions::Three, "three dimensions"),
+        ]
+    }
+}
+
+/// Kernels by key.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum KernelWord {}
+impl Choices for KernelWord {
+    type Value = Kernel;
+    const NAME: &'static str = "KernelWord";
+    const WHAT: &'static str = "kernel";
+    fn table() -> Vec<(&'static str, Kernel, &'static str)> {
+        Kernel::ALL.iter().map(|&kernel| (kernel.key(), kernel, kernel.name())).collect()
+    }
+}
+
+/// Particle fields by name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FieldWord {}
+impl Choices for FieldWord {
+    type Value = &'static FieldInfo;
+    const NAME: &'static str = "FieldWord";
+    const WHAT: &'static str = "field";
+    fn table() -> Vec<(&'static str, &'static FieldInfo, &'static str)> {
+        FIELDS.iter().map(|field| (field.name, field, field.meaning)).collect()
+    }
+}
+
+/// A velocity, or the word `free`.
+#[derive(Clone, Debug)]
+pub(crate) struct VelocityOrFree(pub(crate) Scalar);
+impl From<Scalar> for VelocityOrFree {
+    fn from(scalar: Scalar) -> Self {
+        Self(scalar)
+    }
+}
+impl JsonSchema for VelocityOrFree {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "VelocityOrFree".into()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let velocity = generator.subschema_for::<Given<Velocity>>();
+        json_schema!({ "anyOf": [velocity, { "const": "free" }] })
+    }
+}

@@ -1,0 +1,42 @@
+//! What a deck gets where it says nothing; the reference page states the same values, and a test compares them.
+
+use sphorge_engine::model::{AdaptiveSearch, Search, TotalLagrangian};
+
+/// Smoothing length over spacing.
+pub(crate) const SMOOTHING: f64 = 1.2;
+/// Courant number.
+pub(crate) const COURANT: f64 = 0.3;
+/// Linear and quadratic artificial viscosity.
+pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
+/// Strength and exponent of the artificial stress, where it is asked for (Gray, Monaghan & Swift 2001).
+pub(crate) const ARTIFICIAL_STRESS: (f64, u32) = (0.3, 4);
+/// Thickness of the neighbour skin over the kernel radius.
+pub(crate) const SKIN_FRACTION: f64 = 0.1;
+/// Lists with a skin.
+pub(crate) const SKIN: Search = Search::Skin { fraction: SKIN_FRACTION };
+/// Strain since its last search at which the guard of the adaptive search searches a particle.
+pub(crate) const GUARD_STRAIN: f64 = 0.005;
+/// Adaptive search: the middle threshold of Fraser's Table 1, guarded.
+pub(crate) const ADAPTIVE: AdaptiveSearch =
+    AdaptiveSearch { plastic_strain_threshold: 1e-5, accumulate: false, guard: Some(GUARD_STRAIN) };
+/// Total Lagrangian form.
+pub(crate) const TOTAL_LAGRANGIAN: TotalLagrangian = TotalLagrangian { corrected: true, hourglass: 10.0 };
+/// Stiffness, damping and friction of the penalty contact.
+pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
+/// Stiffness, damping and friction of the contact between bodies.
+pub(crate) const BODY_CONTACT: (f64, f64, f64) = (1.0, 0.3, 0.0);
+/// Largest ratio of a smoothing length that follows the density to the initial one.
+pub(crate) const SMOOTHING_FACTOR: f64 = 2.0;
+/// Frames over a run.
+pub(crate) const FRAMES: u64 = 50;
+/// Rows of the history over a run.
+pub(crate) const HISTORY_ROWS: u64 = 500;
+/// Share of plastic work that heats.
+pub(crate) const TAYLOR_QUINNEY: f64 = 0.9;
+/// Temperature of a material that names none, K.
+pub(crate) const REFERENCE_TEMPERATURE: f64 = 293.15;
+/// Distance up to which particles of a plate hang together, in spacings.
+pub(crate) const LINK: f64 = 1.5;
+/// Fields of a tracer; one fixed in space has no use for the first.
+pub(crate) const TRACER_FIELDS: [&str; 6] =
+    ["position", "velocity", "pressure", "von_mises_stress", "plastic_strain", "temperature"];

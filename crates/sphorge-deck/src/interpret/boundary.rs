@@ -1,0 +1,286 @@
+//! Walls, symmetry planes, periodic axes, prescribed motion.
+
+use super::{Names, check_axis, described, exactly_one, vector, wrong_length};
+use crate::choice::{ContactWord, VelocityOrFree};
+use crate::defaults;
+use crate::raw::{RawContact, RawMotion, RawPeriodic, RawPlane, RawSegment, RawSymmetry, RawWall, Rows};
+use crate::report::{Fault, Problems};
+use crate::value::{Choice, Given, Kind, Literal, ScalarOr, Velocity};
+use sphorge_engine::model::{
+    Dimensions, MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface,
+};
+use sphorge_physics::parameter::Bound;
+use std::ops::Range;
+
+/// A wall.
+pub(crate) fn wall(
+    raw: &RawWall,
+    dimensions: Dimensions,
+    spacing: Option<f64>,
+    problems: &mut Problems,
+) -> Option<Wall> {
+    enum Surface<'a> {
+        Plane(&'a RawPlane),
+        Segment(&'a RawSegment),
+    }
+    let options = vec![
+        ("plane", raw.plane.as_ref().map(Surface::Plane)),
+        ("segment", raw.segment.as_ref().map(Surface::Segment)),
+    ];
+    let surface = match exactly_one(options, "a wall", raw.name.span(), problems) {
+        Some(Surface::Plane(p)) => plane(p, dimensions, problems),
+        Some(Surface::Segment(s)) => segment(s, dimensions, problems),
+        None => None,
+    };
+    let contact = contact(raw.contact.as_ref(), spacing, problems);
+    let velocity = match &raw.velocity {
+        None => Some([0.0; 3].map(TimeTable::constant)),
+        Some(axes) => wall_velocity(axes, raw.name.span(), dimensions, problems),
+    };
+    Some(Wall { name: raw.name.text(problems)?.to_owned(), surface: surface?, velocity: velocity?, contact: contact? })
+}
+
+fn plane(raw: &RawPlane, dimensions: Dimensions, problems: &mut Problems) -> Option<WallSurface> {
+    let (point, normal) = (vector(&raw.point, dimensions, problems), vector(&raw.normal, dimensions, problems));
+    let (point, normal) = (point?, normal?);
+    let length = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        let fault =
+            Fault::new("out-of-range", "the normal has no direction", raw.normal.span.clone(), "must not be zero");
+        problems.push(fault.help("it points from the wall towards the material, for example [0, 1]"));
+        return None;
+    }
+    Some(WallSurface::Plane { point, normal: normal.map(|c| c / length) })
+}
+
+fn segment(raw: &RawSegment, dimensions: Dimensions, problems: &mut Problems) -> Option<WallSurface> {
+    if dimensions != Dimensions::PlaneStrain {
+        let message = format!("{}: walls are planes", described(dimensions));
+        problems.push(Fault::new("wrong-dimensions", message, raw.from.span.clone(), "a segment").help("use `plane`"));
+        return None;
+    }
+    let (from, to) = (vector(&raw.from, dimensions, problems), vector(&raw.to, dimensions, problems));
+    let (from, to) = (from?, to?);
+    if from == to {
+        problems.push(Fault::new(
+            "out-of-range",
+            "the segment has no length",
+            raw.to.span.clone(),
+            "the same as `from`",
+        ));
+        return None;
+    }
+    Some(WallSurface::Segment { from, to })
+}
+
+fn contact(
+    raw: Option<&ScalarOr<Choice<ContactWord>, RawContact>>,
+    spacing: Option<f64>,
+    problems: &mut Problems,
+) -> Option<WallContact> {
+    let (stiffness, damping, friction) = defaults::PENALTY;
+    let penalty = WallContact::Penalty { stiffness, damping, friction };
+    let repulsion = spacing.map(|range| WallContact::MonaghanKos { range });
+    let (table, at) = match raw {
+        None => return repulsion,
+        Some(ScalarOr::Scalar(word)) => return if word.get(problems)? { repulsion } else { Some(penalty) },
+        Some(ScalarOr::Composed(table, at)) => (table, at.clone()),
+    };
+    enum Law<'a> {
+        Kos(&'a crate::raw::RawMonaghanKos),
+        Penalty(&'a crate::raw::RawPenalty),
+    }
+    let options = vec![
+        ("monaghan-kos", table.monaghan_kos.as_ref().map(Law::Kos)),
+        ("penalty", table.penalty.as_ref().map(Law::Penalty)),
+    ];
+    match exactly_one(options, "a contact", at, problems)? {
+        Law::Kos(kos) => {
+            let range = kos.range.as_ref().map_or(spacing, |r| r.positive(problems));
+            Some(WallContact::MonaghanKos { range: range? })
+        }
+        Law::Penalty(p) => {
+            let stiffness = p.stiffness.as_ref().map_or(Some(stiffness), |s| s.positive(problems));
+            let damping = p.damping.as_ref().map_or(Some(damping), |d| d.within(Bound::Between(0.0, 1.0), problems));
+            let friction = p.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));
+            Some(WallContact::Penalty { stiffness: stiffness?, damping: damping?, friction: friction? })
+        }
+    }
+}
+
+fn wall_velocity(
+    axes: &[ScalarOr<Given<Velocity>, Rows<Velocity>>],
+    at: Range<usize>,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> Option<[TimeTable; 3]> {
+    if axes.len() != dimensions.count() {
+        problems.push(wrong_length(
+            dimensions,
+            axes.len(),
+            at,
+            "\"10 m/s\" or [[\"0 s\", \"0 m/s\"], [\"5 ms\", \"1 m/s\"]]",
+        ));
+        return None;
+    }
+    let mut tables = [0.0; 3].map(TimeTable::constant);
+    let read: Vec<_> = axes
+        .iter()
+        .map(|axis| match axis {
+            ScalarOr::Scalar(value) => value.si(problems).map(TimeTable::constant),
+            ScalarOr::Composed(rows, at) => time_table(rows, at.clone(), problems),
+        })
+        .collect();
+    for (table, axis) in tables.iter_mut().zip(read) {
+        *table = axis?;
+    }
+    Some(tables)
+}
+
+/// Rows of time and value; times must increase.
+fn time_table<K: Kind>(rows: &Rows<K>, at: Range<usize>, problems: &mut Problems) -> Option<TimeTable> {
+    if rows.is_empty() {
+        problems.push(Fault::new("empty-table", "the time table has no rows", at, "empty"));
+        return None;
+    }
+    let mut points: Vec<(f64, f64)> = Vec::with_capacity(rows.len());
+    let mut sound = true;
+    for (k, (time, value)) in rows.iter().enumerate() {
+        let (Some(t), Some(v)) = (time.si(problems), value.si(problems)) else {
+            sound = false;
+            continue;
+        };
+        if sound && points.last().is_some_and(|&(before, _)| t <= before) {
+            let fault = Fault::new(
+                "time-order",
+                "the times of a table must increase",
+                time.span(),
+                "not later than the row before",
+            );
+            problems.push(fault.also(rows[k - 1].0.span(), "the row before"));
+            sound = false;
+        }
+        points.push((t, v));
+    }
+    sound.then_some(TimeTable { points })
+}
+
+/// Lower and upper end of the cell on each periodic axis, m.
+pub(crate) type Cells = [Option<(f64, f64)>; 3];
+
+/// Periodic axes, and where each stands in the deck.
+pub(crate) fn periodic(
+    raw: &RawPeriodic,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> (Cells, [Range<usize>; 3]) {
+    let mut cells = [None; 3];
+    let mut places = [0..0, 0..0, 0..0];
+    for (axis, given) in [&raw.x, &raw.y, &raw.z].into_iter().enumerate() {
+        let Some(ends) = given else { continue };
+        places[axis] = ends.span.clone();
+        if check_axis(axis, ends.span.clone(), dimensions, problems).is_none() {
+            continue;
+        }
+        let [lower, upper] = ends.components.as_slice() else {
+            let message = format!("expected both ends of the cell, found {} values", ends.components.len());
+            let fault = Fault::new("wrong-dimensions", message, ends.span.clone(), "a lower and an upper end");
+            problems.push(fault.help("write [\"0 mm\", \"5 mm\"]"));
+            continue;
+        };
+        if let (Some(low), Some(high)) = (lower.si(problems), upper.si(problems)) {
+            if low < high {
+                cells[axis] = Some((low, high));
+            } else {
+                let fault = Fault::new(
+                    "out-of-range",
+                    "the cell ends where it begins or before",
+                    upper.span(),
+                    "must be above the lower end",
+                );
+                problems.push(fault);
+            }
+        }
+    }
+    (cells, places)
+}
+
+/// Symmetry planes.
+pub(crate) fn symmetry(
+    raw: &[RawSymmetry],
+    periodic: &Cells,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> Option<Vec<SymmetryPlane>> {
+    let read: Vec<_> = raw
+        .iter()
+        .map(|plane| {
+            let axis =
+                plane.axis.get(problems).and_then(|axis| check_axis(axis, plane.axis.span(), dimensions, problems));
+            let position = plane.at.as_ref().map_or(Some(0.0), |p| p.si(problems));
+            let side = plane.side.as_ref().map_or(Some(1.0), |s| s.get(problems));
+            Some(SymmetryPlane { axis: axis?, position: position?, side: side? })
+        })
+        .collect();
+    for (k, plane) in read.iter().enumerate().filter_map(|(k, p)| p.map(|p| (k, p))) {
+        let at = raw[k].axis.span();
+        if periodic[plane.axis].is_some() {
+            problems.push(Fault::new(
+                "conflict",
+                "this axis is periodic already",
+                at.clone(),
+                "and has a symmetry plane",
+            ));
+        }
+        for (j, other) in read[..k].iter().enumerate().filter_map(|(j, p)| p.map(|p| (j, p))) {
+            if other.axis != plane.axis {
+                continue;
+            }
+            let first = raw[j].axis.span();
+            if other.side == plane.side {
+                let fault =
+                    Fault::new("conflict", "two symmetry planes hold the same side of one axis", at.clone(), "second");
+                problems.push(fault.also(first, "first"));
+            } else if (plane.position - other.position) * plane.side >= 0.0 {
+                let fault =
+                    Fault::new("conflict", "no room is left between the two symmetry planes", at.clone(), "second");
+                problems
+                    .push(fault.also(first, "first").help("material is on the `side` of each: check `at` and `side`"));
+            }
+        }
+    }
+    read.into_iter().collect()
+}
+
+/// Held or driven particles.
+pub(crate) fn motion(
+    raw: &RawMotion,
+    regions: &Names,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> Option<PrescribedMotion> {
+    let region = regions.find(&raw.region, problems);
+    if raw.velocity.len() != dimensions.count() {
+        let examples = "\"0 m/s\", \"free\" or [[\"0 s\", \"0 m/s\"], [\"5 ms\", \"1 m/s\"]]";
+        problems.push(wrong_length(dimensions, raw.velocity.len(), raw.region.span(), examples));
+        return None;
+    }
+    let mut axes = [MotionAxis::Free, MotionAxis::Free, MotionAxis::Free];
+    let read: Vec<_> = raw
+        .velocity
+        .iter()
+        .map(|axis| match axis {
+            ScalarOr::Scalar(VelocityOrFree(scalar)) if scalar.literal == Literal::Text("free".to_owned()) => {
+                Some(MotionAxis::Free)
+            }
+            ScalarOr::Scalar(VelocityOrFree(scalar)) => {
+                scalar.quantity(Velocity::KIND, problems).map(|v| MotionAxis::Velocity(TimeTable::constant(v)))
+            }
+            ScalarOr::Composed(rows, at) => time_table(rows, at.clone(), problems).map(MotionAxis::Velocity),
+        })
+        .collect();
+    for (target, axis) in axes.iter_mut().zip(read) {
+        *target = axis?;
+    }
+    Some(PrescribedMotion { region: region?, axes })
+}

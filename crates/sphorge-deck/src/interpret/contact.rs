@@ -1,0 +1,30 @@
+//! Contact between bodies.
+
+use super::exactly_one;
+use crate::defaults;
+use crate::raw::{RawBodyPenalty, RawContactChoice};
+use crate::report::Problems;
+use crate::value::ScalarOr;
+use sphorge_engine::model::BodyContact;
+use sphorge_physics::contact::ContactStrength;
+use sphorge_physics::parameter::Bound;
+
+/// How bodies meet.
+pub(crate) fn contact(raw: Option<&RawContactChoice>, problems: &mut Problems) -> Option<BodyContact> {
+    let usual = RawBodyPenalty::default();
+    let table = match raw {
+        None => return Some(BodyContact::KernelSum),
+        Some(ScalarOr::Scalar(word)) => match word.get(problems)? {
+            false => return Some(BodyContact::KernelSum),
+            true => &usual,
+        },
+        Some(ScalarOr::Composed(table, at)) => {
+            exactly_one(vec![("penalty", table.penalty.as_ref())], "a contact", at.clone(), problems)?
+        }
+    };
+    let (stiffness, damping, friction) = defaults::BODY_CONTACT;
+    let stiffness = table.stiffness.as_ref().map_or(Some(stiffness), |s| s.positive(problems));
+    let damping = table.damping.as_ref().map_or(Some(damping), |d| d.within(Bound::Between(0.0, 1.0), problems));
+    let friction = table.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));
+    Some(BodyContact::Penalty(ContactStrength { stiffness: stiffness?, damping: damping?, friction: friction? }))
+}

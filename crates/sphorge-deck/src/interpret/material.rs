@@ -1,0 +1,266 @@
+//! Materials: a deck's own, changed ones, and those of the catalogue.
+
+use crate::material::{Constants, ElasticConstants, Incomplete, LawConstants, build, entries, entry};
+use crate::raw::{LawTable, RawLaw, RawMaterial};
+use crate::report::{Fault, Problems, listed, nearest};
+use crate::value::{Choice, Given, Kind, ScalarOr, Word};
+use sphorge_engine::model::Material;
+use sphorge_physics::parameter::Bound;
+use std::{collections::BTreeMap, ops::Range};
+use toml::Spanned;
+
+/// Constants in SI units; faults leave their key out.
+pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants {
+    fn read<K: Kind>(given: &Option<Given<K>>, bound: Bound, problems: &mut Problems) -> Option<f64> {
+        given.as_ref().and_then(|g| g.within(bound, problems))
+    }
+    fn text(given: &Option<Word>, problems: &mut Problems) -> Option<String> {
+        given.as_ref().and_then(|w| w.text(problems)).map(str::to_owned)
+    }
+    Constants {
+        description: text(&raw.description, problems),
+        reference: text(&raw.reference, problems),
+        note: text(&raw.note, problems),
+        density: read(&raw.density, Bound::Positive, problems),
+        elastic: ElasticConstants {
+            shear: read(&raw.shear_modulus, Bound::Positive, problems),
+            young: read(&raw.young_modulus, Bound::Positive, problems),
+            poisson: read(&raw.poisson_ratio, Bound::Between(-0.999, 0.4999), problems),
+            bulk: read(&raw.bulk_modulus, Bound::Positive, problems),
+        },
+        equation_of_state: raw.equation_of_state.as_ref().and_then(|l| law(l, problems)),
+        strength: raw.strength.as_ref().and_then(|l| law(l, problems)),
+        return_rule: raw.return_rule.as_ref().and_then(|r| r.get(problems)),
+        specific_heat: read(&raw.specific_heat, Bound::Positive, problems),
+        conductivity: read(&raw.conductivity, Bound::NonNegative, problems),
+        taylor_quinney: read(&raw.taylor_quinney, Bound::Between(0.0, 1.0), problems),
+        spall_pressure: read(&raw.spall_pressure, Bound::Positive, problems),
+        reference_temperature: read(&raw.reference_temperature, Bound::NonNegative, problems),
+    }
+}
+
+fn law<C: LawTable>(raw: &RawLaw<C>, problems: &mut Problems) -> Option<LawConstants> {
+    let (table, at) = match raw {
+        ScalarOr::Scalar(word) => {
+            return Choice::get(word, problems).map(|law| LawConstants { law, values: Vec::new() });
+        }
+        ScalarOr::Composed(table, at) => (&table.0, at.clone()),
+    };
+    let names = || C::table().into_iter().map(|entry| entry.0);
+    let mut laws = table.iter();
+    let (Some((key, given)), None) = (laws.next(), laws.next()) else {
+        let message = format!("expected one {}", C::WHAT);
+        let found = if table.is_empty() { "none here".to_owned() } else { format!("{} here", table.len()) };
+        problems.push(Fault::new("exactly-one", message, at, found).help(format!("choose {}", listed(names(), "or"))));
+        return None;
+    };
+    let Some(law) = C::ENTRIES.iter().position(|entry| entry.key == key.get_ref()) else {
+        problems.push(unknown_key(&format!("{} `{}`", C::WHAT, key.get_ref()), key, names()));
+        return None;
+    };
+    let parameters = C::ENTRIES[law].parameters;
+    let mut values = Vec::with_capacity(given.len());
+    for (key, value) in given {
+        match parameters.iter().find(|p| p.key == key.get_ref()) {
+            Some(p) => {
+                if let Some(number) = value.bounded(p.quantity.into(), p.bound, problems) {
+                    values.push((p.key, number));
+                }
+            }
+            None => {
+                let what = format!("constant `{}` of {}", key.get_ref(), C::ENTRIES[law].key);
+                problems.push(unknown_key(&what, key, parameters.iter().map(|p| p.key)));
+            }
+        }
+    }
+    Some(LawConstants { law, values })
+}
+
+fn unknown_key<'a>(what: &str, key: &Spanned<String>, options: impl Iterator<Item = &'a str> + Clone) -> Fault {
+    let near = nearest(key.get_ref(), options.clone()).map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
+    Fault::new("unknown-key", format!("unknown {what}"), key.span(), "not known")
+        .help(format!("{near}There are {}.", listed(options, "and")))
+}
+
+/// A material of the deck.
+struct Own {
+    constants: Constants,
+    base: Option<String>,
+    base_at: Range<usize>,
+    at: Range<usize>,
+}
+
+/// All materials a deck can name.
+pub(crate) struct Library {
+    own: BTreeMap<String, Own>,
+}
+
+impl Library {
+    /// Reads the deck's materials, used or not.
+    pub(crate) fn new(raw: &BTreeMap<Spanned<String>, RawMaterial>, problems: &mut Problems) -> Self {
+        let mut own = BTreeMap::new();
+        for (name, material) in raw {
+            let base = material.base.as_ref().and_then(|b| b.text(problems)).map(str::to_owned);
+            let base_at = material.base.as_ref().map_or(name.span(), |b| b.span());
+            let constants = constants(material, problems);
+            own.insert(name.get_ref().clone(), Own { constants, base, base_at, at: name.span() });
+        }
+        let library = Self { own };
+        for (name, material) in &library.own {
+            if let Some(base) = &material.base
+                && !library.known(base)
+            {
+                problems.push(library.unknown(base, material.base_at.clone()));
+            } else if library.constants(name).is_none() {
+                let fault = Fault::new(
+                    "circular-base",
+                    format!("material `{name}` is based on itself"),
+                    material.base_at.clone(),
+                    "leads back here",
+                );
+                problems.push(fault.help("a chain of `base` must end at a material without one, or in the catalogue"));
+            }
+        }
+        library
+    }
+
+    fn known(&self, name: &str) -> bool {
+        self.own.contains_key(name) || entry(name).is_some()
+    }
+
+    fn unknown(&self, name: &str, at: Range<usize>) -> Fault {
+        let names = || self.own.keys().map(String::as_str).chain(entries().iter().map(|(n, _)| n.as_str()));
+        let near = nearest(name, names()).map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
+        Fault::new(
+            "unknown-material",
+            format!("there is no material called `{name}`"),
+            at,
+            "neither in the deck nor in the catalogue",
+        )
+        .help(format!("{near}`sphorge materials` lists the catalogue; [material.{name}] defines your own."))
+    }
+
+    /// The constants of a material with those of its bases; `None` for an unknown or circular one.
+    fn constants(&self, name: &str) -> Option<Constants> {
+        let mut layers: Vec<&Constants> = Vec::new();
+        let mut seen: Vec<&str> = Vec::new();
+        let mut current = name;
+        loop {
+            // A deck's material that is based on its own name, or has the name of one of the catalogue, starts from that.
+            let again = seen.contains(&current);
+            match self.own.get(current).filter(|_| !again) {
+                Some(own) => {
+                    seen.push(current);
+                    layers.push(&own.constants);
+                    match &own.base {
+                        Some(base) => current = base,
+                        None => {
+                            layers.extend(entry(current));
+                            break;
+                        }
+                    }
+                }
+                None if again && seen.last() != Some(&current) => return None,
+                None => {
+                    layers.push(entry(current)?);
+                    break;
+                }
+            }
+        }
+        Some(layers.into_iter().rev().fold(Constants::default(), |below, above| below.overlaid(above)))
+    }
+}
+
+/// The materials the bodies use, in order of first use.
+pub(crate) struct Chosen<'a> {
+    library: &'a Library,
+    chosen: Vec<(String, Option<Material>, Range<usize>)>,
+}
+
+impl<'a> Chosen<'a> {
+    pub(crate) fn new(library: &'a Library) -> Self {
+        Self { library, chosen: Vec::new() }
+    }
+
+    /// The index of the material a body names.
+    pub(crate) fn choose(&mut self, word: &Word, problems: &mut Problems) -> Option<usize> {
+        let name = word.text(problems)?;
+        if let Some(index) = self.chosen.iter().position(|(n, ..)| n == name) {
+            return Some(index);
+        }
+        if !self.library.known(name) {
+            problems.push(self.library.unknown(name, word.span()));
+            return None;
+        }
+        // A circular base has been reported.
+        let constants = self.library.constants(name)?;
+        let own = self.library.own.get(name);
+        let material = build(name, &constants).map_err(|incomplete| report(name, incomplete, word, own, problems)).ok();
+        self.chosen.push((name.to_owned(), material, word.span()));
+        Some(self.chosen.len() - 1)
+    }
+
+    /// Temperature bodies of this material start at, if the material could be built.
+    pub(crate) fn reference_temperature(&self, index: usize) -> Option<f64> {
+        self.chosen[index].1.as_ref().map(|m| m.reference_temperature)
+    }
+
+    /// Reports materials without a specific heat, which `what` needs.
+    pub(crate) fn need_specific_heat(&self, what: &str, problems: &mut Problems) {
+        for (name, material, at) in &self.chosen {
+            if material.as_ref().is_some_and(|m| !m.heats()) {
+                let message = format!("material `{name}` has no `specific-heat`, and {what} needs it");
+                let fault = Fault::new("missing-constant", message, at.clone(), "used here");
+                problems.push(
+                    fault.help(format!(
+                        "add `specific-heat = \"452 J/(kg K)\"` with the right value to [material.{name}]"
+                    )),
+                );
+            }
+        }
+    }
+
+    /// Reports what conduction lacks. Bodies that do not move need one that conducts: it sets the time step.
+    pub(crate) fn need_conduction(&self, mechanics: bool, at: Range<usize>, problems: &mut Problems) {
+        self.need_specific_heat("conduction", problems);
+        let built = || self.chosen.iter().map(|(_, material, _)| material.as_ref());
+        if !mechanics && !self.chosen.is_empty() && built().all(|m| m.is_some_and(|m| m.conductivity == 0.0)) {
+            let fault = Fault::new("missing-constant", "no material conducts, so no heat flows", at, "asked for here");
+            problems.push(fault.help("add `conductivity = \"80 W/(m K)\"` with the right value to a material"));
+        }
+    }
+
+    /// All of them; those with faults are left out.
+    pub(crate) fn into_materials(self) -> Vec<Material> {
+        self.chosen.into_iter().filter_map(|(_, material, _)| material).collect()
+    }
+}
+
+fn report(name: &str, incomplete: Incomplete, word: &Word, own: Option<&Own>, problems: &mut Problems) {
+    let place = |code, message: String| {
+        let fault = match own {
+            Some(own) => Fault::new(code, message, own.at.clone(), "this material").also(word.span(), "used here"),
+            None => Fault::new(code, message, word.span(), "a material of the catalogue, to be completed"),
+        };
+        let base = if own.is_none() { "; such a table starts from the catalogue's constants" } else { "" };
+        (fault, base)
+    };
+    match incomplete {
+        Incomplete::Inconsistent(message) => {
+            let (fault, _) = place("inconsistent", format!("material `{name}`: {message}"));
+            problems.push(fault);
+        }
+        Incomplete::Missing(missing) => {
+            for constant in missing {
+                let law = constant.law.map(|l| format!(", which `{l}` needs")).unwrap_or_default();
+                let (fault, base) =
+                    place("missing-constant", format!("material `{name}` has no `{}`{law}", constant.key));
+                let table =
+                    if constant.table.is_empty() { name.to_owned() } else { format!("{name}.{}", constant.table) };
+                problems.push(
+                    fault.help(format!("add `{}`, {}, to [material.{table}]{base}", constant.key, constant.meaning)),
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,322 @@
+//! From the deck as written to the model: units, defaults, names, bounds. Independent faults are collected, not stopped at.
+
+mod body;
+mod boundary;
+mod cloud;
+mod contact;
+pub(crate) mod material;
+mod measure;
+mod numerics;
+mod observed;
+mod shape;
+mod thermal;
+mod velocity;
+
+use super::raw::{RawDeck, RawRegion};
+use super::report::{Fault, Problems, suggest};
+use super::value::{Kind, VectorOf, Word};
+use sphorge_engine::model::{BodyContact, Dimensions, Integrator, Model, Numerics, Region, Search};
+use std::ops::Range;
+
+/// Where the things of a model stand in the deck, for faults found only when particles exist.
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    pub(crate) spacing: Range<usize>,
+    pub(crate) bodies: Vec<Range<usize>>,
+    /// The spacing of its own, where a body has one.
+    pub(crate) body_spacings: Vec<Option<Range<usize>>>,
+    pub(crate) regions: Vec<Range<usize>>,
+    pub(crate) walls: Vec<Range<usize>>,
+    pub(crate) symmetry: Vec<Range<usize>>,
+    pub(crate) periodic: [Range<usize>; 3],
+    pub(crate) motions: Vec<Range<usize>>,
+    pub(crate) tracers: Vec<Range<usize>>,
+}
+
+/// More than one of what names name.
+fn plural(what: &str) -> String {
+    what.strip_suffix('y').map_or_else(|| format!("{what}s"), |stem| format!("{stem}ies"))
+}
+
+/// Names of the deck's bodies, regions or walls, with what they are called in messages.
+#[derive(Debug)]
+pub(crate) struct Names {
+    what: &'static str,
+    names: Vec<String>,
+}
+
+impl Names {
+    /// Takes the names and reports those that are no names or not the only one.
+    pub(crate) fn collect<'a>(
+        what: &'static str,
+        words: impl Iterator<Item = &'a Word>,
+        problems: &mut Problems,
+    ) -> (Self, Vec<Range<usize>>) {
+        let mut names: Vec<String> = Vec::new();
+        let mut places: Vec<Range<usize>> = Vec::new();
+        for word in words {
+            let name = word.text(problems).unwrap_or_default().to_owned();
+            let legal = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+            if word.peek().is_some() && (name.is_empty() || name.len() > 64 || !name.chars().all(legal)) {
+                let fault = Fault::new("bad-name", format!("`{name}` cannot name a {what}"), word.span(), "this name");
+                problems.push(fault.help("use 1 to 64 letters, digits, `-` and `_`: names become columns and files"));
+            } else if let Some(first) = names.iter().position(|n| *n == name).filter(|_| !name.is_empty()) {
+                let fault = Fault::new(
+                    "duplicate-name",
+                    format!("two {} are called `{name}`", plural(what)),
+                    word.span(),
+                    "again here",
+                );
+                problems.push(fault.also(places[first].clone(), "first here").help("give each its own name"));
+            }
+            names.push(name);
+            places.push(word.span());
+        }
+        (Self { what, names }, places)
+    }
+
+    /// The index of a name the deck refers to.
+    pub(crate) fn find(&self, word: &Word, problems: &mut Problems) -> Option<usize> {
+        let name = word.text(problems)?;
+        let found = self.names.iter().position(|n| n == name);
+        if found.is_none() {
+            let message = format!("there is no {} called `{name}`", self.what);
+            let fault = Fault::new("unknown-name", message, word.span(), "not in the deck");
+            problems.push(fault.help(suggest(name, self.names.iter().map(String::as_str), &plural(self.what))));
+        }
+        found
+    }
+}
+
+/// A vector with the components the deck's dimensions ask for; further components may be given if they are zero.
+pub(crate) fn vector<K: Kind>(
+    given: &VectorOf<K>,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> Option<[f64; 3]> {
+    let mut values = [0.0; 3];
+    let mut sound = true;
+    let count = dimensions.count();
+    if given.components.len() < count || given.components.len() > 3 {
+        problems.push(wrong_length(dimensions, given.components.len(), given.span.clone(), K::KIND.examples));
+        return None;
+    }
+    for (axis, component) in given.components.iter().enumerate() {
+        match component.si(problems) {
+            Some(value) if axis >= count && value != 0.0 => {
+                let message = format!("{}, so this component must be zero", described(dimensions));
+                problems
+                    .push(Fault::new("wrong-dimensions", message, component.span(), "not zero").help("leave it out"));
+                sound = false;
+            }
+            Some(value) => values[axis] = value,
+            None => sound = false,
+        }
+    }
+    sound.then_some(values)
+}
+
+/// Fault of a list that does not have one entry per axis.
+pub(crate) fn wrong_length(dimensions: Dimensions, found: usize, at: Range<usize>, examples: &str) -> Fault {
+    let count = dimensions.count();
+    let plural = if count == 1 { "" } else { "s" };
+    let message = format!("expected {count} component{plural}, found {found}");
+    Fault::new("wrong-dimensions", message, at, format!("{}: one entry per axis", described(dimensions)))
+        .help(format!("each entry as {examples}"))
+}
+
+/// The deck's dimensions in a sentence.
+pub(crate) fn described(dimensions: Dimensions) -> &'static str {
+    match dimensions {
+        Dimensions::One => "the deck is one-dimensional",
+        Dimensions::PlaneStrain => "the deck is plane strain",
+        Dimensions::Three => "the deck is three-dimensional",
+    }
+}
+
+/// Fault of an axis the deck does not have.
+pub(crate) fn check_axis(
+    axis: usize,
+    at: Range<usize>,
+    dimensions: Dimensions,
+    problems: &mut Problems,
+) -> Option<usize> {
+    if axis < dimensions.count() {
+        return Some(axis);
+    }
+    let message = format!("{}: there is no {} axis", described(dimensions), ["x", "y", "z"][axis]);
+    problems.push(Fault::new("wrong-dimensions", message, at, "this axis"));
+    None
+}
+
+/// Exactly one of several keys: its index and value.
+pub(crate) fn exactly_one<T>(
+    options: Vec<(&'static str, Option<T>)>,
+    what: &str,
+    at: Range<usize>,
+    problems: &mut Problems,
+) -> Option<T> {
+    let names: Vec<&str> = options.iter().map(|o| o.0).collect();
+    let mut given: Vec<(&str, T)> = options.into_iter().filter_map(|(name, value)| value.map(|v| (name, v))).collect();
+    if given.len() == 1 {
+        return given.pop().map(|(_, value)| value);
+    }
+    let listed = |words: &[&str]| super::report::listed(words.iter().copied(), "or");
+    let (message, label) = if given.is_empty() {
+        (format!("{what} needs one of {}", listed(&names)), "has none")
+    } else {
+        let found: Vec<&str> = given.iter().map(|g| g.0).collect();
+        (format!("{what} can have only one of {}", listed(&found)), "has several")
+    };
+    problems.push(Fault::new("exactly-one", message, at, label));
+    None
+}
+
+/// Interprets a deck; `None` only with faults in `problems`.
+pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> Option<(Model, Places)> {
+    let dimensions = raw.dimensions.get(problems);
+    let spacing = raw.particles.spacing.positive(problems);
+    let numerics = numerics::numerics(&raw.numerics, problems);
+    let search = numerics::search(raw.search.as_ref(), problems);
+    let audit = match &raw.audit {
+        None => Some(None),
+        Some(steps) => steps.positive(problems).map(Some),
+    };
+    numerics::check_smoothing(&raw.numerics, numerics.as_ref(), search, problems);
+    let time = numerics::time(&raw.time, problems);
+    let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), search, problems);
+    let library = material::Library::new(&raw.material, problems);
+    let (body_names, body_places) = Names::collect("body", raw.body.iter().map(|b| &b.name), problems);
+    let (region_names, region_places) = Names::collect("region", raw.region.iter().map(|r| &r.name), problems);
+    let (_, wall_places) = Names::collect("wall", raw.wall.iter().map(|w| &w.name), problems);
+    if raw.body.is_empty() && problems.is_empty() {
+        let help = "add a [[body]] with `name`, `material` and `shape`";
+        problems.push(Fault::new("no-body", "the deck has no body", 0..0, "nothing to simulate").help(help));
+    }
+    // Vectors cannot be read without the dimensions.
+    let dimensions = dimensions?;
+    let mut materials = material::Chosen::new(&library);
+    let defaults = body::ParticleDefaults::read(&raw.particles, spacing, problems);
+    let bodies: Vec<_> =
+        raw.body.iter().map(|b| body::body(b, dimensions, &defaults, &mut materials, problems)).collect();
+    let regions: Vec<_> = raw.region.iter().map(|r| region(r, &body_names, dimensions, problems)).collect();
+    if let Some(extra) = region_places.get(sphorge_engine::geometry::MAX_REGIONS) {
+        let message = format!(
+            "a deck can have {} regions, this one has {}",
+            sphorge_engine::geometry::MAX_REGIONS,
+            raw.region.len()
+        );
+        problems.push(Fault::new("too-many-regions", message, extra.clone(), "one too many"));
+    }
+    let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, spacing, problems)).collect();
+    let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
+    let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
+    let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();
+    let contact = contact::contact(raw.contact.as_ref(), problems);
+    let gravity = raw.gravity.as_ref().map_or(Some([0.0; 3]), |g| vector(g, dimensions, problems));
+    let scene = measure::Scene { dimensions, bodies: &body_names, regions: &region_names };
+    let measures = measure::measures(&raw.measure, &scene, problems);
+    let tracers = observed::tracers(&raw.tracer, &scene, problems);
+    let sections = observed::sections(&raw.section, &scene, problems);
+    let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
+    check_together(raw, search, numerics.as_ref(), contact, problems);
+    let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
+    if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
+        let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
+        materials.need_conduction(thermal.mechanics, at, problems);
+    }
+    if numerics.as_ref().is_some_and(|n| n.temperature == sphorge_engine::model::TemperatureSource::Energy) {
+        materials.need_specific_heat("`numerics.temperature = \"energy\"`", problems);
+    }
+    if !problems.is_empty() {
+        return None;
+    }
+    let places = Places {
+        spacing: raw.particles.spacing.span(),
+        bodies: body_places,
+        body_spacings: raw.body.iter().map(|b| b.spacing.as_ref().map(|s| s.span())).collect(),
+        regions: region_places,
+        walls: wall_places,
+        symmetry: raw.symmetry.iter().map(|s| s.axis.span()).collect(),
+        periodic: periodic_places,
+        motions: raw.motion.iter().map(|m| m.region.span()).collect(),
+        tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
+    };
+    let model = Model {
+        title: title?,
+        name: name.to_owned(),
+        dimensions,
+        spacing: spacing?,
+        numerics: numerics?,
+        search: search?,
+        audit: audit?,
+        time: time?,
+        materials: materials.into_materials(),
+        bodies: bodies.into_iter().collect::<Option<_>>()?,
+        contact: contact?,
+        thermal: thermal?,
+        regions: regions.into_iter().collect::<Option<_>>()?,
+        walls: walls.into_iter().collect::<Option<_>>()?,
+        symmetry: symmetry?,
+        periodic,
+        motions: motions.into_iter().collect::<Option<_>>()?,
+        gravity: gravity?,
+        output: output?,
+        measures: measures?,
+        tracers: tracers?,
+        sections: sections?,
+    };
+    Some((model, places))
+}
+
+/// Choices that exclude each other.
+fn check_together(
+    raw: &RawDeck,
+    search: Option<Search>,
+    numerics: Option<&Numerics>,
+    contact: Option<BodyContact>,
+    problems: &mut Problems,
+) {
+    if let (Some(Search::TotalLagrangian(_)), Some(n), Some(key)) = (search, numerics, &raw.numerics.integrator)
+        && n.integrator == Integrator::PredictorCorrector
+    {
+        let message = "the total Lagrangian form is integrated by leapfrog";
+        let help = "choose `integrator = \"leapfrog\"`, or another `search`";
+        problems.push(
+            Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
+        );
+    }
+    // A contact lives on pairs of different bodies, which these two strategies do not look for.
+    let (message, help) = match search {
+        Some(Search::TotalLagrangian(_)) => (
+            "the total Lagrangian form sees no other body, so bodies cannot meet in a contact",
+            "choose another `search`, or leave `contact` out",
+        ),
+        Some(Search::Adaptive(adaptive)) if adaptive.guard.is_none() => (
+            "the adaptive search without its guard misses bodies that arrive, so they cannot meet in a contact",
+            "leave `guard` out, choose another `search`, or leave `contact` out",
+        ),
+        _ => return,
+    };
+    if let (Some(BodyContact::Penalty(_)), Some(contact), Some(search)) = (contact, &raw.contact, &raw.search) {
+        let fault = Fault::new("not-together", message, contact.span(), "this contact");
+        problems.push(fault.also(search.span(), "not with this search").help(help));
+    }
+}
+
+fn region(raw: &RawRegion, bodies: &Names, dimensions: Dimensions, problems: &mut Problems) -> Option<Region> {
+    let body = raw.body.as_ref().map(|b| bodies.find(b, problems));
+    let at = raw.name.span();
+    let shape = raw.shape.as_ref().map(|s| shape::shape(s, dimensions, at.clone(), problems));
+    if body.is_none() && shape.is_none() {
+        let fault = Fault::new("empty-region", "a region needs a `body`, a `shape` or both", at, "chooses nothing");
+        problems.push(fault);
+        return None;
+    }
+    let name = raw.name.text(problems)?.to_owned();
+    Some(Region {
+        name,
+        body: body.map_or(Some(None), |b| b.map(Some))?,
+        shape: shape.map_or(Some(None), |s| s.map(Some))?,
+    })
+}

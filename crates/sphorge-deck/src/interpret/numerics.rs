@@ -1,0 +1,261 @@
+//! Discretisation, search, time, output.
+
+use crate::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
+use crate::defaults;
+use crate::raw::{RawAdaptive, RawNumerics, RawOutput, RawSearch, RawSmoothingLength, RawTime, RawTotalLagrangian};
+use crate::report::{Fault, Problems};
+use crate::value::{Choice, Given, Number, ScalarOr};
+use sphorge_engine::model::{
+    AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, SmoothingLength, TimeControl, TotalLagrangian,
+};
+use sphorge_engine::particles::FIELDS;
+use sphorge_physics::parameter::Bound;
+
+/// Exponents above give a force that is zero or infinite in all but name.
+const LARGEST_EXPONENT: u64 = 16;
+
+/// More frames or rows than these are a slip of units, and would fill a disk.
+const MOST_FRAMES: f64 = 1e5;
+const MOST_ROWS: f64 = 1e7;
+
+/// The value of a key, or its default.
+macro_rules! or_default {
+    ($given:expr, $default:expr, $read:expr) => {
+        match &$given {
+            Some(given) => $read(given),
+            None => Some($default),
+        }
+    };
+}
+
+/// Choices of the discretisation.
+pub(crate) fn numerics(raw: &RawNumerics, problems: &mut Problems) -> Option<Numerics> {
+    let kernel = or_default!(raw.kernel, Default::default(), |k: &Choice<_>| k.get(problems));
+    let integrator = or_default!(raw.integrator, Default::default(), |k: &Choice<_>| k.get(problems));
+    let precision = or_default!(raw.precision, Default::default(), |k: &Choice<_>| k.get(problems));
+    let pair_form = or_default!(raw.pair_form, Default::default(), |k: &Choice<_>| k.get(problems));
+    let gradient_correction = or_default!(raw.gradient_correction, Default::default(), |k: &Choice<_>| k.get(problems));
+    let energy_split = or_default!(raw.energy_split, Default::default(), |k: &Choice<_>| k.get(problems));
+    let temperature = or_default!(raw.temperature, Default::default(), |k: &Choice<_>| k.get(problems));
+    let xsph = or_default!(raw.xsph, 0.0, |x: &Given<Number>| x.within(Bound::Between(0.0, 1.0), problems));
+    let mls_interval = or_default!(raw.mls_interval, None, |n: &crate::value::Count| n.positive(problems).map(Some));
+    let smoothing_length =
+        or_default!(raw.smoothing_length, SmoothingLength::Constant, |given| smoothing_length(given, problems));
+    let viscosity = viscosity(raw, problems);
+    let artificial_stress = artificial_stress(raw, problems);
+    let (viscosity_alpha, viscosity_beta, balsara) = viscosity?;
+    Some(Numerics {
+        kernel: kernel?,
+        integrator: integrator?,
+        precision: precision?,
+        pair_form: pair_form?,
+        gradient_correction: gradient_correction?,
+        viscosity_alpha,
+        viscosity_beta,
+        balsara,
+        artificial_stress: artificial_stress?,
+        xsph: xsph?,
+        mls_interval: mls_interval?,
+        energy_split: energy_split?,
+        temperature: temperature?,
+        smoothing_length: smoothing_length?,
+    })
+}
+
+/// Lists that outlive the positions they were made for know kernels of one size.
+pub(crate) fn check_smoothing(
+    raw: &RawNumerics,
+    numerics: Option<&Numerics>,
+    search: Option<Search>,
+    problems: &mut Problems,
+) {
+    let follows = numerics.is_some_and(|n| n.smoothing_length != SmoothingLength::Constant);
+    let Some(given) = raw.smoothing_length.as_ref().filter(|_| follows) else { return };
+    if matches!(search, Some(Search::Adaptive(_) | Search::TotalLagrangian(_))) {
+        let message = "smoothing lengths that follow the density need lists that follow the positions";
+        let fault = Fault::new("wrong-search", message, given.span(), "with this `search`");
+        problems.push(fault.help("set `search` to \"skin\" or \"every-step\", or leave the smoothing length constant"));
+    }
+}
+
+fn smoothing_length(
+    given: &ScalarOr<Choice<SmoothingLengthWord>, RawSmoothingLength>,
+    problems: &mut Problems,
+) -> Option<SmoothingLength> {
+    let usual = SmoothingLength::FollowDensity { factor: defaults::SMOOTHING_FACTOR };
+    let (table, at) = match given {
+        ScalarOr::Scalar(word) => return Some(if word.get(problems)? { usual } else { SmoothingLength::Constant }),
+        ScalarOr::Composed(table, at) => (table, at.clone()),
+    };
+    let options = vec![("follow-density", table.follow_density.as_ref())];
+    let follow = super::exactly_one(options, "a course of the smoothing length", at, problems)?;
+    let factor = or_default!(follow.factor, defaults::SMOOTHING_FACTOR, |f: &Given<Number>| f
+        .within(Bound::Between(1.0, 4.0), problems));
+    Some(SmoothingLength::FollowDensity { factor: factor? })
+}
+
+fn viscosity(raw: &RawNumerics, problems: &mut Problems) -> Option<(f64, f64, bool)> {
+    let (default_alpha, default_beta) = defaults::VISCOSITY;
+    let table = match &raw.viscosity {
+        None => return Some((default_alpha, default_beta, false)),
+        Some(ScalarOr::Scalar(flag)) => {
+            let on = flag.get(problems)?;
+            return Some(if on { (default_alpha, default_beta, false) } else { (0.0, 0.0, false) });
+        }
+        Some(ScalarOr::Composed(table, _)) => table,
+    };
+    let alpha = or_default!(table.alpha, default_alpha, |a: &Given<Number>| a.within(Bound::NonNegative, problems));
+    let beta = or_default!(table.beta, default_beta, |b: &Given<Number>| b.within(Bound::NonNegative, problems));
+    let balsara = or_default!(table.balsara, false, |b: &crate::value::Flag| b.get(problems));
+    Some((alpha?, beta?, balsara?))
+}
+
+fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Option<ArtificialStress>> {
+    let (epsilon, exponent) = defaults::ARTIFICIAL_STRESS;
+    let usual = ArtificialStress { epsilon, exponent };
+    let table = match &raw.artificial_stress {
+        None => return Some(None),
+        Some(ScalarOr::Scalar(flag)) => return flag.get(problems).map(|on| on.then_some(usual)),
+        Some(ScalarOr::Composed(table, _)) => table,
+    };
+    let epsilon =
+        or_default!(table.epsilon, epsilon, |e: &Given<Number>| e.within(Bound::Between(0.0, 10.0), problems));
+    let exponent = match &table.exponent {
+        None => Some(exponent),
+        Some(count) => match count.positive(problems) {
+            Some(n) if n > LARGEST_EXPONENT => {
+                let message = format!("the exponent must be between 1 and {LARGEST_EXPONENT}");
+                problems.push(Fault::new("out-of-range", message, count.0.span.clone(), format!("found {n}")));
+                None
+            }
+            n => n.and_then(|n| u32::try_from(n).ok()),
+        },
+    };
+    Some(Some(ArtificialStress { epsilon: epsilon?, exponent: exponent? }))
+}
+
+/// Neighbour search strategy.
+pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, problems: &mut Problems) -> Option<Search> {
+    match raw {
+        None => Some(defaults::SKIN),
+        Some(ScalarOr::Scalar(word)) => word.get(problems),
+        Some(ScalarOr::Composed(RawSearch { skin, adaptive, total_lagrangian }, at)) => {
+            let given = vec![
+                ("skin", skin.as_ref().map(|_| "skin")),
+                ("adaptive", adaptive.as_ref().map(|_| "adaptive")),
+                ("total-lagrangian", total_lagrangian.as_ref().map(|_| "total-lagrangian")),
+            ];
+            super::exactly_one(given, "the search", at.clone(), problems)?;
+            if let Some(skin) = skin {
+                let fraction = or_default!(skin.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
+                return Some(Search::Skin { fraction: fraction? });
+            }
+            if let Some(total) = total_lagrangian {
+                return total_lagrangian_search(total, problems).map(Search::TotalLagrangian);
+            }
+            adaptive_search(adaptive.as_ref()?, problems).map(Search::Adaptive)
+        }
+    }
+}
+
+fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<AdaptiveSearch> {
+    let default = defaults::ADAPTIVE;
+    let threshold =
+        or_default!(raw.plastic_strain_threshold, default.plastic_strain_threshold, |t| share_or_none(t, problems));
+    let guard = or_default!(raw.guard, default.guard, |g: &Choice<GuardWord>| g.get(problems));
+    let bound = or_default!(raw.strain_bound, defaults::GUARD_STRAIN, |b| share(b, problems));
+    let accumulate = or_default!(raw.accumulate, default.accumulate, |a: &crate::value::Flag| a.get(problems));
+    if let (Some(None), Some(given)) = (guard, &raw.strain_bound) {
+        let fault =
+            Fault::new("not-together", "without its guard the search has no strain bound", given.span(), "not used");
+        problems.push(fault.help("leave `strain-bound` or `guard = \"none\"` out"));
+    }
+    let bound = bound?;
+    Some(AdaptiveSearch { plastic_strain_threshold: threshold?, accumulate: accumulate?, guard: guard?.map(|_| bound) })
+}
+
+fn total_lagrangian_search(raw: &RawTotalLagrangian, problems: &mut Problems) -> Option<TotalLagrangian> {
+    let default = defaults::TOTAL_LAGRANGIAN;
+    let corrected = or_default!(raw.form, default.corrected, |f: &Choice<FormulationWord>| f.get(problems));
+    let hourglass =
+        or_default!(raw.hourglass, default.hourglass, |h: &Given<Number>| { h.within(Bound::NonNegative, problems) });
+    if let (Some(false), Some(given)) = (corrected, &raw.hourglass) {
+        let fault = Fault::new("not-together", "the frozen form has no hourglass control", given.span(), "not used");
+        problems.push(fault.help("leave `hourglass` or `form = \"frozen\"` out"));
+    }
+    Some(TotalLagrangian { corrected: corrected?, hourglass: hourglass? })
+}
+
+/// Between 0 and 1, both allowed.
+fn share_or_none(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
+    given.within(Bound::Between(0.0, 1.0), problems)
+}
+
+/// Above 0, at most 1.
+fn share(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
+    given.positive(problems)?;
+    given.within(Bound::Between(0.0, 1.0), problems)
+}
+
+/// End of the run and time step.
+pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl> {
+    let end = raw.end.positive(problems);
+    let courant = or_default!(raw.courant, defaults::COURANT, |c| share(c, problems));
+    let max_step = or_default!(raw.max_step, None, |s: &Given<_>| s.positive(problems).map(Some));
+    let fixed_step = or_default!(raw.fixed_step, None, |s: &Given<_>| s.positive(problems).map(Some));
+    let stop = or_default!(raw.stop_kinetic_fraction, None, |s: &Given<Number>| {
+        s.within(Bound::Between(0.0, 1.0), problems).map(Some)
+    });
+    let max_steps = or_default!(raw.max_steps, None, |n: &crate::value::Count| n.whole(problems).map(Some));
+    Some(TimeControl {
+        end: end?,
+        courant: courant?,
+        max_step: max_step?,
+        fixed_step: fixed_step?,
+        stop_kinetic_fraction: stop?,
+        max_steps: max_steps?,
+    })
+}
+
+/// What to write and when; `end` is the end of the run, if it could be read.
+pub(crate) fn output(
+    raw: &RawOutput,
+    end: Option<f64>,
+    search: Option<Search>,
+    problems: &mut Problems,
+) -> Option<OutputControl> {
+    let frames = or_default!(raw.frames, defaults::FRAMES, |f: &crate::value::Count| f.positive(problems));
+    let frame_interval = or_default!(raw.frame_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
+    let history_interval = or_default!(raw.history_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
+    if let (Some(count), Some(interval)) = (&raw.frames, &raw.frame_interval) {
+        let fault =
+            Fault::new("exactly-one", "`frames` and `frame-interval` say the same", interval.span(), "and here");
+        problems.push(fault.also(count.0.span.clone(), "here").help("keep one of them"));
+    }
+    let fields = match &raw.fields {
+        None => {
+            // Who is searched is what there is to see of an adaptive search.
+            let is_usual =
+                |name: &str, usual| usual || (name == "adapted" && matches!(search, Some(Search::Adaptive(_))));
+            let usual = FIELDS.iter().filter(|f| is_usual(f.name, f.default_output));
+            Some(usual.map(|f| f.name.to_owned()).collect())
+        }
+        Some(words) => super::observed::listed_fields(words, problems),
+    };
+    let end = end?;
+    let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);
+    let history_interval = history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64);
+    let place = |given: &Option<Given<crate::value::Time>>| given.as_ref().map_or(0..0, |g| g.span());
+    let frames_at = raw.frames.as_ref().map_or_else(|| place(&raw.frame_interval), |f| f.0.span.clone());
+    for (what, interval, most, at) in [
+        ("frames", frame_interval, MOST_FRAMES, frames_at),
+        ("rows of the history", history_interval, MOST_ROWS, place(&raw.history_interval)),
+    ] {
+        let count = end / interval;
+        if count > most {
+            let message = format!("this makes {count:.1e} {what}; at most {most:.0e} are written");
+            problems.push(Fault::new("out-of-range", message, at, "here").help("choose a longer interval"));
+        }
+    }
+    Some(OutputControl { frame_interval, history_interval, fields: fields? })
+}

@@ -1,0 +1,61 @@
+//! Heat that flows.
+
+use super::{Names, exactly_one};
+use crate::raw::{RawHeatBoundary, RawThermal};
+use crate::report::{Fault, Problems};
+use crate::value::{Flag, Given, Temperature};
+use sphorge_engine::model::{HeatBoundary, HeatBoundaryKind, Thermal};
+use sphorge_physics::parameter::Bound;
+
+/// Conduction and its boundaries.
+pub(crate) fn thermal(
+    raw: Option<&RawThermal>,
+    bodies: &Names,
+    regions: &Names,
+    problems: &mut Problems,
+) -> Option<Thermal> {
+    let Some(raw) = raw else { return Some(Thermal::default()) };
+    let mut flag = |given: &Option<Flag>| given.as_ref().map_or(Some(true), |f| f.get(problems));
+    let (conduction, mechanics) = (flag(&raw.conduction), flag(&raw.mechanics));
+    Names::collect("heat boundary", raw.boundary.iter().map(|b| &b.name), problems);
+    let boundaries: Vec<_> = raw.boundary.iter().map(|b| boundary(b, bodies, regions, problems)).collect();
+    let (conduction, mechanics) = (conduction?, mechanics?);
+    if !conduction && !mechanics {
+        let fault = Fault::new("conflict", "bodies do not move and no heat flows", raw.span(), "nothing happens");
+        problems.push(fault.help("leave one of `conduction = false` and `mechanics = false` out"));
+        return None;
+    }
+    Some(Thermal { conduction, mechanics, boundaries: boundaries.into_iter().collect::<Option<_>>()? })
+}
+
+fn kelvin(given: &Given<Temperature>, problems: &mut Problems) -> Option<f64> {
+    given.within(Bound::NonNegative, problems)
+}
+
+fn boundary(raw: &RawHeatBoundary, bodies: &Names, regions: &Names, problems: &mut Problems) -> Option<HeatBoundary> {
+    enum Kind<'a> {
+        Hold(&'a Given<Temperature>),
+        Surface(&'a Given<Temperature>),
+        Flux(&'a Given<crate::value::HeatFlux>),
+        Convection(&'a crate::raw::RawConvection),
+    }
+    let body = raw.body.as_ref().map_or(Some(None), |b| bodies.find(b, problems).map(Some));
+    let region = raw.region.as_ref().map_or(Some(None), |r| regions.find(r, problems).map(Some));
+    let options = vec![
+        ("hold", raw.hold.as_ref().map(Kind::Hold)),
+        ("surface-temperature", raw.surface_temperature.as_ref().map(Kind::Surface)),
+        ("flux", raw.flux.as_ref().map(Kind::Flux)),
+        ("convection", raw.convection.as_ref().map(Kind::Convection)),
+    ];
+    let kind = match exactly_one(options, "a heat boundary", raw.name.span(), problems)? {
+        Kind::Hold(temperature) => HeatBoundaryKind::Hold(kelvin(temperature, problems)?),
+        Kind::Surface(temperature) => HeatBoundaryKind::SurfaceTemperature(kelvin(temperature, problems)?),
+        Kind::Flux(flux) => HeatBoundaryKind::Flux(flux.si(problems)?),
+        Kind::Convection(table) => {
+            let coefficient = table.coefficient.within(Bound::NonNegative, problems);
+            let ambient = kelvin(&table.ambient, problems);
+            HeatBoundaryKind::Convection { coefficient: coefficient?, ambient: ambient? }
+        }
+    };
+    Some(HeatBoundary { name: raw.name.text(problems)?.to_owned(), body: body?, region: region?, kind })
+}

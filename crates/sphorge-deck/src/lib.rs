@@ -1,0 +1,30 @@
+//! Decks: from the text a user writes to a model and its particles, or to diagnostics that name the line and the cure.
+//!
+//! Text, with `--set` overrides worked in -> raw structs (`raw`, the only place a key is declared) -> model in SI units
+//! (`interpret`) -> particles ([`sphorge_engine::geometry`]).
+
+mod choice;
+pub mod decks;
+pub(crate) mod defaults;
+mod interpret;
+mod keys;
+mod load;
+pub mod material;
+mod overrides;
+mod placement;
+pub(crate) mod quantity;
+pub(crate) mod raw;
+mod report;
+mod schema;
+mod unit;
+mod value;
+
+#[cfg(test)]
+mod tests;
+
+pub use load::{Setup, load, load_model, load_text, load_text_within};
+pub use report::{DeckReport, Problem};
+pub use schema::schema;
+
+pub(crate) use load::read_materials;
+pub(crate) use report::nearest;

@@ -1,0 +1,158 @@
+//! The way from a text to a setup.
+
+use super::interpret::{self, Places, interpret};
+use super::raw::{RawDeck, RawMaterial};
+use super::report::{DeckReport, Fault, Problems};
+use super::{keys, overrides, placement};
+use crate::material::Constants;
+use serde::de::DeserializeOwned;
+use sphorge_engine::{
+    Particles, geometry,
+    model::{Model, Solid},
+};
+use std::{collections::BTreeMap, path::Path};
+use toml::{Spanned, de::DeTable};
+
+/// A problem ready to be run.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The validated model.
+    pub model: Model,
+    /// Its particles, body by body.
+    pub particles: Particles,
+    /// The deck as run, overrides worked in.
+    pub deck_text: String,
+}
+
+/// Reads a deck file and fills its bodies with no more than `most_particles`; the file stem names the model.
+///
+/// # Errors
+/// Everything that is wrong with the file, the overrides or the deck.
+pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) -> Result<Setup, DeckReport> {
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let help =
+            if path.is_dir() { "this is a folder; name a deck, a .toml file" } else { "check the path of the deck" };
+        DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), Some(help.to_owned()))
+    })?;
+    let name = path.file_stem().map_or_else(|| "deck".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    read(&shown, &name, &text, path.parent(), overrides, most_particles)
+}
+
+/// The model of a deck file, without particles.
+///
+/// # Errors
+/// Everything that is wrong with the file or the deck.
+pub fn load_model(path: &Path) -> Result<Model, DeckReport> {
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), None)
+    })?;
+    let mut problems = Problems::new(&shown, &text).with_folder(path.parent().unwrap_or(Path::new("")));
+    Ok(read_model("deck", &mut problems)?.0)
+}
+
+/// Reads a deck from memory, of any number of particles a run can have; `name` names the model and stands in diagnostics.
+///
+/// # Errors
+/// Everything that is wrong with the overrides or the deck.
+pub fn load_text(name: &str, text: &str, overrides: &[(String, String)]) -> Result<Setup, DeckReport> {
+    load_text_within(name, text, overrides, geometry::MAX_PARTICLES)
+}
+
+/// The same, with no more than `most_particles`.
+///
+/// # Errors
+/// Everything that is wrong with the overrides or the deck.
+pub fn load_text_within(
+    name: &str,
+    text: &str,
+    overrides: &[(String, String)],
+    most_particles: f64,
+) -> Result<Setup, DeckReport> {
+    read(name, name, text, None, overrides, most_particles)
+}
+
+fn read(
+    shown: &str,
+    name: &str,
+    text: &str,
+    folder: Option<&Path>,
+    overrides: &[(String, String)],
+    most_particles: f64,
+) -> Result<Setup, DeckReport> {
+    let mut deck_text = text.to_owned();
+    let mut shown = shown.to_owned();
+    if !overrides.is_empty()
+        && let Some(changed) = overrides::apply(text, overrides)?
+    {
+        deck_text = changed;
+        shown.push_str(", with --set");
+    }
+    let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
+    let (model, places) = read_model(name, &mut problems)?;
+    match geometry::fill(&model, most_particles) {
+        Ok(particles) => {
+            placement::check_tracers(&model, &particles, &places, &mut problems);
+            problems.check()?;
+            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles })
+        }
+        Err(errors) => {
+            for error in errors {
+                problems.push(placement::fault(error, &model, &places));
+            }
+            Err(problems.report("the bodies could not be filled"))
+        }
+    }
+}
+
+/// A deck that finds its tables from any folder.
+fn with_whole_paths(text: String, model: &Model) -> Result<String, DeckReport> {
+    let whole = model.bodies.iter().filter_map(|body| {
+        let Solid::Cloud { file, .. } = &body.shape.solid else { return None };
+        let path = std::path::absolute(file).ok()?;
+        Some((format!("body.{}.shape.table.file", body.name), format!("{:?}", path.to_str()?)))
+    });
+    let whole: Vec<_> = whole.collect();
+    Ok(if whole.is_empty() { text } else { overrides::apply(&text, &whole)?.unwrap_or(text) })
+}
+
+/// The model of the text of `problems`, without particles.
+pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<(Model, Places), DeckReport> {
+    let text = problems.text().to_owned();
+    match DeTable::parse(&text) {
+        Ok(deck) => keys::check_deck(deck.get_ref(), problems),
+        // What follows the first slip of syntax is mostly its echo.
+        Err(error) => problems.push(toml_fault(&error)),
+    }
+    problems.check()?;
+    let raw: RawDeck = parse(problems)?;
+    let interpreted = interpret(&raw, name, problems);
+    problems.check()?;
+    interpreted.ok_or_else(|| problems.report("the deck could not be interpreted"))
+}
+
+fn toml_fault(error: &toml::de::Error) -> Fault {
+    Fault::new("toml", error.message().trim().to_owned(), error.span().unwrap_or(0..0), "here")
+        .help("a deck is TOML: key = value, text in quotes, [table], [[list of tables]]")
+}
+
+/// Reads the text of `problems` into raw structs.
+fn parse<T: DeserializeOwned>(problems: &mut Problems) -> Result<T, DeckReport> {
+    toml::from_str(problems.text()).map_err(|error| {
+        problems.push(toml_fault(&error));
+        problems.report(error.message())
+    })
+}
+
+/// Reads a text of `[NAME]` tables of materials, as in a deck below `material`.
+pub(crate) fn read_materials(shown: &str, text: &str) -> Result<Vec<(String, Constants)>, DeckReport> {
+    let mut problems = Problems::new(shown, text);
+    let raw: BTreeMap<Spanned<String>, RawMaterial> = parse(&mut problems)?;
+    let entries = raw
+        .iter()
+        .map(|(name, material)| (name.get_ref().clone(), interpret::material::constants(material, &mut problems)))
+        .collect();
+    problems.check()?;
+    Ok(entries)
+}

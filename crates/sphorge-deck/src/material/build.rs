@@ -1,0 +1,244 @@
+//! A complete material of given constants, or what is missing.
+
+use super::constants::{Constants, ElasticConstants, LawConstants};
+use crate::defaults;
+use sphorge_engine::model::Material;
+use sphorge_engine::model::NO_HEATING;
+use sphorge_physics::{
+    eos::{EQUATIONS_OF_STATE, EquationOfState},
+    flow::FLOW_LAWS,
+    parameter::{LawEntry, Parameter},
+};
+
+/// A constant a material lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Missing {
+    /// Key in a deck.
+    pub(crate) key: &'static str,
+    /// Table of the deck it belongs to, below `[material.NAME]`: empty, or `strength.johnson-cook`.
+    pub(crate) table: String,
+    /// Law that needs it, if one does.
+    pub(crate) law: Option<&'static str>,
+    /// What it is, with its unit.
+    pub(crate) meaning: String,
+}
+
+/// Why constants do not make a material.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Incomplete {
+    /// These are not given.
+    Missing(Vec<Missing>),
+    /// These do not fit together.
+    Inconsistent(String),
+}
+
+fn missing_key(key: &'static str, meaning: &str, law: Option<&'static str>) -> Missing {
+    Missing { key, table: String::new(), law, meaning: meaning.to_owned() }
+}
+
+/// The values of a law in the order of its parameters: given, derived from the material, or the default.
+fn values<L>(
+    entry: &LawEntry<L>,
+    table: &str,
+    given: &LawConstants,
+    derived: &dyn Fn(&str) -> Option<f64>,
+    missing: &mut Vec<Missing>,
+) -> Option<Vec<f64>> {
+    let value = |p: &Parameter| given.get(p.key).or_else(|| derived(p.key)).or(p.default);
+    let before = missing.len();
+    for parameter in entry.parameters.iter().filter(|p| value(p).is_none()) {
+        let unit = parameter.quantity.si_unit();
+        let unit = if unit.is_empty() { "a pure number".to_owned() } else { format!("in {unit}") };
+        // What a material can give for all its laws is asked for there.
+        let table = if super::constants_key(parameter.key) { String::new() } else { format!("{table}.{}", entry.key) };
+        missing.push(Missing {
+            key: parameter.key,
+            table,
+            law: Some(entry.key),
+            meaning: format!("{} ({}), {unit}", parameter.meaning, parameter.symbol),
+        });
+    }
+    (missing.len() == before).then(|| entry.parameters.iter().filter_map(value).collect())
+}
+
+/// Makes a material; `name` is the name it goes by.
+pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incomplete> {
+    let mut missing = Vec::new();
+    let inconsistent = |message: String| Err(Incomplete::Inconsistent(message));
+    if constants.elastic.count() > 2 {
+        return inconsistent("more than two elastic constants are given, and two define the others".to_owned());
+    }
+    let density = constants.density;
+    if density.is_none() {
+        missing.push(missing_key("density", "density at rest, in kg/m^3", None));
+    }
+    let reference_temperature = constants.reference_temperature.unwrap_or(defaults::REFERENCE_TEMPERATURE);
+    let elastic = constants.elastic.completed();
+    if let Some(ElasticConstants { poisson: Some(nu), .. }) = elastic.filter(|e| !is_physical(e)) {
+        return inconsistent(format!(
+            "the elastic constants give Poisson's ratio {nu:.4}; it must be above -1 and below 0.5"
+        ));
+    }
+
+    // Pressure: linear with K unless the material says otherwise.
+    let bulk = elastic.and_then(|e| e.bulk).or(constants.elastic.bulk);
+    let linear = LawConstants::default();
+    let state = constants.equation_of_state.as_ref().unwrap_or(&linear);
+    let state_entry = &EQUATIONS_OF_STATE[state.law];
+    let state_values = if constants.equation_of_state.is_none() && bulk.is_none() {
+        let meaning = "pressure law; or give two elastic constants for the linear one";
+        missing.push(missing_key("equation-of-state", meaning, None));
+        None
+    } else {
+        let derived = |key: &str| match (key, state_entry.key) {
+            ("density", _) => density,
+            ("sound-speed", "linear") => Some((bulk? / density?).sqrt()),
+            _ => None,
+        };
+        // A density that is missing has been named already.
+        let known = |key: &str| if key == "density" { density.or(Some(1.0)) } else { derived(key) };
+        values(state_entry, "equation-of-state", state, &known, &mut missing)
+    };
+    let equation_of_state = state_values.filter(|_| density.is_some()).map(|v| (state_entry.build)(&v));
+
+    // With one elastic constant given, the bulk modulus of the pressure law is the second.
+    let elastic = elastic.or_else(|| with_bulk_modulus(constants.elastic, equation_of_state.as_ref(), density));
+    let Some(strength) = &constants.strength else {
+        missing.push(missing_key("strength", "flow law, for example \"elastic\"", None));
+        return Err(Incomplete::Missing(missing));
+    };
+    let flow_entry = &FLOW_LAWS[strength.law];
+    let derived = |key: &str| match key {
+        "young-modulus" => elastic?.young,
+        "reference-temperature" => Some(reference_temperature),
+        _ => None,
+    };
+    let flow_values = values(flow_entry, "strength", strength, &derived, &mut missing);
+    if let Some(message) = flow_values.as_ref().and_then(|v| (flow_entry.check)(v)) {
+        return inconsistent(format!("{}: {message}", flow_entry.key));
+    }
+    let flow_law = flow_values.map(|v| (flow_entry.build)(&v));
+    let has_shear = flow_law.as_ref().is_none_or(|law| law.has_shear());
+    let shear_modulus = if has_shear { elastic.and_then(|e| e.shear).or(constants.elastic.shear) } else { Some(0.0) };
+    if shear_modulus.is_none() {
+        let meaning = "shear modulus (G), in Pa; or two elastic constants";
+        missing.push(missing_key("shear-modulus", meaning, Some(flow_entry.key)));
+    }
+    let softens = flow_law.as_ref().is_some_and(|law| law.melting_temperature().is_some());
+    if softens && constants.specific_heat.is_none() {
+        missing.push(missing_key("specific-heat", "specific heat (Cp), in J/(kg K)", Some(flow_entry.key)));
+    }
+    match (density, shear_modulus, equation_of_state, flow_law) {
+        (Some(density), Some(shear_modulus), Some(equation_of_state), Some(flow_law)) if missing.is_empty() => {
+            Ok(Material {
+                name: name.to_owned(),
+                reference: constants.reference.clone().unwrap_or_default(),
+                density,
+                shear_modulus,
+                equation_of_state,
+                flow_law,
+                return_rule: constants.return_rule.unwrap_or_default(),
+                specific_heat: constants.specific_heat.unwrap_or(NO_HEATING),
+                conductivity: constants.conductivity.unwrap_or(0.0),
+                taylor_quinney: constants.taylor_quinney.unwrap_or(defaults::TAYLOR_QUINNEY),
+                spall_pressure: constants.spall_pressure.unwrap_or(f64::INFINITY),
+                reference_temperature,
+            })
+        }
+        _ => Err(Incomplete::Missing(missing)),
+    }
+}
+
+fn is_physical(elastic: &ElasticConstants) -> bool {
+    let poisson = elastic.poisson.is_some_and(|nu| nu > -1.0 && nu < 0.5);
+    poisson && [elastic.young, elastic.shear, elastic.bulk].iter().all(|m| m.is_some_and(|m| m > 0.0 && m.is_finite()))
+}
+
+fn with_bulk_modulus(
+    given: ElasticConstants,
+    state: Option<&EquationOfState<f64>>,
+    density: Option<f64>,
+) -> Option<ElasticConstants> {
+    let bulk = density? * state?.reference_sound_speed().powi(2);
+    ElasticConstants { bulk: given.bulk.or(Some(bulk)), ..given }.completed().filter(is_physical)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphorge_physics::flow::FlowLaw;
+
+    fn law(key: &str, values: &[(&'static str, f64)]) -> Option<LawConstants> {
+        let law = FLOW_LAWS.iter().position(|entry| entry.key == key).unwrap();
+        Some(LawConstants { law, values: values.to_vec() })
+    }
+
+    fn steel() -> Constants {
+        Constants {
+            density: Some(7850.0),
+            elastic: ElasticConstants { young: Some(210e9), poisson: Some(0.3), ..Default::default() },
+            strength: law("bilinear", &[("yield-stress", 350e6), ("tangent-modulus", 2e9)]),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn two_elastic_constants_make_the_linear_pressure_and_reach_the_flow_law() {
+        let material = build("steel", &steel()).unwrap();
+        assert!((material.shear_modulus / (210e9 / 2.6) - 1.0).abs() < 1e-12);
+        let c0 = material.equation_of_state.reference_sound_speed();
+        assert!((7850.0 * c0 * c0 / (210e9 / 1.2) - 1.0).abs() < 1e-12);
+        let FlowLaw::Bilinear(law) = material.flow_law else { panic!("bilinear expected") };
+        assert!((law.yield_stress - 350e6).abs() < 1.0);
+        assert!(!material.heats());
+    }
+
+    #[test]
+    fn an_energy_below_absolute_zero_pulls_no_harder_than_none() {
+        let law = EQUATIONS_OF_STATE.iter().position(|entry| entry.key == "mie-gruneisen").unwrap();
+        let values = vec![("sound-speed", 4000.0), ("shock-slope", 1.5), ("gruneisen", 2.0)];
+        let heated = |specific_heat| Constants {
+            equation_of_state: Some(LawConstants { law, values: values.clone() }),
+            elastic: ElasticConstants { shear: Some(80e9), ..Default::default() },
+            specific_heat,
+            reference_temperature: Some(300.0),
+            ..steel()
+        };
+        let pressure = |material: &Material, energy: f64| material.pressure(7850.0, energy).pressure;
+        // Gamma rho e at -400 300 J/kg; without specific heat at a hundredth of the square of the sound speed.
+        for (specific_heat, least) in [(Some(400.0), 1.2e5), (None, 1.6e5)] {
+            let material = build("steel", &heated(specific_heat)).unwrap();
+            assert!((pressure(&material, -1e5) / -1.57e9 - 1.0).abs() < 1e-9);
+            assert!((pressure(&material, -1e7) / (-2.0 * 7850.0 * least) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn tension_is_cut_off_where_the_material_spalls() {
+        let material = build("steel", &Constants { spall_pressure: Some(1e9), ..steel() }).unwrap();
+        // K = 175 GPa: 0.4 % of expansion is 0.7 GPa, 1 % would be 1.75 GPa.
+        let pressure = |strain: f64| material.pressure(7850.0 * (1.0 - strain), 0.0).pressure;
+        assert!((pressure(0.004) / -0.7e9 - 1.0).abs() < 1e-9 && pressure(0.01) == -1e9);
+        assert!((pressure(-0.01) / 1.75e9 - 1.0).abs() < 1e-9);
+        assert_eq!(build("steel", &steel()).unwrap().spall_pressure, f64::INFINITY);
+    }
+
+    #[test]
+    fn a_missing_constant_names_the_law_and_where_it_goes() {
+        let constants =
+            Constants { strength: law("johnson-cook", &[("A", 1e8), ("B", 1e8), ("n", 0.3), ("C", 0.01)]), ..steel() };
+        let Err(Incomplete::Missing(missing)) = build("steel", &constants) else { panic!("incomplete expected") };
+        let keys: Vec<_> = missing.iter().map(|m| (m.key, m.table.as_str(), m.law)).collect();
+        assert_eq!(keys[0], ("m", "strength.johnson-cook", Some("johnson-cook")));
+        assert_eq!(keys[1], ("melting-temperature", "strength.johnson-cook", Some("johnson-cook")));
+        assert_eq!(keys.len(), 2);
+    }
+
+    #[test]
+    fn contradicting_elastic_constants_are_refused() {
+        let elastic = ElasticConstants { shear: Some(80e9), ..steel().elastic };
+        assert!(matches!(build("s", &Constants { elastic, ..steel() }), Err(Incomplete::Inconsistent(_))));
+        let elastic = ElasticConstants { young: Some(210e9), shear: Some(60e9), ..Default::default() };
+        assert!(matches!(build("s", &Constants { elastic, ..steel() }), Err(Incomplete::Inconsistent(_))));
+    }
+}

@@ -1,0 +1,90 @@
+//! The shipped materials, read once from the text they are written in.
+
+use super::constants::Constants;
+use super::listing::{MaterialListing, listing};
+use std::sync::LazyLock;
+
+const TEXT: &str = include_str!("catalogue.toml");
+
+static ENTRIES: LazyLock<Vec<(String, Constants)>> = LazyLock::new(|| match crate::read_materials("catalogue", TEXT) {
+    Ok(entries) => entries,
+    // The text is part of the program; a test reads it.
+    Err(report) => panic!("the material catalogue cannot be read: {report}"),
+});
+
+/// Every material of the catalogue, by name.
+pub(crate) fn entries() -> &'static [(String, Constants)] {
+    &ENTRIES
+}
+
+/// Constants of a material of the catalogue.
+pub(crate) fn entry(name: &str) -> Option<&'static Constants> {
+    entries().iter().find(|(n, _)| n == name).map(|(_, constants)| constants)
+}
+
+/// All materials of the catalogue, in alphabetic order.
+pub fn catalogue() -> Vec<MaterialListing> {
+    entries().iter().map(|(name, constants)| listing(name, constants)).collect()
+}
+
+/// One material of the catalogue; otherwise the name most like the one asked for, if any is.
+///
+/// # Errors
+/// The nearest name.
+pub fn find(name: &str) -> Result<MaterialListing, Option<&'static str>> {
+    match entry(name) {
+        Some(constants) => Ok(listing(name, constants)),
+        None => Err(crate::nearest(name, entries().iter().map(|(n, _)| n.as_str()))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::build;
+
+    #[test]
+    fn every_material_is_complete_or_says_what_is_missing() {
+        for listing in catalogue() {
+            assert!(!listing.reference.is_empty() && !listing.description.is_empty(), "{}", listing.name);
+            assert_eq!(listing.missing.is_empty(), listing.note.is_empty(), "{}: {:?}", listing.name, listing.missing);
+        }
+        let incomplete: Vec<_> = catalogue().into_iter().filter(|m| !m.missing.is_empty()).map(|m| m.name).collect();
+        let expected = [
+            "1006-steel",
+            "4340-steel",
+            "7039-aluminium",
+            "carpenter-electric-iron",
+            "cartridge-brass",
+            "depleted-uranium",
+            "nickel-200",
+            "s7-tool-steel",
+            "tungsten-alloy",
+        ];
+        assert_eq!(incomplete, expected);
+    }
+
+    #[test]
+    fn wave_speeds_of_the_exact_solutions_follow_from_the_constants() {
+        let material = |name: &str| build(name, entry(name).unwrap()).unwrap();
+        let copper = material("copper-elastic");
+        // Bar wave speed sqrt(E/rho), with E = 9KG/(3K + G).
+        let k = copper.density * copper.equation_of_state.reference_sound_speed().powi(2);
+        let e = 9.0 * k * copper.shear_modulus / (3.0 * k + copper.shear_modulus);
+        assert!(((e / copper.density).sqrt() - 3619.7).abs() < 0.1);
+        // Precursor of the piston: sqrt((K + 4G/3)/rho) = 4716 m/s.
+        let piston = material("copper-piston");
+        let c0 = piston.equation_of_state.reference_sound_speed();
+        assert!(((c0 * c0 + 4.0 / 3.0 * piston.shear_modulus / piston.density).sqrt() - 4716.0).abs() < 1.0);
+        // Bulk sound speeds Gray, Monaghan & Swift's cases print.
+        assert!((material("rubber-rings").equation_of_state.reference_sound_speed() - 4032.0).abs() < 1.0);
+        assert!((material("rubber-plate").equation_of_state.reference_sound_speed() - 57.03).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_slip_in_a_name_finds_the_nearest() {
+        assert_eq!(find("armco-irn").unwrap_err(), Some("armco-iron"));
+        assert_eq!(find("unobtainium").unwrap_err(), None);
+        assert_eq!(find("armco-iron").unwrap().strength.unwrap().constants[0].value, Some(175e6));
+    }
+}

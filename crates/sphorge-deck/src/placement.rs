@@ -1,0 +1,119 @@
+//! Faults of placement, found when particles exist, told in terms of the deck.
+
+use super::interpret::Places;
+use super::report::{Fault, Problems};
+use sphorge_engine::Particles;
+use sphorge_engine::geometry::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES};
+use sphorge_engine::model::Model;
+
+/// A length for people.
+fn millimetres(length: f64) -> String {
+    format!("{:.4} mm", length * 1e3)
+}
+
+fn point(position: [f64; 3], model: &Model) -> String {
+    let axes: Vec<String> = position.iter().take(model.dimensions.count()).map(|c| format!("{:.4}", c * 1e3)).collect();
+    format!("({}) mm", axes.join(", "))
+}
+
+/// Spacings a particle may be away from the point of the tracer that follows it.
+const TRACER_REACH: f64 = 2.0;
+
+/// Tracers that would follow a particle far from their point.
+pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Places, problems: &mut Problems) {
+    for (tracer, at) in model.tracers.iter().zip(&places.tracers).filter(|(tracer, _)| !tracer.is_fixed) {
+        let Some((i, distance)) = particles.nearest(tracer.point, tracer.body) else { continue };
+        if distance > TRACER_REACH * model.bodies[particles.body[i] as usize].spacing {
+            let of = tracer.body.map_or("all bodies".to_owned(), |body| format!("body `{}`", model.bodies[body].name));
+            let message = format!("tracer `{}` starts outside {of}", tracer.name);
+            let label = format!("the nearest particle is {} away", millimetres(distance));
+            let help = "move the point, or watch it with `fixed = true`";
+            problems.push(Fault::new("stray-tracer", message, at.clone(), label).help(help));
+        }
+    }
+}
+
+/// The fault an error of the filling is for the deck.
+pub(crate) fn fault(error: FillError, model: &Model, places: &Places) -> Fault {
+    let name = |body: usize| &model.bodies[body].name;
+    let spacing_of = |body: usize| places.body_spacings[body].clone().unwrap_or(places.spacing.clone());
+    let axis_name = |axis: usize| ["x", "y", "z"][axis];
+    match error {
+        FillError::Empty { body, thickness, spacing } => {
+            let message = format!("body `{}` holds no particles", name(body));
+            let label = format!("{} at its thinnest", millimetres(thickness));
+            Fault::new("empty-body", message, places.bodies[body].clone(), label)
+                .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
+                .help(format!(
+                    "a body has to be at least one spacing thick: spacing at most {}",
+                    millimetres(thickness)
+                ))
+        }
+        FillError::NoSite { body, spacing } => {
+            let message = format!("body `{}` holds no particles", name(body));
+            Fault::new("empty-body", message, places.bodies[body].clone(), "none falls into its shape")
+                .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
+                .help("check where the parts of its shape lie, or make the spacing smaller")
+        }
+        FillError::TooMany { body, count, limit } => {
+            let gigabytes = count * BYTES_PER_PARTICLE / 1e9;
+            let message = format!("the deck makes about {count:.2e} particles, which take about {gigabytes:.1e} GB");
+            let why = if limit < MAX_PARTICLES { "the free memory of this machine holds" } else { "the limit is" };
+            let d = model.dimensions.count() as f64;
+            let coarser = model.bodies[body].spacing * (count / 1e6).powf(1.0 / d);
+            Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")
+                .also(places.bodies[body].clone(), "most of them here")
+                .help(format!("{why} {limit:.0e}; a spacing of {} makes a million", millimetres(coarser)))
+        }
+        FillError::Overlap { first, second, position, count } => {
+            let message = format!("bodies `{}` and `{}` overlap", name(first), name(second));
+            let particles = if count == 1 { "one particle".to_owned() } else { format!("{count} particles") };
+            Fault::new("overlap", message, places.bodies[second].clone(), "this body")
+                .also(
+                    places.bodies[first].clone(),
+                    format!("{particles} of this one too near, as at {}", point(position, model)),
+                )
+                .help("move them apart: touching bodies share a face, their outermost particles are a spacing apart")
+        }
+        FillError::EmptyRegion { region } => {
+            let message = format!("region `{}` holds no particles", model.regions[region].name);
+            Fault::new("empty-region", message, places.regions[region].clone(), "chooses nothing")
+                .help("particles sit half a spacing inside the faces of a body: check the shape, and its body")
+        }
+        FillError::BehindWall { wall, body, depth } => {
+            let message = format!("body `{}` is on or behind wall `{}`", name(body), model.walls[wall].name);
+            Fault::new("behind-wall", message, places.walls[wall].clone(), "this wall")
+                .also(places.bodies[body].clone(), format!("reaches {} behind it", millimetres(depth.max(0.0))))
+                .help("the normal points from the wall towards the material; move the body or turn the normal")
+        }
+        FillError::AcrossSymmetry { plane, body, distance } => {
+            let message = format!("body `{}` reaches across a symmetry plane, or meets its image", name(body));
+            let label = format!("its particles come to {} from the plane", millimetres(distance));
+            Fault::new("across-symmetry", message, places.symmetry[plane].clone(), "this plane")
+                .also(places.bodies[body].clone(), label)
+                .help("let the body end at the plane, with particles at cell centres; check `side`")
+        }
+        FillError::OutsideCell { axis, body } => {
+            let message = format!("body `{}` reaches out of the periodic cell along {}", name(body), axis_name(axis));
+            Fault::new("outside-cell", message, places.periodic[axis].clone(), "this cell")
+                .also(places.bodies[body].clone(), "this body")
+                .help("the cell has to hold all bodies")
+        }
+        FillError::PeriodicOverlap { axis, distance } => {
+            let message = format!("particles at the two ends of the periodic cell along {} overlap", axis_name(axis));
+            Fault::new(
+                "periodic-overlap",
+                message,
+                places.periodic[axis].clone(),
+                format!("{} apart", millimetres(distance)),
+            )
+            .help("make the cell a whole number of spacings long, with particles at cell centres")
+        }
+        FillError::DrivenTwice { first, second, axis } => {
+            let message = format!("some particles are driven along {} by two motions", axis_name(axis));
+            Fault::new("driven-twice", message, places.motions[second].clone(), "second")
+                .also(places.motions[first].clone(), "first")
+                .help("let the regions not overlap, or leave the axis \"free\" in one of the motions")
+        }
+    }
+}

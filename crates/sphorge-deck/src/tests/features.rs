@@ -1,0 +1,281 @@
+//! Every part of a deck arrives in the model with its values.
+
+use super::super::*;
+use sphorge_engine::model::*;
+use sphorge_physics::{kernel::Kernel, pair::PairForm, return_mapping::ReturnRule};
+
+const THREE: &str = r#"
+dimensions = "3d"
+gravity = [0, 0, "-9.81 m/s^2"]
+search = { skin = { fraction = 0.2 } }
+
+[particles]
+spacing = "1 mm"
+smoothing = 1.3
+placement = "on-faces"
+
+[numerics]
+kernel = "wendland-c2"
+integrator = "predictor-corrector"
+precision = "double"
+pair-form = "density-weighted"
+gradient-correction = "linear"
+viscosity = { alpha = 0.2, beta = 4, balsara = true }
+artificial-stress = { epsilon = 0.2, exponent = 6 }
+xsph = 0.5
+mls-interval = 20
+energy-split = "symmetric"
+smoothing-length = { follow-density = { factor = 1.5 } }
+
+[time]
+end = "2 ms"
+courant = 0.2
+max-step = "1 us"
+fixed-step = "0.5 us"
+stop-kinetic-fraction = 0.01
+max-steps = 12
+
+[output]
+frame-interval = "0.1 ms"
+history-interval = "1 us"
+fields = ["stress", "speed"]
+
+[material.tube]
+base = "steel-fraser"
+density = "8 g/cm^3"
+return-rule = "benz-asphaug"
+strength = { bilinear = { yield-stress = "350 MPa", tangent-modulus = "2 GPa" } }
+
+[[body]]
+name = "rod"
+material = "tube"
+shape = { cylinder = { from = [0, 0, 0], to = [0, 0, "20 mm"], radius = "4 mm" }, shift = ["1 mm", 0, 0] }
+temperature = "100 degC"
+spacing = "2 mm"
+smoothing = 1.4
+placement = "cell-centres"
+
+[[body]]
+name = "ball"
+material = "armco-iron"
+shape = { sphere = { centre = [0, 0, "30 mm"], radius = "5 mm" } }
+
+[[region]]
+name = "foot"
+body = "rod"
+shape = { box = { min = ["-9 mm", "-9 mm", 0], max = ["9 mm", "9 mm", "4 mm"] } }
+
+[[motion]]
+region = "foot"
+velocity = [0, "free", [["0 ms", "0 m/s"], ["5 ms", "1 m/s"]]]
+
+[[wall]]
+name = "lid"
+plane = { point = [0, 0, "40 mm"], normal = [0, 0, -2] }
+velocity = [0, 0, [["0 s", "-1 m/s"], ["1 ms", "0 m/s"]]]
+contact = { penalty = { stiffness = 2, damping = 0.3, friction = 0.4 } }
+
+[[symmetry]]
+axis = "y"
+at = "-20 mm"
+
+[periodic]
+x = ["-20 mm", "20 mm"]
+
+[[measure]]
+name = "spread"
+diameter = { region = "foot", axis = "z" }
+
+[[measure]]
+name = "shear"
+minimum = { field = "stress", component = "xy", over-time = true, window = { min = [0, 0, 0], max = [1, 1, 2] } }
+
+[[measure]]
+name = "front"
+front-speed = { field = "pressure", axis = "z", level = "5 GPa", side = "negative", during = ["1 us", "3 us"] }
+
+[[measure]]
+name = "probe"
+value = { body = "ball", field = "velocity", component = "z", point = [0, 0, "30 mm"] }
+
+[[measure]]
+name = "swing"
+period = { field = "position", component = "y" }
+
+[[tracer]]
+name = "tip"
+point = [0, 0, "20 mm"]
+body = "rod"
+
+[[tracer]]
+name = "gauge"
+point = [0, 0, "5 mm"]
+fixed = true
+fields = ["pressure", "stress"]
+
+[[section]]
+name = "middle"
+point = [0, 0, "10 mm"]
+normal = [0, 3, 4]
+body = "rod"
+
+[[measure]]
+name = "rebound"
+reversal-time = { axis = "z" }
+"#;
+
+fn model(text: &str) -> Model {
+    match load_text("deck", text, &[]) {
+        Ok(setup) => setup.model,
+        Err(report) => panic!("{:?}", report.problems()),
+    }
+}
+
+#[test]
+fn numerics_time_and_output_arrive() {
+    let model = model(THREE);
+    let wanted = Numerics {
+        kernel: Kernel::WendlandC2,
+        integrator: Integrator::PredictorCorrector,
+        precision: Precision::Double,
+        pair_form: PairForm::DensityWeighted,
+        gradient_correction: GradientCorrection::Linear,
+        viscosity_alpha: 0.2,
+        viscosity_beta: 4.0,
+        balsara: true,
+        artificial_stress: Some(ArtificialStress { epsilon: 0.2, exponent: 6 }),
+        xsph: 0.5,
+        mls_interval: Some(20),
+        energy_split: EnergySplit::Symmetric,
+        temperature: TemperatureSource::PlasticWork,
+        smoothing_length: SmoothingLength::FollowDensity { factor: 1.5 },
+    };
+    assert_eq!(model.numerics, wanted);
+    let time = TimeControl {
+        end: 2e-3,
+        courant: 0.2,
+        max_step: Some(1e-6),
+        fixed_step: Some(0.5e-6),
+        stop_kinetic_fraction: Some(0.01),
+        max_steps: Some(12),
+    };
+    assert_eq!(model.time, time);
+    assert_eq!((model.output.frame_interval, model.output.history_interval), (1e-4, 1e-6));
+    assert_eq!(model.output.fields, ["stress", "speed"]);
+    assert_eq!((model.search, model.gravity), (Search::Skin { fraction: 0.2 }, [0.0, 0.0, -9.81]));
+}
+
+#[test]
+fn bodies_and_materials_arrive() {
+    let model = model(THREE);
+    let (rod, ball) = (&model.bodies[0], &model.bodies[1]);
+    assert_eq!((rod.spacing, ball.spacing), (2e-3, 1e-3));
+    assert!((rod.smoothing_length - 2.8e-3).abs() < 1e-18 && (ball.smoothing_length - 1.3e-3).abs() < 1e-18);
+    assert_eq!(
+        (rod.lattice.placement, ball.lattice.placement),
+        (LatticePlacement::CellCentres, LatticePlacement::OnFaces)
+    );
+    assert_eq!((rod.temperature, ball.temperature), (373.15, 293.15));
+    assert_eq!(rod.shape.transform.translation, [1e-3, 0.0, 0.0]);
+    let steel = &model.materials[rod.material];
+    assert_eq!((steel.density, steel.return_rule, steel.flow_law.key()), (8000.0, ReturnRule::BenzAsphaug, "bilinear"));
+    // E and nu come from the base: G = E / (2 (1 + nu)).
+    assert!((steel.shear_modulus - 210e9 / 2.6).abs() < 1.0);
+}
+
+#[test]
+fn boundaries_arrive() {
+    let model = model(THREE);
+    let WallSurface::Plane { point, normal } = model.walls[0].surface else { panic!("a plane") };
+    assert_eq!((point, normal), ([0.0, 0.0, 0.04], [0.0, 0.0, -1.0]));
+    assert_eq!(model.walls[0].velocity[2].points, [(0.0, -1.0), (1e-3, 0.0)]);
+    let WallContact::Penalty { stiffness, damping, friction } = model.walls[0].contact else { panic!("penalty") };
+    assert_eq!((stiffness, damping, friction), (2.0, 0.3, 0.4));
+    assert_eq!(model.symmetry, [SymmetryPlane { axis: 1, position: -0.02, side: 1.0 }]);
+    assert_eq!(model.periodic, [Some((-0.02, 0.02)), None, None]);
+    let axes = &model.motions[0].axes;
+    assert_eq!((axes[0].clone(), axes[1].clone()), (MotionAxis::Velocity(TimeTable::constant(0.0)), MotionAxis::Free));
+    assert_eq!(axes[2], MotionAxis::Velocity(TimeTable { points: vec![(0.0, 0.0), (5e-3, 1.0)] }));
+}
+
+#[test]
+fn measures_arrive() {
+    let model = model(THREE);
+    let kind = |name: &str| model.measures.iter().find(|m| m.name == name).unwrap().kind.clone();
+    let probe = Probe::default();
+    let foot = Probe { region: Some(0), ..Probe::default() };
+    assert_eq!(kind("spread"), MeasureKind::Diameter { probe: foot, axis: 2 });
+    let shear = MeasureKind::Extreme {
+        probe: Probe { window: Some(([0.0; 3], [1.0, 1.0, 2.0])), ..Probe::default() },
+        field: "stress".to_owned(),
+        component: Some(3),
+        extremum: Extremum::Minimum,
+        over_time: true,
+    };
+    assert_eq!(kind("shear"), shear);
+    let front = MeasureKind::FrontSpeed {
+        probe: probe.clone(),
+        field: "pressure".to_owned(),
+        component: None,
+        axis: 2,
+        level: 5e9,
+        direction: -1.0,
+        window: (1e-6, 3e-6),
+    };
+    assert_eq!(kind("front"), front);
+    let ball = Probe { body: Some(1), ..Probe::default() };
+    let point = [0.0, 0.0, 0.03];
+    assert_eq!(
+        kind("probe"),
+        MeasureKind::Value { probe: ball, field: "velocity".to_owned(), component: Some(2), point }
+    );
+    assert_eq!(
+        kind("swing"),
+        MeasureKind::Period { probe: probe.clone(), field: "position".to_owned(), component: Some(1) }
+    );
+    assert_eq!(kind("rebound"), MeasureKind::ReversalTime { probe, axis: 2 });
+}
+
+#[test]
+fn tracers_and_sections_arrive() {
+    let model = model(THREE);
+    let usual = ["position", "velocity", "pressure", "von_mises_stress", "plastic_strain", "temperature"];
+    let tip = Tracer {
+        name: "tip".into(),
+        point: [0.0, 0.0, 0.02],
+        body: Some(0),
+        is_fixed: false,
+        fields: usual.map(String::from).to_vec(),
+    };
+    let fields = vec!["pressure".to_owned(), "stress".to_owned()];
+    let gauge = Tracer { name: "gauge".into(), point: [0.0, 0.0, 0.005], body: None, is_fixed: true, fields };
+    assert_eq!(model.tracers, [tip, gauge]);
+    let middle = Section { name: "middle".into(), point: [0.0, 0.0, 0.01], normal: [0.0, 0.6, 0.8], body: Some(0) };
+    assert_eq!(model.sections, [middle]);
+}
+
+#[test]
+fn one_dimension_and_a_segment_in_the_plane() {
+    let one = "dimensions = \"1d\"\n[particles]\nspacing = 0.1\n[time]\nend = 1\n\
+               [[body]]\nname = \"flyer\"\nmaterial = \"copper-shock\"\nshape = { box = { min = [0], max = [1] } }\nvelocity = [500]\n";
+    let setup = load_text("deck", one, &[]).unwrap();
+    assert_eq!((setup.particles.len(), setup.particles.velocity[9]), (10, [500.0, 0.0, 0.0]));
+    assert!((setup.particles.mass[0] - 893.0).abs() < 1e-9);
+    assert_eq!(setup.model.materials[0].shear_modulus, 0.0);
+    assert!(!setup.model.materials[0].heats());
+    let segment = super::changed(
+        "plane = { point = [\"0 mm\", \"0 mm\"], normal = [0, 1] }",
+        "segment = { from = [-1, 0], to = [1, 0] }",
+    );
+    let WallSurface::Segment { from, to } = model(&segment).walls[0].surface else { panic!("a segment") };
+    assert_eq!((from, to), ([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+}
+
+#[test]
+fn temperature_from_energy_needs_a_specific_heat() {
+    let deck = super::changed("[time]", "[numerics]\ntemperature = \"energy\"\n[time]");
+    assert_eq!(model(&deck).numerics.temperature, TemperatureSource::Energy);
+    let without = deck.replace("\"armco-iron\"", "\"copper-shock\"");
+    let Err(report) = load_text("deck", &without, &[]) else { panic!("no specific heat") };
+    assert!(report.to_string().contains("has no `specific-heat`"), "{report}");
+}

@@ -1,0 +1,93 @@
+//! Contact between bodies and heat: what is read, what is refused.
+
+use super::super::*;
+use super::changed;
+use sphorge_engine::model::*;
+
+const BOUNDARIES: &str = r#"
+[thermal]
+mechanics = false
+
+[[thermal.boundary]]
+name = "air"
+convection = { coefficient = "50 W/(m^2 K)", ambient = "20 degC" }
+
+[[thermal.boundary]]
+name = "lamp"
+body = "bar"
+flux = "2 kW/m^2"
+
+[[thermal.boundary]]
+name = "foot"
+region = "low"
+hold = 300
+
+[[region]]
+name = "low"
+shape = { box = { min = ["-4 mm", "0 mm"], max = ["4 mm", "1 mm"] } }
+"#;
+
+#[test]
+fn contact_and_heat_are_read() {
+    let deck = changed("search =", "contact = { penalty = { friction = 0.2 } }\nsearch =") + BOUNDARIES;
+    let model = load_text("deck", &deck, &[]).unwrap().model;
+    let BodyContact::Penalty(strength) = model.contact else { panic!("{:?}", model.contact) };
+    assert_eq!((strength.stiffness, strength.damping, strength.friction), (1.0, 0.3, 0.2));
+    assert!(model.thermal.conduction && !model.thermal.mechanics);
+    let kinds: Vec<_> = model.thermal.boundaries.iter().map(|b| (b.name.as_str(), b.body, b.region, b.kind)).collect();
+    assert_eq!(
+        kinds,
+        [
+            ("air", None, None, HeatBoundaryKind::Convection { coefficient: 50.0, ambient: 293.15 }),
+            ("lamp", Some(0), None, HeatBoundaryKind::Flux(2000.0)),
+            ("foot", None, Some(0), HeatBoundaryKind::Hold(300.0)),
+        ]
+    );
+    let plain = load_text("deck", &changed("smoothing = 1.2", "smoothing = 1.20"), &[]);
+    assert!(plain.is_ok_and(|s| s.model.contact == BodyContact::KernelSum && s.model.thermal == Thermal::default()));
+}
+
+/// Code and text of the first fault of a deck.
+#[track_caller]
+fn refused(deck: &str) -> (String, String) {
+    let Err(report) = load_text("deck", deck, &[]) else { panic!("no fault is found") };
+    let problem = &report.problems()[0];
+    (problem.code().to_owned(), format!("{problem} {}", problem.help().unwrap_or_default()))
+}
+
+#[test]
+fn faults_of_contact_and_heat_are_told() {
+    let deck = changed("smoothing = 1.2", "smoothing = 1.20");
+    let with = |more: &str| refused(&format!("{deck}{more}"));
+    for (more, code, words) in [
+        ("[contact]\npenalty = { friction = -1 }", "out-of-range", "zero or above"),
+        ("[contact]\npenalty = { damping = 2 }", "out-of-range", "between 0 and 1"),
+        ("[contact]\n", "exactly-one", "a contact needs one of `penalty`"),
+        ("[[thermal.boundary]]\nname = \"a\"", "exactly-one", "a heat boundary needs one of `hold`"),
+        ("[[thermal.boundary]]\nname = \"a\"\nhold = 300\nflux = 3", "exactly-one", "only one of `hold`"),
+        ("[[thermal.boundary]]\nname = \"a\"\nhold = \"-300 degC\"", "out-of-range", "absolute zero or above"),
+        ("[[thermal.boundary]]\nname = \"a\"\nflux = \"3 W/m\"", "wrong-quantity", "heat flux"),
+        ("[[thermal.boundary]]\nname = \"a\"\nbody = \"car\"\nflux = 3", "unknown-name", "`bar`"),
+        ("[thermal]\nconduction = false\nmechanics = false", "conflict", "no heat flows"),
+        (
+            "[[thermal.boundary]]\nname = \"a\"\nflux = 3\n[[thermal.boundary]]\nname = \"a\"\nflux = 4",
+            "duplicate-name",
+            "two heat boundaries",
+        ),
+    ] {
+        let (found, text) = with(more);
+        assert_eq!(found, code, "{more}: {text}");
+        assert!(text.contains(words), "{more}: {text}");
+    }
+    // What conducts needs a capacity, and bodies that stand still need to conduct.
+    let mine = |constants: &str| {
+        format!(
+            "{}[material.mine]\ndensity = 1000\nyoung-modulus = 1e9\npoisson-ratio = 0.3\nstrength = \"elastic\"\n{constants}\n",
+            changed("\"armco-iron\"", "\"mine\"")
+        )
+    };
+    let (code, text) = refused(&(mine("") + "[thermal]\n"));
+    assert!(code == "missing-constant" && text.contains("`specific-heat`, and conduction needs it"), "{text}");
+    let (code, text) = refused(&(mine("specific-heat = 500") + "[thermal]\nmechanics = false\n"));
+    assert!(code == "missing-constant" && text.contains("no material conducts"), "{text}");
+}

@@ -1,0 +1,226 @@
+//! Properties of all decks: stated defaults are real, the schema accepts what is shipped, nothing panics.
+
+use super::super::*;
+use super::{FLAVOUR, changed};
+use crate::decks::DECKS;
+use crate::keys::toml_text;
+use crate::report::Problems;
+use crate::schema::Node;
+use proptest::prelude::*;
+
+/// A deck in which every table that has defaults stands.
+const EVERYTHING: &str = r#"
+dimensions = "plane-strain"
+[particles]
+spacing = "1 mm"
+[time]
+end = "1 us"
+[material.mine]
+density = 1000
+young-modulus = "1 GPa"
+poisson-ratio = 0.3
+strength = "elastic"
+specific-heat = 500
+[[body]]
+name = "bar"
+material = "mine"
+shape = { box = { min = [0, 0], max = ["5 mm", "5 mm"] } }
+[[wall]]
+name = "soft"
+plane = { point = [0, 0], normal = [0, 1] }
+contact = { penalty = {} }
+[[wall]]
+name = "hard"
+plane = { point = [0, "6 mm"], normal = [0, -1] }
+[[symmetry]]
+axis = "x"
+[[measure]]
+name = "hottest"
+maximum = { field = "temperature" }
+[[measure]]
+name = "speed"
+front-speed = { field = "pressure", axis = "y", level = 1 }
+"#;
+
+/// Shapes, measures and columns the others lack.
+const SHAPES: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm", lattice = "hexagonal" }
+numerics = { smoothing-length = { follow-density = { factor = 1.5 } } }
+[time]
+end = "1 us"
+[[body]]
+name = "plate"
+material = "armco-iron"
+lattice = "square"
+shape = { difference = [
+    { union = [ { box = { min = [0, 0], max = ["9 mm", "6 mm"] } }, { polygon = { corners = [["9 mm", 0], ["12 mm", 0], ["9 mm", "3 mm"]] } } ] },
+    { disc = { centre = ["3 mm", "3 mm"], radius = "1 mm" }, shift = ["0.5 mm", 0] },
+], rotate = { angle = "10 deg" } }
+[[body]]
+name = "waist"
+material = "armco-iron"
+shape = { revolution = { from = ["20 mm", 0], axis = [0, 1], profile = [["0 mm", "3 mm"], ["4 mm", "2 mm"], ["4 mm", "1 mm"]] } }
+[[body]]
+name = "bullet"
+material = "armco-iron"
+shape = { ogive = { from = ["30 mm", 0], to = ["30 mm", "9 mm"], radius = "2 mm", head-radius = "4 mm" } }
+[[body]]
+name = "ring"
+material = "armco-iron"
+lattice = "rings"
+shape = { disc = { centre = ["50 mm", 0], radius = "5 mm", inner-radius = "3 mm" } }
+[[tracer]]
+name = "tip"
+point = ["9 mm", 0]
+[[section]]
+name = "middle"
+point = ["4 mm", 0]
+normal = [1, 0]
+[[measure]]
+name = "hole"
+crater-diameter = { body = "plate", axis = "y", link = 2 }
+"#;
+
+fn model(deck: &str, overrides: &[(String, String)]) -> String {
+    let setup = load_text("deck", deck, overrides).unwrap_or_else(|report| panic!("{report}\n{:?}", report.problems()));
+    format!("{:?}", setup.model)
+}
+
+/// Every default stated for the keys of a table, as overrides.
+fn stated(path: &str) -> Vec<(String, String)> {
+    let mut node = Node::deck();
+    for segment in path.split('.').filter(|s| !s.is_empty()) {
+        node = if segment.parse::<usize>().is_ok() { node.item(0).unwrap() } else { node.key(segment).unwrap() };
+    }
+    let named = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    let plain = |value: &&serde_json::Value| !value.is_null() && !value.is_array() && !value.is_object();
+    let defaults =
+        node.keys().into_iter().filter_map(|(key, n)| Some((named(key), toml_text(n.own("default").filter(plain)?))));
+    defaults.collect()
+}
+
+#[test]
+fn stated_defaults_are_the_real_ones() {
+    let tables = [
+        "",
+        "particles",
+        "numerics",
+        "numerics.viscosity",
+        "time",
+        "output",
+        "wall.soft.contact.penalty",
+        "wall.hard",
+        "symmetry.0",
+        "search.skin",
+        "material.mine",
+        "measure.hottest.maximum",
+        "measure.speed.front-speed",
+    ];
+    let plain = model(EVERYTHING, &[]);
+    for table in tables {
+        let defaults =
+            stated(&table.replace("soft", "0").replace("hard", "1").replace("hottest", "0").replace("speed.", "1."));
+        assert!(!defaults.is_empty(), "{table} states no defaults");
+        assert_eq!(model(EVERYTHING, &defaults), plain, "{table}: {defaults:?}");
+    }
+    let on = ("numerics.artificial-stress".to_owned(), "true".to_owned());
+    let spelled = stated("numerics.artificial-stress");
+    assert_eq!(spelled.len(), 2);
+    assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    let on = ("thermal".to_owned(), "{}".to_owned());
+    let spelled = stated("thermal");
+    assert_eq!(spelled.len(), 2);
+    assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    let on = ("contact".to_owned(), "penalty".to_owned());
+    let spelled = stated("contact.penalty");
+    assert_eq!(spelled.len(), 3);
+    assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+}
+
+#[test]
+fn the_schema_accepts_the_shipped_decks_and_nothing_else() {
+    let validator = jsonschema::draft202012::new(schema()).unwrap();
+    let json = |text: &str| serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap();
+    for (name, text) in DECKS.iter().map(|d| (d.name, d.text)).chain([
+        ("flavour", FLAVOUR),
+        ("everything", EVERYTHING),
+        ("shapes", SHAPES),
+    ]) {
+        let errors: Vec<String> =
+            validator.iter_errors(&json(text)).map(|e| format!("{} at {}", e, e.instance_path())).collect();
+        assert!(errors.is_empty(), "{name}: {errors:#?}");
+    }
+    let materials = serde_json::json!({ "material": json(include_str!("../material/catalogue.toml")) });
+    let mut deck = json(FLAVOUR);
+    deck["material"] = materials["material"].clone();
+    assert!(validator.is_valid(&deck));
+    for (old, new) in [
+        ("smoothing", "smothing"),
+        ("\"every-step\"", "\"never\""),
+        ("end = \"60 us\"", ""),
+        ("[0, 1]", "[0, 1, 2, 3]"),
+    ] {
+        assert!(!validator.is_valid(&json(&changed(old, new))), "{new}");
+    }
+}
+
+#[test]
+fn overrides_are_part_of_the_deck_as_run() {
+    let set = |path: &str, value: &str| (path.to_owned(), value.to_owned());
+    let overrides = [
+        set("particles.spacing", "0.6 mm"),
+        set("body.bar.velocity.1", "-300 m/s"),
+        set("material.armco-iron.density", "8 g/cm3"),
+    ];
+    let setup = load_text("deck", FLAVOUR, &overrides).unwrap();
+    assert_eq!(setup.model.spacing, 0.6e-3);
+    assert_eq!(setup.particles.velocity[0][1], -300.0);
+    // A material changed in part keeps the rest of the catalogue's.
+    assert_eq!((setup.model.materials[0].density, setup.model.materials[0].shear_modulus), (8000.0, 80e9));
+    let again = load_text("deck", &setup.deck_text, &[]).unwrap();
+    assert_eq!(format!("{:?}", again.model), format!("{:?}", setup.model));
+}
+
+/// Reads a deck, and fills it if it is small.
+fn survive(text: &str) {
+    let mut problems = Problems::new("deck", text);
+    if let Ok((model, _)) = load::read_model("deck", &mut problems)
+        && sphorge_engine::geometry::estimated_count(&model).iter().sum::<f64>() < 2e4
+    {
+        let _ = sphorge_engine::geometry::fill(&model, 2e4);
+    }
+}
+
+fn cut(text: &str, at: usize) -> usize {
+    (at % (text.len() + 1)..).find(|&i| text.is_char_boundary(i)).unwrap_or(text.len())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_deck_with_a_piece_replaced_is_read_or_refused(from in 0usize..2000, length in 0usize..30, piece in "[\\[\\]{}=.,\"# a-z0-9é%/-]{0,12}") {
+        for deck in [FLAVOUR, EVERYTHING, SHAPES] {
+            let start = cut(deck, from);
+            let end = cut(deck, (start + length).min(deck.len())).max(start);
+            survive(&format!("{}{piece}{}", &deck[..start], &deck[end..]));
+        }
+    }
+
+    #[test]
+    fn any_number_in_any_place_is_read_or_refused(place in 0usize..200, value in any::<f64>(), unit in prop::sample::select(vec!["", " mm", " s", " GPa", " m/s", " K"])) {
+        for deck in [FLAVOUR, EVERYTHING, SHAPES] {
+            let numbers: Vec<usize> = deck.char_indices().filter(|(_, c)| c.is_ascii_digit()).map(|(i, _)| i).collect();
+            let start = numbers[place % numbers.len()];
+            let end = start + deck[start..].find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(0);
+            survive(&format!("{}{value:e}{unit}{}", &deck[..start], &deck[end..]));
+            survive(&format!("{}{value:?}{}", &deck[..start], &deck[end..]));
+        }
+    }
+
+    #[test]
+    fn any_override_is_taken_or_refused(path in "[a-z0-9.\"-]{0,24}", known in prop::sample::select(vec!["", "body.bar.", "particles.", "search.", "measure.0.", "material.x.", "wall.anvil."]), value in "[\\[\\]{}=.,\" a-z0-9-]{0,10}") {
+        let _ = overrides::apply(FLAVOUR, &[(format!("{known}{path}"), value)]);
+    }
+}

@@ -1,0 +1,233 @@
+use super::*;
+use crate::cpu::total_lagrangian::bulk_viscosity;
+use sphorge_physics::artificial_stress::artificial_stress;
+use sphorge_physics::eos::EQUATIONS_OF_STATE;
+use sphorge_physics::flow::FLOW_LAWS;
+use sphorge_physics::return_mapping::ReturnRule;
+use sphorge_physics::{Dimension, tensor};
+
+/// Not a multiple of any bundle.
+const COUNT: usize = 107;
+const DT: f64 = 2e-8;
+const COPPER: [f64; 4] = [8930.0, 3940.0, 1.49, 2.0];
+const JOHNSON_COOK: [f64; 8] = [90.0e6, 292.0e6, 0.31, 0.025, 1.09, 1.0, 298.0, 1356.0];
+
+fn material(equation: (&str, &[f64]), flow: (&str, &[f64]), shear_modulus: f64, spall_pressure: f64) -> Material {
+    let equation_of_state = EQUATIONS_OF_STATE.iter().find(|e| e.key == equation.0).unwrap();
+    let flow_law = FLOW_LAWS.iter().find(|e| e.key == flow.0).unwrap();
+    Material {
+        name: String::new(),
+        reference: String::new(),
+        density: equation.1[0],
+        shear_modulus,
+        equation_of_state: (equation_of_state.build)(equation.1),
+        flow_law: (flow_law.build)(flow.1),
+        return_rule: ReturnRule::RadialReturn,
+        specific_heat: 385.0,
+        conductivity: 0.0,
+        taylor_quinney: 0.9,
+        spall_pressure,
+        reference_temperature: 298.0,
+    }
+}
+
+fn materials() -> [Material; 5] {
+    [
+        material(("mie-gruneisen", &COPPER), ("johnson-cook", &JOHNSON_COOK), 46.0e9, 1.5e9),
+        material(("mie-gruneisen-polynomial", &[2710.0, 5300.0, 1.5, 1.7]), ("elastic", &[]), 27.0e9, f64::INFINITY),
+        material(("linear", &[7850.0, 4600.0]), ("perfectly-plastic", &[350.0e6]), 80.0e9, f64::INFINITY),
+        material(("linear", &[1000.0, 1500.0]), ("none", &[]), 0.0, 0.0),
+        material(("mie-gruneisen", &COPPER), ("bilinear", &[350.0e6, 120.0e9, 2.0e9]), 46.0e9, f64::INFINITY),
+    ]
+}
+
+/// Numbers between -1 and 1 that repeat themselves nowhere.
+fn number(k: usize, what: usize) -> f64 {
+    let x = ((7919 * k + 104_729 * what + 13) as f64 * 0.618_033_988_749_895).fract();
+    2.0 * x - 1.0
+}
+
+/// Particles of all states, the columns the stress is computed from.
+struct Particle {
+    material: u32,
+    deviator: SymmetricTensor<f64>,
+    l: Tensor<f64>,
+    density: f64,
+    energy: f64,
+    /// Plastic strain, its increment, yield stress, plastic work, temperature.
+    flow: [f64; 5],
+}
+
+fn particle(materials: &[Material], mixed: bool, k: usize) -> Particle {
+    let m = if mixed { (k / 3) % materials.len() } else { 0 };
+    let law = &materials[m].flow_law;
+    let plastic_strain = if k.is_multiple_of(2) { 0.0 } else { 0.1 * number(k, 1).abs() };
+    let temperature = if k.is_multiple_of(11) { 1400.0 } else { 300.0 + 200.0 * number(k, 2).abs() };
+    let state = sphorge_physics::flow::FlowState { plastic_strain, plastic_strain_rate: 0.0, temperature };
+    let yield_stress = law.yield_stress(state).value;
+    let increment = if k % 5 == 1 { 1e-5 } else { 0.0 };
+    // From far below yield to beyond it.
+    let size = 2.0 * number(k, 3).abs() * yield_stress.min(300.0e6);
+    let s = [4, 5, 6, 7, 8, 9].map(|c| size * number(k, c));
+    let mut deviator = SymmetricTensor::from_array(s).deviator();
+    let mut density = materials[m].density * (1.0 + 0.15 * number(k, 10));
+    // What is not a number stays none.
+    if k == 40 {
+        deviator.xy = f64::NAN;
+    }
+    if k == 50 {
+        density = f64::NAN;
+    }
+    Particle {
+        material: m as u32,
+        deviator,
+        l: std::array::from_fn(|a| std::array::from_fn(|b| 3.0e4 * number(k, 11 + 3 * a + b))),
+        density,
+        energy: 1.0e5 * number(k, 20),
+        flow: [plastic_strain, increment, yield_stress, 10.0 * plastic_strain, temperature],
+    }
+}
+
+/// Equal to a few units of round-off of `size`, or both no numbers.
+fn assert_near(got: f64, want: f64, size: f64, what: &dyn std::fmt::Display) {
+    let near = (got - want).abs() <= 1e-13 * size || got == want || (got.is_nan() && want.is_nan());
+    assert!(near, "{what}: {got:e} {want:e}");
+}
+
+/// Takes particles through a step on lanes and one by one; how many stayed elastic.
+fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form: StressForm) -> usize {
+    let materials = materials();
+    let particles: Vec<Particle> = (0..COUNT).map(|k| particle(&materials, mixed, k)).collect();
+    let column = |of: &dyn Fn(&Particle) -> f64| -> Vec<f64> { particles.iter().map(of).collect() };
+    let source = if only_flow_heats { TemperatureSource::PlasticWork } else { TemperatureSource::Energy };
+    let step = StressStep { materials: &materials, temperature: source, only_flow_heats, instructions, commit: true };
+
+    let mut columns = StressColumns::new();
+    columns.density[..COUNT].copy_from_slice(&column(&|p| p.density));
+    columns.energy[..COUNT].copy_from_slice(&column(&|p| p.energy));
+    columns.smoothing_length = [1e-3; BLOCK];
+    let mut flow: [Vec<f64>; 5] = std::array::from_fn(|c| column(&|p| p.flow[c]));
+    let [ep, dep, y, wp, t] = &mut flow;
+    let inputs = ElasticInputs {
+        material: &particles.iter().map(|p| p.material).collect::<Vec<_>>(),
+        deviator: &particles.iter().map(|p| p.deviator).collect::<Vec<_>>(),
+        velocity_gradient: &particles.iter().map(|p| p.l).collect::<Vec<_>>(),
+        dt: DT,
+    };
+    FlowColumns::new((ep, dep, y, wp, t)).take_step(&step, &mut columns, &inputs);
+    let mut records = vec![[0.0; force::LEN]; COUNT];
+    let mut singles = vec![[0.0f32; force::LEN]; COUNT];
+    let mut extras = vec![[0.0; extra::LEN]; COUNT];
+    run(
+        instructions,
+        PackStress { columns: &columns, form, records: &mut singles, extras: &mut vec![[0.0; extra::LEN]; COUNT] },
+    );
+    run(instructions, PackStress { columns: &columns, form, records: &mut records, extras: &mut extras });
+
+    let mut elastic = 0;
+    for (k, p) in particles.iter().enumerate() {
+        let m = &materials[p.material as usize];
+        let trial = stress::trial_deviator(p.deviator, &p.l, m.shear_modulus, DT);
+        let (law, g) = (&m.flow_law, m.shear_modulus);
+        let update = return_mapping_near(m.return_rule, law, g, trial, p.flow[0], p.flow[4], DT, p.flow[1]);
+        elastic += usize::from(update.plastic_strain_increment == 0.0);
+        let mut want: [Vec<f64>; 5] = p.flow.map(|v| vec![v]);
+        let [ep, dep, y, wp, t] = &mut want;
+        FlowColumns::new((ep, dep, y, wp, t)).commit(0, &update, m, source, p.density, p.energy);
+        for (c, name) in ["strain", "increment", "yield stress", "work", "temperature"].into_iter().enumerate() {
+            // A step known to be elastic leaves the work alone whatever the density.
+            if k != 50 {
+                assert_near(flow[c][k], want[c][0], 1.0e9, &format!("{name} of {k}"));
+                let relative = want[c][0].abs().max(1e-12);
+                assert_near(flow[c][k], want[c][0], 1e3 * relative, &format!("{name} of {k}"));
+            }
+        }
+        let deviator = columns.deviator_of(k).to_array();
+        for (got, want) in deviator.into_iter().zip(update.deviator.to_array()) {
+            assert_near(got, want, 1.0e9, &format!("deviator of {k}"));
+        }
+        let state = m.pressure(p.density, p.energy);
+        assert_near(columns.pressure[k], state.pressure, 1.0e11, &format!("pressure of {k}"));
+        assert_near(columns.sound_speed[k], state.sound_speed, 1.0e4, &format!("sound speed of {k}"));
+
+        let mut pressure = state.pressure;
+        if let Some((alpha, beta)) = form.bulk_viscosity {
+            let divergence = p.l[0][0] + p.l[1][1] + p.l[2][2];
+            pressure += bulk_viscosity(alpha, beta, divergence, p.density, state.sound_speed, 1e-3);
+        }
+        let scale = match form.pair_form {
+            PairForm::VolumeWeighted => 1.0,
+            PairForm::DensityWeighted | PairForm::Mixed => 1.0 / (p.density * p.density),
+        };
+        let sigma = (update.deviator - SymmetricTensor::isotropic(pressure)) * scale;
+        let tail = [p.density, state.sound_speed];
+        for (c, want) in sigma.to_array().into_iter().chain(tail).enumerate() {
+            let size = if c < 6 { 1.0e11 * scale.max(1e-12) } else { 1.0e5 };
+            assert_near(records[k][force::S + c], want, size, &format!("record of {k}"));
+            assert_eq!(singles[k][force::S + c].to_bits(), (records[k][force::S + c] as f32).to_bits());
+        }
+        if k != 40 && k != 50 {
+            let r = form.artificial_stress.map(|epsilon| artificial_stress(sigma, epsilon, form.dimension));
+            for (c, want) in r.unwrap_or(SymmetricTensor::zero()).to_array().into_iter().enumerate() {
+                assert_near(extras[k][extra::R + c], want, 1.0e11 * scale, &format!("artificial stress of {k}"));
+            }
+        }
+    }
+    elastic
+}
+
+#[test]
+fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
+    let plain = StressForm {
+        pair_form: PairForm::VolumeWeighted,
+        bulk_viscosity: None,
+        artificial_stress: Some(0.3),
+        dimension: Dimension::Three,
+    };
+    let scaled = StressForm { pair_form: PairForm::DensityWeighted, dimension: Dimension::Two, ..plain };
+    let viscous = StressForm { bulk_viscosity: Some((0.5, 2.0)), artificial_stress: None, ..plain };
+    for instructions in Instructions::available() {
+        for form in [plain, scaled, viscous] {
+            for mixed in [false, true] {
+                for only_flow_heats in [false, true] {
+                    let elastic = compare(instructions, mixed, only_flow_heats, form);
+                    assert!(elastic > COUNT / 5 && elastic < 4 * COUNT / 5, "{elastic} of {COUNT} are elastic");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
+    let materials = materials();
+    let step = StressStep {
+        materials: &materials,
+        temperature: TemperatureSource::PlasticWork,
+        only_flow_heats: true,
+        instructions: Instructions::best(),
+        commit: true,
+    };
+    let mut columns = StressColumns::new();
+    columns.density = [2710.0; BLOCK];
+    // A quarter turn about z: tan(45 degrees) = dt/2 w.
+    let inputs = ElasticInputs {
+        material: &[1],
+        deviator: &[SymmetricTensor::diagonal(2.0e6, -3.0e6, 1.0e6)],
+        velocity_gradient: &[[[0.0, -2.0 / DT, 0.0], [2.0 / DT, 0.0, 0.0], [0.0; 3]]],
+        dt: DT,
+    };
+    let mut flow = [[0.0], [0.0], [f64::INFINITY], [0.0], [300.0]];
+    let [ep, dep, y, wp, t] = &mut flow;
+    FlowColumns::new((ep, dep, y, wp, t)).take_step(&step, &mut columns, &inputs);
+    let turned = columns.deviator_of(0);
+    let want = SymmetricTensor::<f64>::diagonal(-3.0e6, 2.0e6, 1.0e6);
+    for (got, want) in turned.to_array().into_iter().zip(want.to_array()) {
+        assert_near(got, want, 1.0e7, &"turned");
+    }
+    assert_eq!(flow, [[0.0], [0.0], [f64::INFINITY], [0.0], [300.0]]);
+    assert!((tensor::determinant(&turned.to_tensor()) / -6.0e18 - 1.0).abs() < 1e-9);
+
+    let nothing = ElasticInputs { material: &[], deviator: &[], velocity_gradient: &[], dt: DT };
+    assert_eq!(columns.take_elastic_step(step.instructions, &materials, &nothing), 0);
+}

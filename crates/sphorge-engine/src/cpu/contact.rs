@@ -1,0 +1,437 @@
+//! Contact between bodies: two passes over the pairs of particles of different bodies.
+//!
+//! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
+//! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
+//! the energy account, what damping and friction take heats both particles by halves.
+
+use super::halo::Ghost;
+use super::{CpuEngine, Work};
+use crate::ContactLedger;
+use crate::lanes::PairScalar;
+use crate::model::{self, Model};
+use crate::neighbors::{BLOCK, ForeignList, NeighborList};
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::contact::{
+    ContactBody, ContactLaw, ContactPair, contact_force, overlap_pressure, overlap_stiffness,
+};
+use sphorge_physics::{Vector, kernel::Kernel, tensor::dot};
+
+/// Contact of all bodies with each other.
+#[derive(Clone, Debug)]
+pub(super) struct BodyContacts {
+    foreign: ForeignList,
+    table: Table,
+    /// What each particle sees of other bodies; zero where that is nothing.
+    seen: Vec<Seen>,
+    /// Sums of each block, by pair of bodies.
+    partial: Vec<PairSums>,
+    /// Largest stable step over the margin, by block, s.
+    limits: Vec<f64>,
+    /// Sums at the last evaluation, by pair of bodies.
+    now: Vec<PairSums>,
+    /// Works so far, by pair of bodies, J.
+    works: Vec<Works>,
+    /// Heat of friction at the last evaluation, W/kg.
+    rubbed: Vec<f64>,
+}
+
+/// Constants by body and by ordered pair of bodies.
+#[derive(Clone, Debug)]
+struct Table {
+    kernel: Kernel,
+    dimension: usize,
+    normalisation: f64,
+    bodies: usize,
+    /// `1/rho` at rest.
+    specific_volume: Vec<f64>,
+    smoothing_length: Vec<f64>,
+    laws: Vec<ContactLaw<f64>>,
+}
+
+/// Overlap of a particle with other bodies.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// `sum_j V_j W_ij / S_ab - 1`.
+    overlap: f64,
+    /// `- grad_i` of it, 1/m: points away from the other bodies.
+    away: Vector<f64>,
+    /// `sum_j V_i V_j |dW/dr|`.
+    weight: f64,
+}
+
+/// Sums over the pairs of two bodies, the first with the lower index.
+#[derive(Clone, Copy, Debug, Default)]
+struct PairSums {
+    /// Force on the first, N.
+    force: Vector<f64>,
+    /// Powers, W.
+    stored: f64,
+    rubbed: f64,
+    damped: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Works {
+    stored: f64,
+    rubbed: f64,
+    damped: f64,
+}
+
+impl Table {
+    fn new(model: &Model, strength: sphorge_physics::contact::ContactStrength) -> Self {
+        let dimension = super::dimension(model);
+        let kernel = model.numerics.kernel;
+        let bodies: Vec<ContactBody> = model
+            .bodies
+            .iter()
+            .map(|body| {
+                let material = &model.materials[body.material];
+                let speed = material.equation_of_state.reference_sound_speed();
+                ContactBody {
+                    spacing: body.spacing,
+                    smoothing_length: body.smoothing_length,
+                    density: material.density,
+                    bulk_modulus: material.density * speed * speed,
+                }
+            })
+            .collect();
+        // One law for both orders of a pair, so that forces are opposite to the last digit.
+        let law = |a: usize, b: usize| {
+            let law = ContactLaw::new(kernel, dimension, &bodies[a.min(b)], &bodies[a.max(b)], strength);
+            if a <= b { law } else { law.turned() }
+        };
+        let laws = (0..bodies.len()).flat_map(|a| (0..bodies.len()).map(move |b| (a, b))).map(|(a, b)| law(a, b));
+        let laws = laws.collect();
+        Self {
+            kernel,
+            dimension: dimension.count(),
+            normalisation: kernel.normalisation(dimension),
+            bodies: bodies.len(),
+            specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
+            smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
+            laws,
+        }
+    }
+
+    fn law(&self, a: usize, b: usize) -> &ContactLaw<f64> {
+        &self.laws[a * self.bodies + b]
+    }
+
+    /// `W` and `-1/r dW/dr` of two bodies' particles at a distance, and their smoothing length.
+    fn kernel(&self, a: usize, b: usize, r: f64) -> (f64, f64, f64) {
+        let h = 0.5 * (self.smoothing_length[a] + self.smoothing_length[b]);
+        let scale = self.normalisation / h.powi(self.dimension as i32);
+        let q = r / h;
+        (scale * self.kernel.w(q), -scale * self.kernel.dw_over_q(q) / (h * h), h)
+    }
+}
+
+/// Place of a pair of bodies `a < b` among all pairs, in the order of the first, then of the second.
+fn pair_index(bodies: usize, a: usize, b: usize) -> usize {
+    a * (2 * bodies - a - 1) / 2 + b - a - 1
+}
+
+/// Where the particles are, and their images.
+#[derive(Clone, Copy)]
+pub(super) struct Places<'a> {
+    pub(super) position: &'a [Vector<f64>],
+    pub(super) velocity: &'a [Vector<f64>],
+    pub(super) ghosts: &'a [Ghost],
+}
+
+impl Places<'_> {
+    /// Source, position, and the signs of vectors of a particle or ghost.
+    pub(super) fn of(&self, j: u32) -> (usize, Vector<f64>, Vector<f64>) {
+        let j = j as usize;
+        match j.checked_sub(self.position.len()) {
+            None => (j, self.position[j], [1.0; 3]),
+            Some(g) => {
+                let ghost = &self.ghosts[g];
+                let source = ghost.source as usize;
+                (source, ghost.position(&self.position[source]), ghost.sign)
+            }
+        }
+    }
+}
+
+fn difference(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+impl BodyContacts {
+    /// `None` where bodies meet in the kernel sum, or where there is but one.
+    pub(super) fn new(model: &Model, particles: usize) -> Option<Self> {
+        let model::BodyContact::Penalty(strength) = model.contact else { return None };
+        let bodies = model.bodies.len();
+        let pairs = bodies * bodies.saturating_sub(1) / 2;
+        (pairs > 0).then(|| Self {
+            foreign: ForeignList::default(),
+            table: Table::new(model, strength),
+            seen: vec![Seen::default(); particles],
+            partial: vec![PairSums::default(); pairs * particles.div_ceil(BLOCK)],
+            limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
+            now: vec![PairSums::default(); pairs],
+            works: vec![Works::default(); pairs],
+            rubbed: vec![0.0; particles],
+        })
+    }
+
+    /// Whether particle `i` has `j` for a neighbour in another body.
+    pub(super) fn has_pair(&self, i: usize, j: u32) -> bool {
+        let mut rows = self.foreign.blocks()[i / BLOCK].rows();
+        rows.any(|(own, row)| own == i && row.contains(&j))
+    }
+
+    /// Takes the pairs of different bodies out of a list that was just searched.
+    pub(super) fn take_pairs(&mut self, list: &mut NeighborList, body: &[u32], ghosts: &[Ghost]) {
+        self.foreign.take_from(list, |j| match (j as usize).checked_sub(body.len()) {
+            None => body[j as usize],
+            Some(g) => body[ghosts[g].source as usize],
+        });
+        self.seen.fill(Seen::default());
+    }
+
+    /// Adds the powers of the last evaluation over a time `dt`, s.
+    pub(super) fn book(&mut self, dt: f64) {
+        for (works, now) in self.works.iter_mut().zip(&self.now) {
+            works.stored += dt * now.stored;
+            works.rubbed += dt * now.rubbed;
+            works.damped += dt * now.damped;
+        }
+    }
+
+    /// Particles' neighbours in other bodies.
+    pub(super) fn foreign(&self) -> &ForeignList {
+        &self.foreign
+    }
+
+    /// Heat of friction at the last evaluation, W/kg.
+    pub(super) fn rubbed(&self) -> &[f64] {
+        &self.rubbed
+    }
+
+    /// Largest stable step over the margin, s.
+    pub(super) fn limit(&self) -> f64 {
+        self.limits.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Account of every pair of bodies.
+    pub(super) fn ledger(&self) -> Vec<ContactLedger> {
+        let of = |(now, works): (&PairSums, &Works)| ContactLedger {
+            force: now.force.map(|f| 0.0 - f),
+            stored_energy: works.stored,
+            friction_work: works.rubbed,
+            damping_work: works.damped,
+        };
+        self.now.iter().zip(&self.works).map(of).collect()
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.foreign.bytes()
+            + self.seen.capacity() * size_of::<Seen>()
+            + self.partial.capacity() * size_of::<PairSums>()
+    }
+
+    /// First pass: the overlap of every particle that has neighbours in other bodies.
+    fn look(&mut self, places: Places<'_>, mass: &[f64], body: &[u32]) {
+        let table = &self.table;
+        (self.foreign.blocks().par_iter(), self.seen.par_chunks_mut(BLOCK)).into_par_iter().for_each(
+            |(block, seen)| {
+                for (i, row) in block.rows() {
+                    let a = body[i] as usize;
+                    let volume = mass[i] * table.specific_volume[a];
+                    let mut sum = Seen { overlap: -1.0, ..Seen::default() };
+                    for &j in row {
+                        let (source, position, _) = places.of(j);
+                        let b = body[source] as usize;
+                        let x = difference(places.position[i], position);
+                        let (w, slope, _) = table.kernel(a, b, dot(x, x).sqrt());
+                        let other = mass[source] * table.specific_volume[b];
+                        let share = other * table.law(a, b).inverse_sums.0;
+                        sum.overlap += share * w;
+                        sum.weight += volume * other * slope * dot(x, x).sqrt();
+                        for k in 0..3 {
+                            sum.away[k] += share * slope * x[k];
+                        }
+                    }
+                    seen[i % BLOCK] = sum;
+                }
+            },
+        );
+    }
+
+    fn close(&mut self) {
+        let pairs = self.now.len();
+        self.now.fill(PairSums::default());
+        for block in self.partial.chunks(pairs) {
+            for (sum, part) in self.now.iter_mut().zip(block) {
+                sum.stored += part.stored;
+                sum.rubbed += part.rubbed;
+                sum.damped += part.damped;
+                for k in 0..3 {
+                    sum.force[k] += part.force[k];
+                }
+            }
+        }
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Adds the forces between bodies, and their heat, to those of the pair sum.
+    pub(super) fn add_body_contact(&mut self) {
+        let Some(contacts) = &mut self.contacts else { return };
+        let Work { evaluated_velocity, mu, .. } = &mut self.work;
+        let Particles { acceleration, energy_rate, position, mass, body, .. } = &mut self.particles;
+        let (mass, body) = (&*mass, &*body);
+        let places = Places { position, velocity: evaluated_velocity, ghosts: &self.halo.ghosts };
+        contacts.look(places, mass, body);
+
+        let BodyContacts { foreign, table, seen, partial, limits, now, rubbed, .. } = contacts;
+        let (table, seen, dt) = (&*table, &*seen, self.step.dt);
+        (
+            foreign.blocks().par_iter(),
+            acceleration.par_chunks_mut(BLOCK),
+            energy_rate.par_chunks_mut(BLOCK),
+            mu.par_chunks_mut(BLOCK),
+            partial.par_chunks_mut(now.len()),
+            limits.par_iter_mut(),
+            rubbed.par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .for_each(|(block, acceleration, energy_rate, mu, sums, limit, rubbed)| {
+                sums.fill(PairSums::default());
+                rubbed.fill(0.0);
+                *limit = f64::INFINITY;
+                for (i, row) in block.rows() {
+                    let k = i % BLOCK;
+                    let push = table.row(i, row, places, mass, body, seen, dt, sums);
+                    for axis in 0..3 {
+                        acceleration[k][axis] += push.force[axis] / mass[i];
+                    }
+                    energy_rate[k] += 0.5 * push.heat / mass[i];
+                    rubbed[k] = 0.5 * push.rubbed / mass[i];
+                    mu[k] = mu[k].max(push.approach);
+                    *limit = limit.min(push.limit);
+                }
+            });
+        contacts.close();
+    }
+}
+
+/// Sums of one particle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Push {
+    force: Vector<f64>,
+    /// Power that turns to heat in all its pairs, W.
+    heat: f64,
+    /// Friction's part of it, W.
+    rubbed: f64,
+    approach: f64,
+    limit: f64,
+}
+
+impl Table {
+    fn row(
+        &self,
+        i: usize,
+        row: &[u32],
+        places: Places<'_>,
+        mass: &[f64],
+        body: &[u32],
+        seen: &[Seen],
+        dt: f64,
+        sums: &mut [PairSums],
+    ) -> Push {
+        let a = body[i] as usize;
+        let volume = mass[i] * self.specific_volume[a];
+        let own = &seen[i];
+        let mut push = Push::default();
+        let (mut stiffness, mut damping, mut modulus) = (0.0, 0.0, 0.0f64);
+        for &j in row {
+            let (source, position, sign) = places.of(j);
+            let b = body[source] as usize;
+            let law = self.law(a, b);
+            let other = &seen[source];
+            let x = difference(places.position[i], position);
+            let r = dot(x, x).sqrt();
+            let (_, slope, h) = self.kernel(a, b, r);
+            let other_volume = mass[source] * self.specific_volume[b];
+            let weight = volume * other_volume * slope * r;
+            let reduced = mass[i] * mass[source] / (mass[i] + mass[source]);
+            let share = weight / own.weight.max(other.weight);
+            let pair = ContactPair {
+                x,
+                v: [0, 1, 2].map(|k| places.velocity[i][k] - sign[k] * places.velocity[source][k]),
+                weight,
+                overlaps: (own.overlap, other.overlap),
+                direction: [0, 1, 2].map(|k| own.away[k] - sign[k] * other.away[k]),
+                stopping: if dt > 0.0 && weight > 0.0 { reduced * share / dt } else { 0.0 },
+            };
+            let force = contact_force(law, &pair);
+            push.approach = push.approach.max(force.approach);
+            let sum = &mut sums[pair_index(self.bodies, a.min(b), a.max(b))];
+            for k in 0..3 {
+                push.force[k] += force.force[k];
+                if a < b {
+                    sum.force[k] += force.force[k];
+                }
+            }
+            push.heat += force.damped + force.rubbed;
+            push.rubbed += force.rubbed;
+            // The other half comes from the row of the other particle.
+            sum.stored += 0.5 * force.stored;
+            sum.rubbed += 0.5 * force.rubbed;
+            sum.damped += 0.5 * force.damped;
+
+            // Diagonal of the second derivative of the energy by the particle's place.
+            let pressed = overlap_pressure(own.overlap) * law.inverse_sums.0
+                + overlap_pressure(other.overlap) * law.inverse_sums.1;
+            let through = volume * slope * r * law.inverse_sums.1;
+            stiffness += law.modulus
+                * (other_volume * overlap_stiffness(other.overlap) * through * through + weight * pressed / h);
+            if pressed > 0.0 {
+                damping += law.damping * weight;
+            }
+            modulus = modulus.max(law.modulus);
+        }
+        stiffness += modulus * volume * overlap_stiffness(own.overlap) * dot(own.away, own.away);
+        push.limit = stable_step(2.0 * stiffness / mass[i], 2.0 * damping / mass[i]);
+        push
+    }
+}
+
+/// Largest stable step of an oscillator of stiffness and damping over mass, `2/w (sqrt(1 + z^2) - z)` with the damping ratio
+/// `z`, s. Twice the diagonal stands for neighbours that swing against the particle.
+fn stable_step(stiffness: f64, damping: f64) -> f64 {
+    if stiffness <= 0.0 {
+        return f64::INFINITY;
+    }
+    let half = 0.5 * damping;
+    2.0 * ((stiffness + half * half).sqrt() - half) / stiffness
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_bodies_are_counted_without_gaps() {
+        let mut next = 0;
+        for a in 0..5 {
+            for b in a + 1..5 {
+                assert_eq!(pair_index(5, a, b), next);
+                next += 1;
+            }
+        }
+    }
+
+    #[test]
+    fn a_stable_step_by_hand() {
+        assert_eq!(stable_step(4.0, 0.0), 1.0);
+        // w = 2, z = 3/(2 2) = 0.75: sqrt(1.5625) - 0.75 = 0.5.
+        assert_eq!(stable_step(4.0, 3.0), 0.5);
+        assert!(stable_step(0.0, 3.0).is_infinite());
+    }
+}

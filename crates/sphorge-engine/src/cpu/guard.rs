@@ -1,0 +1,91 @@
+//! The check that ends a run before nonsense spreads.
+
+use crate::RunFailure;
+use crate::model::{HeatBoundaryKind, Model};
+use crate::particles::Particles;
+use rayon::prelude::*;
+
+/// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
+pub(super) fn is_cooled(model: &Model) -> bool {
+    let cools = |kind| matches!(kind, HeatBoundaryKind::Flux(flux) if flux < 0.0);
+    model.thermal.conduction && model.thermal.boundaries.iter().any(|b| cools(b.kind))
+}
+
+/// Names the first particle (in id order of failure, lowest index) with a value that is not finite, a density that is not
+/// positive or, where something `is_cooled`, a temperature below zero.
+pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
+    let wrong = |i: usize| -> Option<&'static str> {
+        let finite = |v: &[f64]| v.iter().all(|c| c.is_finite());
+        if !finite(&p.position[i]) {
+            Some("position")
+        } else if !finite(&p.velocity[i]) {
+            Some("velocity")
+        } else if !finite(&p.acceleration[i]) {
+            Some("acceleration")
+        } else if !(p.density[i].is_finite() && p.density[i] > 0.0) {
+            Some("density")
+        } else if !p.energy[i].is_finite() {
+            Some("energy")
+        } else if !p.pressure[i].is_finite() {
+            Some("pressure")
+        } else if !finite(&p.deviator[i].to_array()) {
+            Some("deviator")
+        } else if !p.temperature[i].is_finite() || (is_cooled && p.temperature[i] < 0.0) {
+            Some("temperature")
+        } else {
+            None
+        }
+    };
+    let Some(i) = (0..p.len()).into_par_iter().with_min_len(1024).find_first(|&i| wrong(i).is_some()) else {
+        return Ok(());
+    };
+    let field = wrong(i).unwrap_or("position");
+    let value = p.column(field).map_or(f64::NAN, |c| c.magnitude(i));
+    let message = if field == "temperature" && p.temperature[i] < 0.0 {
+        format!(
+            "`temperature` became {value} K: a flux out of the body takes more heat than there is; convection ends by itself"
+        )
+    } else {
+        format!(
+            "`{field}` became {value}; a smaller `time.courant`, more artificial viscosity or a gentler contact may help"
+        )
+    };
+    Err(RunFailure {
+        step: 0,
+        time: 0.0,
+        field,
+        particle: Some(p.id[i]),
+        body: Some(p.body[i]),
+        position: Some(p.position[i]),
+        message,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_bad_particle_is_named_with_its_field() {
+        let mut p = Particles::new(3);
+        p.density.fill(1.0);
+        p.id.copy_from_slice(&[7, 8, 9]);
+        assert_eq!(check(&p, true), Ok(()));
+        p.temperature[2] = f64::NAN;
+        p.density[1] = -2.0;
+        let failure = check(&p, false).unwrap_err();
+        assert_eq!((failure.particle, failure.field), (Some(8), "density"));
+        assert!(failure.to_string().contains("-2"), "{failure}");
+    }
+
+    #[test]
+    fn a_temperature_below_zero_counts_where_something_is_cooled() {
+        let mut p = Particles::new(2);
+        p.density.fill(1.0);
+        p.temperature[1] = -2.0;
+        assert_eq!(check(&p, false), Ok(()));
+        let failure = check(&p, true).unwrap_err();
+        assert_eq!(failure.field, "temperature");
+        assert!(failure.to_string().contains("-2 K: a flux"), "{failure}");
+    }
+}

@@ -1,0 +1,150 @@
+//! Adaptive search: only particles that deform plastically are searched again (Fraser).
+//!
+//! Fraser's rule looks at the plastic strain of a step alone. The guard adds what the rule cannot see; `docs/adaptive-search.md`
+//! derives each of its bounds:
+//!
+//! - elastic strain: a particle whose strain since its last search passes a bound is searched;
+//! - strangers: particles near another body, near another piece of their own, or near material that came from afar are
+//!   searched every step ([`super::guard`]);
+//! - one-sidedness: rows of neighbours that a searched particle gains or loses are mended, so that of every pair both rows know
+//!   or none;
+//! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
+
+use super::super::{CpuEngine, Work};
+use super::{CHUNK, moved_beyond};
+use crate::engine::SearchReport;
+use crate::lanes::PairScalar;
+use crate::model::{AdaptiveSearch, Search};
+use crate::neighbors::{Reach, mark};
+use crate::particles::Particles;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Ghosts are made for particles this much farther away than the kernel reaches, as a share of the reach.
+pub(super) const GHOST_MARGIN: f64 = 0.5;
+
+/// Above this share a search of everyone costs less than one of some and their neighbours.
+const EVERYONE_ABOVE: f64 = 0.5;
+
+impl<T: PairScalar> CpuEngine<T> {
+    pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> SearchReport {
+        if self.lists.stale || self.ghosts_used_up() {
+            return self.search_everyone();
+        }
+        self.follow_frame();
+        if adaptive.guard.is_some() {
+            let reach = self.largest_reach();
+            let factor = self.model.numerics.kernel.support();
+            let lists = &mut self.lists;
+            let origin = &self.work.origin;
+            let odometer = lists.odometer;
+            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, origin, odometer, reach, factor);
+        }
+        let marked = self.mark(adaptive);
+        let count = self.particles.len();
+        if adaptive.guard.is_some() && marked as f64 > EVERYONE_ABOVE * count as f64 {
+            return self.search_everyone();
+        }
+        self.step.adapted_someone = marked > 0;
+        if marked == 0 {
+            return SearchReport { searched_fraction: 0.0 };
+        }
+        if !self.halo.ghosts.is_empty() {
+            self.place_points();
+        }
+        let factor = self.reach_factor();
+        let one_sided = adaptive.guard.is_none();
+        let (odometer, range) = (self.lists.odometer, self.lists.smoothing_lengths);
+        let super::Lists { list, searcher, points, smoothing_length, sources, marks, to_search, stored, .. } =
+            &mut self.lists;
+        // Without ghosts the particles are all there is.
+        let (points, smoothing_length) = if sources.is_empty() {
+            (&self.particles.position, &self.particles.smoothing_length)
+        } else {
+            (&*points, &*smoothing_length)
+        };
+        marks.truncate(count);
+        for (k, &source) in sources.iter().enumerate() {
+            let mark = marks[source as usize].load(Ordering::Relaxed);
+            marks.push(AtomicU8::new(mark));
+            if mark == mark::SEARCH {
+                to_search.push((count + k) as u32);
+            }
+        }
+        let reach = Reach { smoothing_length, factor, range };
+        searcher.renew(points, sources, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
+        if let Some(stored) = stored {
+            let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
+            stored.renew(list, points, searched);
+        }
+        // Every particle that can touch another body is among strangers and was searched: all pairs of bodies are in the rows.
+        self.take_contacts();
+        SearchReport { searched_fraction: marked as f64 / count as f64 }
+    }
+
+    /// Notes a search of everyone for what is measured from it.
+    pub(super) fn remember_search(&mut self) {
+        if self.keeps_distances() {
+            let lists = &mut self.lists;
+            lists.stored.get_or_insert_default().renew(&lists.list, &lists.points, |_| true);
+        }
+        if matches!(self.model.search, Search::Adaptive(_)) {
+            self.lists.searched_at.clone_from(&self.particles.position);
+            self.lists.searched_when = self.lists.odometer;
+            self.work.strain_since_search.fill(0.0);
+            self.work.plastic_since_search.fill(0.0);
+        }
+    }
+
+    /// Whether sums are taken with the distances of the last search.
+    fn keeps_distances(&self) -> bool {
+        match self.model.search {
+            Search::Adaptive(adaptive) => adaptive.guard.is_none(),
+            Search::TotalLagrangian(total) => !total.corrected,
+            _ => false,
+        }
+    }
+
+    /// Whether a particle may have come near a symmetry plane or a periodic end without a ghost.
+    fn ghosts_used_up(&self) -> bool {
+        let allowed = GHOST_MARGIN * self.largest_reach();
+        !self.halo.is_empty()
+            && !self.lists.odometer.is_within(self.lists.searched_when, allowed)
+            && moved_beyond(&self.particles.position, &self.lists.searched_at, allowed)
+    }
+
+    /// Marks the particles to be searched, returns how many.
+    fn mark(&mut self, adaptive: AdaptiveSearch) -> usize {
+        let count = self.particles.len();
+        let super::Lists { marks, to_search, guard, .. } = &mut self.lists;
+        marks.resize_with(count.max(marks.len()), AtomicU8::default);
+        let step = self.step.count as u32;
+        let Particles { plastic_strain_increment, adapted, last_searched, .. } = &mut self.particles;
+        let (plastic_strain_increment, guard) = (&*plastic_strain_increment, &*guard);
+        let Work { strain_since_search, plastic_since_search, .. } = &mut self.work;
+        let columns = (
+            marks[..count].par_chunks_mut(CHUNK),
+            adapted.par_chunks_mut(CHUNK),
+            last_searched.par_chunks_mut(CHUNK),
+            strain_since_search.par_chunks_mut(CHUNK),
+            plastic_since_search.par_chunks_mut(CHUNK),
+        );
+        columns.into_par_iter().enumerate().for_each(|(c, (marks, adapted, last, strain, plastic))| {
+            for k in 0..marks.len() {
+                let i = c * CHUNK + k;
+                let flow = if adaptive.accumulate { plastic[k] } else { plastic_strain_increment[i] };
+                let search = flow > adaptive.plastic_strain_threshold
+                    || adaptive.guard.is_some_and(|bound| strain[k] > bound || guard.among_strangers(i));
+                *marks[k].get_mut() = if search { mark::SEARCH } else { mark::KEEP };
+                adapted[k] = u32::from(search);
+                if search {
+                    (last[k], strain[k], plastic[k]) = (step, 0.0, 0.0);
+                }
+            }
+        });
+        to_search.clear();
+        let marked = |i: &u32| *marks[*i as usize].get_mut() == mark::SEARCH;
+        to_search.extend((0..count as u32).filter(marked));
+        to_search.len()
+    }
+}

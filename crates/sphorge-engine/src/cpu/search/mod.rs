@@ -1,0 +1,319 @@
+//! When neighbour lists are renewed, and for whom: the search strategies.
+
+mod adaptive;
+mod audit;
+mod guard;
+mod stored;
+
+pub(super) use stored::{StoredBlock, StoredPairs};
+
+use super::CpuEngine;
+use super::halo::Ghost;
+use crate::engine::SearchReport;
+use crate::lanes::PairScalar;
+use crate::model::Search;
+use crate::neighbors::{BLOCK, Frame, NeighborList, Odometer, Reach, Searcher, bounds};
+use crate::particles::{Particles, Permutation};
+use guard::Guard;
+use rayon::prelude::*;
+use sphorge_physics::Vector;
+use std::sync::atomic::AtomicU8;
+
+/// Particles one thread takes at a time where little is done to each.
+const CHUNK: usize = 4096;
+
+/// Neighbour lists and what searching needs.
+#[derive(Default)]
+pub(super) struct Lists<T> {
+    pub(super) list: NeighborList,
+    /// Distances of the last search, where the strategy keeps them.
+    pub(super) stored: Option<StoredPairs<T>>,
+    pub(super) permutation: Permutation,
+    /// Searches of everyone since particles were sorted.
+    pub(super) searches: u64,
+    /// The list is not of these particles.
+    pub(super) stale: bool,
+    searcher: Searcher,
+    /// Positions of particles and ghosts at the last search, m.
+    points: Vec<Vector<f64>>,
+    pub(super) smoothing_length: Vec<f64>,
+    /// Smallest and largest smoothing length, m.
+    pub(super) smoothing_lengths: (f64, f64),
+    pub(super) odometer: Odometer,
+    /// Its readings at the last search of everyone, and when the frame was made.
+    searched_when: Odometer,
+    framed_when: Odometer,
+    /// Source of every ghost.
+    sources: Vec<u32>,
+    /// What a partial search does with each row; ghosts as their sources.
+    marks: Vec<AtomicU8>,
+    /// Points of a partial search.
+    to_search: Vec<u32>,
+    /// Positions at the last search of everyone, m; only for adaptive search.
+    searched_at: Vec<Vector<f64>>,
+    guard: Guard,
+}
+
+impl<T: Default> Lists<T> {
+    /// Lists of no one.
+    pub(super) fn new() -> Self {
+        Self { stale: true, ..Self::default() }
+    }
+}
+
+impl<T> Lists<T> {
+    pub(super) fn bytes(&self) -> usize {
+        self.list.bytes()
+            + self.searcher.bytes()
+            + self.permutation.bytes()
+            + self.stored.as_ref().map_or(0, StoredPairs::bytes)
+            + 32 * self.points.capacity()
+            + 5 * self.marks.capacity()
+            + 4 * self.to_search.capacity()
+            + 24 * self.searched_at.capacity()
+            + self.guard.bytes()
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Makes the lists valid for the positions just reached, as the strategy has it.
+    pub(super) fn renew_lists(&mut self) -> SearchReport {
+        let stale = self.lists.stale;
+        if !(stale || self.model.thermal.mechanics) {
+            return self.search_no_one();
+        }
+        match self.model.search {
+            Search::EveryStep => self.search_everyone(),
+            Search::Skin { fraction } => {
+                if stale || self.moved_beyond_skin(fraction) {
+                    self.search_everyone()
+                } else {
+                    self.follow_frame();
+                    self.search_no_one()
+                }
+            }
+            Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
+            Search::TotalLagrangian(_) if stale => self.search_everyone(),
+            Search::TotalLagrangian(_) => {
+                self.follow_frame();
+                self.search_no_one()
+            }
+        }
+    }
+
+    /// Kernel support with the skin of the strategy, in smoothing lengths.
+    fn reach_factor(&self) -> f64 {
+        let skin = match self.model.search {
+            Search::Skin { fraction } => fraction,
+            _ => 0.0,
+        };
+        self.model.numerics.kernel.support() * (1.0 + skin)
+    }
+
+    /// Largest distance of a pair in the list, m.
+    fn largest_reach(&self) -> f64 {
+        self.reach_factor() * self.largest_smoothing_length()
+    }
+
+    pub(super) fn largest_smoothing_length(&self) -> f64 {
+        self.lists.smoothing_lengths.1
+    }
+
+    /// Whether two particles may have closed in by more than the skin: by twice the longest way of any since the search, or by what
+    /// the ways of all differ, which for a body in flight is little.
+    fn moved_beyond_skin(&self, fraction: f64) -> bool {
+        let smallest = self.lists.smoothing_lengths.0;
+        let skin = self.skin_left(fraction * smallest, fraction);
+        let skin = skin * self.model.numerics.kernel.support();
+        let (now, then) = (&self.particles.position, &self.lists.points);
+        // Images in symmetry planes go other ways than their sources.
+        let ways_differ = || !self.halo.is_empty() || differ_beyond(now, then, skin);
+        skin <= 0.0
+            || (!self.lists.odometer.is_within(self.lists.searched_when, 0.5 * skin)
+                && moved_beyond(now, then, 0.5 * skin)
+                && ways_differ())
+    }
+
+    fn search_no_one(&mut self) -> SearchReport {
+        if self.step.adapted_someone {
+            self.particles.adapted.fill(0);
+            self.step.adapted_someone = false;
+        }
+        SearchReport { searched_fraction: 0.0 }
+    }
+
+    fn search_everyone(&mut self) -> SearchReport {
+        let reach_factor = self.reach_factor();
+        let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
+        if self.halo.wrap(&mut self.particles.position) {
+            self.lists.searcher.forget();
+            self.lists.guard.forget();
+        }
+        if self.halo.rebuild(&self.particles.position, ghost_reach) {
+            self.lists.searcher.forget();
+        }
+        self.place_points();
+        let count = self.particles.len();
+        let Lists { list, searcher, points, smoothing_length, smoothing_lengths, sources, odometer, .. } =
+            &mut self.lists;
+        let reach = Reach { smoothing_length, factor: reach_factor, range: *smoothing_lengths };
+        searcher.search(points, count, &reach, *odometer, self.instructions, list);
+        let frame = searcher.frame::<T>();
+        if self.reference.is_some() {
+            // Another body's material is no part of the deformation of this one.
+            let body = &self.particles.body;
+            let body_of =
+                |j: u32| body.get(j as usize).copied().unwrap_or_else(|| body[sources[j as usize - count] as usize]);
+            for (b, block) in list.blocks_mut().iter_mut().enumerate() {
+                for k in 0..block.len() {
+                    let own = b * BLOCK + k;
+                    block.retain_in_row(k, own as u32, |j| body[own] == body_of(j));
+                }
+            }
+        }
+        self.set_frame(frame);
+        self.take_contacts();
+        self.lists.searched_when = self.lists.odometer;
+        self.lists.searches += 1;
+        self.lists.stale = false;
+        self.particles.adapted.fill(1);
+        self.particles.last_searched.fill(self.step.count as u32);
+        self.step.adapted_someone = true;
+        self.remember_search();
+        SearchReport { searched_fraction: 1.0 }
+    }
+
+    /// Moves pairs of different bodies to the contact between them, where the deck has one.
+    fn take_contacts(&mut self) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take_pairs(&mut self.lists.list, &self.particles.body, &self.halo.ghosts);
+        }
+    }
+
+    /// How much farther than the kernel reaches ghosts are made, so that they serve until particles have moved.
+    fn ghost_reach_factor(&self) -> f64 {
+        match self.model.search {
+            Search::Adaptive(_) => 1.0 + adaptive::GHOST_MARGIN,
+            _ => 1.0,
+        }
+    }
+
+    /// Positions and smoothing lengths of particles and ghosts, for the searcher.
+    fn place_points(&mut self) {
+        let Lists { points, smoothing_length, sources, .. } = &mut self.lists;
+        let ghosts = &self.halo.ghosts;
+        place(&self.particles, ghosts, points, smoothing_length);
+        sources.clear();
+        sources.extend(ghosts.iter().map(|g| g.source));
+    }
+
+    /// The frame of the records around the positions as they are: lists may outlive it.
+    fn follow_frame(&mut self) {
+        if self.lists.odometer.is_within(self.lists.framed_when, self.largest_reach()) {
+            return;
+        }
+        let (mut low, mut high) = bounds(&self.particles.position);
+        if let Some(reference) = &self.reference {
+            let (other_low, other_high) = bounds(&reference.position);
+            low = [0, 1, 2].map(|a| low[a].min(other_low[a]));
+            high = [0, 1, 2].map(|a| high[a].max(other_high[a]));
+        }
+        // Ghosts stand at most as far outside as the reach they were made for; all may move by a reach.
+        self.set_frame(Frame::around::<T>(low, high, 4.0 * self.largest_reach() + self.halo.longest_shift()));
+    }
+
+    fn set_frame(&mut self, frame: Frame) {
+        self.records.frame = frame;
+        self.lists.framed_when = self.lists.odometer;
+        self.constants.unit = T::of(frame.unit);
+    }
+
+    /// Sorting makes a search of everyone due, which some strategies must not have.
+    pub(super) fn may_sort(&self) -> bool {
+        match self.model.search {
+            Search::EveryStep | Search::Skin { .. } => true,
+            Search::Adaptive(adaptive) => adaptive.guard.is_some(),
+            Search::TotalLagrangian(_) => false,
+        }
+    }
+
+    /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
+    pub(super) fn sort_particles(&mut self) {
+        let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
+        let Lists { searcher, permutation, .. } = &mut self.lists;
+        permutation.set(searcher.cell_order(&self.particles.position, size));
+        self.particles.reorder(permutation);
+        self.work.reorder(permutation);
+        if let Some(heat) = &mut self.heat {
+            heat.reorder(permutation);
+        }
+        self.lists.stale = true;
+        // It knows particles by their places.
+        self.lists.guard.forget();
+    }
+}
+
+/// Positions (m) and smoothing lengths (m) of particles and ghosts.
+fn place(particles: &Particles, ghosts: &[Ghost], points: &mut Vec<Vector<f64>>, smoothing_length: &mut Vec<f64>) {
+    let count = particles.len();
+    points.resize(count + ghosts.len(), [0.0; 3]);
+    smoothing_length.resize(count + ghosts.len(), 0.0);
+    let copy_points = || copy(&particles.position, points);
+    let copy_lengths = || copy(&particles.smoothing_length, smoothing_length);
+    rayon::join(copy_points, copy_lengths);
+    for (k, ghost) in ghosts.iter().enumerate() {
+        let source = ghost.source as usize;
+        points[count + k] = ghost.position(&particles.position[source]);
+        smoothing_length[count + k] = particles.smoothing_length[source];
+    }
+}
+
+/// Copies a column to the front of another, on all threads.
+fn copy<V: Copy + Send + Sync>(from: &[V], to: &mut [V]) {
+    to.par_chunks_mut(CHUNK).zip(from.par_chunks(CHUNK)).for_each(|(to, from)| to[..from.len()].copy_from_slice(from));
+}
+
+/// Whether any of `now` has moved by more than `allowed` (m) from where it was `then`.
+fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+    now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).any(|(now, then)| {
+        now.iter().zip(then).any(|(now, then)| {
+            let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > allowed * allowed
+        })
+    })
+}
+
+/// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
+fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+    let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let of_chunk = |(now, then): (&[Vector<f64>], &[Vector<f64>])| {
+        let (mut low, mut high) = nothing();
+        for (now, then) in now.iter().zip(then) {
+            for a in 0..3 {
+                let way = now[a] - then[a];
+                (low[a], high[a]) = (low[a].min(way), high[a].max(way));
+            }
+        }
+        (low, high)
+    };
+    let join = |a: (Vector<f64>, Vector<f64>), b: (Vector<f64>, Vector<f64>)| {
+        ([0, 1, 2].map(|k| a.0[k].min(b.0[k])), [0, 1, 2].map(|k| a.1[k].max(b.1[k])))
+    };
+    let (low, high) = now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).map(of_chunk).reduce(nothing, join);
+    (0..3).map(|a| (high[a] - low[a]).powi(2)).sum::<f64>() > allowed * allowed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_differ_by_what_is_left_without_the_motion_all_share() {
+        let then: Vec<Vector<f64>> = (0..10_000).map(|i| [f64::from(i), 2.0, 3.0]).collect();
+        let mut now: Vec<Vector<f64>> = then.iter().map(|x| [x[0] + 100.0, x[1] - 7.0, x[2]]).collect();
+        assert!(moved_beyond(&now, &then, 100.0) && !differ_beyond(&now, &then, 1e-9));
+        now[9_000][0] += 3.0;
+        now[20][1] -= 4.0;
+        assert!(!differ_beyond(&now, &then, 5.0 + 1e-9) && differ_beyond(&now, &then, 5.0 - 1e-9));
+    }
+}

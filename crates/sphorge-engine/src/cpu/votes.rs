@@ -1,0 +1,109 @@
+//! How large the next step may be.
+
+use crate::lanes::{Instructions, Job, Lanes, run};
+use crate::model::{Model, WallContact};
+use crate::neighbors::BLOCK;
+use crate::particles::Particles;
+use crate::{Vote, VoteReason};
+use rayon::prelude::*;
+use sphorge_physics::time_step::{acceleration_vote, longitudinal_speed, sound_vote};
+
+/// What the votes of a block are taken of, a column for each; what is not of a particle votes for a step without end.
+struct Columns {
+    smoothing_length: [f64; BLOCK],
+    sound_speed: [f64; BLOCK],
+    density: [f64; BLOCK],
+    shear_modulus: [f64; BLOCK],
+    mu: [f64; BLOCK],
+    /// Square of the acceleration, m²/s⁴.
+    acceleration: [f64; BLOCK],
+}
+
+/// The smallest votes of a block by sound speed and by acceleration, s.
+struct VoteJob<'a> {
+    columns: &'a Columns,
+    courant: f64,
+    votes: &'a mut (f64, f64),
+}
+
+impl Job<f64> for VoteJob<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        let columns = self.columns;
+        let courant = L::splat(self.courant);
+        let (mut by_sound, mut by_acceleration) = (L::splat(f64::INFINITY), L::splat(f64::INFINITY));
+        for k in (0..BLOCK).step_by(L::WIDTH) {
+            let h = L::load(&columns.smoothing_length[k..]);
+            let (c, rho) = (L::load(&columns.sound_speed[k..]), L::load(&columns.density[k..]));
+            let speed = longitudinal_speed(c, L::load(&columns.shear_modulus[k..]), rho);
+            // The second of two is taken where the first is no number.
+            by_sound = sound_vote(h, speed, L::load(&columns.mu[k..]), courant).min(by_sound);
+            let acceleration = L::load(&columns.acceleration[k..]).sqrt();
+            by_acceleration = acceleration_vote(h, acceleration, courant).min(by_acceleration);
+        }
+        *self.votes = (-(-by_sound).largest(), -(-by_acceleration).largest());
+    }
+}
+
+/// The smallest votes of the particles of block `b`, s.
+fn votes_of_block(model: &Model, p: &Particles, mu: &[f64], instructions: Instructions, b: usize) -> (f64, f64) {
+    let mut columns = Columns {
+        smoothing_length: [f64::INFINITY; BLOCK],
+        sound_speed: [1.0; BLOCK],
+        density: [1.0; BLOCK],
+        shear_modulus: [0.0; BLOCK],
+        mu: [0.0; BLOCK],
+        acceleration: [1.0; BLOCK],
+    };
+    let particles = b * BLOCK..((b + 1) * BLOCK).min(p.len());
+    let count = particles.len();
+    columns.smoothing_length[..count].copy_from_slice(&p.smoothing_length[particles.clone()]);
+    columns.sound_speed[..count].copy_from_slice(&p.sound_speed[particles.clone()]);
+    columns.density[..count].copy_from_slice(&p.density[particles.clone()]);
+    columns.mu[..count].copy_from_slice(&mu[particles.clone()]);
+    for (k, (material, a)) in p.material[particles.clone()].iter().zip(&p.acceleration[particles]).enumerate() {
+        columns.shear_modulus[k] = model.materials[*material as usize].shear_modulus;
+        columns.acceleration[k] = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    }
+    let mut votes = (f64::INFINITY, f64::INFINITY);
+    run(instructions, VoteJob { columns: &columns, courant: model.time.courant, votes: &mut votes });
+    votes
+}
+
+/// The smallest vote of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.
+pub(super) fn vote(model: &Model, p: &Particles, mu: &[f64], contact: Option<f64>, instructions: Instructions) -> Vote {
+    let courant = model.time.courant;
+    let of_block = |b| votes_of_block(model, p, mu, instructions, b);
+    // A minimum does not depend on the order it is taken in.
+    let (by_sound, by_acceleration) = (0..p.len().div_ceil(BLOCK))
+        .into_par_iter()
+        .map(of_block)
+        .reduce(|| (f64::INFINITY, f64::INFINITY), |a, b| (a.0.min(b.0), a.1.min(b.1)));
+    let particles = smaller(
+        Vote { dt: by_sound, reason: VoteReason::SoundSpeed },
+        Vote { dt: by_acceleration, reason: VoteReason::Acceleration },
+    );
+    let contact = contact.map(|limit| Vote { dt: courant * limit, reason: VoteReason::Contact });
+    model.walls.iter().filter_map(|w| contact_vote(model, &w.contact)).chain(contact).fold(particles, smaller)
+}
+
+/// The vote of conduction, whose limit is given, s.
+pub(super) fn conduction_vote(model: &Model, limit: Option<f64>) -> Vote {
+    Vote { dt: model.time.courant * limit.unwrap_or(f64::INFINITY), reason: VoteReason::Conduction }
+}
+
+/// The smaller of two votes, the first of equals.
+pub(super) fn smaller(a: Vote, b: Vote) -> Vote {
+    if b.dt < a.dt { b } else { a }
+}
+
+/// Step that resolves the contact spring of a penalty wall: the Courant share of `2 / omega`.
+fn contact_vote(model: &Model, contact: &WallContact) -> Option<Vote> {
+    let WallContact::Penalty { stiffness, .. } = *contact else { return None };
+    let fastest = model
+        .bodies
+        .iter()
+        .map(|b| model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing)
+        .fold(0.0, f64::max);
+    Some(Vote { dt: model.time.courant * 2.0 / (stiffness.sqrt() * fastest), reason: VoteReason::Contact })
+}

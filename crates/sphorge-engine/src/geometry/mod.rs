@@ -1,0 +1,13 @@
+//! Shapes, and the patterns of particles that fill them.
+
+mod fill;
+mod lattice;
+mod overlap;
+mod pattern;
+mod rings;
+mod shape;
+mod volume;
+
+pub use fill::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
+pub use pattern::rings_fill;
+pub use volume::Volume;

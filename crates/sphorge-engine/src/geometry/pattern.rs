@@ -1,0 +1,210 @@
+//! The particles of a shape: its lattice, or rings.
+//!
+//! Composed shapes carry on the lattice of their first part, so that a plate with a hole has the lattice of the plate and a
+//! head on a bar that of the bar. A particle exactly on the surface of a further part belongs to a union and stays in a
+//! difference.
+
+use super::{
+    lattice::{Grid, ROUNDING},
+    rings,
+};
+use crate::model::{Arrangement, CloudShare, Dimensions, Lattice, Operation, Shape, Solid, Transform};
+
+/// How the particles of a body are arranged.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pattern {
+    pub(super) dimensions: Dimensions,
+    pub(super) spacing: f64,
+    /// kg/m³.
+    pub(super) density: f64,
+    pub(super) lattice: Lattice,
+}
+
+/// Share of the sites gone through that counts as kept at least.
+const LEAST_KEPT: f64 = 0.02;
+
+impl Transform {
+    /// This one after `first`.
+    fn after(&self, first: &Self) -> Self {
+        let rotation = std::array::from_fn(|a| {
+            std::array::from_fn(|b| (0..3).map(|k| self.rotation[a][k] * first.rotation[k][b]).sum())
+        });
+        Self { rotation, translation: self.apply(first.translation) }
+    }
+}
+
+/// The single solid the lattice is that of, and its place in space.
+fn owner(shape: &Shape) -> (&Solid, Transform) {
+    match &shape.solid {
+        Solid::Composed { parts, .. } if !parts.is_empty() => {
+            let (solid, inner) = owner(&parts[0]);
+            (solid, shape.transform.after(&inner))
+        }
+        solid => (solid, shape.transform),
+    }
+}
+
+/// Whether rings can fill a shape: they have no lattice that goes on into a further part of a union.
+pub fn rings_fill(shape: &Shape, dimensions: Dimensions) -> bool {
+    match &shape.solid {
+        Solid::Composed { operation: Operation::Union, parts } if parts.len() > 1 => false,
+        Solid::Composed { parts, .. } => parts.first().is_some_and(|part| rings_fill(part, dimensions)),
+        solid => rings::can_fill(solid, dimensions),
+    }
+}
+
+impl Pattern {
+    /// Calls `visit` with place in space and volume (area, length) of every particle of a shape.
+    pub(super) fn for_each_site(&self, shape: &Shape, mut visit: impl FnMut([f64; 3], f64)) {
+        let cell = self.spacing.powi(self.dimensions.count() as i32);
+        if let Solid::Cloud { particles, .. } = &shape.solid {
+            for particle in particles.iter() {
+                let volume = match particle.share {
+                    CloudShare::Spacing => cell,
+                    CloudShare::Volume(volume) => volume,
+                    CloudShare::Mass(mass) => mass / self.density,
+                };
+                visit(shape.transform.apply(particle.position), volume);
+            }
+            return;
+        }
+        let (solid, transform) = owner(shape);
+        if self.lattice.arrangement == Arrangement::Rings && rings::can_fill(solid, self.dimensions) {
+            rings::for_each_site(solid, self.spacing, |site, volume| {
+                let place = transform.apply(site);
+                if self.keeps(shape, place, true) {
+                    visit(place, volume);
+                }
+            });
+            return;
+        }
+        let grid = Grid::new(solid, self.dimensions, self.spacing, self.lattice);
+        // A single solid needs no more than its own sites.
+        let corners = match &shape.solid {
+            Solid::Composed { .. } => {
+                let (low, high) = shape.bounds(self.dimensions);
+                let corner = |k: usize| std::array::from_fn(|a| if k >> a & 1 == 0 { low[a] } else { high[a] });
+                (0..8).map(|k| transform.apply_inverse(corner(k))).collect()
+            }
+            _ => Vec::new(),
+        };
+        grid.for_each_site(&corners, |site, own| {
+            let place = transform.apply(site);
+            if self.keeps(shape, place, own) {
+                visit(place, cell);
+            }
+        });
+    }
+
+    /// Whether a shape keeps a site at a point outside it, given whether the owner of the lattice keeps it.
+    fn keeps(&self, shape: &Shape, point: [f64; 3], own: bool) -> bool {
+        let Solid::Composed { operation, parts } = &shape.solid else { return own };
+        let local = shape.transform.apply_inverse(point);
+        let Some((first, others)) = parts.split_first() else { return false };
+        let rounding = ROUNDING * self.spacing;
+        let first = self.keeps(first, local, own);
+        match operation {
+            Operation::Union => first || others.iter().any(|part| part.contains(local, self.dimensions, rounding)),
+            Operation::Intersection => {
+                first && others.iter().all(|part| part.contains(local, self.dimensions, rounding))
+            }
+            Operation::Difference => {
+                first && !others.iter().any(|part| part.contains(local, self.dimensions, -rounding))
+            }
+        }
+    }
+
+    /// Number of particles a shape will take, without making them: exact for boxes, from the volume for others; no less than what
+    /// going through the lattice is worth.
+    pub(super) fn estimate(&self, shape: &Shape) -> f64 {
+        if let Solid::Cloud { particles, .. } = &shape.solid {
+            return particles.len() as f64;
+        }
+        let volume = shape.rough_volume(self.dimensions);
+        match (&shape.solid, self.lattice.arrangement) {
+            // Little may be left of a large lattice, but all of it is gone through.
+            (Solid::Composed { .. } | Solid::Polygon { .. }, Arrangement::Square | Arrangement::Hexagonal) => {
+                let (low, high) = shape.bounds(self.dimensions);
+                let along = |a: usize| ((high[a] - low[a]) / self.spacing).max(1.0);
+                let sites: f64 = (0..self.dimensions.count()).map(along).product();
+                (volume / self.spacing.powi(self.dimensions.count() as i32)).max(sites * LEAST_KEPT)
+            }
+            (Solid::Composed { .. }, _) | (_, Arrangement::Rings) => {
+                volume / self.spacing.powi(self.dimensions.count() as i32)
+            }
+            (solid, _) => {
+                // A profile can be one thin flange.
+                let grid = Grid::new(solid, self.dimensions, self.spacing, self.lattice);
+                grid.estimate(volume).max(grid.sites() * LEAST_KEPT)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::LatticePlacement;
+
+    fn shape(solid: Solid) -> Shape {
+        Shape { solid, transform: Transform::default() }
+    }
+
+    fn composed(operation: Operation, parts: Vec<Shape>) -> Shape {
+        shape(Solid::Composed { operation, parts })
+    }
+
+    fn sites(shape: &Shape, dimensions: Dimensions, arrangement: Arrangement) -> Vec<([f64; 3], f64)> {
+        let lattice = Lattice { arrangement, placement: LatticePlacement::CellCentres };
+        let mut all = Vec::new();
+        Pattern { dimensions, spacing: 0.1, density: 1.0, lattice }
+            .for_each_site(shape, |site, volume| all.push((site, volume)));
+        all
+    }
+
+    fn square(min: [f64; 2], max: [f64; 2]) -> Shape {
+        shape(Solid::Box { min: [min[0], min[1], 0.0], max: [max[0], max[1], 0.0] })
+    }
+
+    fn disc(centre: [f64; 2], radius: f64) -> Shape {
+        shape(Solid::Ball { centre: [centre[0], centre[1], 0.0], radius, inner_radius: 0.0 })
+    }
+
+    #[test]
+    fn composed_shapes_carry_on_the_lattice_of_their_first_part() {
+        let head = square([0.9, -0.5], [1.4, 1.5]);
+        let bar = composed(Operation::Union, vec![square([0.0, 0.0], [1.0, 1.0]), head]);
+        let all = sites(&bar, Dimensions::PlaneStrain, Arrangement::Square);
+        // 10 x 10, and 5 x 20 less the 1 x 10 that both have.
+        assert_eq!(all.len(), 100 + 100 - 10);
+        let off = |x: f64| ((x - 0.05) / 0.1 - ((x - 0.05) / 0.1).round()).abs();
+        assert!(all.iter().all(|(p, v)| off(p[0]) < 1e-9 && off(p[1]) < 1e-9 && (v - 0.01).abs() < 1e-15));
+        let drilled = composed(Operation::Difference, vec![square([0.0, 0.0], [1.0, 1.0]), disc([0.5, 0.5], 0.2)]);
+        assert_eq!(sites(&drilled, Dimensions::PlaneStrain, Arrangement::Square).len(), 100 - 12);
+        let lens = composed(Operation::Intersection, vec![square([0.0, 0.0], [1.0, 1.0]), disc([0.0, 0.0], 0.2)]);
+        assert_eq!(sites(&lens, Dimensions::PlaneStrain, Arrangement::Square).len(), 3);
+    }
+
+    #[test]
+    fn nested_and_turned_shapes_take_their_lattice_along() {
+        let quarter = Transform::about_axis([0.0, 0.0, 1.0], 0.4, [2.0, 1.0, 0.0]);
+        let inner = composed(Operation::Difference, vec![square([0.0, 0.0], [1.0, 1.0]), disc([0.5, 0.5], 0.2)]);
+        let whole = composed(Operation::Union, vec![inner, square([1.0, 0.0], [1.5, 0.5])]);
+        let straight = sites(&whole, Dimensions::PlaneStrain, Arrangement::Square);
+        let turned = sites(&Shape { transform: quarter, ..whole }, Dimensions::PlaneStrain, Arrangement::Square);
+        assert_eq!((straight.len(), turned.len()), (88 + 25, 88 + 25));
+        for ((a, _), (b, _)) in straight.iter().zip(&turned) {
+            let moved = quarter.apply(*a);
+            assert!((0..3).all(|k| (moved[k] - b[k]).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn rings_are_cut_by_further_parts() {
+        let half = composed(Operation::Intersection, vec![disc([0.0, 0.0], 1.0), square([-2.0, 0.0], [2.0, 2.0])]);
+        let whole: f64 =
+            sites(&disc([0.0, 0.0], 1.0), Dimensions::PlaneStrain, Arrangement::Rings).iter().map(|s| s.1).sum();
+        let cut: f64 = sites(&half, Dimensions::PlaneStrain, Arrangement::Rings).iter().map(|s| s.1).sum();
+        assert!((whole - std::f64::consts::PI).abs() < 1e-12 && (cut / whole - 0.5).abs() < 0.05);
+    }
+}

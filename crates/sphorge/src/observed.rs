@@ -1,0 +1,213 @@
+//! Columns of the history that tracers and sections make.
+//!
+//! - A tracer follows the particle that was nearest to its point in the initial configuration. A fixed one stays at its point
+//!   and interpolates, `sum (m/rho) f W / sum (m/rho) W` (Shepard); it has no value where no kernel reaches.
+//! - The force through a section is `sum V sigma n w(d)` over particles, with the volume `V = m/rho`, the Cauchy stress `sigma`
+//!   (positive in tension), the distance `d` from the plane and the cubic B-spline `w` of one dimension with the spacing of the
+//!   body as smoothing length: the integral of the traction over the plane, smoothed over two spacings either side. On a lattice
+//!   with layers along the plane the weights add up to one over the spacing wherever the plane stands between them, so a uniform
+//!   stress gives exactly stress times area.
+
+use super::measures::{Quantity, Selection, shepard};
+use crate::{
+    model::{Model, Probe, Section, Tracer},
+    output::HistoryColumn,
+    particles::{ColumnKind, Particles, find_field},
+};
+use sphorge_physics::kernel::{CubicSpline, KernelShape};
+
+/// What tracers and sections say of one moment.
+#[derive(Clone, Debug)]
+pub(crate) struct Observed {
+    columns: Vec<HistoryColumn>,
+    values: Vec<Option<f64>>,
+    /// Particle followed by each tracer, by its id.
+    followed: Vec<Option<u32>>,
+}
+
+/// Endings of the columns of a field, with the component each holds.
+fn components(kind: ColumnKind, dimensions: usize) -> Vec<(String, usize)> {
+    let names: &[&str] = match kind {
+        ColumnKind::Scalar | ColumnKind::Integer => &[""],
+        ColumnKind::Vector => &["_x", "_y", "_z"][..dimensions],
+        ColumnKind::Symmetric => &["_xx", "_yy", "_zz", "_xy", "_yz", "_xz"],
+        ColumnKind::Tensor => &["_xx", "_xy", "_xz", "_yx", "_yy", "_yz", "_zx", "_zy", "_zz"],
+    };
+    names.iter().enumerate().map(|(k, name)| ((*name).to_owned(), k)).collect()
+}
+
+/// Every field and component of a tracer, in the order of its columns.
+fn quantities<'a>(tracer: &'a Tracer, model: &Model) -> impl Iterator<Item = (&'a str, String, usize, &'static str)> {
+    let dimensions = model.dimensions.count();
+    tracer.fields.iter().filter_map(|name| find_field(name)).flat_map(move |field| {
+        components(field.kind, dimensions).into_iter().map(|(ending, k)| (field.name, ending, k, field.unit))
+    })
+}
+
+impl Observed {
+    pub(crate) fn new(model: &Model) -> Self {
+        let mut columns = Vec::new();
+        for tracer in &model.tracers {
+            let what = if tracer.is_fixed { "interpolated at the point" } else { "of the followed particle" };
+            for (field, ending, _, unit) in quantities(tracer, model) {
+                columns.push(HistoryColumn {
+                    name: format!("tracer.{}.{field}{ending}", tracer.name),
+                    unit: unit.to_owned(),
+                    meaning: format!("{} {what}", field.replace('_', " ")),
+                });
+            }
+        }
+        let per = match model.dimensions.count() {
+            1 => "/m^2",
+            2 => "/m",
+            _ => "",
+        };
+        for section in &model.sections {
+            let mut add = |ending: &str, meaning: &str| {
+                let name = format!("section.{}.{ending}", section.name);
+                columns.push(HistoryColumn { name, unit: format!("N{per}"), meaning: meaning.to_owned() });
+            };
+            add("normal_force", "force along the normal through the plane, positive in tension");
+            for ending in ["force_x", "force_y", "force_z"] {
+                add(ending, "force of the material ahead of the plane on that behind");
+            }
+        }
+        Self { values: vec![None; columns.len()], columns, followed: vec![None; model.tracers.len()] }
+    }
+
+    /// Takes the state; the first one is the initial configuration.
+    pub(crate) fn sample(&mut self, model: &Model, particles: &Particles) {
+        self.values.clear();
+        for (tracer, followed) in model.tracers.iter().zip(&mut self.followed) {
+            if tracer.is_fixed {
+                let probe = Probe { body: tracer.body, ..Probe::default() };
+                let selection = Selection::new(model, particles, &probe);
+                self.values.extend(quantities(tracer, model).map(|(field, _, k, _)| {
+                    shepard(&selection, &Quantity::new(particles, field, Some(k))?, tracer.point)
+                }));
+                continue;
+            }
+            if followed.is_none() {
+                *followed = particles.nearest(tracer.point, tracer.body).map(|(i, _)| particles.id[i]);
+            }
+            let place = followed.and_then(|id| particles.id.iter().position(|&other| other == id));
+            self.values.extend(
+                quantities(tracer, model).map(|(field, _, k, _)| Some(particles.column(field)?.component(place?, k))),
+            );
+        }
+        for section in &model.sections {
+            let force = force_through(section, model, particles);
+            let normal = (0..3).map(|a| force[a] * section.normal[a]).sum();
+            self.values.extend([Some(normal), Some(force[0]), Some(force[1]), Some(force[2])]);
+        }
+    }
+
+    /// The columns, always the same.
+    pub(crate) fn columns(&self) -> &[HistoryColumn] {
+        &self.columns
+    }
+
+    /// The value of each column in the last sample, SI.
+    pub(crate) fn values(&self) -> &[Option<f64>] {
+        &self.values
+    }
+}
+
+/// Force through a plane, N.
+fn force_through(section: &Section, model: &Model, particles: &Particles) -> [f64; 3] {
+    let mut force = [0.0; 3];
+    for i in 0..particles.len() {
+        let body = particles.body[i] as usize;
+        if section.body.is_some_and(|wanted| wanted != body) {
+            continue;
+        }
+        let spacing = model.bodies[body].spacing;
+        let x = particles.position[i];
+        let distance = (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum::<f64>().abs();
+        let weight = CubicSpline::w(distance / spacing) / spacing;
+        if weight > 0.0 {
+            let volume = particles.mass[i] / particles.density[i];
+            let stress = particles.deviator[i].to_tensor();
+            for a in 0..3 {
+                let shear = (0..3).map(|b| stress[a][b] * section.normal[b]).sum::<f64>();
+                force[a] += volume * weight * (shear - particles.pressure[i] * section.normal[a]);
+            }
+        }
+    }
+    force
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{model::Dimensions, output::testing};
+
+    /// A plane-strain block of 20 by 5 at spacing 0.1, of density 200, under the stress xx = 3, xy = 2.
+    fn block() -> Particles {
+        let mut particles = Particles::new(100);
+        for i in 0..100 {
+            particles.id[i] = 99 - i as u32;
+            particles.position[i] = [0.1 * (i % 20) as f64, 0.1 * (i / 20) as f64, 0.0];
+            particles.mass[i] = 2.0;
+            particles.density[i] = 200.0;
+            particles.smoothing_length[i] = 0.12;
+            particles.pressure[i] = -1.0;
+            particles.deviator[i].xx = 2.0;
+            particles.deviator[i].xy = 2.0;
+            particles.temperature[i] = 300.0 + particles.position[i][0];
+        }
+        particles
+    }
+
+    #[test]
+    fn the_force_through_a_section_is_stress_times_area_wherever_it_stands() {
+        let mut model = testing::model(&["bar"]);
+        let section =
+            |x: f64, normal: [f64; 3]| Section { name: "s".into(), point: [x, 0.0, 0.0], normal, body: Some(0) };
+        model.sections =
+            vec![section(1.0, [1.0, 0.0, 0.0]), section(0.937, [1.0, 0.0, 0.0]), section(1.0, [-1.0, 0.0, 0.0])];
+        let mut observed = Observed::new(&model);
+        observed.sample(&model, &block());
+        let names: Vec<&str> = observed.columns().iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names[..3], ["section.s.normal_force", "section.s.force_x", "section.s.force_y"]);
+        assert_eq!(observed.columns()[0].unit, "N/m");
+        let values: Vec<f64> = observed.values().iter().map(|v| v.unwrap()).collect();
+        // Width 0.5: 1.5 along, 1 across; the other way round the force is the other way, tension stays tension.
+        for (found, expected) in values.iter().zip([1.5, 1.5, 1.0, 0.0, 1.5, 1.5, 1.0, 0.0, 1.5, -1.5, -1.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-12, "{values:?}");
+        }
+    }
+
+    #[test]
+    fn a_tracer_follows_its_particle_through_sorting_and_a_fixed_one_stays() {
+        let mut model = testing::model(&["bar"]);
+        let fields = ["position", "temperature", "stress"].map(String::from).to_vec();
+        let point = [0.52, 0.21, 0.0];
+        let tracer = Tracer { name: "t".into(), point, body: None, is_fixed: false, fields };
+        let fixed = Tracer { name: "f".into(), is_fixed: true, fields: vec!["temperature".into()], ..tracer.clone() };
+        model.tracers = vec![tracer, fixed];
+        let mut observed = Observed::new(&model);
+        let mut particles = block();
+        observed.sample(&model, &particles);
+        assert_eq!(observed.columns()[0].name, "tracer.t.position_x");
+        assert_eq!(observed.columns().len(), 2 + 1 + 6 + 1);
+        let value = |observed: &Observed, k: usize| observed.values()[k].unwrap();
+        assert_eq!((value(&observed, 0), value(&observed, 1), value(&observed, 2)), (0.5, 0.2, 300.5));
+        assert_eq!((value(&observed, 3), value(&observed, 6)), (3.0, 2.0));
+        assert!((value(&observed, 9) - 300.52).abs() < 2e-3);
+        // All move by one, half of them are put in another order, and the particle heats.
+        for i in 0..100 {
+            particles.position[i][0] += 1.0;
+        }
+        let mut order: Vec<u32> = (0..100).collect();
+        order.reverse();
+        let mut permutation = crate::particles::Permutation::default();
+        permutation.set(&order);
+        particles.reorder(&permutation);
+        observed.sample(&model, &particles);
+        assert_eq!((value(&observed, 0), value(&observed, 2)), (1.5, 300.5));
+        assert_eq!(observed.values()[9], None);
+        model.dimensions = Dimensions::Three;
+        assert_eq!(Observed::new(&model).columns().len(), 3 + 1 + 6 + 1);
+    }
+}
