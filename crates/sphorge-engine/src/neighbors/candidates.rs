@@ -4,7 +4,7 @@
 //! runs with the box the members fill leaves about half, one behind the other.
 
 use super::PAD;
-use super::search::Searcher;
+use super::cell_points::CellPoints;
 use crate::lanes::Lanes;
 
 /// Points within reach of the box around the members of a cell, in the order of the cells.
@@ -49,24 +49,24 @@ impl Candidates {
     #[inline(always)]
     pub(super) fn collect<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(
         &mut self,
-        searcher: &Searcher,
+        points: &CellPoints,
         cell: usize,
     ) {
         if self.cell == Some(cell) {
             return;
         }
         self.cell = Some(cell);
-        let runs = searcher.grid.runs_around_cell(cell);
+        let runs = points.grid.runs_around_cell(cell);
         let most = runs.iter().map(|(first, last)| last - first).sum::<usize>() + PAD;
         self.make_room(most);
 
         // The box the members fill, as a centre and half its size, in units.
         let mut centre = [L::zero(); 3];
         let mut half = [L::zero(); 3];
-        let members = searcher.grid.members_run(cell);
+        let members = points.grid.members_run(cell);
         for a in 0..3 {
             let (mut low, mut high) = (i32::MAX, i32::MIN);
-            for x in &searcher.x[a][members.clone()] {
+            for x in &points.x[a][members.clone()] {
                 let x = x.to_bits() as i32;
                 (low, high) = (low.min(x), high.max(x));
             }
@@ -75,9 +75,9 @@ impl Candidates {
             // One unit for the rounding of the middle.
             half[a] = L::splat((high - middle) as f32 + 1.0);
         }
-        let widest = searcher.h[members].iter().fold(0.0f32, |m, &h| m.max(h));
+        let widest = points.h[members].iter().fold(0.0f32, |m, &h| m.max(h));
         // A little more, so that rounding excludes no neighbour.
-        let factor = L::splat(searcher.half_factor * 1.00001);
+        let factor = L::splat(points.half_factor * 1.00001);
         let widest = L::splat(widest);
 
         let mut count = 0;
@@ -85,8 +85,8 @@ impl Candidates {
         for (first, last) in runs {
             let mut k = first;
             while k < last {
-                let x = [L::load(&searcher.x[0][k..]), L::load(&searcher.x[1][k..]), L::load(&searcher.x[2][k..])];
-                let h = L::load(&searcher.h[k..]);
+                let x = [L::load(&points.x[0][k..]), L::load(&points.x[1][k..]), L::load(&points.x[2][k..])];
+                let h = L::load(&points.h[k..]);
                 let mut r2 = L::zero();
                 for a in 0..3 {
                     let outside = (L::coordinate_difference(x[a], centre[a]).abs() - half[a]).max(L::zero());
@@ -99,14 +99,14 @@ impl Candidates {
                     mask &= (1 << left) - 1;
                 }
                 if ONLY_SEARCHED {
-                    mask &= searcher.searched_from(k);
+                    mask &= points.searched_from(k);
                 }
                 x[0].compress_values(mask, &mut out_x[count..]);
                 x[1].compress_values(mask, &mut out_y[count..]);
                 x[2].compress_values(mask, &mut out_z[count..]);
                 h.compress_values(mask, &mut self.h[count..]);
                 // No point has this index.
-                count += L::compress_others(mask, &searcher.order[k..], u32::MAX, &mut self.index[count..]);
+                count += L::compress_others(mask, &points.order[k..], u32::MAX, &mut self.index[count..]);
                 k += L::WIDTH;
             }
         }

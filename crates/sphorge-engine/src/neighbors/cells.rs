@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sphorge_physics::Vector;
 
 /// Points one thread takes at a time.
-const CHUNK: usize = 1024;
+pub(super) const CHUNK: usize = 1024;
 
 /// Points in cell order. Cells are numbered with the last used axis running fastest, so that three neighbouring cells
 /// along it are one contiguous run of points.

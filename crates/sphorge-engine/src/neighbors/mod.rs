@@ -2,11 +2,15 @@
 
 mod brute_force;
 mod candidates;
+mod cell_points;
 mod cells;
 mod foreign;
 mod frame;
 mod list;
+pub(crate) mod mark;
 mod odometer;
+mod reach;
+mod rows;
 mod search;
 
 pub use brute_force::brute_force;
@@ -16,5 +20,6 @@ pub(crate) use foreign::ForeignList;
 pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
 pub(crate) use odometer::Odometer;
-pub use search::Reach;
-pub(crate) use search::{Searcher, mark, range_of};
+pub use reach::Reach;
+pub(crate) use reach::range_of;
+pub(crate) use search::Searcher;

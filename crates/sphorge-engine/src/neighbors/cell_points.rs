@@ -1,0 +1,215 @@
+//! Points sorted into cells, with their coordinates encoded for the distance test.
+//!
+//! Cells are a little larger than the reach, so that they serve as long as no particle has moved through half of the
+//! difference; only coordinates are updated in between.
+
+use super::cells::{CHUNK, bounds};
+use super::{CellGrid, Frame, Odometer, PAD, Reach};
+use crate::lanes::PairScalar;
+use rayon::prelude::*;
+use sphorge_physics::Vector;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// What a cell is larger than the reach, as a share of it: a few more points to leave out, and particles are sorted into cells
+/// once in several steps.
+const CELL_MARGIN: f64 = 0.1;
+
+/// Places whose coordinates a partial search renews together; a word of bits.
+const PLACES: usize = 64;
+
+/// Whether a partial search has coordinates of the places of a group.
+mod need {
+    pub(super) const NONE: u8 = 0;
+    pub(super) const WANTED: u8 = 1;
+    pub(super) const HERE: u8 = 2;
+}
+
+/// Points in the order of their cells.
+#[derive(Debug, Default)]
+pub(super) struct CellPoints {
+    pub(super) grid: CellGrid,
+    /// Where the points were when they were sorted into cells, m, with the reading of the odometer then, m, and the reach they
+    /// were sorted for, m.
+    sorted_at: Vec<Vector<f64>>,
+    sorted_when: Odometer,
+    sorted_for: f64,
+    bounds: (Vector<f64>, Vector<f64>),
+    frame: Frame,
+    /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole bundles. A partial search
+    /// renews those it may look at.
+    pub(super) x: [Vec<f32>; 3],
+    pub(super) h: Vec<f32>,
+    /// Place of every point in the cell order.
+    pub(super) place: Vec<u32>,
+    /// Point indices in cell order, padded like the coordinates.
+    pub(super) order: Vec<u32>,
+    /// Bit k: the point in place k is searched. Only for partial searches.
+    searched: Vec<u64>,
+    /// What a partial search needs of each [`PLACES`] places.
+    needed: Vec<AtomicU8>,
+    /// Squared reach where all smoothing lengths are equal, in units of the frame.
+    pub(super) uniform: Option<f32>,
+    pub(super) half_factor: f32,
+}
+
+impl CellPoints {
+    /// Sorts `points` into cells again if they have moved too far.
+    pub(super) fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>, odometer: Odometer) {
+        let largest = reach.largest();
+        self.half_factor = (0.5 * reach.factor) as f32;
+        if self.serves(points, largest, odometer) {
+            return;
+        }
+        self.grid.sort(points, largest * (1.0 + CELL_MARGIN));
+        self.sorted_at.clear();
+        self.sorted_at.extend_from_slice(points);
+        (self.sorted_for, self.sorted_when) = (largest, odometer);
+        self.bounds = bounds(points);
+        self.frame = self.frame::<f32>();
+        let padded = points.len() + PAD;
+        for column in self.x.iter_mut().chain([&mut self.h]) {
+            column.resize(padded, 0.0);
+        }
+        self.order.resize(padded, 0);
+        self.order[..points.len()].copy_from_slice(self.grid.order());
+        self.place.resize(points.len(), 0);
+        for (k, &i) in self.grid.order().iter().enumerate() {
+            self.place[i as usize] = k as u32;
+        }
+    }
+
+    /// Whether the cells serve points that are where `points` are.
+    fn serves(&self, points: &[Vector<f64>], largest: f64, odometer: Odometer) -> bool {
+        let allowed = 0.5 * CELL_MARGIN * largest;
+        self.sorted_at.len() == points.len()
+            && self.sorted_for == largest
+            && (odometer.is_within(self.sorted_when, allowed)
+                || points.par_chunks(CHUNK).zip(self.sorted_at.par_chunks(CHUNK)).all(|(now, then)| {
+                    now.iter().zip(then).all(|(now, then)| {
+                        let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
+                        d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= allowed * allowed
+                    })
+                }))
+    }
+
+    /// Indices of the points in the order of the cells of a search with the given reach, m: points of one cell are then served
+    /// one after the other.
+    pub(super) fn cell_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
+        self.grid.sort(points, reach * (1.0 + CELL_MARGIN));
+        self.forget();
+        self.grid.order()
+    }
+
+    /// Makes the next search sort points into cells anew: they have been put elsewhere, or into another order.
+    pub(super) fn forget(&mut self) {
+        self.sorted_at.clear();
+    }
+
+    /// The frame in which coordinates of the points are encoded for pair sums; it holds them until they have moved through
+    /// the reach.
+    pub(super) fn frame<T: PairScalar>(&self) -> Frame {
+        Frame::around::<T>(self.bounds.0, self.bounds.1, 2.0 * self.sorted_for)
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        let columns: usize = self.x.iter().chain([&self.h]).map(|c| 4 * c.capacity()).sum();
+        self.grid.bytes()
+            + columns
+            + 4 * (self.place.capacity() + self.order.capacity())
+            + 24 * self.sorted_at.capacity()
+            + 8 * self.searched.capacity()
+            + self.needed.capacity()
+    }
+
+    /// Brings all columns to the positions of `points`.
+    pub(super) fn encode_all(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
+        self.encode(points, reach, CHUNK, |_| true);
+    }
+
+    /// Brings the columns of the groups that are wanted to the positions of `points`.
+    pub(super) fn encode_wanted(&mut self, points: &[Vector<f64>], reach: &Reach<'_>) {
+        let needed = std::mem::take(&mut self.needed);
+        let is_wanted = |group: usize| needed[group].load(Ordering::Relaxed) == need::WANTED;
+        self.encode(points, reach, PLACES, is_wanted);
+        needed.par_iter().with_min_len(CHUNK).for_each(|need| {
+            if need.load(Ordering::Relaxed) == need::WANTED {
+                need.store(need::HERE, Ordering::Relaxed);
+            }
+        });
+        self.needed = needed;
+    }
+
+    /// Brings columns to the positions of `points`, in groups of `size` places, those that are `wanted`.
+    fn encode(
+        &mut self,
+        points: &[Vector<f64>],
+        reach: &Reach<'_>,
+        size: usize,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) {
+        let inverse_unit = 1.0 / self.frame.unit;
+        let limit = reach.largest() * inverse_unit;
+        self.uniform = (reach.range.0 == reach.range.1).then_some((limit * limit) as f32);
+        let (frame, grid) = (self.frame, &self.grid);
+        let [x, y, z] = &mut self.x;
+        (x.par_chunks_mut(size), y.par_chunks_mut(size), z.par_chunks_mut(size), self.h.par_chunks_mut(size))
+            .into_par_iter()
+            .zip(grid.order().par_chunks(size))
+            .with_min_len(CHUNK / size)
+            .enumerate()
+            .filter(|(group, _)| wanted(*group))
+            .for_each(|(_, ((x, y, z, h), order))| {
+                for (k, &i) in order.iter().enumerate() {
+                    [x[k], y[k], z[k]] = frame.encode::<f32>(&points[i as usize]);
+                    h[k] = (reach.smoothing_length[i as usize] * inverse_unit) as f32;
+                }
+            });
+    }
+
+    /// Notes who is searched, and that all around them is needed.
+    pub(super) fn note_searched(&mut self, searched: &[u32]) {
+        // One word more than needed: bundles may start anywhere.
+        self.searched.resize(self.order.len() / 64 + 2, 0);
+        self.searched.fill(0);
+        self.needed.resize_with(self.order.len().div_ceil(PLACES), AtomicU8::default);
+        self.needed.par_iter_mut().with_min_len(CHUNK).for_each(|need| *need.get_mut() = need::NONE);
+        let mut last = None;
+        for &i in searched {
+            let k = self.place[i as usize] as usize;
+            self.searched[k / 64] |= 1 << (k % 64);
+            let cell = self.grid.cell_of(i as usize);
+            // Points of one cell come one after the other.
+            if last != Some(cell) {
+                last = Some(cell);
+                for (first, last) in self.grid.runs_around_cell(cell) {
+                    self.want(first..last);
+                }
+            }
+        }
+    }
+
+    pub(super) fn want_cell_of(&self, i: usize) {
+        self.want(self.grid.members_run(self.grid.cell_of(i)));
+    }
+
+    /// Asks for the coordinates of places.
+    fn want(&self, places: std::ops::Range<usize>) {
+        if places.is_empty() {
+            return;
+        }
+        for need in &self.needed[places.start / PLACES..=(places.end - 1) / PLACES] {
+            if need.load(Ordering::Relaxed) == need::NONE {
+                need.store(need::WANTED, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Bits of the `WIDTH` points from place `k` on.
+    #[inline(always)]
+    pub(super) fn searched_from(&self, k: usize) -> u32 {
+        let low = self.searched[k / 64] >> (k % 64);
+        let high = (self.searched[k / 64 + 1] << 1) << (63 - k % 64);
+        (low | high) as u32
+    }
+}
