@@ -1,5 +1,6 @@
 //! Shapes, and the patterns of particles that fill them.
 
+mod error;
 mod fill;
 mod lattice;
 mod overlap;
@@ -8,6 +9,7 @@ mod rings;
 mod shape;
 mod volume;
 
-pub use fill::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
+pub use error::FillError;
+pub use fill::{BYTES_PER_PARTICLE, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
 pub use pattern::rings_fill;
 pub use volume::Volume;

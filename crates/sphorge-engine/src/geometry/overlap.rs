@@ -4,7 +4,7 @@
 //! leave half a spacing of each between their outermost particles; half of that distance is the limit, which allows for edges
 //! that are no multiple of the spacing.
 
-use super::fill::FillError;
+use super::FillError;
 use crate::model::{LatticePlacement, Model};
 use std::collections::HashMap;
 
