@@ -1,0 +1,66 @@
+//! A whole problem.
+
+use super::{
+    Body, BodyContact, Dimensions, Material, Measure, Numerics, OutputControl, PrescribedMotion, Region, Search,
+    Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall,
+};
+
+/// A whole problem.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// One line for people.
+    pub title: String,
+    /// File stem of the deck; names the output folder.
+    pub name: String,
+    /// Space dimensions.
+    pub dimensions: Dimensions,
+    /// Particle spacing, m.
+    pub spacing: f64,
+    /// Choices of the discretisation.
+    pub numerics: Numerics,
+    /// Neighbour search strategy.
+    pub search: Search,
+    /// Compare the neighbour lists with an exact search every so many steps.
+    pub audit: Option<u64>,
+    /// When to start, stop and how to choose steps.
+    pub time: TimeControl,
+    /// Materials in use; bodies refer to them by index.
+    pub materials: Vec<Material>,
+    /// Bodies in deck order.
+    pub bodies: Vec<Body>,
+    /// How bodies meet.
+    pub contact: BodyContact,
+    /// Heat that flows.
+    pub thermal: Thermal,
+    /// Named regions of particles, selected in the initial configuration.
+    pub regions: Vec<Region>,
+    /// Rigid walls.
+    pub walls: Vec<Wall>,
+    /// Symmetry planes.
+    pub symmetry: Vec<SymmetryPlane>,
+    /// Periodic axes: lower and upper end of the cell, m.
+    pub periodic: [Option<(f64, f64)>; 3],
+    /// Held and prescribed motion.
+    pub motions: Vec<PrescribedMotion>,
+    /// Body acceleration, m/s².
+    pub gravity: [f64; 3],
+    /// What to write and when.
+    pub output: OutputControl,
+    /// Declared measures.
+    pub measures: Vec<Measure>,
+    /// Followed particles and watched points.
+    pub tracers: Vec<Tracer>,
+    /// Planes the force through which is written.
+    pub sections: Vec<Section>,
+}
+
+impl Model {
+    /// Pairs of bodies that have a contact of their own, the lower index first, in order.
+    pub fn contact_pairs(&self) -> Vec<(usize, usize)> {
+        let count = match self.contact {
+            BodyContact::KernelSum => 0,
+            BodyContact::Penalty(_) => self.bodies.len(),
+        };
+        (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect()
+    }
+}
