@@ -5,10 +5,10 @@ use super::{
     canvas::{Anchor, Area, Canvas, FRAME, INK, wrap},
     chart::{Chart, Curve, page},
     color::Rgb,
-    run_title,
     scene::{Panel, Scene},
     spans::draw_spans,
     splat::{Dot, splat},
+    title::run_title,
 };
 use crate::{
     number::{four_digits, grouped, quantity, scaled_unit, tick_labels, ticks},

@@ -3,12 +3,12 @@
 use super::{
     PlotError,
     chart::{Chart, Curve, TIME, page},
-    run_title,
+    title::run_title,
 };
 use crate::output::{HistoryTable, MEASURE_MEANING, RunDirectory};
 use std::path::Path;
 
-/// The usual pictures of a history.
+/// The standard pictures of a history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HistoryPicture {
     /// Where the energy is, and its drift.
@@ -36,7 +36,7 @@ impl HistoryPicture {
     }
 }
 
-/// Draws one of the usual pictures to a PNG file. Returns false if the history has nothing for it.
+/// Draws one of the standard pictures to a PNG file. Returns false if the history has nothing for it.
 ///
 /// # Errors
 /// [`PlotError::Output`] if the history cannot be read or the picture cannot be written.

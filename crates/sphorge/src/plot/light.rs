@@ -1,15 +1,15 @@
 //! Light on the surface of a cloud of particles.
 //!
 //! A particle at a surface has its neighbours on one side; away from their mean is the normal. It is lit from the upper
-//! left, so that a round bar looks round and a top face differs from a side.
+//! left, so that a round bar appears round and a top face differs from a side.
 
-use super::scene::Mark;
+use super::mark::Mark;
 use rayon::prelude::*;
 use sphorge_engine::neighbors::CellGrid;
 
 /// Direction to the light: right, up, towards the eye; of length one.
 const LIGHT: [f64; 3] = [-0.36, 0.56, 0.746];
-/// Neighbours looked at, in spacings.
+/// Radius of the neighbourhood the normal is taken from, in spacings.
 const REACH: f64 = 1.8;
 /// Share of the light a surface turned away loses.
 const DARKEST: f64 = 0.28;

@@ -1,8 +1,9 @@
 //! What a picture of particles shows: frames read, projected, coloured by a field.
 
 use super::{
-    FieldPicture, FrameChoice, PlotError, View,
+    FieldPicture, PlotError, View,
     light::light,
+    mark::Mark,
     spans::{NamedSpan, model_of, spans},
     view::Projection,
 };
@@ -10,19 +11,6 @@ use crate::{
     output::{FrameFile, RunDirectory, read_series},
     particles::find_field,
 };
-use std::path::{Path, PathBuf};
-
-/// A particle on the plane of the picture, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mark {
-    pub(super) right: f64,
-    pub(super) up: f64,
-    pub(super) towards: f64,
-    pub(super) spacing: f64,
-    pub(super) value: f64,
-    /// How the surface here is lit, 0 to 1; 1 inside and in a plane.
-    pub(super) light: f64,
-}
 
 /// The particles of one frame.
 #[derive(Clone, Debug)]
@@ -140,19 +128,6 @@ fn wider(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-impl FrameChoice {
-    fn pick(self, series: &[(f64, PathBuf)]) -> Result<&Path, PlotError> {
-        let chosen = match self {
-            Self::First => series.first(),
-            Self::Last => series.last(),
-            Self::Index(index) => series.get(index),
-            Self::Time(time) => series.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs())),
-        };
-        let reason = || format!("the run has {} frames, numbered from 0", series.len());
-        chosen.map(|(_, path)| path.as_path()).ok_or_else(|| PlotError::Empty { reason: reason() })
-    }
-}
-
 struct Values {
     width: usize,
     values: Vec<f64>,
@@ -204,7 +179,7 @@ fn panel(
         let body = bodies.as_ref().map_or(0, |bodies| bodies[i] as usize);
         spacings.get(body).or(spacings.first()).copied().unwrap_or(0.0)
     };
-    // A corner view is cut across the axis that looks most at the eye.
+    // A corner view is cut across the axis that points most towards the eye.
     let across: [f64; 3] = match section {
         Some(View::Corner) => [0.0, 0.0, 1.0],
         _ => projection.towards,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     Particles,
-    output::{FrameHeader, SeriesEntry, write_frame_file, write_series},
+    output::{FrameHeader, RunDirectory, SeriesEntry, write_frame_file, write_series},
 };
 use std::{fs, path::Path};
 

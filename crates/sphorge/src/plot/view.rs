@@ -1,4 +1,4 @@
-//! Which way a picture looks.
+//! The direction of view of a picture.
 
 /// Direction of view. The first axis of a plane points right, the second up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -1,0 +1,48 @@
+//! Which frame of a series a picture shows.
+
+use super::PlotError;
+use std::path::{Path, PathBuf};
+
+/// Which frame of a series.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FrameChoice {
+    /// The first.
+    First,
+    /// The last.
+    #[default]
+    Last,
+    /// By its number, counted from zero.
+    Index(usize),
+    /// The one nearest to a time, s.
+    Time(f64),
+}
+
+impl std::str::FromStr for FrameChoice {
+    type Err = String;
+
+    /// `first`, `last`, a whole number (the frame), or a number with a point or an exponent (the time in seconds).
+    fn from_str(text: &str) -> Result<Self, String> {
+        let time = || text.parse().ok().filter(|time: &f64| time.is_finite()).map(Self::Time);
+        match text {
+            "first" => Ok(Self::First),
+            "last" => Ok(Self::Last),
+            _ => text.parse().ok().map(Self::Index).or_else(time).ok_or_else(|| {
+                format!("`{text}` is no frame; write first, last, a number such as 12, or a time such as 6e-5")
+            }),
+        }
+    }
+}
+
+impl FrameChoice {
+    /// The file of the frame in a series of times and files.
+    pub(super) fn pick(self, series: &[(f64, PathBuf)]) -> Result<&Path, PlotError> {
+        let chosen = match self {
+            Self::First => series.first(),
+            Self::Last => series.last(),
+            Self::Index(index) => series.get(index),
+            Self::Time(time) => series.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs())),
+        };
+        let reason = || format!("the run has {} frames, numbered from 0", series.len());
+        chosen.map(|(_, path)| path.as_path()).ok_or_else(|| PlotError::Empty { reason: reason() })
+    }
+}
