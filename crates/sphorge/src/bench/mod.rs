@@ -5,12 +5,17 @@
 //! pairs `i != j` inside the kernel support, counted once a step whatever the number of sweeps over them.
 
 mod bare;
+mod error;
 mod machine;
 mod measure;
+mod row;
+mod stage_shares;
 
 pub use bare::BareLoop;
+pub use error::BenchError;
 pub use machine::Machine;
-pub use measure::{BenchError, StageShares};
+pub use row::BenchRow;
+pub use stage_shares::StageShares;
 
 use crate::{deck, decks};
 use measure::measure;
@@ -52,37 +57,6 @@ pub struct BenchOptions {
     pub threads: Option<usize>,
     /// Wall-clock seconds of each measurement, after the warm-up.
     pub seconds: f64,
-}
-
-/// One measurement.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BenchRow {
-    /// Name of the deck.
-    pub case: String,
-    /// `mixed` or `double`.
-    pub precision: String,
-    /// Search strategy.
-    pub search: String,
-    /// Number of particles.
-    pub particles: usize,
-    /// Neighbours a particle has on average.
-    pub mean_neighbors: f64,
-    /// Steps measured.
-    pub steps: u64,
-    /// Wall-clock seconds they took.
-    pub wall_seconds: f64,
-    /// Particle-steps per second and core.
-    pub particle_steps_per_second_per_core: f64,
-    /// Ordered pairs per second and core over those of the bare loop; none without the loop or in plane strain.
-    pub share_of_bare_loop: Option<f64>,
-    /// Ordered pairs per second and core.
-    pub pairs_per_second_per_core: f64,
-    /// Share of the particles searched, mean over the steps.
-    pub searched_fraction: f64,
-    /// Share of the time by stage.
-    pub stage_shares: StageShares,
-    /// Bytes of columns, lists and scratch for one particle.
-    pub bytes_per_particle: f64,
 }
 
 /// All measurements of one call.

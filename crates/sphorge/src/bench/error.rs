@@ -1,0 +1,19 @@
+//! What can stop a benchmark.
+
+use crate::{deck::DeckReport, engine::RunFailure};
+
+/// What can stop a benchmark.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum BenchError {
+    /// No pool of threads.
+    #[error("cannot start the threads: {0}")]
+    #[diagnostic(help("ask for fewer with `--threads N`"))]
+    Threads(String),
+    /// A shipped deck cannot be read.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Deck(DeckReport),
+    /// A shipped deck cannot be stepped.
+    #[error(transparent)]
+    Failed(#[from] RunFailure),
+}
