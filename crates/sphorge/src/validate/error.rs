@@ -1,6 +1,5 @@
 //! Why a validation could not be done.
 
-use super::CASES;
 use crate::{output::OutputError, run::RunError};
 use std::path::PathBuf;
 
@@ -49,13 +48,14 @@ pub enum ValidateError {
 const SIMILAR: f64 = 0.7;
 
 impl ValidateError {
-    pub(super) fn unknown(name: &str) -> Self {
+    /// No case of the `known` names is called `name`.
+    pub(super) fn unknown(name: &str, known: &[&str]) -> Self {
         let similarity = |case: &str| strsim::jaro_winkler(name, case);
-        let nearest = CASES.iter().map(|case| case.name).max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+        let nearest = known.iter().copied().max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
         Self::UnknownCase {
             name: name.to_owned(),
             nearest: nearest.filter(|case| similarity(case) > SIMILAR).map(str::to_owned),
-            known: CASES.iter().map(|case| case.name).collect::<Vec<_>>().join(", "),
+            known: known.join(", "),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The folder of a validation.
 
-use super::{Report, ValidateError};
+use super::ValidateError;
 use crate::output::{Durability, OutputError, write_file};
+use serde::Serialize;
 use std::{
     fs, io,
     path::{Path, PathBuf},
@@ -59,9 +60,9 @@ impl Folder {
         inside.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
     }
 
-    /// Writes the report.
-    pub(super) fn write(&self, report: &Report) -> Result<(), ValidateError> {
-        write_file(&self.path.join("report.md"), Durability::Disk, |out| out.write_all(report.markdown().as_bytes()))?;
+    /// Writes the report in its two forms.
+    pub(super) fn write(&self, markdown: &str, report: &impl Serialize) -> Result<(), ValidateError> {
+        write_file(&self.path.join("report.md"), Durability::Disk, |out| out.write_all(markdown.as_bytes()))?;
         write_file(&self.path.join("report.json"), Durability::Disk, |out| {
             serde_json::to_writer_pretty(&mut *out, report)?;
             out.write_all(b"\n")

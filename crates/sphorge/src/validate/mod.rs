@@ -8,53 +8,40 @@
 
 mod case;
 mod cases;
+mod effort;
 mod error;
+mod execute;
 mod finding;
+mod findings;
 mod folder;
 mod markdown;
 mod number;
+mod options;
+mod picture;
 mod pictures;
 mod report;
 mod runs;
 mod study;
 mod text;
+mod variant;
+mod watcher;
 
-pub use case::{Case, Effort, Variant};
+pub use case::Case;
 pub use cases::CASES;
+pub use effort::Effort;
 pub use error::ValidateError;
 pub use finding::{Bounds, Finding, Reference, ReferenceKind, Tolerance, Unit, Verdict};
-pub use report::{CaseReport, NumberTable, PictureRecord, Report, RunEntry};
+pub use findings::NumberTable;
+pub use options::ValidateOptions;
+pub use report::{CaseReport, PictureRecord, Report, RunEntry};
 pub use study::{Demand, Study, StudyPoint};
+pub use variant::Variant;
+pub use watcher::Watcher;
 
-use crate::run::{Observer, Silent};
+use execute::run_variants;
+use findings::Findings;
 use folder::Folder;
-use report::Findings;
-use std::{path::PathBuf, sync::atomic::AtomicBool, time::Instant};
-
-/// What to validate, and where to write.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ValidateOptions {
-    /// Folder of the report and the runs. A former validation in it is replaced, anything else refused.
-    pub directory: PathBuf,
-    /// Names of cases; all if empty.
-    pub cases: Vec<String>,
-    /// Low resolution, minutes rather than an hour.
-    pub effort: Effort,
-    /// Number of threads; all the machine has if not given.
-    pub threads: Option<usize>,
-}
-
-/// Watches a validation; what it observes are the runs, one after the other.
-pub trait Watcher: Observer {
-    /// Case number `number` of `count`, from one, is next.
-    fn case_started(&mut self, _case: &Case, _number: usize, _count: usize) {}
-    /// The run of a variant is next.
-    fn variant_started(&mut self, _variant: &Variant, _number: usize, _count: usize) {}
-    /// All runs of a case are done and judged.
-    fn case_judged(&mut self, _report: &CaseReport) {}
-}
-
-impl Watcher for Silent {}
+use std::{sync::atomic::AtomicBool, time::Instant};
 
 /// Runs the cases and judges them. A case that misses a tolerance, or a run that fails, is no error: the report says so.
 ///
@@ -71,7 +58,7 @@ pub fn validate(
     let mut reports = Vec::with_capacity(cases.len());
     for (k, case) in cases.iter().enumerate() {
         watcher.case_started(case, k + 1, cases.len());
-        let runs = runs::run(case, options, &folder, stop, watcher)?;
+        let runs = run_variants(case, options, &folder, stop, watcher)?;
         let mut findings = Findings::default();
         (case.judge)(&runs, &mut findings);
         let pictures = pictures::draw(case, &runs, &folder);
@@ -80,14 +67,15 @@ pub fn validate(
         reports.push(report);
     }
     let report = Report::new(options.effort, reports, start.elapsed().as_secs_f64());
-    folder.write(&report)?;
+    folder.write(&report.markdown(), &report)?;
     Ok(report)
 }
 
 /// The cases of these names, in the order of the table; all if none is named.
 fn select(names: &[String]) -> Result<Vec<&'static Case>, ValidateError> {
-    if let Some(name) = names.iter().find(|name| CASES.iter().all(|case| case.name != name.as_str())) {
-        return Err(ValidateError::unknown(name));
+    let known: Vec<_> = CASES.iter().map(|case| case.name).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(ValidateError::unknown(name, &known));
     }
     Ok(CASES.iter().filter(|case| names.is_empty() || names.iter().any(|name| name == case.name)).collect())
 }

@@ -2,9 +2,9 @@
 
 use super::super::{
     Bounds, Case, Effort, Finding, NumberTable, ReferenceKind, Unit, Variant,
+    findings::Findings,
     number::significant,
-    pictures::{Look, Picture, Subject},
-    report::Findings,
+    picture::{Picture, Subject, ViewSettings},
     runs::{Run, Runs},
 };
 use crate::plot::View;
@@ -70,7 +70,8 @@ const AUDIT: &str = "200";
 const PUSHES: &str = "contact that cannot pull";
 
 /// The hole, through the axis of the bullet.
-const HOLE: Look = Look { view: View::Xz, section: true, window: [(-0.2, 0.2), (-0.3, 0.27)], range: None };
+const HOLE: ViewSettings =
+    ViewSettings { view: View::Xz, section: true, window: [(-0.2, 0.2), (-0.3, 0.27)], range: None };
 
 pub(super) const CASE: Case = Case {
     name: "bullet",
@@ -96,7 +97,7 @@ pub(super) const CASE: Case = Case {
                 runs: &["guarded 1e-5"],
                 field: "adapted",
                 times: &[50e-6, 150e-6, 400e-6, 1e-3],
-                look: HOLE,
+                settings: HOLE,
             },
             caption: "Who is searched, at four times, in a cut through the hole (the paper's Figure 12)",
         },
@@ -106,7 +107,7 @@ pub(super) const CASE: Case = Case {
                 runs: &["every step", "guarded 1e-5", "guarded 1e-6", PUSHES],
                 field: "von_mises_stress",
                 times: &[1e-3],
-                look: Look { range: Some((0.0, 0.5e9)), ..HOLE },
+                settings: ViewSettings { range: Some((0.0, 0.5e9)), ..HOLE },
             },
             caption: "Von Mises stress at the end (the paper's Figure 13)",
         },

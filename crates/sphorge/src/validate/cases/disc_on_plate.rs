@@ -2,10 +2,10 @@
 
 use super::super::{
     Bounds, Case, Effort, Finding, Study, Unit, Variant,
-    case::refinements,
-    pictures::{Picture, Subject},
-    report::Findings,
+    findings::Findings,
+    picture::{Picture, Subject},
     runs::Runs,
+    variant::refinements,
 };
 
 const SPACING: &str = "spacing";

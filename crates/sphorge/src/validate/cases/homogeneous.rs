@@ -2,8 +2,8 @@
 
 use super::super::{
     Bounds, Case, Effort, Finding, Unit, Variant,
-    pictures::{Picture, Subject},
-    report::Findings,
+    findings::Findings,
+    picture::{Picture, Subject},
     runs::{Run, Runs},
 };
 

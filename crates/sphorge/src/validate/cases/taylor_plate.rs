@@ -2,10 +2,10 @@
 
 use super::super::{
     Bounds, Case, Effort, Finding, ReferenceKind, Study, Unit, Variant,
-    case::refinements,
-    pictures::{Picture, Subject},
-    report::Findings,
+    findings::Findings,
+    picture::{Picture, Subject},
     runs::{Run, Runs},
+    variant::refinements,
 };
 
 const SPACING: &str = "spacing";

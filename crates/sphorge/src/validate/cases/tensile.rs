@@ -2,8 +2,8 @@
 
 use super::super::{
     Bounds, Case, Effort, Finding, NumberTable, ReferenceKind, Unit, Variant,
-    pictures::{Beside, Look, Picture, Subject},
-    report::Findings,
+    findings::Findings,
+    picture::{Beside, Picture, Subject, ViewSettings},
     runs::{Run, Runs},
 };
 use crate::plot::View;
@@ -29,12 +29,12 @@ pub(super) const CASE: Case = Case {
     pictures: &[
         Picture {
             series: FINE,
-            subject: Subject::Inside { runs: &FINE_RUNS, field: "plastic_strain", times: &[10e-3], look: WAIST },
+            subject: Subject::Inside { runs: &FINE_RUNS, field: "plastic_strain", times: &[10e-3], settings: WAIST },
             caption: "Plastic strain at 10 ms, 5 mm (the paper's Figure 7)",
         },
         Picture {
             series: FINE,
-            subject: Subject::Inside { runs: &FINE_RUNS, field: "von_mises_stress", times: &[10e-3], look: WAIST },
+            subject: Subject::Inside { runs: &FINE_RUNS, field: "von_mises_stress", times: &[10e-3], settings: WAIST },
             caption: "Von Mises stress at 10 ms, 5 mm (the paper's Figure 7)",
         },
         Picture {
@@ -53,7 +53,8 @@ pub(super) const CASE: Case = Case {
 const FINE_RUNS: [&str; 4] = ["every step, 5 mm", "skin, 5 mm", "adaptive, 5 mm", "total Lagrangian, 5 mm"];
 
 /// The face between the quarters.
-const WAIST: Look = Look { view: View::Xz, section: false, window: [(0.0, 0.08), (0.17, 0.34)], range: None };
+const WAIST: ViewSettings =
+    ViewSettings { view: View::Xz, section: false, window: [(0.0, 0.08), (0.17, 0.34)], range: None };
 
 /// Names of strategies and values of `search`.
 const STRATEGIES: [(&str, &str); 4] =
