@@ -8,9 +8,9 @@
 //!   with layers along the plane the weights add up to one over the spacing wherever the plane stands between them, so a uniform
 //!   stress gives exactly stress times area.
 
-use super::measures::{Quantity, Selection, shepard};
+use super::measures::{Quantity, SelectedParticles, shepard};
 use crate::{
-    model::{Model, Probe, Section, Tracer},
+    model::{Model, ParticleSelection, Section, Tracer},
     output::HistoryColumn,
     particles::{ColumnKind, Particles, find_field},
 };
@@ -80,8 +80,8 @@ impl Observed {
         self.values.clear();
         for (tracer, followed) in model.tracers.iter().zip(&mut self.followed) {
             if tracer.is_fixed {
-                let probe = Probe { body: tracer.body, ..Probe::default() };
-                let selection = Selection::new(model, particles, &probe);
+                let selection = ParticleSelection { body: tracer.body, ..ParticleSelection::default() };
+                let selection = SelectedParticles::new(model, particles, &selection);
                 self.values.extend(quantities(tracer, model).map(|(field, _, k, _)| {
                     shepard(&selection, &Quantity::new(particles, field, Some(k))?, tracer.point)
                 }));

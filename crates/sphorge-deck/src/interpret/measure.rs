@@ -11,7 +11,9 @@ use crate::raw::{
 use crate::report::{Fault, Problems, listed};
 use crate::unit::parse_unit;
 use crate::value::{Choice, Word};
-use sphorge_engine::model::{CloudExtent, CraterEdge, Dimensions, Extremum, Measure, MeasureKind, Perforation, Probe};
+use sphorge_engine::model::{
+    CloudExtent, CraterEdge, Dimensions, Extremum, Measure, MeasureKind, ParticleSelection, Perforation,
+};
 use sphorge_engine::particles::{ColumnKind, FieldInfo};
 use sphorge_physics::parameter::Bound;
 
@@ -61,35 +63,35 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
     let kind = match exactly_one(options, "a measure", raw.name.span(), problems)? {
         Given::Extent(m) => {
             let (probe, axis) = along_axis(m, scene, problems);
-            MeasureKind::Extent { probe: probe?, axis: axis? }
+            MeasureKind::Extent { selection: probe?, axis: axis? }
         }
         Given::Diameter(m) => {
             let (probe, axis) = along_axis(m, scene, problems);
-            MeasureKind::Diameter { probe: probe?, axis: axis? }
+            MeasureKind::Diameter { selection: probe?, axis: axis? }
         }
         Given::Maximum(m) => extreme(m, Extremum::Maximum, scene, problems)?,
         Given::Minimum(m) => extreme(m, Extremum::Minimum, scene, problems)?,
         Given::Mean(m) => {
             let (probe, field) = of_field(m, scene, problems);
             let (field, component) = field?;
-            MeasureKind::Mean { probe: probe?, field: field.name.to_owned(), component }
+            MeasureKind::Mean { selection: probe?, field: field.name.to_owned(), component }
         }
         Given::Period(m) => {
             let (probe, field) = of_field(m, scene, problems);
             let (field, component) = field?;
-            MeasureKind::Period { probe: probe?, field: field.name.to_owned(), component }
+            MeasureKind::Period { selection: probe?, field: field.name.to_owned(), component }
         }
         Given::Value(m) => {
             let probe = read_probe(m.probe(), scene, problems);
             let field = read_field(&m.field, m.component.as_ref(), problems);
             let point = vector(&m.point, scene.dimensions, problems);
             let (field, component) = field?;
-            MeasureKind::Value { probe: probe?, field: field.name.to_owned(), component, point: point? }
+            MeasureKind::Value { selection: probe?, field: field.name.to_owned(), component, point: point? }
         }
         Given::FrontSpeed(m) => front_speed(m, scene, problems)?,
         Given::ReversalTime(m) => {
             let (probe, axis) = along_axis(m, scene, problems);
-            MeasureKind::ReversalTime { probe: probe?, axis: axis? }
+            MeasureKind::ReversalTime { selection: probe?, axis: axis? }
         }
         Given::Crater(m) => {
             let perforation = perforation(m.perforation(), scene, problems);
@@ -105,7 +107,11 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
     Some(Measure { name: raw.name.text(problems)?.to_owned(), kind })
 }
 
-fn along_axis(raw: &RawAlongAxis, scene: &Scene<'_>, problems: &mut Problems) -> (Option<Probe>, Option<usize>) {
+fn along_axis(
+    raw: &RawAlongAxis,
+    scene: &Scene<'_>,
+    problems: &mut Problems,
+) -> (Option<ParticleSelection>, Option<usize>) {
     (read_probe(raw.probe(), scene, problems), read_axis(&raw.axis, scene, problems))
 }
 
@@ -127,7 +133,7 @@ fn of_field(
     raw: &RawFieldMeasure,
     scene: &Scene<'_>,
     problems: &mut Problems,
-) -> (Option<Probe>, Option<(&'static FieldInfo, Option<usize>)>) {
+) -> (Option<ParticleSelection>, Option<(&'static FieldInfo, Option<usize>)>) {
     (read_probe(raw.probe(), scene, problems), read_field(&raw.field, raw.component.as_ref(), problems))
 }
 
@@ -137,7 +143,7 @@ fn extreme(raw: &RawExtreme, extremum: Extremum, scene: &Scene<'_>, problems: &m
     let over_time = raw.over_time.as_ref().map_or(Some(false), |o| o.get(problems));
     let (field, component) = field?;
     Some(MeasureKind::Extreme {
-        probe: probe?,
+        selection: probe?,
         field: field.name.to_owned(),
         component,
         extremum,
@@ -179,7 +185,7 @@ fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) 
     let (field, component) = field?;
     let level = raw.level.0.quantity(unit_of(field), problems);
     Some(MeasureKind::FrontSpeed {
-        probe: probe?,
+        selection: probe?,
         field: field.name.to_owned(),
         component,
         axis: axis?,
@@ -205,7 +211,7 @@ fn read_axis(given: &Choice<AxisWord>, scene: &Scene<'_>, problems: &mut Problem
     check_axis(axis, given.span(), scene.dimensions, problems)
 }
 
-fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<Probe> {
+fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<ParticleSelection> {
     let body = raw.body.map_or(Some(None), |b| scene.bodies.find(b, problems).map(Some));
     let region = raw.region.map_or(Some(None), |r| scene.regions.find(r, problems).map(Some));
     let window = match raw.window {
@@ -216,7 +222,7 @@ fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> 
             _ => None,
         },
     };
-    Some(Probe { body: body?, region: region?, window: window? })
+    Some(ParticleSelection { body: body?, region: region?, window: window? })
 }
 
 /// A window that ends on no axis the deck does not have.

@@ -202,11 +202,11 @@ fn boundaries_arrive() {
 fn measures_arrive() {
     let model = model(THREE);
     let kind = |name: &str| model.measures.iter().find(|m| m.name == name).unwrap().kind.clone();
-    let probe = Probe::default();
-    let foot = Probe { region: Some(0), ..Probe::default() };
-    assert_eq!(kind("spread"), MeasureKind::Diameter { probe: foot, axis: 2 });
+    let probe = ParticleSelection::default();
+    let foot = ParticleSelection { region: Some(0), ..ParticleSelection::default() };
+    assert_eq!(kind("spread"), MeasureKind::Diameter { selection: foot, axis: 2 });
     let shear = MeasureKind::Extreme {
-        probe: Probe { window: Some(([0.0; 3], [1.0, 1.0, 2.0])), ..Probe::default() },
+        selection: ParticleSelection { window: Some(([0.0; 3], [1.0, 1.0, 2.0])), ..ParticleSelection::default() },
         field: "stress".to_owned(),
         component: Some(3),
         extremum: Extremum::Minimum,
@@ -214,7 +214,7 @@ fn measures_arrive() {
     };
     assert_eq!(kind("shear"), shear);
     let front = MeasureKind::FrontSpeed {
-        probe: probe.clone(),
+        selection: probe.clone(),
         field: "pressure".to_owned(),
         component: None,
         axis: 2,
@@ -223,17 +223,17 @@ fn measures_arrive() {
         window: (1e-6, 3e-6),
     };
     assert_eq!(kind("front"), front);
-    let ball = Probe { body: Some(1), ..Probe::default() };
+    let ball = ParticleSelection { body: Some(1), ..ParticleSelection::default() };
     let point = [0.0, 0.0, 0.03];
     assert_eq!(
         kind("probe"),
-        MeasureKind::Value { probe: ball, field: "velocity".to_owned(), component: Some(2), point }
+        MeasureKind::Value { selection: ball, field: "velocity".to_owned(), component: Some(2), point }
     );
     assert_eq!(
         kind("swing"),
-        MeasureKind::Period { probe: probe.clone(), field: "position".to_owned(), component: Some(1) }
+        MeasureKind::Period { selection: probe.clone(), field: "position".to_owned(), component: Some(1) }
     );
-    assert_eq!(kind("rebound"), MeasureKind::ReversalTime { probe, axis: 2 });
+    assert_eq!(kind("rebound"), MeasureKind::ReversalTime { selection: probe, axis: 2 });
 }
 
 #[test]

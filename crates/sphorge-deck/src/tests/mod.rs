@@ -62,7 +62,7 @@ fn the_flavour_of_a_deck_becomes_a_setup() {
     assert_eq!(setup.particles.smoothing_length[0], 1.2 * 0.3e-3);
     assert_eq!(
         model.measures[0].kind,
-        MeasureKind::Extent { probe: Probe { body: Some(0), ..Probe::default() }, axis: 1 }
+        MeasureKind::Extent { selection: ParticleSelection { body: Some(0), ..ParticleSelection::default() }, axis: 1 }
     );
     assert_eq!(setup.deck_text, FLAVOUR);
 }

@@ -18,9 +18,9 @@ pub enum Extremum {
     Minimum,
 }
 
-/// Particles a measure looks at: all conditions must hold.
+/// Particles a measure is taken over: all conditions must hold.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Probe {
+pub struct ParticleSelection {
     /// Only this body.
     pub body: Option<usize>,
     /// Only this region (by initial position).
@@ -70,21 +70,21 @@ pub enum MeasureKind {
     /// Particle extent along an axis plus one spacing, m.
     Extent {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Axis 0, 1, 2.
         axis: usize,
     },
     /// Diameter of the section across an axis: twice the largest distance from the body's axis line plus one spacing, m.
     Diameter {
         /// Which particles.
-        probe: Probe,
-        /// Axis 0, 1, 2 the section is normal to; the line runs through the mean position of the probed particles.
+        selection: ParticleSelection,
+        /// Axis 0, 1, 2 the section is normal to; the line runs through the mean position of the selected particles.
         axis: usize,
     },
     /// Extremum of a field over particles (of the history so far when `over_time`).
     Extreme {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Field name; vectors by magnitude unless `component` is given.
         field: String,
         /// Component of a vector or tensor field.
@@ -97,7 +97,7 @@ pub enum MeasureKind {
     /// Mass-weighted mean of a field (residual velocity: `velocity`, a component).
     Mean {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Field name.
         field: String,
         /// Component.
@@ -106,7 +106,7 @@ pub enum MeasureKind {
     /// Kernel-interpolated (Shepard) value of a field at a fixed point.
     Value {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Field name.
         field: String,
         /// Component.
@@ -118,7 +118,7 @@ pub enum MeasureKind {
     /// `level`, fitted by a straight line over the history samples in the time window, m/s.
     FrontSpeed {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Field name.
         field: String,
         /// Component.
@@ -136,16 +136,16 @@ pub enum MeasureKind {
     /// its own mean, s.
     Period {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Field name.
         field: String,
         /// Component.
         component: Option<usize>,
     },
-    /// Time at which the mean velocity of the probed particles along an axis changes sign, s (contact or rebound time).
+    /// Time at which the mean velocity of the selected particles along an axis changes sign, s (contact or rebound time).
     ReversalTime {
         /// Which particles.
-        probe: Probe,
+        selection: ParticleSelection,
         /// Axis 0, 1, 2.
         axis: usize,
     },

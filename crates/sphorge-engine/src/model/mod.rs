@@ -21,7 +21,7 @@ pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall,
 pub use contact::BodyContact;
 pub use dimensions::Dimensions;
 pub use material::{Material, NO_HEATING};
-pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};
+pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, ParticleSelection, Perforation};
 pub use numerics::{
     AdaptiveSearch, ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
     Search, SmoothingLength, TemperatureSource, TimeControl, TotalLagrangian,

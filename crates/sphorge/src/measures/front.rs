@@ -1,6 +1,6 @@
 //! Speed of a front; the definition is in [`super`].
 
-use super::selection::{Quantity, Selection};
+use super::selection::{Quantity, SelectedParticles};
 
 /// Position of a front over time.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ impl FrontSpeed {
         }
     }
 
-    pub(super) fn sample(&mut self, time: f64, selection: &Selection, quantity: &Quantity, axis: usize) {
+    pub(super) fn sample(&mut self, time: f64, selection: &SelectedParticles, quantity: &Quantity, axis: usize) {
         let slabs = self.slabs(selection, quantity, axis);
         let Some(end) = slabs.last() else { return };
         let above = |slab: &Slab| slab.f >= self.level;
@@ -52,7 +52,7 @@ impl FrontSpeed {
     }
 
     /// Slabs in the order of the front's path.
-    fn slabs(&self, selection: &Selection, quantity: &Quantity, axis: usize) -> Vec<Slab> {
+    fn slabs(&self, selection: &SelectedParticles, quantity: &Quantity, axis: usize) -> Vec<Slab> {
         let x = |i: usize| self.direction * selection.particles.position[i][axis];
         let Some((low, high)) = selection.indices().map(|i| (x(i), x(i))).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
         else {

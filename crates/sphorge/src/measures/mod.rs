@@ -1,6 +1,6 @@
 //! Evaluates the measures a deck declares, row by row of the history.
 //!
-//! Definitions, for the particles a probe selects (body, region of the initial configuration, box around the present
+//! Definitions, for the particles of a selection (body, region of the initial configuration, box around the present
 //! position; all conditions hold). A particle reaches half a spacing of its body beyond its centre on every side. A
 //! measure has no value while no particle is selected.
 //!
@@ -52,7 +52,7 @@ pub(crate) use perforation::Span;
 use period::Period;
 use remains::remains;
 use reversal::Reversal;
-pub(super) use selection::{Quantity, Selection};
+pub(super) use selection::{Quantity, SelectedParticles};
 pub(super) use value::shepard;
 
 /// The measures of a run with what they remember of its past.
@@ -154,45 +154,49 @@ pub(crate) fn span(kind: &MeasureKind, model: &Model, particles: &Particles) -> 
 impl Evaluator {
     fn sample(&mut self, model: &Model, time: f64, particles: &Particles, shared: &mut Shared) -> Option<f64> {
         match &self.kind {
-            MeasureKind::Extent { probe, axis } => shape::extent(&Selection::new(model, particles, probe), *axis),
-            MeasureKind::Diameter { probe, axis } => shape::diameter(&Selection::new(model, particles, probe), *axis),
-            MeasureKind::Extreme { probe, field, component, extremum, .. } => {
+            MeasureKind::Extent { selection, axis } => {
+                shape::extent(&SelectedParticles::new(model, particles, selection), *axis)
+            }
+            MeasureKind::Diameter { selection, axis } => {
+                shape::diameter(&SelectedParticles::new(model, particles, selection), *axis)
+            }
+            MeasureKind::Extreme { selection, field, component, extremum, .. } => {
                 let quantity = Quantity::new(particles, field, *component)?;
                 let better = match extremum {
                     Extremum::Maximum => f64::max,
                     Extremum::Minimum => f64::min,
                 };
-                let selection = Selection::new(model, particles, probe);
-                let now = selection.indices().map(|i| quantity.of(i)).reduce(better);
+                let selected = SelectedParticles::new(model, particles, selection);
+                let now = selected.indices().map(|i| quantity.of(i)).reduce(better);
                 let Memory::Best(best) = &mut self.memory else { return now };
                 *best = now.into_iter().chain(*best).reduce(better);
                 *best
             }
-            MeasureKind::Mean { probe, field, component } => {
-                Selection::new(model, particles, probe).mean(&Quantity::new(particles, field, *component)?)
+            MeasureKind::Mean { selection, field, component } => {
+                SelectedParticles::new(model, particles, selection).mean(&Quantity::new(particles, field, *component)?)
             }
-            MeasureKind::Value { probe, field, component, point } => {
+            MeasureKind::Value { selection, field, component, point } => {
                 let quantity = Quantity::new(particles, field, *component)?;
-                value::shepard(&Selection::new(model, particles, probe), &quantity, *point)
+                value::shepard(&SelectedParticles::new(model, particles, selection), &quantity, *point)
             }
-            MeasureKind::FrontSpeed { probe, field, component, axis, .. } => {
+            MeasureKind::FrontSpeed { selection, field, component, axis, .. } => {
                 let Memory::Front(front) = &mut self.memory else { return None };
                 let quantity = Quantity::new(particles, field, *component)?;
-                front.sample(time, &Selection::new(model, particles, probe), &quantity, *axis);
+                front.sample(time, &SelectedParticles::new(model, particles, selection), &quantity, *axis);
                 front.speed()
             }
-            MeasureKind::Period { probe, field, component } => {
+            MeasureKind::Period { selection, field, component } => {
                 let Memory::Period(period) = &mut self.memory else { return None };
                 let quantity = Quantity::new(particles, field, *component)?;
-                if let Some(mean) = Selection::new(model, particles, probe).mean(&quantity) {
+                if let Some(mean) = SelectedParticles::new(model, particles, selection).mean(&quantity) {
                     period.sample(time, mean);
                 }
                 period.period()
             }
-            MeasureKind::ReversalTime { probe, axis } => {
+            MeasureKind::ReversalTime { selection, axis } => {
                 let Memory::Reversal(reversal) = &mut self.memory else { return None };
                 let quantity = Quantity::new(particles, "velocity", Some(*axis))?;
-                if let Some(mean) = Selection::new(model, particles, probe).mean(&quantity) {
+                if let Some(mean) = SelectedParticles::new(model, particles, selection).mean(&quantity) {
                     reversal.sample(time, mean);
                 }
                 reversal.time()

@@ -1,20 +1,20 @@
-//! Particles a probe selects, and one number for each.
+//! Particles of a selection, and one number for each.
 
 use crate::{
-    model::{Model, Probe},
+    model::{Model, ParticleSelection},
     particles::{Column, Particles},
 };
 
-/// Particles of a probe at one time.
-pub(crate) struct Selection<'a> {
+/// Particles of a selection at one time.
+pub(crate) struct SelectedParticles<'a> {
     pub(super) model: &'a Model,
     pub(super) particles: &'a Particles,
-    probe: &'a Probe,
+    selection: &'a ParticleSelection,
 }
 
-impl<'a> Selection<'a> {
-    pub(crate) fn new(model: &'a Model, particles: &'a Particles, probe: &'a Probe) -> Self {
-        Self { model, particles, probe }
+impl<'a> SelectedParticles<'a> {
+    pub(crate) fn new(model: &'a Model, particles: &'a Particles, selection: &'a ParticleSelection) -> Self {
+        Self { model, particles, selection }
     }
 
     /// Places of the particles in the columns, ascending.
@@ -23,7 +23,7 @@ impl<'a> Selection<'a> {
     }
 
     fn holds(&self, i: usize) -> bool {
-        let Probe { body, region, window } = self.probe;
+        let ParticleSelection { body, region, window } = self.selection;
         let p = self.particles;
         body.is_none_or(|body| p.body[i] as usize == body)
             && region.is_none_or(|region| p.regions[i] >> region & 1 == 1)

@@ -1,9 +1,9 @@
 //! Extent and diameter of a set of particles.
 
-use super::selection::Selection;
+use super::selection::SelectedParticles;
 
 /// `max(x + s/2) - min(x - s/2)`, not beyond planes of symmetry, m.
-pub(super) fn extent(selection: &Selection, axis: usize) -> Option<f64> {
+pub(super) fn extent(selection: &SelectedParticles, axis: usize) -> Option<f64> {
     let ends = |i: usize| {
         let (x, half) = (selection.particles.position[i][axis], 0.5 * selection.spacing(i));
         (x - half, x + half)
@@ -21,7 +21,7 @@ pub(super) fn extent(selection: &Selection, axis: usize) -> Option<f64> {
 }
 
 /// `2 max(r + s/2)`, m, about a line along `axis`.
-pub(super) fn diameter(selection: &Selection, axis: usize) -> Option<f64> {
+pub(super) fn diameter(selection: &SelectedParticles, axis: usize) -> Option<f64> {
     let positions = &selection.particles.position;
     let mut centre = [0.0; 3];
     let mut count = 0.0;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    model::{CloudExtent, CraterEdge, Perforation, Probe, Shape, Solid, SymmetryPlane, Transform},
+    model::{CloudExtent, CraterEdge, ParticleSelection, Perforation, Shape, Solid, SymmetryPlane, Transform},
     output::testing::measuring,
 };
 
@@ -33,23 +33,23 @@ fn close(value: Option<f64>, expected: f64) {
 #[test]
 fn extent_is_the_particle_extent_plus_one_spacing() {
     let mut particles = lattice(4, 7);
-    let extent = |probe: Probe| MeasureKind::Extent { probe, axis: 1 };
-    close(once(extent(Probe::default()), &particles), 0.7);
+    let extent = |selection: ParticleSelection| MeasureKind::Extent { selection, axis: 1 };
+    close(once(extent(ParticleSelection::default()), &particles), 0.7);
     // The top row belongs to the other body, the row below to a region.
     particles.body[24..].fill(1);
     particles.regions[20..24].fill(0b100);
-    close(once(extent(Probe { body: Some(0), ..Probe::default() }), &particles), 0.6);
-    close(once(extent(Probe { region: Some(2), ..Probe::default() }), &particles), 0.1);
+    close(once(extent(ParticleSelection { body: Some(0), ..ParticleSelection::default() }), &particles), 0.6);
+    close(once(extent(ParticleSelection { region: Some(2), ..ParticleSelection::default() }), &particles), 0.1);
     let window = Some(([-1.0, 0.15, -1.0], [1.0, 0.45, 1.0]));
-    close(once(extent(Probe { window, ..Probe::default() }), &particles), 0.3);
-    assert_eq!(once(extent(Probe { region: Some(3), ..Probe::default() }), &particles), None);
+    close(once(extent(ParticleSelection { window, ..ParticleSelection::default() }), &particles), 0.3);
+    assert_eq!(once(extent(ParticleSelection { region: Some(3), ..ParticleSelection::default() }), &particles), None);
 }
 
 #[test]
 fn extent_takes_half_the_spacing_of_each_end() {
     let mut particles = lattice(1, 5);
     particles.body[4] = 1;
-    let mut model = measuring(MeasureKind::Extent { probe: Probe::default(), axis: 1 });
+    let mut model = measuring(MeasureKind::Extent { selection: ParticleSelection::default(), axis: 1 });
     model.bodies[1].spacing = 0.3;
     let mut measures = Measures::new(&model);
     measures.sample(&model, 0.0, &particles);
@@ -58,7 +58,7 @@ fn extent_takes_half_the_spacing_of_each_end() {
 
 #[test]
 fn diameter_is_about_the_mean_or_the_symmetry_plane() {
-    let kind = MeasureKind::Diameter { probe: Probe::default(), axis: 1 };
+    let kind = MeasureKind::Diameter { selection: ParticleSelection::default(), axis: 1 };
     let particles = lattice(6, 3);
     close(once(kind.clone(), &particles), 0.6);
     let mut model = measuring(kind);
@@ -72,7 +72,7 @@ fn diameter_is_about_the_mean_or_the_symmetry_plane() {
 fn extremes_now_and_over_time() {
     let mut particles = lattice(2, 2);
     let kind = |extremum, over_time, component| MeasureKind::Extreme {
-        probe: Probe::default(),
+        selection: ParticleSelection::default(),
         field: "velocity".into(),
         component,
         extremum,
@@ -99,7 +99,8 @@ fn mean_is_weighted_by_mass() {
     let mut particles = lattice(2, 1);
     particles.mass = vec![1.0, 3.0];
     particles.temperature = vec![300.0, 400.0];
-    let kind = MeasureKind::Mean { probe: Probe::default(), field: "temperature".into(), component: None };
+    let kind =
+        MeasureKind::Mean { selection: ParticleSelection::default(), field: "temperature".into(), component: None };
     close(once(kind, &particles), 375.0);
 }
 
@@ -107,7 +108,7 @@ fn mean_is_weighted_by_mass() {
 fn value_at_a_point_is_exact_for_a_constant_and_symmetric_for_a_line() {
     let mut particles = lattice(9, 9);
     let kind = |field: &str, point| MeasureKind::Value {
-        probe: Probe::default(),
+        selection: ParticleSelection::default(),
         field: field.into(),
         component: None,
         point,
@@ -134,7 +135,7 @@ fn value_at_a_point_against_two_particles_by_hand() {
     let (w0, w1) = (1.0 - 1.5 * 0.0625 + 0.75 * 0.015625, 1.0 - 1.5 * 0.5625 + 0.75 * 0.421875);
     let expected = (10.0 * w0 + 40.0 * 2.0 * w1) / (w0 + 2.0 * w1);
     let kind = MeasureKind::Value {
-        probe: Probe::default(),
+        selection: ParticleSelection::default(),
         field: "pressure".into(),
         component: None,
         point: [0.025, 0.0, 0.0],
@@ -146,7 +147,7 @@ fn value_at_a_point_against_two_particles_by_hand() {
 fn front_speed(direction: f64, window: (f64, f64), level: f64, until: f64) -> Option<f64> {
     let mut particles = lattice(100, 3);
     let kind = MeasureKind::FrontSpeed {
-        probe: Probe::default(),
+        selection: ParticleSelection::default(),
         field: "pressure".into(),
         component: None,
         axis: 0,
@@ -184,10 +185,10 @@ fn front_speed_of_a_running_front() {
 
 #[test]
 fn period_and_reversal_of_a_swinging_body() {
-    let probe = Probe { body: Some(0), ..Probe::default() };
+    let selection = ParticleSelection { body: Some(0), ..ParticleSelection::default() };
     let kinds = [
-        MeasureKind::Period { probe: probe.clone(), field: "position".into(), component: Some(0) },
-        MeasureKind::ReversalTime { probe, axis: 0 },
+        MeasureKind::Period { selection: selection.clone(), field: "position".into(), component: Some(0) },
+        MeasureKind::ReversalTime { selection, axis: 0 },
     ];
     for (kind, expected) in kinds.into_iter().zip([0.8, 0.2]) {
         let model = measuring(kind);
@@ -231,7 +232,7 @@ fn perforated() -> (Model, Particles, Perforation) {
         particles.body[i] = u32::from(i >= plate + 3);
     }
     let perforation = Perforation { plate: 0, axis: 1, direction: -1.0, point: [0.0; 3], link: 1.5 };
-    let mut model = measuring(MeasureKind::ReversalTime { probe: Probe::default(), axis: 0 });
+    let mut model = measuring(MeasureKind::ReversalTime { selection: ParticleSelection::default(), axis: 0 });
     let solid = Solid::Box { min: [-2.0, -0.1, 0.0], max: [2.0, 0.1, 0.0] };
     model.bodies[0].shape = Shape { solid, transform: Transform::default() };
     (model, particles, perforation)
@@ -272,7 +273,7 @@ fn pieces_of_a_plate_hang_together_in_space_too() {
         particles.position[i] = [0.3, -0.2, z - 1.0];
         particles.mass[i] = 1.0;
     }
-    let mut model = measuring(MeasureKind::ReversalTime { probe: Probe::default(), axis: 0 });
+    let mut model = measuring(MeasureKind::ReversalTime { selection: ParticleSelection::default(), axis: 0 });
     model.dimensions = crate::model::Dimensions::Three;
     let left = remains(&model, &particles, 0, 0.15, |_| true);
     assert_eq!(left.iter().filter(|l| **l).count(), 20);

@@ -1,9 +1,9 @@
 //! Kernel interpolation at a point.
 
-use super::selection::{Quantity, Selection};
+use super::selection::{Quantity, SelectedParticles};
 
 /// `sum (m/rho) f W / sum (m/rho) W` (Shepard). The normalisation of the kernel cancels, but for its `1/h^d`.
-pub(crate) fn shepard(selection: &Selection, quantity: &Quantity, point: [f64; 3]) -> Option<f64> {
+pub(crate) fn shepard(selection: &SelectedParticles, quantity: &Quantity, point: [f64; 3]) -> Option<f64> {
     let p = selection.particles;
     let kernel = selection.model.numerics.kernel;
     let dimensions = selection.model.dimensions.count();

@@ -3,7 +3,7 @@
 use super::{drive::drive, stepper::Stepper, *};
 use crate::{
     engine::{BodyLedger, Energies, Ledger, StageSeconds, StepReport, VoteReason},
-    model::{Measure, MeasureKind, Model, Probe},
+    model::{Measure, MeasureKind, Model, ParticleSelection},
     output::{EndReason, FailureRecord, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
     particles::Particles,
 };
@@ -93,7 +93,7 @@ fn model() -> Model {
     let mut model = testing::model(&["bar"]);
     model.output.frame_interval = 0.25;
     model.output.history_interval = 0.1;
-    let kind = MeasureKind::Extent { probe: Probe::default(), axis: 0 };
+    let kind = MeasureKind::Extent { selection: ParticleSelection::default(), axis: 0 };
     model.measures = vec![Measure { name: "length".into(), kind }];
     model
 }
