@@ -4,7 +4,7 @@
 //! difference; only coordinates are updated in between.
 
 use super::cells::{CHUNK, bounds};
-use super::{CellGrid, Frame, Odometer, PAD, Reach};
+use super::{CellGrid, DisplacementBound, Frame, PAD, Reach};
 use crate::lanes::PairScalar;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
@@ -28,10 +28,10 @@ mod need {
 #[derive(Debug, Default)]
 pub(super) struct CellPoints {
     pub(super) grid: CellGrid,
-    /// Where the points were when they were sorted into cells, m, with the reading of the odometer then, m, and the reach they
+    /// Where the points were when they were sorted into cells, m, with the displacement bound then, m, and the reach they
     /// were sorted for, m.
     sorted_at: Vec<Vector<f64>>,
-    sorted_when: Odometer,
+    sorted_when: DisplacementBound,
     sorted_for: f64,
     bounds: (Vector<f64>, Vector<f64>),
     frame: Frame,
@@ -54,16 +54,16 @@ pub(super) struct CellPoints {
 
 impl CellPoints {
     /// Sorts `points` into cells again if they have moved too far.
-    pub(super) fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>, odometer: Odometer) {
+    pub(super) fn prepare(&mut self, points: &[Vector<f64>], reach: &Reach<'_>, displacement: DisplacementBound) {
         let largest = reach.largest();
         self.half_factor = (0.5 * reach.factor) as f32;
-        if self.serves(points, largest, odometer) {
+        if self.serves(points, largest, displacement) {
             return;
         }
         self.grid.sort(points, largest * (1.0 + CELL_MARGIN));
         self.sorted_at.clear();
         self.sorted_at.extend_from_slice(points);
-        (self.sorted_for, self.sorted_when) = (largest, odometer);
+        (self.sorted_for, self.sorted_when) = (largest, displacement);
         self.bounds = bounds(points);
         self.frame = self.frame::<f32>();
         let padded = points.len() + PAD;
@@ -79,11 +79,11 @@ impl CellPoints {
     }
 
     /// Whether the cells serve points that are where `points` are.
-    fn serves(&self, points: &[Vector<f64>], largest: f64, odometer: Odometer) -> bool {
+    fn serves(&self, points: &[Vector<f64>], largest: f64, displacement: DisplacementBound) -> bool {
         let allowed = 0.5 * CELL_MARGIN * largest;
         self.sorted_at.len() == points.len()
             && self.sorted_for == largest
-            && (odometer.is_within(self.sorted_when, allowed)
+            && (displacement.is_within(self.sorted_when, allowed)
                 || points.par_chunks(CHUNK).zip(self.sorted_at.par_chunks(CHUNK)).all(|(now, then)| {
                     now.iter().zip(then).all(|(now, then)| {
                         let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];

@@ -3,7 +3,7 @@
 use super::candidates::Candidates;
 use super::cell_points::CellPoints;
 use super::rows::{MendJob, RowsJob};
-use super::{BLOCK, Block, Frame, NeighborList, Odometer, Reach, mark};
+use super::{BLOCK, Block, DisplacementBound, Frame, NeighborList, Reach, mark};
 use crate::lanes::{Instructions, PairScalar, run};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
@@ -30,18 +30,18 @@ struct Scratch {
 
 impl Searcher {
     /// Fills `list` with the neighbours of the first `count` of `points`. Rows come in the order of the cells, which depends on
-    /// positions alone, never on threads. The `odometer` is that of the points.
+    /// positions alone, never on threads. `displacement` bounds how far the points have moved.
     pub(crate) fn search(
         &mut self,
         points: &[Vector<f64>],
         count: usize,
         reach: &Reach<'_>,
-        odometer: Odometer,
+        displacement: DisplacementBound,
         instructions: Instructions,
         list: &mut NeighborList,
     ) {
         self.prepare_scratch();
-        self.points.prepare(points, reach, odometer);
+        self.points.prepare(points, reach, displacement);
         self.points.encode_all(points, reach);
         list.resize(count);
         let this = &*self;
@@ -63,7 +63,7 @@ impl Searcher {
         points: &[Vector<f64>],
         sources: &[u32],
         reach: &Reach<'_>,
-        odometer: Odometer,
+        displacement: DisplacementBound,
         instructions: Instructions,
         list: &mut NeighborList,
         searched: &[u32],
@@ -72,7 +72,7 @@ impl Searcher {
     ) {
         let count = points.len() - sources.len();
         self.prepare_scratch();
-        self.points.prepare(points, reach, odometer);
+        self.points.prepare(points, reach, displacement);
         self.points.note_searched(searched);
         self.points.encode_wanted(points, reach);
         let mark_of = |i: usize| marks[i].load(Ordering::Relaxed);

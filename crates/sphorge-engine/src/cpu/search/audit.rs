@@ -4,7 +4,7 @@ use super::super::CpuEngine;
 use super::{StoredBlock, place};
 use crate::Audit;
 use crate::lanes::PairScalar;
-use crate::neighbors::{BLOCK, NeighborList, Odometer, Reach, Searcher, brute_force};
+use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, Searcher, brute_force};
 use rayon::prelude::*;
 use sphorge_physics::{SymmetricTensor, Vector, tensor::dot};
 
@@ -41,7 +41,14 @@ impl<T: PairScalar> CpuEngine<T> {
             let mut exact = NeighborList::default();
             // A hair more than the support: the distance decides below.
             let reach = Reach { factor: factor * (1.0 + 1e-5), ..reach };
-            Searcher::default().search(&points, count, &reach, Odometer::default(), self.instructions, &mut exact);
+            Searcher::default().search(
+                &points,
+                count,
+                &reach,
+                DisplacementBound::default(),
+                self.instructions,
+                &mut exact,
+            );
             exact
         };
         let (ours, theirs): (Vec<Sums>, Vec<Sums>) = (0..count)

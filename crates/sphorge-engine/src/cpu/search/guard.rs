@@ -5,7 +5,7 @@
 //! strangers is found by looking at cells: a particle is among strangers if the cells around it hold another body, another
 //! piece of its own body, or material that came from farther apart than such cells can hold.
 
-use crate::neighbors::{CellGrid, NeighborList, Odometer};
+use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
@@ -24,9 +24,9 @@ const PARTED: f64 = 1.5;
 #[derive(Debug, Default)]
 pub(super) struct Guard {
     cells: CellGrid,
-    /// Positions when particles were sorted into cells, m, and the reading of the odometer then, m.
+    /// Positions when particles were sorted into cells, m, and the displacement bound then, m.
     sorted_at: Vec<Vector<f64>>,
-    sorted_when: Odometer,
+    sorted_when: DisplacementBound,
     pieces: Pieces,
     contents: Vec<Content>,
     strangers_near: Vec<bool>,
@@ -67,7 +67,7 @@ impl Guard {
         list: &NeighborList,
         searched_at: &[Vector<f64>],
         origin: &[Vector<f64>],
-        odometer: Odometer,
+        odometer: DisplacementBound,
         reach: f64,
         support: f64,
     ) {
@@ -198,7 +198,7 @@ mod tests {
         let reach = Reach::new(&particles.smoothing_length, 2.0);
         let list = brute_force(&particles.position, 10, &reach);
         let mut guard = Guard::default();
-        guard.refresh(particles, &list, searched_at, searched_at, Odometer::default(), 1.2, 2.0);
+        guard.refresh(particles, &list, searched_at, searched_at, DisplacementBound::default(), 1.2, 2.0);
         (0..10).map(|i| guard.among_strangers(i)).collect()
     }
 

@@ -12,7 +12,7 @@ use super::halo::Ghost;
 use crate::engine::SearchReport;
 use crate::lanes::PairScalar;
 use crate::model::Search;
-use crate::neighbors::{BLOCK, Frame, NeighborList, Odometer, Reach, Searcher, bounds};
+use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
 use guard::Guard;
 use rayon::prelude::*;
@@ -39,10 +39,10 @@ pub(super) struct Lists<T> {
     pub(super) smoothing_length: Vec<f64>,
     /// Smallest and largest smoothing length, m.
     pub(super) smoothing_lengths: (f64, f64),
-    pub(super) odometer: Odometer,
+    pub(super) odometer: DisplacementBound,
     /// Its readings at the last search of everyone, and when the frame was made.
-    searched_when: Odometer,
-    framed_when: Odometer,
+    searched_when: DisplacementBound,
+    framed_when: DisplacementBound,
     /// Source of every ghost.
     sources: Vec<u32>,
     /// What a partial search does with each row; ghosts as their sources.

@@ -20,7 +20,7 @@ fn agrees_with_brute_force(instructions: Instructions, uneven: bool) {
         let smoothing: Vec<f64> = (0..700).map(|i| if uneven && i % 3 == 0 { 1.5 * h } else { h }).collect();
         let reach = Reach::new(&smoothing, 2.0);
         let mut list = NeighborList::default();
-        Searcher::default().search(&points, 600, &reach, Odometer::default(), instructions, &mut list);
+        Searcher::default().search(&points, 600, &reach, DisplacementBound::default(), instructions, &mut list);
         list.blocks_mut().iter_mut().for_each(Block::sort_rows);
         let oracle = brute_force(&points, 600, &reach);
         assert!(oracle.pairs() > 600);
@@ -51,10 +51,10 @@ fn moved_cloud() -> (Vec<Vector<f64>>, Vec<Vector<f64>>, Vec<AtomicU8>) {
     (before, after, marks)
 }
 
-fn lost() -> Odometer {
-    let mut odometer = Odometer::default();
-    odometer.lose_track();
-    odometer
+fn lost() -> DisplacementBound {
+    let mut displacement = DisplacementBound::default();
+    displacement.lose_track();
+    displacement
 }
 
 fn searched(marks: &[AtomicU8]) -> Vec<u32> {
@@ -68,7 +68,7 @@ fn a_partial_search_of_all_that_moved_is_a_whole_search() {
         let smoothing = vec![0.07; 600];
         let reach = Reach::new(&smoothing, 2.0);
         let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
-        searcher.search(&before, 600, &reach, Odometer::default(), instructions, &mut list);
+        searcher.search(&before, 600, &reach, DisplacementBound::default(), instructions, &mut list);
         searcher.renew(&after, &[], &reach, lost(), instructions, &mut list, &searched(&marks), &marks, false);
         list.blocks_mut().iter_mut().for_each(Block::sort_rows);
         let oracle = brute_force(&after, 600, &reach);
@@ -87,7 +87,7 @@ fn a_partial_search_of_some_stays_symmetric_and_a_one_sided_one_does_not() {
     let reach = Reach::new(&smoothing, 2.0);
     for one_sided in [false, true] {
         let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
-        searcher.search(&before, 600, &reach, Odometer::default(), Instructions::best(), &mut list);
+        searcher.search(&before, 600, &reach, DisplacementBound::default(), Instructions::best(), &mut list);
         let all = searched(&marks);
         searcher.renew(&after, &[], &reach, lost(), Instructions::best(), &mut list, &all, &marks, one_sided);
         let lonely = (0..600)
@@ -119,7 +119,7 @@ fn coincident_points_are_neighbours_and_a_crowd_has_long_rows() {
     let smoothing = vec![0.1; 1500];
     let reach = Reach::new(&smoothing, 2.0);
     let mut list = NeighborList::default();
-    Searcher::default().search(&points, 1500, &reach, Odometer::default(), Instructions::best(), &mut list);
+    Searcher::default().search(&points, 1500, &reach, DisplacementBound::default(), Instructions::best(), &mut list);
     assert_eq!(list.row(7).len(), 1499);
     assert!(!list.row(7).contains(&7));
 }
