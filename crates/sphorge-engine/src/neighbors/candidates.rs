@@ -45,9 +45,9 @@ impl Candidates {
         4 * (self.x.iter().chain([&self.h]).map(Vec::capacity).sum::<usize>() + self.index.capacity())
     }
 
-    /// Collects the candidates of `cell`, those among the searched points alone if `ONLY_SEARCHED`, unless they are here already.
+    /// Collects the candidates of `cell` unless they are here already; if `ONLY_REBUILT`, only points whose rows are rebuilt.
     #[inline(always)]
-    pub(super) fn collect<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(
+    pub(super) fn collect<L: Lanes<Element = f32>, const ONLY_REBUILT: bool>(
         &mut self,
         points: &CellPoints,
         cell: usize,
@@ -98,8 +98,8 @@ impl Candidates {
                 if left < L::WIDTH {
                     mask &= (1 << left) - 1;
                 }
-                if ONLY_SEARCHED {
-                    mask &= points.searched_from(k);
+                if ONLY_REBUILT {
+                    mask &= points.rebuilt_from(k);
                 }
                 x[0].compress_values(mask, &mut out_x[count..]);
                 x[1].compress_values(mask, &mut out_y[count..]);

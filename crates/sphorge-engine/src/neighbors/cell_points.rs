@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// once in several steps.
 const CELL_MARGIN: f64 = 0.1;
 
-/// Places whose coordinates a partial search renews together; a word of bits.
+/// Places whose coordinates a partial search updates together; a word of bits.
 const PLACES: usize = 64;
 
 /// Whether a partial search has coordinates of the places of a group.
@@ -35,16 +35,16 @@ pub(super) struct CellPoints {
     sorted_for: f64,
     bounds: (Vector<f64>, Vector<f64>),
     frame: Frame,
-    /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole bundles. A partial search
-    /// renews those it may look at.
+    /// Encoded coordinates and smoothing lengths, in units of the frame, in cell order, padded to whole SIMD vectors. A partial
+    /// search updates those it may read.
     pub(super) x: [Vec<f32>; 3],
     pub(super) h: Vec<f32>,
     /// Place of every point in the cell order.
     pub(super) place: Vec<u32>,
     /// Point indices in cell order, padded like the coordinates.
     pub(super) order: Vec<u32>,
-    /// Bit k: the point in place k is searched. Only for partial searches.
-    searched: Vec<u64>,
+    /// Bit k: the row of the point in place k is rebuilt. Only for partial searches.
+    rebuilt: Vec<u64>,
     /// What a partial search needs of each [`PLACES`] places.
     needed: Vec<AtomicU8>,
     /// Squared reach where all smoothing lengths are equal, in units of the frame.
@@ -100,7 +100,7 @@ impl CellPoints {
         self.grid.order()
     }
 
-    /// Makes the next search sort points into cells anew: they have been put elsewhere, or into another order.
+    /// Makes the next search sort points into cells again: they have been put elsewhere, or into another order.
     pub(super) fn forget(&mut self) {
         self.sorted_at.clear();
     }
@@ -118,7 +118,7 @@ impl CellPoints {
             + columns
             + 4 * (self.place.capacity() + self.order.capacity())
             + 24 * self.sorted_at.capacity()
-            + 8 * self.searched.capacity()
+            + 8 * self.rebuilt.capacity()
             + self.needed.capacity()
     }
 
@@ -167,17 +167,17 @@ impl CellPoints {
             });
     }
 
-    /// Notes who is searched, and that all around them is needed.
-    pub(super) fn note_searched(&mut self, searched: &[u32]) {
-        // One word more than needed: bundles may start anywhere.
-        self.searched.resize(self.order.len() / 64 + 2, 0);
-        self.searched.fill(0);
+    /// Notes whose rows are rebuilt, and that the coordinates around these points are needed.
+    pub(super) fn note_rebuilt(&mut self, rebuilt: &[u32]) {
+        // One word more than needed: SIMD vectors may start anywhere.
+        self.rebuilt.resize(self.order.len() / 64 + 2, 0);
+        self.rebuilt.fill(0);
         self.needed.resize_with(self.order.len().div_ceil(PLACES), AtomicU8::default);
         self.needed.par_iter_mut().with_min_len(CHUNK).for_each(|need| *need.get_mut() = need::NONE);
         let mut last = None;
-        for &i in searched {
+        for &i in rebuilt {
             let k = self.place[i as usize] as usize;
-            self.searched[k / 64] |= 1 << (k % 64);
+            self.rebuilt[k / 64] |= 1 << (k % 64);
             let cell = self.grid.cell_of(i as usize);
             // Points of one cell come one after the other.
             if last != Some(cell) {
@@ -207,9 +207,9 @@ impl CellPoints {
 
     /// Bits of the `WIDTH` points from place `k` on.
     #[inline(always)]
-    pub(super) fn searched_from(&self, k: usize) -> u32 {
-        let low = self.searched[k / 64] >> (k % 64);
-        let high = (self.searched[k / 64 + 1] << 1) << (63 - k % 64);
+    pub(super) fn rebuilt_from(&self, k: usize) -> u32 {
+        let low = self.rebuilt[k / 64] >> (k % 64);
+        let high = (self.rebuilt[k / 64 + 1] << 1) << (63 - k % 64);
         (low | high) as u32
     }
 }

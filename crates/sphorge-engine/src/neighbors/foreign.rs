@@ -20,7 +20,7 @@ pub(crate) struct ForeignBlock {
 }
 
 impl ForeignList {
-    /// Moves the neighbours whose body is another one out of a list that was just searched; the order of a row stays.
+    /// Moves the neighbours whose body is another one out of a list that was just rebuilt; the order of a row stays.
     pub(crate) fn take_from(&mut self, list: &mut NeighborList, body: impl Fn(u32) -> u32 + Sync) {
         self.blocks.resize_with(list.blocks().len(), ForeignBlock::default);
         (list.blocks_mut().par_iter_mut(), self.blocks.par_iter_mut()).into_par_iter().enumerate().for_each(
@@ -97,7 +97,7 @@ mod tests {
         assert!(list.row(3).is_empty());
         let rows: Vec<_> = foreign.blocks()[0].rows().map(|(own, row)| (own, row.to_vec())).collect();
         assert_eq!(rows, [(0, vec![3]), (3, vec![0])]);
-        // A second search starts anew.
+        // A second search starts from nothing.
         foreign.take_from(&mut list, |_| 0);
         assert_eq!(foreign.blocks()[0].rows().count(), 0);
     }

@@ -1,14 +1,14 @@
 //! The neighbour list: one flat, dense layout for every strategy.
 //!
 //! Particles are taken in blocks; a block's rows lie one behind the other, so that blocks are built by different threads
-//! without atomics and swept as units of work. Every row is padded to a whole number of SIMD bundles with the particle's
+//! without atomics and swept as units of work. Every row is padded to a whole number of SIMD vectors with the particle's
 //! own index: a pair of a particle with itself has zero distance and zero velocity difference, so every antisymmetric or
 //! difference sum ignores it and sweeps need no masks.
 
 /// Rows in a block.
 pub const BLOCK: usize = 128;
 
-/// Rows are padded to a multiple of this length, the widest bundle in use.
+/// Rows are padded to a multiple of this length, the widest SIMD vector in use.
 pub const PAD: usize = 16;
 
 /// Neighbours of every particle.
@@ -101,7 +101,7 @@ impl Block {
         let start = *self.starts.last().unwrap_or(&0) as usize;
         let length = self.used - start;
         self.lengths.push(length as u32);
-        // A whole bundle at once: entries behind the padding are room.
+        // A whole SIMD vector at once: entries behind the padding are room.
         self.room(PAD)[..PAD].fill(own);
         self.used = start + length.next_multiple_of(PAD);
         self.starts.push(self.used as u32);
@@ -176,7 +176,7 @@ impl Block {
         &self.indices[start..start + (self.lengths[k] as usize).next_multiple_of(width)]
     }
 
-    /// Keeps the neighbours in row `k` of particle `own` that `keep` allows, in their order, and pads the row anew.
+    /// Keeps the neighbours in row `k` of particle `own` that `keep` allows, in their order, and pads the row again.
     pub(crate) fn retain_in_row(&mut self, k: usize, own: u32, mut keep: impl FnMut(u32) -> bool) {
         let row = &mut self.indices[self.starts[k] as usize..self.starts[k + 1] as usize];
         let mut kept = 0;
@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_row_is_replaced_in_its_place_or_the_block_is_made_anew() {
+    fn a_row_is_replaced_in_its_place_or_the_block_is_rebuilt() {
         let mut block = Block::default();
         block.clear();
         for (own, row) in [vec![1, 2], vec![0, 2], vec![0]].into_iter().enumerate() {

@@ -2,7 +2,7 @@
 
 /// The row stays.
 pub(crate) const KEEP: u8 = 0;
-/// The row is made anew.
-pub(crate) const SEARCH: u8 = 1;
-/// A neighbour of one that is searched: entries that are searched are made anew, the others stay.
-pub(crate) const MEND: u8 = 2;
+/// The row is rebuilt.
+pub(crate) const REBUILD: u8 = 1;
+/// The row gains or loses points whose rows are rebuilt: entries of such points are replaced, the others stay.
+pub(crate) const PATCH: u8 = 2;

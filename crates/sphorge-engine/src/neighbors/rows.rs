@@ -8,7 +8,7 @@ use super::cell_points::CellPoints;
 use super::{Block, PAD};
 use crate::lanes::{Job, Lanes};
 
-/// Rows made anew.
+/// Rows to rebuild.
 pub(super) struct RowsJob<'a> {
     pub(super) points: &'a CellPoints,
     pub(super) rows: std::ops::Range<usize>,
@@ -25,30 +25,30 @@ impl Job<f32> for RowsJob<'_> {
     }
 }
 
-/// The searched entries of a row, behind those that stay.
-pub(super) struct MendJob<'a> {
+/// A row to patch: its entries of points whose rows are rebuilt, behind those that stay.
+pub(super) struct PatchJob<'a> {
     pub(super) points: &'a CellPoints,
     pub(super) row: usize,
     pub(super) candidates: &'a mut Candidates,
     pub(super) block: &'a mut Block,
 }
 
-impl Job<f32> for MendJob<'_> {
+impl Job<f32> for PatchJob<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f32>>(self) {
         row::<L, true>(self.points, self.row, self.candidates, self.block);
     }
 }
 
-/// Adds the neighbours of point `i` to the row being written; if `ONLY_SEARCHED`, those among the searched points.
+/// Adds the neighbours of point `i` to the row being written; if `ONLY_REBUILT`, only those whose rows are rebuilt.
 #[inline(always)]
-fn row<L: Lanes<Element = f32>, const ONLY_SEARCHED: bool>(
+fn row<L: Lanes<Element = f32>, const ONLY_REBUILT: bool>(
     points: &CellPoints,
     i: usize,
     candidates: &mut Candidates,
     block: &mut Block,
 ) {
-    candidates.collect::<L, ONLY_SEARCHED>(points, points.grid.cell_of(i));
+    candidates.collect::<L, ONLY_REBUILT>(points, points.grid.cell_of(i));
     match points.uniform {
         Some(limit) => row_within::<L, true>(points, i, limit, candidates, block),
         None => row_within::<L, false>(points, i, 0.0, candidates, block),
@@ -68,19 +68,19 @@ fn row_within<L: Lanes<Element = f32>, const UNIFORM: bool>(
     let h_i = L::splat(points.h[own]);
     let half_factor = L::splat(points.half_factor);
     let uniform = L::splat(limit);
-    // Whole bundles, the last of which may reach past what was collected. All of a bundle is written, of which what is not
+    // Whole SIMD vectors, the last of which may reach past what was collected. All of a vector is written, of which what is not
     // kept is overwritten.
     let end = candidates.count.next_multiple_of(L::WIDTH);
     let found = block.room(end + PAD);
     let mut count = 0;
-    let bundles = candidates.x[0][..end]
+    let vectors = candidates.x[0][..end]
         .chunks_exact(L::WIDTH)
         .zip(candidates.x[1][..end].chunks_exact(L::WIDTH))
         .zip(candidates.x[2][..end].chunks_exact(L::WIDTH))
         .zip(candidates.h[..end].chunks_exact(L::WIDTH))
         .zip(candidates.index[..end].chunks_exact(L::WIDTH));
     let mut left = candidates.count;
-    for ((((x, y), z), h), index) in bundles {
+    for ((((x, y), z), h), index) in vectors {
         let dx = L::coordinate_difference(x_i[0], L::load(x));
         let dy = L::coordinate_difference(x_i[1], L::load(y));
         let dz = L::coordinate_difference(x_i[2], L::load(z));

@@ -1,8 +1,8 @@
-//! Cell search, for all particles or for some.
+//! Cell search: a full search, or one that rebuilds the rows of some particles.
 
 use super::candidates::Candidates;
 use super::cell_points::CellPoints;
-use super::rows::{MendJob, RowsJob};
+use super::rows::{PatchJob, RowsJob};
 use super::{BLOCK, Block, DisplacementBound, Frame, NeighborList, Reach, mark};
 use crate::lanes::{Instructions, PairScalar, run};
 use rayon::prelude::*;
@@ -54,11 +54,11 @@ impl Searcher {
         });
     }
 
-    /// Searches the points `searched`. Where a row gains or loses a neighbour, that neighbour's row is mended, so that a symmetric
-    /// list stays so: of every pair either both rows know or none. A ghost (a point from `count` on, image of `source[ghost]`) is
-    /// searched if its source is. `marks` says [`mark::SEARCH`] of these points and [`mark::KEEP`] of the others; rows to be mended
-    /// get [`mark::MEND`]. With `one_sided` nothing is mended.
-    pub(crate) fn renew(
+    /// Rebuilds the rows of the points `rebuilt`. Where a row gains or loses a neighbour, that neighbour's row is patched, so
+    /// that a symmetric list stays so: a pair is in both rows or in none. A ghost (a point from `count` on, image of
+    /// `source[ghost]`) is in `rebuilt` if its source is. `marks` holds [`mark::REBUILD`] for these points and [`mark::KEEP`] for
+    /// the others; rows to be patched get [`mark::PATCH`]. With `one_sided` nothing is patched.
+    pub(crate) fn rebuild_rows(
         &mut self,
         points: &[Vector<f64>],
         sources: &[u32],
@@ -66,21 +66,21 @@ impl Searcher {
         displacement: DisplacementBound,
         instructions: Instructions,
         list: &mut NeighborList,
-        searched: &[u32],
+        rebuilt: &[u32],
         marks: &[AtomicU8],
         one_sided: bool,
     ) {
         let count = points.len() - sources.len();
         self.prepare_scratch();
         self.points.prepare(points, reach, displacement);
-        self.points.note_searched(searched);
+        self.points.note_rebuilt(rebuilt);
         self.points.encode_wanted(points, reach);
         let mark_of = |i: usize| marks[i].load(Ordering::Relaxed);
         let source = |j: u32| if (j as usize) < count { j as usize } else { sources[j as usize - count] as usize };
-        let mend = |j: u32| {
+        let patch = |j: u32| {
             if mark_of(source(j)) == mark::KEEP {
                 // Every thread writes the same value.
-                marks[source(j)].store(mark::MEND, Ordering::Relaxed);
+                marks[source(j)].store(mark::PATCH, Ordering::Relaxed);
             }
         };
         let rows = |b: usize, what: u8| {
@@ -89,17 +89,17 @@ impl Searcher {
 
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
-            let mut to_search = rows(b, mark::SEARCH).peekable();
-            if to_search.peek().is_none() {
+            let mut to_rebuild = rows(b, mark::REBUILD).peekable();
+            if to_rebuild.peek().is_none() {
                 return;
             }
             let Scratch { spare, row, candidates } = &mut *this.scratch();
             candidates.clear();
-            for i in to_search {
+            for i in to_rebuild {
                 row.clear();
                 run(instructions, RowsJob { points: &this.points, rows: i..i + 1, candidates, block: row });
                 if !one_sided {
-                    differences(block.row(i % BLOCK), row.row(0), mend);
+                    differences(block.row(i % BLOCK), row.row(0), patch);
                 }
                 block.set_row(i % BLOCK, i as u32, row.row(0), spare);
             }
@@ -110,22 +110,22 @@ impl Searcher {
         // A former neighbour may be anywhere.
         (0..list.blocks().len())
             .into_par_iter()
-            .for_each(|b| rows(b, mark::MEND).for_each(|i| this.points.want_cell_of(i)));
+            .for_each(|b| rows(b, mark::PATCH).for_each(|i| this.points.want_cell_of(i)));
         self.points.encode_wanted(points, reach);
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
-            let mut to_mend = rows(b, mark::MEND).peekable();
-            if to_mend.peek().is_none() {
+            let mut to_patch = rows(b, mark::PATCH).peekable();
+            if to_patch.peek().is_none() {
                 return;
             }
             let Scratch { spare, row, candidates } = &mut *this.scratch();
             candidates.clear();
-            for i in to_mend {
+            for i in to_patch {
                 row.clear();
-                for &j in block.row(i % BLOCK).iter().filter(|&&j| mark_of(j as usize) != mark::SEARCH) {
+                for &j in block.row(i % BLOCK).iter().filter(|&&j| mark_of(j as usize) != mark::REBUILD) {
                     row.push(j);
                 }
-                run(instructions, MendJob { points: &this.points, row: i, candidates, block: row });
+                run(instructions, PatchJob { points: &this.points, row: i, candidates, block: row });
                 block.set_row(i % BLOCK, i as u32, row.row(0), spare);
             }
         });

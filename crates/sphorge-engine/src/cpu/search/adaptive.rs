@@ -67,14 +67,14 @@ impl<T: PairScalar> CpuEngine<T> {
         for (k, &source) in sources.iter().enumerate() {
             let mark = marks[source as usize].load(Ordering::Relaxed);
             marks.push(AtomicU8::new(mark));
-            if mark == mark::SEARCH {
+            if mark == mark::REBUILD {
                 to_search.push((count + k) as u32);
             }
         }
         let reach = Reach { smoothing_length, factor, range };
-        searcher.renew(points, sources, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
+        searcher.rebuild_rows(points, sources, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
         if let Some(stored) = stored {
-            let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::SEARCH;
+            let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::REBUILD;
             stored.renew(list, points, searched);
         }
         // Every particle that can touch another body is among strangers and was searched: all pairs of bodies are in the rows.
@@ -135,7 +135,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 let flow = if adaptive.accumulate { plastic[k] } else { plastic_strain_increment[i] };
                 let search = flow > adaptive.plastic_strain_threshold
                     || adaptive.guard.is_some_and(|bound| strain[k] > bound || guard.among_strangers(i));
-                *marks[k].get_mut() = if search { mark::SEARCH } else { mark::KEEP };
+                *marks[k].get_mut() = if search { mark::REBUILD } else { mark::KEEP };
                 adapted[k] = u32::from(search);
                 if search {
                     (last[k], strain[k], plastic[k]) = (step, 0.0, 0.0);
@@ -143,7 +143,7 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         });
         to_search.clear();
-        let marked = |i: &u32| *marks[*i as usize].get_mut() == mark::SEARCH;
+        let marked = |i: &u32| *marks[*i as usize].get_mut() == mark::REBUILD;
         to_search.extend((0..count as u32).filter(marked));
         to_search.len()
     }

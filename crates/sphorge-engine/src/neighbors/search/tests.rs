@@ -46,7 +46,7 @@ fn moved_cloud() -> (Vec<Vector<f64>>, Vec<Vector<f64>>, Vec<AtomicU8>) {
     let marks: Vec<AtomicU8> = (0..600).map(|_| AtomicU8::new(mark::KEEP)).collect();
     for i in (0..600).step_by(7) {
         after[i] = [0, 1, 2].map(|a| 0.8 * before[i][(a + 1) % 3] + 0.1);
-        marks[i].store(mark::SEARCH, Ordering::Relaxed);
+        marks[i].store(mark::REBUILD, Ordering::Relaxed);
     }
     (before, after, marks)
 }
@@ -57,19 +57,19 @@ fn lost() -> DisplacementBound {
     displacement
 }
 
-fn searched(marks: &[AtomicU8]) -> Vec<u32> {
-    (0..marks.len() as u32).filter(|&i| marks[i as usize].load(Ordering::Relaxed) == mark::SEARCH).collect()
+fn rebuilt(marks: &[AtomicU8]) -> Vec<u32> {
+    (0..marks.len() as u32).filter(|&i| marks[i as usize].load(Ordering::Relaxed) == mark::REBUILD).collect()
 }
 
 #[test]
-fn a_partial_search_of_all_that_moved_is_a_whole_search() {
+fn a_partial_search_of_all_that_moved_is_a_full_search() {
     for instructions in Instructions::available() {
         let (before, after, marks) = moved_cloud();
         let smoothing = vec![0.07; 600];
         let reach = Reach::new(&smoothing, 2.0);
         let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
         searcher.search(&before, 600, &reach, DisplacementBound::default(), instructions, &mut list);
-        searcher.renew(&after, &[], &reach, lost(), instructions, &mut list, &searched(&marks), &marks, false);
+        searcher.rebuild_rows(&after, &[], &reach, lost(), instructions, &mut list, &rebuilt(&marks), &marks, false);
         list.blocks_mut().iter_mut().for_each(Block::sort_rows);
         let oracle = brute_force(&after, 600, &reach);
         for i in 0..600 {
@@ -81,15 +81,15 @@ fn a_partial_search_of_all_that_moved_is_a_whole_search() {
 #[test]
 fn a_partial_search_of_some_stays_symmetric_and_a_one_sided_one_does_not() {
     let (before, after, marks) = moved_cloud();
-    // Half of those that moved are not searched.
+    // Half of those that moved are not rebuilt.
     (0..600).step_by(14).for_each(|i| marks[i].store(mark::KEEP, Ordering::Relaxed));
     let smoothing = vec![0.07; 600];
     let reach = Reach::new(&smoothing, 2.0);
     for one_sided in [false, true] {
         let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
         searcher.search(&before, 600, &reach, DisplacementBound::default(), Instructions::best(), &mut list);
-        let all = searched(&marks);
-        searcher.renew(&after, &[], &reach, lost(), Instructions::best(), &mut list, &all, &marks, one_sided);
+        let all = rebuilt(&marks);
+        searcher.rebuild_rows(&after, &[], &reach, lost(), Instructions::best(), &mut list, &all, &marks, one_sided);
         let lonely = (0..600)
             .flat_map(|i| list.row(i).iter().map(move |&j| (i, j as usize)))
             .filter(|&(i, j)| !list.row(j).contains(&(i as u32)))
