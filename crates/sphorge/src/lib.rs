@@ -1,7 +1,7 @@
 //! Smoothed-particle hydrodynamics for metals that yield, flow and break.
 //!
 //! A [`deck`] becomes a validated [`model`]; [`run`] takes its [`particles`] through time with an [`engine`], [`measures`] them and
-//! writes what happened ([`output`]); [`plot`] and [`compare`] look at the files, [`validate`] sets cases beside known answers.
+//! writes what happened ([`output`]); [`plot`] and [`compare`] read the files, [`validate`] compares cases with known answers.
 
 pub mod bench;
 pub mod compare;

@@ -113,26 +113,26 @@ pub struct Numerics {
 pub enum Search {
     /// All particles, every step.
     EveryStep,
-    /// Verlet lists with a skin, all particles searched when two may have closed in by the skin.
+    /// Verlet lists with a skin, all rebuilt when two particles may have closed in by the skin.
     Skin {
         /// Skin as a share of the kernel radius.
         fraction: f64,
     },
     /// Particles whose plastic strain grows (Fraser).
     Adaptive(AdaptiveSearch),
-    /// No one after the start: sums refer to the initial positions.
+    /// None after the start: sums refer to the initial positions.
     TotalLagrangian(TotalLagrangian),
 }
 
-/// Who is searched again.
+/// Which rows of the neighbour lists are rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveSearch {
-    /// Plastic strain increment above which a particle is searched.
+    /// Plastic strain increment above which the row of a particle is rebuilt.
     pub plastic_strain_threshold: f64,
     /// The increment since the last search of the particle, not that of the last step.
     pub accumulate: bool,
-    /// What else is searched so that nothing is missed: particles whose accumulated strain since their last search exceeds this
-    /// bound, and those among strangers. `None`: the paper's rule alone, with the kernel values of the last search.
+    /// Whose rows are rebuilt too so that no pair is missed: particles whose accumulated strain since their last search exceeds
+    /// this bound, and contact candidates. `None`: the paper's rule alone, with the kernel values of the last search.
     pub guard: Option<f64>,
 }
 

@@ -52,7 +52,7 @@ mod wide {
     /// Of so many passes the fastest counts.
     const PASSES: usize = 4;
 
-    /// Columns in cell order with room for one more bundle: position, velocity, six stresses.
+    /// Columns in cell order with room for one more SIMD vector: position, velocity, six stresses.
     struct Columns {
         x: [Vec<f32>; 3],
         v: [Vec<f32>; 3],
@@ -117,7 +117,7 @@ mod wide {
                 for (first, last) in runs {
                     let mut k = first;
                     while k < last {
-                        // SAFETY: columns and rows have room for a bundle behind their last entry.
+                        // SAFETY: columns and rows have room for a SIMD vector behind their last entry.
                         unsafe {
                             let dx = _mm512_sub_ps(own[0], _mm512_loadu_ps(c.x[0].as_ptr().add(k)));
                             let dy = _mm512_sub_ps(own[1], _mm512_loadu_ps(c.x[1].as_ptr().add(k)));
@@ -162,7 +162,7 @@ mod wide {
         _mm512_fmadd_ps(a[0], b[0], _mm512_fmadd_ps(a[1], b[1], _mm512_mul_ps(a[2], b[2])))
     }
 
-    /// One bundle of pairs: distances, kernel slopes, velocity differences, which lanes count, and the indices.
+    /// One SIMD vector of pairs: distances, kernel slopes, velocity differences, which lanes count, and the indices.
     struct Pairs {
         x: [__m512; 3],
         weight: __m512,
@@ -175,7 +175,7 @@ mod wide {
     fn pairs(c: &Columns, rows: &[u32], i: usize, at: usize, length: usize) -> Pairs {
         let left = length - at;
         let mask = if left >= 16 { 0xffff } else { (1u16 << left) - 1 };
-        // SAFETY: rows have room for a bundle; listed indices are within the columns.
+        // SAFETY: rows have room for a SIMD vector; listed indices are within the columns.
         unsafe {
             let index = _mm512_maskz_loadu_epi32(mask, rows.as_ptr().add(i * ROW + at).cast());
             // Loops, not closures: those would not be compiled for the instructions in use.

@@ -26,7 +26,7 @@ pub struct BenchRow {
     pub share_of_bare_loop: Option<f64>,
     /// Ordered pairs per second and core.
     pub pairs_per_second_per_core: f64,
-    /// Share of the particles searched, mean over the steps.
+    /// Share of the particles whose neighbour lists were rebuilt, mean over the steps.
     pub searched_fraction: f64,
     /// Share of the time by stage.
     pub stage_shares: StageShares,

@@ -1,4 +1,4 @@
-//! What a run would take: looks at the model, then takes a few real steps and writes nothing.
+//! What a run would take: inspects the model, then takes a few real steps and writes nothing.
 
 use crate::{
     deck::Setup,

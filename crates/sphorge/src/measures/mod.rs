@@ -22,7 +22,7 @@
 //! - reversal time: when the mean velocity first has the other sign than it first had, on the straight line between the two
 //!   samples around it.
 //!
-//! - crater diameter, cloud length and width: what is left of a plate are its particles in pieces of at least a tenth of its mass
+//! - crater diameter, cloud length and width: what is left of a plate are its particles in fragments of at least a tenth of its mass
 //!   that still stand between its undeformed faces somewhere; particles hang together up to `link` spacings. About the line of flight there are the two sides in the plane, in space
 //!   36 sectors. The clear opening is twice the mean over sectors of the smallest `r - s/2` of what is left; from lip to lip, of the
 //!   `r` of the particle that stands furthest out of the undeformed face. The cloud is every other particle of any body behind
@@ -113,7 +113,7 @@ impl Measures {
     }
 }
 
-/// What several measures of one moment look at: what is left of plates, by plate, axis of the flight and link.
+/// What several measures of one sample share: what is left of plates, by plate, axis of the flight and link.
 #[derive(Debug, Default)]
 struct Shared {
     remains: Vec<((usize, usize, u64), Vec<bool>)>,

@@ -1,8 +1,8 @@
-//! What is left of a plate: the particles that still hang together with a large piece of it.
+//! What is left of a plate: the particles that still hang together with a large fragment of it.
 
 use crate::{model::Model, particles::Particles};
 
-/// A piece of less than this share of the body's mass is debris.
+/// A fragment of less than this share of the body's mass is debris.
 const LARGE: f64 = 0.1;
 
 /// Sets that grow together; the least member stands for a set.
@@ -26,8 +26,8 @@ impl Sets {
     }
 }
 
-/// For every particle, whether it belongs to what is left of `body`: to a piece, joined over distances up to `link` (m), of at
-/// least a tenth of the body's mass, some of which is `in_place`. A plug that flies off in one piece is not.
+/// For every particle, whether it belongs to what is left of `body`: to a fragment, joined over distances up to `link` (m), of at
+/// least a tenth of the body's mass, some of which is `in_place`. A plug that flies off whole is not.
 pub(super) fn remains(
     model: &Model,
     particles: &Particles,

@@ -266,7 +266,7 @@ fn a_cloud_is_what_flies_behind_the_plate() {
 
 #[test]
 fn pieces_of_a_plate_hang_together_in_space_too() {
-    // A row of 20 along z, 0.1 apart, a gap of 0.2, a piece of two, which is a tenth of 22 less a bit: debris.
+    // A row of 20 along z, 0.1 apart, a gap of 0.2, a fragment of two, which is a tenth of 22 less a bit: debris.
     let mut particles = Particles::new(22);
     for i in 0..22 {
         let z = 0.1 * i as f64 + if i >= 20 { 0.1 } else { 0.0 };

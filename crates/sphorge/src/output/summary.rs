@@ -205,7 +205,7 @@ pub struct Summary {
     pub particle_steps_per_second: f64,
     /// Ordered pairs summed over the steps, over `wall_seconds`.
     pub pairs_per_second: f64,
-    /// Share of the particles that were searched, mean over the steps.
+    /// Share of the particles whose neighbour lists were rebuilt, mean over the steps.
     pub searched_fraction: f64,
     /// Largest resident memory of the process during the run; where the system does not tell, that of the engine.
     pub peak_memory_bytes: u64,

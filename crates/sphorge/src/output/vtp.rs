@@ -133,20 +133,20 @@ fn write_column(out: &mut dyn Write, column: &Column) -> io::Result<()> {
     }
 }
 
-/// Length, then values; gathered in pieces because the writer is called through a pointer.
+/// Length, then values; gathered in chunks because the writer is called through a pointer.
 fn write_block<const N: usize>(
     out: &mut dyn Write,
     bytes: usize,
     values: impl Iterator<Item = [u8; N]>,
 ) -> io::Result<()> {
     out.write_all(&(bytes as u64).to_le_bytes())?;
-    let mut piece = Vec::with_capacity(1 << 14);
+    let mut chunk = Vec::with_capacity(1 << 14);
     for value in values {
-        piece.extend_from_slice(&value);
-        if piece.len() + N > piece.capacity() {
-            out.write_all(&piece)?;
-            piece.clear();
+        chunk.extend_from_slice(&value);
+        if chunk.len() + N > chunk.capacity() {
+            out.write_all(&chunk)?;
+            chunk.clear();
         }
     }
-    out.write_all(&piece)
+    out.write_all(&chunk)
 }

@@ -1,4 +1,4 @@
-//! Reads frames written by [`super::write_frame`] back; other `.vtp` files only so far as they look the same.
+//! Reads frames written by [`super::write_frame`] back; other `.vtp` files only as far as their form is the same.
 
 use super::{
     FrameHeader,
@@ -47,7 +47,7 @@ pub struct FrameColumn {
     pub values: Vec<f32>,
 }
 
-/// Longest header that is looked through for the beginning of the data.
+/// Longest header that is scanned for the beginning of the data.
 const MAX_HEADER: usize = 1 << 20;
 const DATA_MARK: &str = "<AppendedData encoding=\"raw\">";
 

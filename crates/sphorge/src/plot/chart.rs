@@ -112,8 +112,8 @@ impl Chart {
         canvas.outline(axes, 1.0, FRAME);
 
         for (k, curve) in self.curves.iter().enumerate() {
-            for piece in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
-                let points: Vec<_> = piece.iter().map(|&(t, value)| (x(t), y(value))).collect();
+            for segment in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
+                let points: Vec<_> = segment.iter().map(|&(t, value)| (x(t), y(value))).collect();
                 stroke(canvas, &points, 2.0, k, curve.marked);
             }
             if self.curves.len() > 1 {

@@ -11,7 +11,7 @@ pub struct FieldPicture {
     pub frames: Vec<FrameChoice>,
     /// Direction of view; the plane of a plane problem, a corner of a solid one if not given.
     pub view: Option<View>,
-    /// Leave out what is before the middle, to look inside.
+    /// Leave out what is in front of the middle, to show the inside.
     pub section: bool,
     /// Show the crater and cloud measures of the deck as lines on the particles, in views along an axis.
     pub measures: bool,

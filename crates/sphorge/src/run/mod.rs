@@ -8,7 +8,7 @@
 //!   work and the heat exchanged: the initial total wherever there is one, and for a body at rest the work done on it. If all are zero, any change counts as 1.
 //! - **Momentum drift**: `|P - P0 - J| / scale`, with `P` the linear momentum, `J` the external impulse since the first row and `scale`
 //!   the largest sum of `m |v|` so far. Axes across which a plane of symmetry stands are left out: the plane takes momentum.
-//! - **Kinetic stop**: `stop-kinetic-fraction` is looked at in every row of the history, against the first row.
+//! - **Kinetic stop**: `stop-kinetic-fraction` is tested in every row of the history, against the first row.
 //! - **Searched fraction**: mean over the steps.
 
 mod conservation;

@@ -60,7 +60,7 @@ const WAIST: ViewSettings =
 const STRATEGIES: [(&str, &str); 4] =
     [("every step", "every-step"), ("skin", "skin"), ("adaptive", "adaptive"), ("total Lagrangian", LAGRANGIAN)];
 
-/// Weak hourglass control: springs of the usual strength hold up the neck, whose strain varies within a few particles.
+/// Weak hourglass control: springs of the default strength hold up the neck, whose strain varies within a few particles.
 const LAGRANGIAN: &str = "{ total-lagrangian = { hourglass = 0.1 } }";
 
 /// The run that is held to the finite elements.
