@@ -20,8 +20,8 @@ pub use contact::BodyContact;
 pub use material::{Material, NO_HEATING};
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, Perforation, Probe};
 pub use numerics::{
-    AdaptiveSearch, ArtificialStress, EnergySplit, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
-    Search, SmoothingLength, TemperatureSource, TimeControl, TotalLagrangian,
+    AdaptiveSearch, ArtificialStress, GradientCorrection, Integrator, Numerics, OutputControl, Precision, Search,
+    SmoothingLength, TemperatureSource, TimeControl, TotalLagrangian,
 };
 pub use observed::{Section, Tracer};
 pub use thermal::{HeatBoundary, HeatBoundaryKind, Thermal};
