@@ -4,11 +4,15 @@ use super::defaults;
 use super::value::{Choices, Given, Scalar, Velocity};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use sphorge_engine::model::{
-    Arrangement, CraterEdge, Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision,
-    Search, TemperatureSource,
+    Arrangement, CraterEdge, Dimensions, GradientCorrection, Integrator, LatticePlacement, Precision, Search,
+    TemperatureSource,
 };
 use sphorge_engine::particles::{FIELDS, FieldInfo};
-use sphorge_physics::{kernel::Kernel, pair::PairForm, return_mapping::ReturnRule};
+use sphorge_physics::{
+    kernel::Kernel,
+    pair::{EnergySplit, PairForm},
+    return_mapping::ReturnRule,
+};
 use std::borrow::Cow;
 
 macro_rules! words {

@@ -5,8 +5,9 @@
 //! R_j/rho_j^2` and, in the principal frame of `sigma_i`, `R_i = -eps sigma_i` for each positive principal stress, rotated
 //! back. Fraser Eq 18 leaves out the density and the principal frame. `eps = 0.3`; `n = 4` in Gray, 6 in Fraser.
 
+use crate::pair::stress_vector;
 use crate::tensile_part::tensile_part;
-use crate::{Dimension, Real, SymmetricTensor};
+use crate::{Dimension, Real, SymmetricTensor, Vector};
 
 /// `R_i` in Pa, before division by the square of the density; never tensile.
 ///
@@ -22,6 +23,22 @@ pub fn artificial_stress<T: Real>(sigma: SymmetricTensor<T>, epsilon: T, dimensi
 #[inline(always)]
 pub fn pair_factor<T: Real>(w_ij: T, inverse_w_spacing: T, exponent: u32) -> T {
     (w_ij * inverse_w_spacing).powu(exponent)
+}
+
+/// `R_ij f^n . x_ij` along the `D` axes computed in, with `R_ij` the sum of both particles' tensors, which are scaled as their
+/// stresses are; `factor = f^n` ([`pair_factor`]).
+#[inline(always)]
+pub fn pair_vector<T: Real, const D: usize>(
+    r_i: SymmetricTensor<T>,
+    r_j: SymmetricTensor<T>,
+    factor: T,
+    x_ij: &Vector<T>,
+) -> Vector<T> {
+    let mut vector = stress_vector::<T, D>(&(r_i + r_j), x_ij);
+    for a in 0..D {
+        vector[a] = vector[a] * factor;
+    }
+    vector
 }
 
 #[cfg(test)]
@@ -76,5 +93,12 @@ mod tests {
     fn pair_factor_by_hand() {
         assert_eq!(pair_factor(3.0f64, 0.5, 4), 5.0625);
         assert_eq!(pair_factor(0.0f64, 0.5, 6), 0.0);
+        // (2 + 4, -1 + 3) . (5, -2) = 26 with the shear 2, times 0.5; yy -3: 10 + 6 = 16.
+        let (r_i, r_j) = (
+            SymmetricTensor { xy: -1.0, ..SymmetricTensor::diagonal(2.0, -3.0, 9.0) },
+            SymmetricTensor { xx: 4.0, xy: 3.0, ..SymmetricTensor::zero() },
+        );
+        assert_eq!(pair_vector::<f64, 2>(r_i, r_j, 0.5, &[5.0, -2.0, 7.0]), [13.0, 8.0, 0.0]);
+        assert_eq!(pair_vector::<f64, 1>(r_i, r_j, 2.0, &[5.0, -2.0, 7.0]), [60.0, 0.0, 0.0]);
     }
 }

@@ -3,22 +3,49 @@
 //! `dx_i/dt = v_i + eps sum_j (m_j/rho_ij) (v_j - v_i) W_ij` with the pair mean `rho_ij` (Monaghan 1989, 1992). The pair
 //! weight times `m_i` is symmetric, so the momentum of the moved mass is that of the velocities.
 
-use crate::Real;
+use crate::pair::PairForm;
+use crate::{Real, Vector};
 
-/// `m_j W_ij / rho_ij`: the weight of `v_j - v_i` in the smoothed velocity, before `eps`; dimensionless.
+/// `m_j W_ij / rho_ij`: the weight of `v_j - v_i` in the smoothed velocity, before `eps`; dimensionless. `weighted_w` is `W_ij` times
+/// the weight the neighbour has in the momentum sum, `m_j` or `m_j/rho_j`; densities in kg/m^3, the mean by its inverse.
 #[inline(always)]
-pub fn xsph_weight<T: Real>(m_j: T, rho_i: T, rho_j: T, w_ij: T) -> T {
-    T::of(2.0) * m_j * w_ij / (rho_i + rho_j)
+pub fn xsph_weight<T: Real>(form: PairForm, weighted_w: T, inverse_density_mean: T, rho_j: T) -> T {
+    let weight = weighted_w * inverse_density_mean;
+    match form {
+        PairForm::VolumeWeighted => weight * rho_j,
+        PairForm::DensityWeighted | PairForm::Mixed => weight,
+    }
+}
+
+/// Adds a neighbour to the smoothing of a velocity (m/s) along the `D` axes computed in; `v_ij = v_i - v_j`.
+#[inline(always)]
+pub fn add_xsph<T: Real, const D: usize>(smoothing: &mut Vector<T>, v_ij: &Vector<T>, weight: T) {
+    for a in 0..D {
+        smoothing[a] -= v_ij[a] * weight;
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pair::{inverse_density_mean, momentum_weight};
 
     #[test]
-    fn weight_by_hand() {
-        // 2 3 0.5/(4 + 8); 2 0.7 9/(2 + 5).
-        assert_eq!(xsph_weight(3.0f64, 4.0, 8.0, 0.5), 0.25);
-        assert!((xsph_weight(0.7f64, 2.0, 5.0, 9.0) - 1.8).abs() < 1e-15);
+    fn the_weight_is_that_of_the_mass_in_every_form() {
+        // m_j W/rho_ij: 3 0.5/6, 0.7 9/3.5.
+        for &form in PairForm::ALL {
+            for (mass, rho_i, rho_j, w, want) in [(3.0, 4.0, 8.0, 0.5, 0.25), (0.7, 2.0, 5.0, 9.0, 1.8f64)] {
+                let weighted_w = w * momentum_weight(form, mass, rho_j);
+                let got = xsph_weight(form, weighted_w, inverse_density_mean(rho_i, rho_j), rho_j);
+                assert!((got - want).abs() < 1e-15, "{form:?}: {got}");
+            }
+        }
+    }
+
+    #[test]
+    fn velocities_are_drawn_to_those_of_neighbours() {
+        let mut smoothing = [1.0, 0.0, 0.0];
+        add_xsph::<f64, 2>(&mut smoothing, &[4.0, -8.0, 9.0], 0.25);
+        assert_eq!(smoothing, [0.0, 2.0, 0.0]);
     }
 }

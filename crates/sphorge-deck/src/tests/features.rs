@@ -2,7 +2,11 @@
 
 use super::super::*;
 use sphorge_engine::model::*;
-use sphorge_physics::{kernel::Kernel, pair::PairForm, return_mapping::ReturnRule};
+use sphorge_physics::{
+    kernel::Kernel,
+    pair::{EnergySplit, PairForm},
+    return_mapping::ReturnRule,
+};
 
 const THREE: &str = r#"
 dimensions = "3d"

@@ -14,7 +14,7 @@ use crate::neighbors::BLOCK;
 use crate::particles::{Particles, Permutation};
 use rayon::prelude::*;
 use sphorge_physics::conduction::{cell_size, lattice, pair_conductivity, surface_area, surface_conductance};
-use sphorge_physics::time_step::conduction_vote;
+use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Dimension, Vector, kernel::Kernel, tensor::dot};
 
 /// Share of its own time step after which a flow beside mechanics is summed anew.
@@ -255,7 +255,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                     *rate = sum.power / p.mass[i];
                     let capacity = p.mass[i] * table.specific_heat[p.body[i] as usize];
-                    *limit = limit.min(conduction_vote(capacity, sum.conductance, 1.0));
+                    *limit = limit.min(conduction_limit(capacity, sum.conductance));
                 }
             },
         );

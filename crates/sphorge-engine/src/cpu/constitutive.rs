@@ -9,9 +9,10 @@ use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::pair::PairForm;
+use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, tensor, viscosity};
+use sphorge_physics::viscosity::ViscosityParameters;
+use sphorge_physics::{SymmetricTensor, heat, stress, tensor, viscosity};
 
 /// What a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
@@ -130,7 +131,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let reference = self.reference.as_ref();
         let form = StressForm {
             pair_form: numerics.pair_form,
-            bulk_viscosity: reference.map(|_| (numerics.viscosity_alpha, numerics.viscosity_beta)),
+            bulk_viscosity: reference
+                .map(|_| ViscosityParameters { alpha: numerics.viscosity_alpha, beta: numerics.viscosity_beta }),
             artificial_stress: numerics.artificial_stress.map(|a| a.epsilon),
             dimension: super::dimension(model),
         };
@@ -220,19 +222,19 @@ impl<T: PairScalar> CpuEngine<T> {
                     record[force::X + a] = x[a];
                     record[force::V + a] = T::of(evaluated_velocity[i][a]);
                 }
-                record[force::WEIGHT] = match numerics.pair_form {
+                record[force::WEIGHT] = if numerics.pair_form == PairForm::VolumeWeighted && (corrected || !commit) {
                     // Adjoint to the last digit: the volumes of the gradient correction, or of the gradient sum at the
                     // same positions.
-                    PairForm::VolumeWeighted if corrected || !commit => kinematic_records[i][kinematic::WEIGHT],
-                    PairForm::VolumeWeighted => T::of(mass[i] / columns.density[k]),
-                    PairForm::DensityWeighted | PairForm::Mixed => T::of(mass[i]),
+                    kinematic_records[i][kinematic::WEIGHT]
+                } else {
+                    T::of(momentum_weight(numerics.pair_form, mass[i], columns.density[k]))
                 };
                 record[force::H] = T::of(smoothing_length[i]);
             }
             if numerics.balsara {
                 for (k, record) in extras.iter_mut().enumerate() {
                     let (l, h) = (&velocity_gradient[first + k], smoothing_length[first + k]);
-                    record[extra::BALSARA] = T::of(balsara_factor(l, columns.sound_speed[k], h));
+                    record[extra::BALSARA] = T::of(viscosity::balsara(l, columns.sound_speed[k], h));
                 }
             }
         };
@@ -250,7 +252,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let stress = stress_of(&records[i]);
             let product = match reference {
                 None => tensor::multiply(&stress.to_tensor(), &correction[i]),
-                Some(reference) => reference.force_tensor(i, &stress, &correction[i]),
+                Some(reference) => reference.force_tensor(i, stress, &correction[i]),
             };
             for (slot, value) in product.iter().flatten().enumerate() {
                 record[slot] = T::of(*value);
@@ -348,14 +350,6 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         });
     }
-}
-
-/// Balsara factor of a particle.
-fn balsara_factor(l: &Tensor<f64>, sound_speed: f64, h: f64) -> f64 {
-    let divergence = l[0][0] + l[1][1] + l[2][2];
-    let curl = [l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]];
-    let norm = curl.iter().map(|w| w * w).sum::<f64>().sqrt();
-    viscosity::balsara(divergence, norm, sound_speed, h)
 }
 
 /// Scaled stress of a force record, in double precision.

@@ -1,18 +1,21 @@
 //! Second pair sum: momentum, energy, viscosity, artificial stress, XSPH.
 //!
-//! Momentum (Patiño et al. Eq 9, Fraser Eqs 6 and 15, with the sign of the viscosity put right):
-//! `dv_i/dt = sum_j m_j (sigma_i/rho_i^2 + sigma_j/rho_j^2 + R_ij f^n - Pi_ij I) . grad_i W_ij`, or with
-//! `(sigma_i + sigma_j)/(rho_i rho_j)`. Energy is the work of exactly these forces, so that the total is conserved.
+//! The formulas are those of [`sphorge_physics::pair`]: here neighbours are gathered and the sums of a row added up.
 
-use super::kinematics::{PairConstants, PairScale, reduced_distance};
+use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
 use super::records::{CORRECTED_LEN, Records, extra, force};
 use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
-use sphorge_physics::kernel::Kernel;
-use sphorge_physics::viscosity::{ViscosityParameters, viscosity_mu, viscous_pressure};
-use sphorge_physics::{Vector, artificial_stress};
+use sphorge_physics::kernel::{Kernel, PairScale};
+use sphorge_physics::pair::{
+    EnergySplit, ForceSums, PairForce, PairForm, corrected_stress_vector, inverse_density_mean, mean, scaled_pressure,
+    stress_vector,
+};
+use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
+use sphorge_physics::xsph::{add_xsph, xsph_weight};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector, artificial_stress};
 
 /// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
 #[derive(Clone, Copy, Debug)]
@@ -22,10 +25,8 @@ pub(super) struct ForceTerms<T> {
     pub(super) artificial_stress: Option<(T, u32)>,
     pub(super) balsara: bool,
     pub(super) xsph: bool,
-    /// Stress enters as `(s_i + s_j)/(rho_i rho_j)`, else as `s_i/rho_i^2 + s_j/rho_j^2`.
-    pub(super) volume_weighted: bool,
-    /// Each particle takes the work of its own stress, else half of the pair's.
-    pub(super) own_stress_work: bool,
+    pub(super) pair_form: PairForm,
+    pub(super) energy_split: EnergySplit,
 }
 
 impl<T: PairScalar> ForceTerms<T> {
@@ -36,8 +37,8 @@ impl<T: PairScalar> ForceTerms<T> {
             && self.artificial_stress.is_some()
             && self.xsph
             && !self.balsara
-            && self.volume_weighted
-            && self.own_stress_work
+            && self.pair_form == PairForm::VolumeWeighted
+            && self.energy_split == EnergySplit::OwnStress
     }
 
     /// The same terms; if `USUAL`, in a form the compiler knows.
@@ -51,8 +52,8 @@ impl<T: PairScalar> ForceTerms<T> {
             artificial_stress: Some(self.artificial_stress.unwrap_or((T::zero(), 1))),
             balsara: false,
             xsph: true,
-            volume_weighted: true,
-            own_stress_work: true,
+            pair_form: PairForm::VolumeWeighted,
+            energy_split: EnergySplit::OwnStress,
         }
     }
 }
@@ -70,41 +71,27 @@ pub(super) struct ForceSum<T> {
     pub(super) mu: T,
 }
 
-/// `s . x` of a symmetric tensor stored from entry `at` on.
+/// The symmetric tensor a record holds from entry `at` on.
 #[inline(always)]
-fn symmetric_dot<L: Lanes, const D: usize, const F: usize>(s: &[L; F], at: usize, x: &Vector<L>) -> Vector<L> {
-    let o = L::zero();
-    if D == 1 {
-        [s[at] * x[0], o, o]
-    } else if D == 2 {
-        [s[at].mul_add(x[0], s[at + 3] * x[1]), s[at + 3].mul_add(x[0], s[at + 1] * x[1]), o]
-    } else {
-        [
-            s[at].mul_add(x[0], s[at + 3].mul_add(x[1], s[at + 5] * x[2])),
-            s[at + 3].mul_add(x[0], s[at + 1].mul_add(x[1], s[at + 4] * x[2])),
-            s[at + 5].mul_add(x[0], s[at + 4].mul_add(x[1], s[at + 2] * x[2])),
-        ]
-    }
+fn symmetric<L: Lanes, const F: usize>(record: &[L; F], at: usize) -> SymmetricTensor<L> {
+    let [xx, yy, zz, xy, yz, xz] =
+        [record[at], record[at + 1], record[at + 2], record[at + 3], record[at + 4], record[at + 5]];
+    SymmetricTensor { xx, yy, zz, xy, yz, xz }
 }
 
 /// Corrected records, the first eight of their nine entries at a time: records of eight are taken apart by shuffles.
 #[inline(always)]
-fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: &[u32]) -> [L; CORRECTED_LEN] {
+fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: &[u32]) -> Tensor<L> {
     let [a, b, c, d, e, f, g, h]: [L; 8] = L::gather_part(records, indices, 0);
     let [i]: [L; 1] = L::gather_part(records, indices, 8);
-    [a, b, c, d, e, f, g, h, i]
+    [[a, b, c], [d, e, f], [g, h, i]]
 }
 
-/// `g . x` of a general tensor.
+/// A corrected record in every lane.
 #[inline(always)]
-fn tensor_dot<L: Lanes, const D: usize>(g: &[L; CORRECTED_LEN], x: &Vector<L>) -> Vector<L> {
-    let mut t = [L::zero(); 3];
-    for a in 0..D {
-        for b in 0..D {
-            t[a] = g[3 * a + b].mul_add(x[b], t[a]);
-        }
-    }
-    t
+fn splat_corrected<L: Lanes>(record: &[L::Element; CORRECTED_LEN]) -> Tensor<L> {
+    let [a, b, c, d, e, f, g, h, i] = splat_record(record);
+    [[a, b, c], [d, e, f], [g, h, i]]
 }
 
 /// Bundles of a row worked on together.
@@ -144,7 +131,7 @@ impl<L: Lanes> Pairs<L> {
 struct Own<L: Lanes> {
     record: [L; force::LEN],
     extra: [L; extra::LEN],
-    corrected: [L; CORRECTED_LEN],
+    corrected: Tensor<L>,
     scale: PairScale<L>,
     viscosity: ViscosityParameters<L>,
     kernel: Kernel,
@@ -162,8 +149,8 @@ impl<L: Lanes> Own<L> {
         Self {
             record: splat_record(&records.force[own]),
             extra: if records.extra.is_empty() { [zero; extra::LEN] } else { splat_record(&records.extra[own]) },
-            corrected: if CORRECTED { splat_record(&records.corrected[own]) } else { [zero; CORRECTED_LEN] },
-            scale: PairScale::own::<D>(constants, records.force[own][H]),
+            corrected: if CORRECTED { splat_corrected(&records.corrected[own]) } else { [[zero; 3]; 3] },
+            scale: own_scale::<L, D>(constants, records.force[own][H]),
             viscosity: ViscosityParameters {
                 alpha: L::splat(terms.viscosity.alpha),
                 beta: L::splat(terms.viscosity.beta),
@@ -213,16 +200,16 @@ fn weigh<L: Lanes, const D: usize>(
     pair: &mut Pairs<L>,
     mu_max: L,
 ) -> L {
-    let PairScale { h, inverse_h, gradient } = own.scale.with::<D>(constants, pair.h);
-    let (q, inverse_q) = reduced_distance(pair.r2, h, inverse_h);
-    let mu = viscosity_mu(pair.v_dot_x, pair.r2, h);
-    let weighted = gradient * pair.weight;
-    pair.r2 = own.kernel.dw_over_q_by(q, inverse_q) * weighted;
+    let scale = scale_with::<L, D>(own.scale, constants, pair.h);
+    let (q, inverse_q) = scale.reduced_distance(pair.r2);
+    let mu = viscosity_mu(pair.v_dot_x, pair.r2, scale.h);
+    let weighted = scale.weighted(pair.weight);
+    pair.r2 = weighted.f(own.kernel.dw_over_q_by(q, inverse_q));
     pair.v_dot_x = mu;
     if terms.xsph || terms.artificial_stress.is_some() {
         let w = own.kernel.w(q);
         pair.w = w;
-        pair.kernel = w * (h * h) * weighted;
+        pair.kernel = weighted.value(w);
     }
     // Pairs of a skin count for nothing, nor do they for the time step.
     mu_max.max(L::select_lt(q, L::of(own.kernel.support()), mu.abs(), L::zero()))
@@ -231,15 +218,14 @@ fn weigh<L: Lanes, const D: usize>(
 /// What a row adds up, lane by lane.
 #[derive(Clone, Copy)]
 struct Sums<L> {
-    acceleration: Vector<L>,
-    energy_rate: L,
+    forces: ForceSums<L>,
     xsph: Vector<L>,
 }
 
 impl<L: Lanes> Sums<L> {
     #[inline(always)]
     fn zero() -> Self {
-        Self { acceleration: [L::zero(); 3], energy_rate: L::zero(), xsph: [L::zero(); 3] }
+        Self { forces: ForceSums::zero(), xsph: [L::zero(); 3] }
     }
 
     /// Third pass over a bundle: the forces.
@@ -252,70 +238,45 @@ impl<L: Lanes> Sums<L> {
         terms: &ForceTerms<L::Element>,
         pair: &Pairs<L>,
     ) {
-        let half = L::of(0.5);
-        let (x, v) = (&pair.x, &pair.v);
+        let x = &pair.x;
         let state_j: [L; 8] = L::gather_part(&records.force, indices, S);
         let density_j = state_j[RHO - S];
-        let inverse_density_mean = L::of(2.0) / (own.record[RHO] + density_j);
-        let sound_mean = (own.record[C] + state_j[C - S]) * half;
-        let mut pi = viscous_pressure(own.viscosity, pair.v_dot_x, sound_mean, inverse_density_mean);
-        if terms.volume_weighted {
-            // The outer factor of the sum is 1/rho_i and the weight m_j/rho_j.
-            pi = pi * own.record[RHO] * density_j;
-        }
-
-        // Traction-like vectors: own stress, other stress, artificial terms, each dotted with x_ij.
+        let inverse_density = inverse_density_mean(own.record[RHO], density_j);
+        let sound_speed = mean(own.record[C], state_j[C - S]);
+        let pi = viscous_pressure(own.viscosity, pair.v_dot_x, sound_speed, inverse_density);
+        let mut pi = scaled_pressure(terms.pair_form, pi, own.record[RHO], density_j);
         let (own_stress, other_stress) = if CORRECTED {
             let corrected_j = gather_corrected(&records.corrected, indices);
-            (tensor_dot::<L, D>(&own.corrected, x), tensor_dot::<L, D>(&corrected_j, x))
+            (corrected_stress_vector::<L, D>(&own.corrected, x), corrected_stress_vector::<L, D>(&corrected_j, x))
         } else {
-            (symmetric_dot::<L, D, 16>(&own.record, S, x), symmetric_dot::<L, D, 8>(&state_j, 0, x))
+            (stress_vector::<L, D>(&symmetric(&own.record, S), x), stress_vector::<L, D>(&symmetric(&state_j, 0), x))
         };
-        let mut artificial = [L::zero(); 3];
+        let mut artificial_stress = [L::zero(); 3];
         if terms.balsara || terms.artificial_stress.is_some() {
             let extra_j: [L; extra::LEN] = L::gather(&records.extra, indices);
             if terms.balsara {
-                pi = pi * (own.extra[extra::BALSARA] + extra_j[extra::BALSARA]) * half;
+                pi = switched(pi, own.extra[extra::BALSARA], extra_j[extra::BALSARA]);
             }
             if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
                 let factor = artificial_stress::pair_factor(pair.w, L::splat(inverse_w_spacing), exponent);
-                let mut r = [L::zero(); 6];
-                for c in 0..6 {
-                    r[c] = own.extra[extra::R + c] + extra_j[extra::R + c];
-                }
-                artificial = symmetric_dot::<L, D, 6>(&r, 0, x);
-                for a in 0..D {
-                    artificial[a] = artificial[a] * factor;
-                }
+                let (r_i, r_j) = (symmetric(&own.extra, extra::R), symmetric(&extra_j, extra::R));
+                artificial_stress = artificial_stress::pair_vector::<L, D>(r_i, r_j, factor, x);
             }
         }
-        let weighted_f = pair.r2;
-        let mut work = L::zero();
-        for a in 0..D {
-            artificial[a] -= pi * x[a];
-            let total = own_stress[a] + other_stress[a] + artificial[a];
-            self.acceleration[a] = total.mul_add(weighted_f, self.acceleration[a]);
-            let share = if terms.own_stress_work { artificial[a].mul_add(half, own_stress[a]) } else { total * half };
-            work = share.mul_add(v[a], work);
-        }
-        // (v_j - v_i) . (...) . grad W: the sign of v_ij is turned.
-        self.energy_rate -= work * weighted_f;
+        let force =
+            PairForce { x: *x, v: pair.v, own_stress, other_stress, artificial_stress, pi, weighted_f: pair.r2 };
+        self.forces.add::<D>(terms.energy_split, &force);
         if terms.xsph {
-            let mut weight = pair.kernel * inverse_density_mean;
-            if terms.volume_weighted {
-                weight = weight * density_j;
-            }
-            for a in 0..D {
-                self.xsph[a] -= v[a] * weight;
-            }
+            let weight = xsph_weight(terms.pair_form, pair.kernel, inverse_density, density_j);
+            add_xsph::<L, D>(&mut self.xsph, &pair.v, weight);
         }
     }
 
     /// All lanes together.
     #[inline(always)]
     fn total(&self) -> ForceSum<L::Element> {
-        let ([ax, ay, az], [x, y, z]) = (self.acceleration, self.xsph);
-        let [ax, ay, az, x, y, z, energy_rate] = L::sums([ax, ay, az, x, y, z, self.energy_rate]);
+        let ([ax, ay, az], [x, y, z]) = (self.forces.acceleration, self.xsph);
+        let [ax, ay, az, x, y, z, energy_rate] = L::sums([ax, ay, az, x, y, z, self.forces.energy_rate]);
         ForceSum { acceleration: [ax, ay, az], energy_rate, xsph: [x, y, z], ..ForceSum::zero() }
     }
 }

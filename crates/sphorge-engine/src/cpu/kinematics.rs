@@ -7,7 +7,8 @@ use super::records::kinematic::{H, LEN, V, WEIGHT, X};
 use super::search::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
-use sphorge_physics::kernel::Kernel;
+use sphorge_physics::kernel::{Kernel, PairScale, pair_smoothing_length};
+use sphorge_physics::pair::GradientSums;
 use sphorge_physics::{Tensor, Vector};
 
 /// Constants of a pair sum.
@@ -21,45 +22,29 @@ pub(super) struct PairConstants<T> {
     pub(super) sigma: T,
 }
 
-/// Smoothing length of a pair, its inverse, and the factor of the kernel gradient, `sigma / h^(d+2)`.
-#[derive(Clone, Copy)]
-pub(super) struct PairScale<L> {
-    pub(super) h: L,
-    pub(super) inverse_h: L,
-    pub(super) gradient: L,
-}
-
-impl<L: Lanes> PairScale<L> {
-    #[inline(always)]
-    fn of<const D: usize>(constants: &PairConstants<L::Element>, h: L) -> Self {
-        let inverse_h = L::one() / h;
-        Self { h, inverse_h, gradient: L::splat(constants.sigma) * inverse_h.powu(D as u32 + 2) }
-    }
-
-    /// For a particle and those of its own smoothing length.
-    #[inline(always)]
-    pub(super) fn own<const D: usize>(constants: &PairConstants<L::Element>, h_i: L::Element) -> Self {
-        let scale = PairScale::<L::Element>::of::<D>(constants, h_i);
-        Self { h: L::splat(scale.h), inverse_h: L::splat(scale.inverse_h), gradient: L::splat(scale.gradient) }
-    }
-
-    /// For a bundle of pairs: where all smoothing lengths are that of the particle, which they are but where bodies meet,
-    /// its own scale, without a division.
-    #[inline(always)]
-    pub(super) fn with<const D: usize>(self, constants: &PairConstants<L::Element>, h_j: L) -> Self {
-        if L::less(self.h, h_j) | L::less(h_j, self.h) == 0 {
-            self
-        } else {
-            Self::of::<D>(constants, (self.h + h_j) * L::of(0.5))
-        }
-    }
-}
-
-/// `q = r/h` and its inverse, both finite at `r = 0`.
+/// The scale of pairs of a particle with those of its own smoothing length, in every lane.
 #[inline(always)]
-pub(super) fn reduced_distance<L: Lanes>(r2: L, h: L, inverse_h: L) -> (L, L) {
-    let inverse_r = r2.max(h * h * L::of(1e-12)).inverse_sqrt();
-    (r2 * inverse_r * inverse_h, inverse_r * h)
+pub(super) fn own_scale<L: Lanes, const D: usize>(
+    constants: &PairConstants<L::Element>,
+    h_i: L::Element,
+) -> PairScale<L> {
+    let scale = PairScale::<L::Element>::new::<D>(constants.sigma, h_i);
+    PairScale { h: L::splat(scale.h), inverse_h: L::splat(scale.inverse_h), gradient: L::splat(scale.gradient) }
+}
+
+/// The scale of a SIMD vector of pairs: where all smoothing lengths are that of the particle, which they are but where bodies meet,
+/// its `own`, without a division.
+#[inline(always)]
+pub(super) fn scale_with<L: Lanes, const D: usize>(
+    own: PairScale<L>,
+    constants: &PairConstants<L::Element>,
+    h_j: L,
+) -> PairScale<L> {
+    if L::less(own.h, h_j) | L::less(h_j, own.h) == 0 {
+        own
+    } else {
+        PairScale::new::<D>(L::splat(constants.sigma), pair_smoothing_length(own.h, h_j))
+    }
 }
 
 /// Sums of one particle.
@@ -109,7 +94,7 @@ struct Own<L: Lanes> {
 impl<L: Lanes> Own<L> {
     #[inline(always)]
     fn of<const D: usize>(constants: &PairConstants<L::Element>, record: &[L::Element; LEN]) -> Self {
-        Self { record: splat_record(record), scale: PairScale::own::<D>(constants, record[H]) }
+        Self { record: splat_record(record), scale: own_scale::<L, D>(constants, record[H]) }
     }
 }
 
@@ -143,8 +128,7 @@ fn locate<L: Lanes, const D: usize>(
 /// What a row adds up, lane by lane.
 #[derive(Clone, Copy)]
 struct Sums<L> {
-    gradient: Tensor<L>,
-    moment: Tensor<L>,
+    pairs: GradientSums<L>,
     /// Pairs inside the kernel support.
     inside: u32,
 }
@@ -152,7 +136,7 @@ struct Sums<L> {
 impl<L: Lanes> Sums<L> {
     #[inline(always)]
     fn zero() -> Self {
-        Self { gradient: [[L::zero(); 3]; 3], moment: [[L::zero(); 3]; 3], inside: 0 }
+        Self { pairs: GradientSums::zero(), inside: 0 }
     }
 
     /// Second pass over a bundle.
@@ -163,30 +147,20 @@ impl<L: Lanes> Sums<L> {
         constants: &PairConstants<L::Element>,
         pair: &Pairs<L>,
     ) {
-        let scale = own.scale.with::<D>(constants, pair.h);
-        let (q, inverse_q) = reduced_distance(pair.r2, scale.h, scale.inverse_h);
-        // grad_i W_ij = F x_ij, times the weight of the neighbour.
-        let weighted_f = constants.kernel.dw_over_q_by(q, inverse_q) * (scale.gradient * pair.weight);
+        let scale = scale_with::<L, D>(own.scale, constants, pair.h);
+        let (q, inverse_q) = scale.reduced_distance(pair.r2);
+        let weighted_f = scale.weighted(pair.weight).f(constants.kernel.dw_over_q_by(q, inverse_q));
         self.inside += L::less(q, L::of(constants.kernel.support())).count_ones();
-        for a in 0..D {
-            let v = pair.v[a] * weighted_f;
-            let y = pair.x[a] * weighted_f;
-            for b in 0..D {
-                self.gradient[a][b] = v.mul_add(pair.x[b], self.gradient[a][b]);
-                if CORRECTED {
-                    self.moment[a][b] -= y * pair.x[b];
-                }
-            }
-        }
+        self.pairs.add::<D, CORRECTED>(&pair.x, &pair.v, weighted_f);
     }
 
     /// All lanes together.
     #[inline(always)]
     fn total<const CORRECTED: bool>(&self) -> GradientSum<L::Element> {
         let mut sum = GradientSum::zero();
-        sum.gradient = total_of(&self.gradient);
+        sum.gradient = total_of(&self.pairs.gradient);
         if CORRECTED {
-            sum.moment = total_of(&self.moment);
+            sum.moment = total_of(&self.pairs.moment);
         }
         sum.inside = self.inside;
         sum
@@ -279,12 +253,12 @@ mod tests {
     #[test]
     fn the_scale_of_a_pair_is_that_of_the_mean_smoothing_length() {
         let constants = PairConstants { unit: 1.0, kernel: Kernel::CubicSpline, sigma: 3.0f64 };
-        let own = PairScale::<f64>::own::<3>(&constants, 2.0);
+        let own = own_scale::<f64, 3>(&constants, 2.0);
         assert_eq!((own.h, own.inverse_h, own.gradient), (2.0, 0.5, 3.0 / 32.0));
-        let same = own.with::<3>(&constants, 2.0);
+        let same = scale_with::<f64, 3>(own, &constants, 2.0);
         assert_eq!((same.h, same.inverse_h, same.gradient), (2.0, 0.5, 3.0 / 32.0));
         for (h_j, h) in [(6.0, 4.0), (1.0, 1.5)] {
-            let other = own.with::<2>(&constants, h_j);
+            let other = scale_with::<f64, 2>(own, &constants, h_j);
             assert_eq!((other.h, other.inverse_h), (h, 1.0 / h));
             assert!((other.gradient - 3.0 / (h * h * h * h)).abs() < 1e-15);
         }

@@ -1,13 +1,13 @@
 //! The stress of a block of particles side by side, on SIMD lanes: all that does not ask the flow law.
 
 use super::records::{extra, force};
-use super::total_lagrangian::bulk_viscosity;
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
 use crate::model::Material;
 use crate::neighbors::{BLOCK, PAD};
-use sphorge_physics::pair::PairForm;
+use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
-use sphorge_physics::{Dimension, Real, SymmetricTensor, Tensor, artificial_stress, stress};
+use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
 /// What the stress of a block of particles is computed from and becomes, a column for each quantity. Places behind the last particle hold
 /// anything.
@@ -158,8 +158,8 @@ impl Job<f64> for ElasticStep<'_> {
 #[derive(Clone, Copy)]
 pub(super) struct StressForm {
     pub(super) pair_form: PairForm,
-    /// Coefficients `alpha` and `beta` where viscosity is a pressure of the particle.
-    pub(super) bulk_viscosity: Option<(f64, f64)>,
+    /// Where viscosity is a pressure of the particle.
+    pub(super) bulk_viscosity: Option<ViscosityParameters<f64>>,
     /// Coefficient of the artificial stress, where there is one.
     pub(super) artificial_stress: Option<f64>,
     pub(super) dimension: Dimension,
@@ -180,9 +180,10 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
         for k in (0..records.len()).step_by(L::WIDTH) {
             let (density, sound_speed) = (L::load(&columns.density[k..]), L::load(&columns.sound_speed[k..]));
             let mut pressure = L::load(&columns.pressure[k..]);
-            if let Some((alpha, beta)) = form.bulk_viscosity {
+            if let Some(p) = form.bulk_viscosity {
+                let p = ViscosityParameters { alpha: L::splat(p.alpha), beta: L::splat(p.beta) };
                 let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
-                pressure += bulk_viscosity(L::splat(alpha), L::splat(beta), divergence, density, sound_speed, h);
+                pressure += bulk_viscosity(p, divergence, density, sound_speed, h);
             }
             let mut deviator = [L::zero(); 6];
             for c in 0..6 {
@@ -205,12 +206,3 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
 // Eight entries are written at a time.
 const _: () = assert!(force::S + 6 == force::RHO && force::RHO + 1 == force::C && force::LEN == force::S + 8);
 const _: () = assert!(extra::R == 0 && extra::LEN == 8);
-
-/// Factor between Cauchy stress and what the force sum adds up.
-#[inline(always)]
-fn stress_scale<T: Real>(form: PairForm, density: T) -> T {
-    match form {
-        PairForm::VolumeWeighted => T::one(),
-        PairForm::DensityWeighted | PairForm::Mixed => T::one() / (density * density),
-    }
-}

@@ -5,13 +5,12 @@ use super::kinematics::{GradientJob, GradientSum};
 use super::records::kinematic;
 use super::{CpuEngine, Work};
 use crate::lanes::{PairScalar, run};
-use crate::model::{EnergySplit, GradientCorrection, Integrator};
+use crate::model::{GradientCorrection, Integrator};
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::pair::PairForm;
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{Dimension, Tensor, Vector, gradient_correction, stress, tensor};
+use sphorge_physics::{Dimension, Tensor, Vector, gradient_correction, pair, stress, tensor};
 
 /// Runs an expression with the dimension `D` and the choice `CORRECTED` as compile-time constants.
 macro_rules! dispatch_sweep {
@@ -103,12 +102,8 @@ impl<T: PairScalar> CpuEngine<T> {
                     record[kinematic::X + a] = x[a];
                     record[kinematic::V + a] = T::of(velocity[i][a]);
                 }
-                record[kinematic::WEIGHT] = T::of(match form {
-                    PairForm::VolumeWeighted | PairForm::Mixed => {
-                        mass[i] / predicted_density(density[i], &velocity_gradient[i], ahead)
-                    }
-                    PairForm::DensityWeighted => mass[i],
-                });
+                let density = stress::predicted_density(density[i], &velocity_gradient[i], ahead);
+                record[kinematic::WEIGHT] = T::of(pair::gradient_weight(form, mass[i], density));
                 record[kinematic::H] = T::of(smoothing_length[i]);
             }
         });
@@ -131,7 +126,7 @@ impl<T: PairScalar> CpuEngine<T> {
         dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records.kinematic;
             let constants = &self.constants;
-            let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
+            let form = model.numerics.pair_form;
             let dt = self.step.dt_to_evaluation(model.numerics.integrator);
             let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
             let (list, instructions) = (&self.lists.list, self.instructions);
@@ -151,7 +146,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let room = || [GradientSum::zero(); BLOCK];
             let finish =
                 |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
-                    let scale = if per_density { 1.0 / predicted_density(*rho, last, half) } else { 1.0 };
+                    let scale = pair::gradient_factor(form, stress::predicted_density(*rho, last, half));
                     let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
                     if let Some(b_i) = correction {
                         let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
@@ -200,7 +195,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.pack_kinematics(0.0, 0.0);
         let model = &*self.model;
         let dimension = super::dimension(model);
-        let per_density = model.numerics.pair_form == PairForm::DensityWeighted;
+        let form = model.numerics.pair_form;
         dispatch_sweep!(dimension, true, |D, CORRECTED| {
             let (records, constants) = (&self.records.kinematic, &self.constants);
             let (list, instructions) = (&self.lists.list, self.instructions);
@@ -218,7 +213,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 };
                 run(instructions, job);
                 for (k, b_i) in correction.iter_mut().enumerate() {
-                    let scale = if per_density { 1.0 / density[b * BLOCK + k] } else { 1.0 };
+                    let scale = pair::gradient_factor(form, density[b * BLOCK + k]);
                     let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
                     *b_i = gradient_correction::gradient_correction(&moment, dimension);
                 }
@@ -231,7 +226,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let model = &*self.model;
         let numerics = &model.numerics;
         let dimension = super::dimension(model);
-        let volume_weighted = numerics.pair_form == PairForm::VolumeWeighted;
+        let pair_form = numerics.pair_form;
         let bulk_viscosity = self.reference.is_some();
         let terms = ForceTerms {
             // The total Lagrangian form has its viscosity in the stress.
@@ -244,8 +239,8 @@ impl<T: PairScalar> CpuEngine<T> {
             artificial_stress: numerics.artificial_stress.map(|a| (T::of(self.inverse_w_spacing()), a.exponent)),
             balsara: numerics.balsara,
             xsph: numerics.xsph != 0.0,
-            volume_weighted,
-            own_stress_work: numerics.energy_split == EnergySplit::OwnStress,
+            pair_form,
+            energy_split: numerics.energy_split,
         };
         let usual = terms.usual(numerics.kernel);
         dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
@@ -289,12 +284,8 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                     for (k, sum) in sums.iter().enumerate().take(a.len()) {
                         let i = b * BLOCK + k;
-                        // Weight over mass is 1/rho_i for the volume-weighted form.
-                        let outer = if volume_weighted {
-                            records.force[i][super::records::force::WEIGHT].to_f64() / mass[i]
-                        } else {
-                            1.0
-                        };
+                        let weight = records.force[i][super::records::force::WEIGHT].to_f64();
+                        let outer = pair::momentum_factor(pair_form, mass[i], weight);
                         a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
                         e[k] = sum.energy_rate.to_f64() * outer;
                         x[k] = sum.xsph.map(|v| v.to_f64() * strength);
@@ -317,16 +308,6 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn list(&self) -> &NeighborList {
         &self.lists.list
     }
-}
-
-/// Density where sums are evaluated, from the gradient of the last step: its volume is the weight of both sums. The density
-/// of the step's start instead would lag by one step, and a body that swings about a strained state would lose energy at
-/// first order.
-#[inline(always)]
-fn predicted_density(density: f64, last_gradient: &Tensor<f64>, dt: f64) -> f64 {
-    let divergence = last_gradient[0][0] + last_gradient[1][1] + last_gradient[2][2];
-    // The bound matters only to a run about to fail.
-    density * (1.0 - dt * divergence).max(0.1)
 }
 
 /// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.

@@ -1,15 +1,9 @@
-//! The total Lagrangian form: sums over the initial neighbours at the initial positions `X`.
+//! The total Lagrangian form: sums over the initial neighbours at the initial positions `X`, whose formulas are those of
+//! [`sphorge_physics::total_lagrangian`].
 //!
-//! With the kernel gradient `grad_0 W` of the initial positions, corrected by `B_i` so that it is exact for linear fields, and
-//! initial volumes `V` (Bonet & Kulasegaram 2000; Ganzenmüller 2015):
-//!
-//! `dF_i/dt = sum_j V_j (v_j - v_i) ⊗ B_i grad_0 W_ij`,  `L = dF/dt F^-1`,  `rho = rho_0 / det F`,
-//! `m_i dv_i/dt = sum_j V_i V_j (P_i B_i + P_j B_j) grad_0 W_ij`,  `P = det F sigma F^-T`.
-//!
-//! The Cauchy stress follows from `L` by the same laws as in the other form. Both sums are adjoint, so energy is conserved.
-//! There is no tensile instability: artificial stress, XSPH and density restoration are left out. Viscosity is a pressure of
-//! the particle, `q = rho (alpha c h |tr L| + beta (h tr L)^2) / 2` in compression (von Neumann & Richtmyer 1950): a viscosity of
-//! pairs at initial positions would brake rigid rotation. Other bodies are not seen.
+//! The Cauchy stress follows from the velocity gradient by the same laws as in the other form. There is no tensile instability:
+//! artificial stress, XSPH and density restoration are left out. Viscosity is a pressure of the particle: a viscosity of pairs at
+//! initial positions would brake rigid rotation. Other bodies are not seen.
 
 use super::kinematics::{GradientJob, GradientSum};
 use super::records::kinematic;
@@ -21,7 +15,9 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::PairForm;
-use sphorge_physics::{Dimension, Real, SymmetricTensor, Tensor, Vector, gradient_correction, tensor};
+use sphorge_physics::total_lagrangian::{deform, density as density_of, first_piola, young_modulus};
+use sphorge_physics::viscosity::bulk_mu;
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector, gradient_correction, tensor};
 use std::sync::Arc;
 
 /// The initial configuration, and how far the material is from it.
@@ -44,7 +40,7 @@ impl Reference {
         let young = |m: &Material| {
             let c = m.equation_of_state.pressure(m.density, 0.0).sound_speed;
             let (bulk, shear) = (m.density * c * c, m.shear_modulus);
-            9.0 * bulk * shear / (3.0 * bulk + shear)
+            young_modulus(bulk, shear)
         };
         Self {
             position: particles.position.clone(),
@@ -61,11 +57,8 @@ impl Reference {
 
     /// The stress whose sum at initial positions is the force, `P B`; `stress` is Cauchy's, Pa.
     #[inline(always)]
-    pub(super) fn force_tensor(&self, i: usize, stress: &SymmetricTensor<f64>, b: &Tensor<f64>) -> Tensor<f64> {
-        let f = &self.deformation[i];
-        let j = tensor::determinant(f);
-        let first_piola = tensor::multiply(&stress.to_tensor(), &tensor::transpose(&tensor::inverse(f)));
-        tensor::multiply(&first_piola.map(|row| row.map(|p| j * p)), b)
+    pub(super) fn force_tensor(&self, i: usize, stress: SymmetricTensor<f64>, b: &Tensor<f64>) -> Tensor<f64> {
+        tensor::multiply(&first_piola(stress, &self.deformation[i]), b)
     }
 }
 
@@ -79,13 +72,6 @@ pub(super) fn without_pair_terms(model: &Arc<Model>) -> Arc<Model> {
     numerics.mls_interval = None;
     numerics.pair_form = PairForm::VolumeWeighted;
     Arc::new(model)
-}
-
-/// Bulk viscosity, Pa; zero in expansion.
-#[inline(always)]
-pub(super) fn bulk_viscosity<T: Real>(alpha: T, beta: T, divergence: T, density: T, sound_speed: T, h: T) -> T {
-    let rate = h * (-divergence).max(T::zero());
-    T::of(0.5) * density * (alpha * sound_speed * rate + beta * rate * rate)
 }
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -131,12 +117,10 @@ impl<T: PairScalar> CpuEngine<T> {
                         let i = b * BLOCK + k;
                         let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
                         let rate = tensor::multiply(&sum, &tensor::transpose(&correction[i]));
-                        let middle = plus(&f[k], 0.5 * dt, &rate);
-                        l[k] = tensor::multiply(&rate, &tensor::inverse(&middle));
-                        f[k] = plus(&f[k], dt, &rate);
-                        rho[k] = mass[i] / (volume[i] * tensor::determinant(&f[k]));
+                        l[k] = deform(&mut f[k], &rate, dt);
+                        rho[k] = density_of(mass[i], volume[i], &f[k]);
                         n[k] = sums[k].inside;
-                        mu[k] = h[i] * (l[k][0][0] + l[k][1][1] + l[k][2][2]).abs();
+                        mu[k] = bulk_mu(&l[k], h[i]);
                     }
                 });
         });
@@ -187,51 +171,5 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             });
         });
-    }
-}
-
-/// `a + s b`.
-#[inline(always)]
-fn plus(a: &Tensor<f64>, s: f64, b: &Tensor<f64>) -> Tensor<f64> {
-    let mut sum = *a;
-    for i in 0..3 {
-        for j in 0..3 {
-            sum[i][j] += s * b[i][j];
-        }
-    }
-    sum
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bulk_viscosity_by_hand_and_none_in_expansion() {
-        // 0.5 8000 (0.5 4000 0.01 100 + 2 (0.01 100)^2) = 4000 (2000 + 2).
-        assert!((bulk_viscosity(0.5, 2.0, -100.0, 8000.0, 4000.0, 0.01) - 8.008e6).abs() < 1e-6);
-        assert_eq!(bulk_viscosity(0.5, 2.0, 100.0, 8000.0, 4000.0, 0.01), 0.0);
-    }
-
-    #[test]
-    fn the_first_piola_stress_of_uniaxial_tension_is_force_over_initial_area() {
-        let particles = Particles::new(1);
-        let mut reference = Reference {
-            position: particles.position.clone(),
-            volume: vec![0.5],
-            deformation: vec![tensor::identity()],
-            young_modulus: Vec::new(),
-            corrected: true,
-        };
-        // Stretched by 1.2 along x, thinned to 0.9 and 0.8 across: the area is 0.72 of the initial one.
-        reference.deformation[0] = [[1.2, 0.0, 0.0], [0.0, 0.9, 0.0], [0.0, 0.0, 0.8]];
-        let stress = SymmetricTensor { xx: 500.0, ..SymmetricTensor::zero() };
-        let p = reference.force_tensor(0, &stress, &tensor::identity());
-        assert!((p[0][0] - 360.0).abs() < 1e-9, "{p:?}");
-        // A simple shear moves no normal force but tilts the face it acts on: P = J sigma F^-T.
-        reference.deformation[0] = [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let p =
-            reference.force_tensor(0, &SymmetricTensor { xy: 100.0, ..SymmetricTensor::zero() }, &tensor::identity());
-        assert!((p[0][0] + 50.0).abs() < 1e-9 && (p[0][1] - 100.0).abs() < 1e-9 && (p[1][0] - 100.0).abs() < 1e-9);
     }
 }

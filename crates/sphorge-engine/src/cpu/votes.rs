@@ -6,7 +6,7 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::{Vote, VoteReason};
 use rayon::prelude::*;
-use sphorge_physics::time_step::{acceleration_vote, longitudinal_speed, sound_vote};
+use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, penalty_limit, sound_limit};
 
 /// What the votes of a block are taken of, a column for each; what is not of a particle votes for a step without end.
 struct Columns {
@@ -37,9 +37,9 @@ impl Job<f64> for VoteJob<'_> {
             let (c, rho) = (L::load(&columns.sound_speed[k..]), L::load(&columns.density[k..]));
             let speed = longitudinal_speed(c, L::load(&columns.shear_modulus[k..]), rho);
             // The second of two is taken where the first is no number.
-            by_sound = sound_vote(h, speed, L::load(&columns.mu[k..]), courant).min(by_sound);
+            by_sound = sound_limit(h, speed, L::load(&columns.mu[k..]), courant).min(by_sound);
             let acceleration = L::load(&columns.acceleration[k..]).sqrt();
-            by_acceleration = acceleration_vote(h, acceleration, courant).min(by_acceleration);
+            by_acceleration = acceleration_limit(h, acceleration, courant).min(by_acceleration);
         }
         *self.votes = (-(-by_sound).largest(), -(-by_acceleration).largest());
     }
@@ -97,7 +97,7 @@ pub(super) fn smaller(a: Vote, b: Vote) -> Vote {
     if b.dt < a.dt { b } else { a }
 }
 
-/// Step that resolves the contact spring of a penalty wall: the Courant share of `2 / omega`.
+/// Step that resolves the contact spring of a penalty wall, for the body with the fastest one.
 fn contact_vote(model: &Model, contact: &WallContact) -> Option<Vote> {
     let WallContact::Penalty { stiffness, .. } = *contact else { return None };
     let fastest = model
@@ -105,5 +105,5 @@ fn contact_vote(model: &Model, contact: &WallContact) -> Option<Vote> {
         .iter()
         .map(|b| model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing)
         .fold(0.0, f64::max);
-    Some(Vote { dt: model.time.courant * 2.0 / (stiffness.sqrt() * fastest), reason: VoteReason::Contact })
+    Some(Vote { dt: penalty_limit(stiffness, fastest, model.time.courant), reason: VoteReason::Contact })
 }

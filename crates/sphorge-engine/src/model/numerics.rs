@@ -1,6 +1,7 @@
 //! Choices of the discretisation, of time and of output.
 
-use sphorge_physics::{kernel::Kernel, pair::PairForm};
+use sphorge_physics::kernel::Kernel;
+use sphorge_physics::pair::{EnergySplit, PairForm};
 
 /// Arithmetic of the pair sums; state is always accumulated in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,16 +21,6 @@ pub enum Integrator {
     Leapfrog,
     /// Monaghan's (1989) predictor–corrector.
     PredictorCorrector,
-}
-
-/// How the pair work is shared between the two particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum EnergySplit {
-    /// Each particle takes the work of its own stress; artificial terms are halved.
-    #[default]
-    OwnStress,
-    /// Everything halved (Patiño et al. Eq 10).
-    Symmetric,
 }
 
 /// Correction of the kernel gradient.

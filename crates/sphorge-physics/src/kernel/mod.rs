@@ -7,11 +7,13 @@
 //! A further kernel is one file and one line of the table at the end of this one.
 
 mod cubic_spline;
+mod pair_scale;
 mod quintic_spline;
 mod wendland_c2;
 mod wendland_c4;
 
 pub use cubic_spline::CubicSpline;
+pub use pair_scale::{PairScale, pair_smoothing_length};
 pub use quintic_spline::QuinticSpline;
 pub use wendland_c2::WendlandC2;
 pub use wendland_c4::WendlandC4;
@@ -118,6 +120,18 @@ impl Kernel {
     pub fn from_key(key: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kernel| kernel.key() == key)
     }
+
+    /// `W`, m^-d, at a distance `r` (m) with the smoothing length `h` (m).
+    #[inline(always)]
+    pub fn value<T: Real>(self, dimension: Dimension, r: T, h: T) -> T {
+        T::of(self.normalisation(dimension)) / h.powu(dimension.count() as u32) * self.w(r / h)
+    }
+
+    /// `-(1/r) dW/dr`, m^-(d+2), never negative: `grad_i W_ij` is minus this times `x_ij`. Arguments as for [`Self::value`].
+    #[inline(always)]
+    pub fn slope<T: Real>(self, dimension: Dimension, r: T, h: T) -> T {
+        -T::of(self.normalisation(dimension)) * self.dw_over_q(r / h) / h.powu(dimension.count() as u32 + 2)
+    }
 }
 
 #[cfg(test)]
@@ -162,6 +176,18 @@ mod tests {
                 q += 0.0371;
             }
         }
+    }
+
+    #[test]
+    fn value_and_slope_by_hand() {
+        // Cubic spline at q = 1: w = 1/6, (1/q) dw/dq = -1/2; in one dimension sigma is 1, h = 2.
+        let kernel = Kernel::CubicSpline;
+        assert!((kernel.value(Dimension::One, 2.0, 2.0f64) - 1.0 / 12.0).abs() < 1e-15);
+        assert!((kernel.slope(Dimension::One, 2.0, 2.0f64) - 1.0 / 16.0).abs() < 1e-15);
+        // At q = 0.5 in space: w = 2/3 - 1/4 + 1/16 = 23/48, -2 + 0.75 = -1.25; sigma = 3/(2 pi), h = 0.5.
+        let sigma = 1.5 / PI;
+        assert!((kernel.value(Dimension::Three, 0.25, 0.5f64) - sigma * 8.0 * 23.0 / 48.0).abs() < 1e-14);
+        assert!((kernel.slope(Dimension::Three, 0.25, 0.5f64) - sigma * 32.0 * 1.25).abs() < 1e-13);
     }
 
     #[test]

@@ -1,10 +1,10 @@
 use super::*;
-use crate::cpu::total_lagrangian::bulk_viscosity;
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::EQUATIONS_OF_STATE;
 use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::return_mapping::ReturnRule;
-use sphorge_physics::{Dimension, tensor};
+use sphorge_physics::viscosity::bulk_viscosity;
+use sphorge_physics::{Dimension, Tensor, tensor};
 
 /// Not a multiple of any bundle.
 const COUNT: usize = 107;
@@ -151,9 +151,9 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         assert_near(columns.sound_speed[k], state.sound_speed, 1.0e4, &format!("sound speed of {k}"));
 
         let mut pressure = state.pressure;
-        if let Some((alpha, beta)) = form.bulk_viscosity {
+        if let Some(viscosity) = form.bulk_viscosity {
             let divergence = p.l[0][0] + p.l[1][1] + p.l[2][2];
-            pressure += bulk_viscosity(alpha, beta, divergence, p.density, state.sound_speed, 1e-3);
+            pressure += bulk_viscosity(viscosity, divergence, p.density, state.sound_speed, 1e-3);
         }
         let scale = match form.pair_form {
             PairForm::VolumeWeighted => 1.0,
@@ -185,7 +185,11 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
         dimension: Dimension::Three,
     };
     let scaled = StressForm { pair_form: PairForm::DensityWeighted, dimension: Dimension::Two, ..plain };
-    let viscous = StressForm { bulk_viscosity: Some((0.5, 2.0)), artificial_stress: None, ..plain };
+    let viscous = StressForm {
+        bulk_viscosity: Some(ViscosityParameters { alpha: 0.5, beta: 2.0 }),
+        artificial_stress: None,
+        ..plain
+    };
     for instructions in Instructions::available() {
         for form in [plain, scaled, viscous] {
             for mixed in [false, true] {
