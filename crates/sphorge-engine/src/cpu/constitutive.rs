@@ -46,31 +46,61 @@ impl<'a> FlowColumns<'a> {
     /// Takes stress through a step; `columns` know density and energy after it.
     #[inline(always)]
     fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
-        let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);
-        for (known, (increment, yield_stress)) in columns.known_yield_stress.iter_mut().zip(last) {
-            *known = if step.only_flow_heats && *increment == 0.0 { *yield_stress } else { 0.0 };
-        }
+        self.know_yield_stresses(step, columns, particles.material);
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
         // An elastic step changes nothing here: adding zeros would read and write as much again as there is.
         let mut left = !elastic & (u128::MAX >> (BLOCK - particles.material.len()));
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            let material = &step.materials[particles.material[k] as usize];
-            let update = return_mapping_near(
-                material.return_rule,
-                &material.flow_law,
-                material.shear_modulus,
-                columns.deviator_of(k),
-                self.plastic_strain[k],
-                self.temperature[k],
-                particles.dt,
-                self.plastic_strain_increment[k],
-            );
-            columns.set_deviator(k, update.deviator);
-            if step.commit {
-                self.commit(k, &update, material, step.temperature, columns.density[k], columns.energy[k]);
+            // No law of the table has a history yet, so there are no columns of it.
+            self.return_to_yield(k, step, columns, particles, &mut []);
+        }
+    }
+
+    /// What a last step without flow says of the yield stress now: all, unless heat or the law may have changed it.
+    #[inline(always)]
+    fn know_yield_stresses(&self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
+        let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);
+        for (known, (increment, yield_stress)) in columns.known_yield_stress.iter_mut().zip(last) {
+            *known = if step.only_flow_heats && *increment == 0.0 { *yield_stress } else { 0.0 };
+        }
+        if step.materials.iter().any(|material| material.flow_law.changes_without_flow()) {
+            for (known, material) in columns.known_yield_stress.iter_mut().zip(of) {
+                if step.materials[*material as usize].flow_law.changes_without_flow() {
+                    *known = 0.0;
+                }
             }
+        }
+    }
+
+    /// Brings the trial stress of particle `k` back to its yield surface; `history` is what the flow law keeps of the particle.
+    #[inline(always)]
+    fn return_to_yield(
+        &mut self,
+        k: usize,
+        step: &StressStep<'_>,
+        columns: &mut StressColumns,
+        particles: &ElasticInputs<'_>,
+        history: &mut [f64],
+    ) {
+        let material = &step.materials[particles.material[k] as usize];
+        let density = columns.density[k];
+        let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, columns.pressure[k]);
+        let update = return_mapping_near(
+            material.return_rule,
+            &material.flow_law,
+            material.shear_modulus,
+            columns.deviator_of(k),
+            state,
+            history,
+            particles.dt,
+            self.plastic_strain_increment[k],
+        );
+        columns.set_deviator(k, update.deviator);
+        if step.commit {
+            material.flow_law.evolve(&update.step(state, particles.dt), history);
+            self.commit(k, &update, material, step.temperature, density, columns.energy[k]);
         }
     }
 

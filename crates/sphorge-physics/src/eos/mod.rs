@@ -151,6 +151,7 @@ macro_rules! equations_of_state {
                 name: <$law<f64> as PressureLaw<f64>>::NAME,
                 reference: <$law<f64> as PressureLaw<f64>>::REFERENCE,
                 parameters: <$law<f64> as PressureLaw<f64>>::PARAMETERS,
+                history: &[],
                 check: |_| None,
                 build: |values| EquationOfState::$law(<$law<f64> as PressureLaw<f64>>::new(values)),
             },)*
