@@ -47,6 +47,7 @@ impl<'a> FlowColumns<'a> {
     #[inline(always)]
     fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
         self.know_yield_stresses(step, columns, particles.material);
+        self.set_shear_moduli(step.materials, columns, particles.material);
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
         // An elastic step changes nothing here: adding zeros would read and write as much again as there is.
         let mut left = !elastic & (u128::MAX >> (BLOCK - particles.material.len()));
@@ -74,6 +75,24 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
+    /// The shear moduli of a step: of plastic strain and temperature at its start, density and pressure at its end, as the return has
+    /// them.
+    #[inline(always)]
+    fn set_shear_moduli(&self, materials: &[Material], columns: &mut StressColumns, of: &[u32]) {
+        for (modulus, material) in columns.shear_modulus.iter_mut().zip(of) {
+            *modulus = materials[*material as usize].shear_modulus;
+        }
+        if materials.iter().any(|material| material.flow_law.shear_modulus_varies()) {
+            for (k, material) in of.iter().enumerate() {
+                let material = &materials[*material as usize];
+                let density = columns.density[k];
+                let pressure = material.pressure(density, columns.energy[k]).pressure;
+                let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, pressure);
+                columns.shear_modulus[k] = material.flow_law.shear_modulus(material.shear_modulus, state);
+            }
+        }
+    }
+
     /// Brings the trial stress of particle `k` back to its yield surface; `history` is what the flow law keeps of the particle.
     #[inline(always)]
     fn return_to_yield(
@@ -85,12 +104,12 @@ impl<'a> FlowColumns<'a> {
         history: &mut [f64],
     ) {
         let material = &step.materials[particles.material[k] as usize];
-        let density = columns.density[k];
+        let (density, shear_modulus) = (columns.density[k], columns.shear_modulus[k]);
         let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, columns.pressure[k]);
         let update = return_mapping_near(
             material.return_rule,
             &material.flow_law,
-            material.shear_modulus,
+            shear_modulus,
             columns.deviator_of(k),
             state,
             history,
@@ -100,7 +119,7 @@ impl<'a> FlowColumns<'a> {
         columns.set_deviator(k, update.deviator);
         if step.commit {
             material.flow_law.evolve(&update.step(state, particles.dt), history);
-            self.commit(k, &update, material, step.temperature, density, columns.energy[k]);
+            self.commit(k, &update, material, shear_modulus, step.temperature, density, columns.energy[k]);
         }
     }
 
@@ -111,6 +130,7 @@ impl<'a> FlowColumns<'a> {
         k: usize,
         update: &Returned<f64>,
         material: &Material,
+        shear_modulus: f64,
         source: TemperatureSource,
         density: f64,
         energy: f64,
@@ -127,7 +147,7 @@ impl<'a> FlowColumns<'a> {
             TemperatureSource::Energy => {
                 let (t0, cp) = (material.reference_temperature, material.specific_heat);
                 let cold = material.equation_of_state.cold_energy(density, t0, cp);
-                let elastic = heat::elastic_energy(update.deviator, material.shear_modulus, density);
+                let elastic = heat::elastic_energy(update.deviator, shear_modulus, density);
                 let stored = (1.0 - material.taylor_quinney) * self.plastic_work[k];
                 self.temperature[k] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
             }
@@ -378,6 +398,16 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         });
     }
+}
+
+/// Shear modulus of a particle in the state it is in, Pa.
+#[inline(always)]
+pub(super) fn shear_modulus_of(material: &Material, p: &Particles, i: usize) -> f64 {
+    if !material.flow_law.shear_modulus_varies() {
+        return material.shear_modulus;
+    }
+    let state = material.flow_state(p.plastic_strain[i], p.temperature[i], p.density[i], p.pressure[i]);
+    material.flow_law.shear_modulus(material.shear_modulus, state)
 }
 
 /// Balsara factor of a particle.

@@ -129,13 +129,13 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         let m = &materials[p.material as usize];
         let (law, pressure) = (&m.flow_law, m.pressure(p.density, p.energy).pressure);
         let begin = m.flow_state(p.flow[0], p.flow[4], p.density, pressure);
-        let g = m.shear_modulus;
+        let g = law.shear_modulus(m.shear_modulus, begin);
         let trial = stress::trial_deviator(p.deviator, &p.l, g, DT);
         let update = return_mapping_near(m.return_rule, law, g, trial, begin, &[], DT, p.flow[1]);
         elastic += usize::from(update.plastic_strain_increment == 0.0);
         let mut want: [Vec<f64>; 5] = p.flow.map(|v| vec![v]);
         let [ep, dep, y, wp, t] = &mut want;
-        FlowColumns::new((ep, dep, y, wp, t)).commit(0, &update, m, source, p.density, p.energy);
+        FlowColumns::new((ep, dep, y, wp, t)).commit(0, &update, m, g, source, p.density, p.energy);
         for (c, name) in ["strain", "increment", "yield stress", "work", "temperature"].into_iter().enumerate() {
             // A step known to be elastic leaves the work alone whatever the density.
             if k != 50 {
