@@ -21,6 +21,7 @@ pub mod eos;
 pub mod flow;
 pub mod gradient_correction;
 pub mod heat;
+pub mod history;
 pub mod hourglass;
 pub mod kernel;
 pub mod moving_least_squares;

@@ -1,5 +1,7 @@
 //! How a law describes the constants it needs, so that a deck reader can ask for them by name, unit and bound.
 
+use crate::history::HistoryVariable;
+
 /// What a constant measures; the deck reader maps it to units. Values reach the laws in SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicalQuantity {
@@ -107,6 +109,8 @@ pub struct LawEntry<L: 'static> {
     pub reference: &'static str,
     /// The constants, in the order `check` and `build` take them.
     pub parameters: &'static [Parameter],
+    /// What the law keeps of the past of a particle, in the order it takes the values; nothing for most laws.
+    pub history: &'static [HistoryVariable],
     /// What is wrong with constants that are each within their bound but do not fit together, or `None`.
     pub check: fn(&[f64]) -> Option<&'static str>,
     /// Makes the law from one value per parameter, in their order and in SI units. Panics on a shorter slice.

@@ -38,6 +38,9 @@ pub trait Real:
     fn abs(self) -> Self;
     /// `then` where `a < b`, else `otherwise`, lane by lane; both are evaluated, so the unused one may be non-finite.
     fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self;
+    /// Two numbers `f` makes of two others, one lane after the other and in double precision: for what lanes have no instructions
+    /// for, such as tables, logarithms, branches that differ from lane to lane.
+    fn lane_by_lane(a: Self, b: Self, f: impl Fn(f64, f64) -> [f64; 2]) -> [Self; 2];
 
     /// Zero.
     #[inline(always)]
@@ -122,6 +125,11 @@ macro_rules! scalar {
             fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
                 if a < b { then } else { otherwise }
             }
+            #[inline(always)]
+            fn lane_by_lane(a: Self, b: Self, f: impl Fn(f64, f64) -> [f64; 2]) -> [Self; 2] {
+                let [c, d] = f(a.to_f64(), b.to_f64());
+                [Self::of(c), Self::of(d)]
+            }
         }
         impl Scalar for $t {
             #[cfg(feature = "std")]
@@ -192,6 +200,12 @@ mod tests {
         assert_eq!(1.5f64.powu(0), 1.0);
         assert_eq!(1.5f64.powu(4), 5.0625);
         assert_eq!(Real::powu(2.0f32, 6), 64.0);
+    }
+
+    #[test]
+    fn numbers_are_their_only_lane() {
+        assert_eq!(f64::lane_by_lane(2.0, 0.5, |a, b| [a - b, a / b]), [1.5, 4.0]);
+        assert_eq!(f32::lane_by_lane(-1.0, 0.25, |a, b| [a * b, b]), [-0.25, 0.25]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! With the trial deviator `S_trial` and its von Mises equivalent `sigma_trial = sqrt(3/2 S:S)` (Fraser Eq 11; Patiño et
 //! al. Eq 29), the plastic strain increment `d` of a step `dt` solves
 //!
-//! `sigma_trial - 3 G d - sigma(Y) = 0`,   `Y = Y(eps_p + d, d/dt, T)`,
+//! `sigma_trial - 3 G d - sigma(Y) = 0`,   `Y = Y(eps_p + d, d/dt, T, p, rho/rho_0)`,
 //!
 //! implicit in both the hardening and the rate, and `S = (sigma/sigma_trial) S_trial`. Radial return (Wilkins 1964; Simo
 //! & Hughes, *Computational Inelasticity*, chapter 3) has `sigma = Y`. Fraser Eq 12 is its solution for linear hardening;
@@ -13,7 +13,7 @@
 //!
 //! Units: stress Pa, time s, temperature K, work J/m^3.
 
-use crate::flow::{FlowLaw, FlowState, YieldStress};
+use crate::flow::{FlowLaw, FlowState, FlowStep, YieldStress};
 use crate::{Real, Scalar, SymmetricTensor};
 
 /// How a stress beyond yield is brought back.
@@ -59,6 +59,25 @@ pub struct Returned<T> {
     pub iterations: u32,
 }
 
+impl<T: Scalar> Returned<T> {
+    /// The step a flow law takes its history through: `start` is the state the return began from, `dt` its length (s; at zero
+    /// the rate counts as zero).
+    #[inline(always)]
+    pub fn step(&self, start: FlowState<T>, dt: T) -> FlowStep<T> {
+        let increment = self.plastic_strain_increment;
+        let mut rate = T::zero();
+        if dt > T::zero() {
+            rate = increment / dt;
+        }
+        FlowStep {
+            state: FlowState { plastic_strain: start.plastic_strain + increment, plastic_strain_rate: rate, ..start },
+            deviator: self.deviator,
+            plastic_strain_increment: increment,
+            dt,
+        }
+    }
+}
+
 /// Iterations after which the bracket is accepted as it is; bisection alone would need about as many.
 const MAXIMUM_ITERATIONS: u32 = 60;
 
@@ -87,21 +106,23 @@ fn target<T: Scalar>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_t
 
 /// Brings a trial deviator back to the yield surface of a law.
 ///
-/// `shear_modulus` is `G` (Pa), `plastic_strain` the value at the start of the step, `temperature` is held over the step,
-/// `dt` its length (s; at zero the rate counts as zero). The result depends on nothing else: calling it for a predictor
-/// commits nothing. A law without strength gives a zero deviator; zero yield stress (melt) is returned to exactly zero;
-/// stress never ends above yield but by round-off; a stress on the yield surface of a law without rate stays where it is.
+/// `shear_modulus` is `G` (Pa) of the elastic step that gave the trial, `state` has the plastic strain at the start of the step,
+/// whatever its rate; temperature, pressure and compression are held over the step, and so is the `history` of the law, one value
+/// per variable. `dt` is the length of the step (s; at zero the rate counts as zero). The result depends on nothing else: calling
+/// it for a predictor commits nothing. A law without strength gives a zero deviator; zero yield stress (melt) is returned to
+/// exactly zero; stress never ends above yield but by round-off; a stress on the yield surface of a law without rate stays where
+/// it is.
 #[inline]
 pub fn return_mapping<T: Scalar>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
     shear_modulus: T,
     trial: SymmetricTensor<T>,
-    plastic_strain: T,
-    temperature: T,
+    state: FlowState<T>,
+    history: &[T],
     dt: T,
 ) -> Returned<T> {
-    return_mapping_near(rule, law, shear_modulus, trial, plastic_strain, temperature, dt, T::zero())
+    return_mapping_near(rule, law, shear_modulus, trial, state, history, dt, T::zero())
 }
 
 /// The same, searched from `guess`, such as the plastic strain increment of the step before: any value gives the same result to
@@ -112,14 +133,15 @@ pub fn return_mapping_near<T: Scalar>(
     law: &FlowLaw<T>,
     shear_modulus: T,
     trial: SymmetricTensor<T>,
-    plastic_strain: T,
-    temperature: T,
+    state: FlowState<T>,
+    history: &[T],
     dt: T,
     guess: T,
 ) -> Returned<T> {
+    debug_assert_eq!(history.len(), law.history().len());
     let zero = T::zero();
-    let law = &law.isothermal(temperature);
-    let start = law.yield_stress(FlowState { plastic_strain, plastic_strain_rate: zero, temperature });
+    let law = &law.held(state);
+    let start = law.yield_stress(FlowState { plastic_strain_rate: zero, ..state }, history);
     let mut returned = Returned {
         deviator: trial,
         plastic_strain_increment: zero,
@@ -134,26 +156,16 @@ pub fn return_mapping_near<T: Scalar>(
         let sigma_trial = equivalent_stress(trial);
         // A few units of round-off, so that a stress just returned counts as elastic.
         if sigma_trial > start.value * (T::one() + T::of(8.0) * T::epsilon()) {
-            returned = plastic_return(
-                rule,
-                law,
-                shear_modulus,
-                trial,
-                sigma_trial,
-                start,
-                plastic_strain,
-                temperature,
-                dt,
-                guess,
-            );
+            returned = plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, state, history, dt, guess);
         }
     }
     returned
 }
 
 /// How far a trial deviator stays below the `yield_stress` (Pa) that [`return_mapping`] gave in the step before, where that step
-/// was elastic and the temperature is the same: `Y^2 - 3/2 S:S`, Pa^2. Where it is positive, the step is elastic too: the law need
-/// not be asked, stress is the trial, yield stress the same, and nothing flows. Never positive where a melt has no strength.
+/// was elastic, the temperature is the same and the law does not [change without flow](FlowLaw::changes_without_flow):
+/// `Y^2 - 3/2 S:S`, Pa^2. Where it is positive, the step is elastic too: the law need not be asked, stress is the trial, yield
+/// stress the same, and nothing flows. Never positive where a melt has no strength.
 #[inline(always)]
 pub fn elastic_margin<T: Real>(trial: SymmetricTensor<T>, yield_stress: T) -> T {
     yield_stress * yield_stress - T::of(1.5) * trial.double_dot(trial)
@@ -181,8 +193,8 @@ fn plastic_return<T: Scalar>(
     trial: SymmetricTensor<T>,
     sigma_trial: T,
     start: YieldStress<T>,
-    plastic_strain: T,
-    temperature: T,
+    state: FlowState<T>,
+    history: &[T],
     dt: T,
     guess: T,
 ) -> Returned<T> {
@@ -214,11 +226,12 @@ fn plastic_return<T: Scalar>(
     let mut searching = true;
     while searching {
         iterations += 1;
-        y = law.yield_stress(FlowState {
-            plastic_strain: plastic_strain + increment,
+        let there = FlowState {
+            plastic_strain: state.plastic_strain + increment,
             plastic_strain_rate: increment * inverse_dt,
-            temperature,
-        });
+            ..state
+        };
+        y = law.yield_stress(there, history);
         let (wanted, slope) = target(rule, y, inverse_dt, sigma_trial);
         stress = wanted;
         let residual = sigma_trial - three_g * increment - wanted;

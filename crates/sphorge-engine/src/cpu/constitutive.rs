@@ -47,31 +47,80 @@ impl<'a> FlowColumns<'a> {
     /// Takes stress through a step; `columns` know density and energy after it.
     #[inline(always)]
     fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
-        let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);
-        for (known, (increment, yield_stress)) in columns.known_yield_stress.iter_mut().zip(last) {
-            *known = if step.only_flow_heats && *increment == 0.0 { *yield_stress } else { 0.0 };
-        }
+        self.know_yield_stresses(step, columns, particles.material);
+        self.set_shear_moduli(step.materials, columns, particles.material);
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
         // An elastic step changes nothing here: adding zeros would read and write as much again as there is.
         let mut left = !elastic & (u128::MAX >> (BLOCK - particles.material.len()));
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            let material = &step.materials[particles.material[k] as usize];
-            let update = return_mapping_near(
-                material.return_rule,
-                &material.flow_law,
-                material.shear_modulus,
-                columns.deviator_of(k),
-                self.plastic_strain[k],
-                self.temperature[k],
-                particles.dt,
-                self.plastic_strain_increment[k],
-            );
-            columns.set_deviator(k, update.deviator);
-            if step.commit {
-                self.commit(k, &update, material, step.temperature, columns.density[k], columns.energy[k]);
+            // No law of the table has a history yet, so there are no columns of it.
+            self.return_to_yield(k, step, columns, particles, &mut []);
+        }
+    }
+
+    /// What a last step without flow says of the yield stress now: all, unless heat or the law may have changed it.
+    #[inline(always)]
+    fn know_yield_stresses(&self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
+        let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);
+        for (known, (increment, yield_stress)) in columns.known_yield_stress.iter_mut().zip(last) {
+            *known = if step.only_flow_heats && *increment == 0.0 { *yield_stress } else { 0.0 };
+        }
+        if step.materials.iter().any(|material| material.flow_law.changes_without_flow()) {
+            for (known, material) in columns.known_yield_stress.iter_mut().zip(of) {
+                if step.materials[*material as usize].flow_law.changes_without_flow() {
+                    *known = 0.0;
+                }
             }
+        }
+    }
+
+    /// The shear moduli of a step: of plastic strain and temperature at its start, density and pressure at its end, as the return has
+    /// them.
+    #[inline(always)]
+    fn set_shear_moduli(&self, materials: &[Material], columns: &mut StressColumns, of: &[u32]) {
+        for (modulus, material) in columns.shear_modulus.iter_mut().zip(of) {
+            *modulus = materials[*material as usize].shear_modulus;
+        }
+        if materials.iter().any(|material| material.flow_law.shear_modulus_varies()) {
+            for (k, material) in of.iter().enumerate() {
+                let material = &materials[*material as usize];
+                let density = columns.density[k];
+                let pressure = material.pressure(density, columns.energy[k]).pressure;
+                let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, pressure);
+                columns.shear_modulus[k] = material.flow_law.shear_modulus(material.shear_modulus, state);
+            }
+        }
+    }
+
+    /// Brings the trial stress of particle `k` back to its yield surface; `history` is what the flow law keeps of the particle.
+    #[inline(always)]
+    fn return_to_yield(
+        &mut self,
+        k: usize,
+        step: &StressStep<'_>,
+        columns: &mut StressColumns,
+        particles: &ElasticInputs<'_>,
+        history: &mut [f64],
+    ) {
+        let material = &step.materials[particles.material[k] as usize];
+        let (density, shear_modulus) = (columns.density[k], columns.shear_modulus[k]);
+        let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, columns.pressure[k]);
+        let update = return_mapping_near(
+            material.return_rule,
+            &material.flow_law,
+            shear_modulus,
+            columns.deviator_of(k),
+            state,
+            history,
+            particles.dt,
+            self.plastic_strain_increment[k],
+        );
+        columns.set_deviator(k, update.deviator);
+        if step.commit {
+            material.flow_law.evolve(&update.step(state, particles.dt), history);
+            self.commit(k, &update, material, shear_modulus, step.temperature, density, columns.energy[k]);
         }
     }
 
@@ -82,6 +131,7 @@ impl<'a> FlowColumns<'a> {
         k: usize,
         update: &Returned<f64>,
         material: &Material,
+        shear_modulus: f64,
         source: TemperatureSource,
         density: f64,
         energy: f64,
@@ -98,7 +148,7 @@ impl<'a> FlowColumns<'a> {
             TemperatureSource::Energy => {
                 let (t0, cp) = (material.reference_temperature, material.specific_heat);
                 let cold = material.equation_of_state.cold_energy(density, t0, cp);
-                let elastic = heat::elastic_energy(update.deviator, material.shear_modulus, density);
+                let elastic = heat::elastic_energy(update.deviator, shear_modulus, density);
                 let stored = (1.0 - material.taylor_quinney) * self.plastic_work[k];
                 self.temperature[k] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
             }
@@ -350,6 +400,16 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         });
     }
+}
+
+/// Shear modulus of a particle in the state it is in, Pa.
+#[inline(always)]
+pub(super) fn shear_modulus_of(material: &Material, p: &Particles, i: usize) -> f64 {
+    if !material.flow_law.shear_modulus_varies() {
+        return material.shear_modulus;
+    }
+    let state = material.flow_state(p.plastic_strain[i], p.temperature[i], p.density[i], p.pressure[i]);
+    material.flow_law.shear_modulus(material.shear_modulus, state)
 }
 
 /// Scaled stress of a force record, in double precision.

@@ -16,7 +16,8 @@ pub(super) struct StressColumns {
     deviator: [[f64; BLOCK]; 6],
     /// Of the velocity, 1/s.
     divergence: [f64; BLOCK],
-    shear_modulus: [f64; BLOCK],
+    /// Of the elastic step and of the return, Pa.
+    pub(super) shear_modulus: [f64; BLOCK],
     /// Yield stress of the last step, Pa, where a stress below it is known to be elastic, else zero.
     pub(super) known_yield_stress: [f64; BLOCK],
     pub(super) density: [f64; BLOCK],
@@ -44,8 +45,8 @@ impl StressColumns {
         }
     }
 
-    /// Takes deviators through an elastic step; pressure and sound speed follow from density and energy. Bit k of what comes back
-    /// is set where that is all there is to particle k; for the others a flow law is to be asked.
+    /// Takes deviators through an elastic step of the shear moduli; pressure and sound speed follow from density and energy. Bit k of
+    /// what comes back is set where that is all there is to particle k; for the others a flow law is to be asked.
     #[inline(always)]
     pub(super) fn take_elastic_step(
         &mut self,
@@ -54,9 +55,6 @@ impl StressColumns {
         particles: &ElasticInputs<'_>,
     ) -> u128 {
         let Some(&most) = particles.material.first() else { return 0 };
-        for (modulus, material) in self.shear_modulus.iter_mut().zip(particles.material) {
-            *modulus = materials[*material as usize].shear_modulus;
-        }
         let mut elastic = 0;
         let material = &materials[most as usize];
         run(instructions, ElasticStep { columns: self, particles, material, elastic: &mut elastic });

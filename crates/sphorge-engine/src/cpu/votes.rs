@@ -1,5 +1,6 @@
 //! How large the next step may be.
 
+use super::constitutive::shear_modulus_of;
 use crate::lanes::{Instructions, Job, Lanes, run};
 use crate::model::{Model, WallContact};
 use crate::neighbors::BLOCK;
@@ -62,7 +63,7 @@ fn votes_of_block(model: &Model, p: &Particles, mu: &[f64], instructions: Instru
     columns.density[..count].copy_from_slice(&p.density[particles.clone()]);
     columns.mu[..count].copy_from_slice(&mu[particles.clone()]);
     for (k, (material, a)) in p.material[particles.clone()].iter().zip(&p.acceleration[particles]).enumerate() {
-        columns.shear_modulus[k] = model.materials[*material as usize].shear_modulus;
+        columns.shear_modulus[k] = shear_modulus_of(&model.materials[*material as usize], p, b * BLOCK + k);
         columns.acceleration[k] = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
     }
     let mut votes = (f64::INFINITY, f64::INFINITY);

@@ -1,7 +1,7 @@
 //! Bundles in 512-bit registers.
 
 use super::avx2::{F32x8, F64x4};
-use super::{Lanes, PairScalar, compress_each, gather_entries};
+use super::{Lanes, PairScalar, compress_each, each_lane, gather_entries};
 use sphorge_physics::Real;
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -107,6 +107,10 @@ macro_rules! arithmetic {
             #[inline(always)]
             fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
                 Self(unsafe { $blend($cmp::<_CMP_LT_OQ>(a.0, b.0), otherwise.0, then.0) })
+            }
+            #[inline(always)]
+            fn lane_by_lane(a: Self, b: Self, f: impl Fn(f64, f64) -> [f64; 2]) -> [Self; 2] {
+                each_lane(a, b, f)
             }
         }
     };

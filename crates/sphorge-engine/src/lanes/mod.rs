@@ -147,6 +147,21 @@ fn gather_entries<L: Lanes, const F: usize, const N: usize, const W: usize>(
     lanes
 }
 
+/// [`Real::lane_by_lane`] of a bundle.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[inline(always)]
+fn each_lane<L: Lanes>(a: L, b: L, f: impl Fn(f64, f64) -> [f64; 2]) -> [L; 2] {
+    let mut values = [[<L::Element as Real>::zero(); crate::neighbors::PAD]; 2];
+    a.store(&mut values[0]);
+    b.store(&mut values[1]);
+    for k in 0..L::WIDTH {
+        let made = f(values[0][k].to_f64(), values[1][k].to_f64());
+        values[0][k] = L::Element::of(made[0]);
+        values[1][k] = L::Element::of(made[1]);
+    }
+    [L::load(&values[0]), L::load(&values[1])]
+}
+
 /// Compression one value at a time.
 #[inline(always)]
 fn compress_each<V: Copy + PartialEq>(mask: u32, values: &[V], own: Option<V>, out: &mut [V]) -> usize {
@@ -315,6 +330,9 @@ mod tests {
         close(lanes(x.max(y)), each(&f64::max));
         close(lanes(y.abs()), each(&|_, y| y.abs()));
         close(lanes(L::select_lt(x, y, x, L::of(9.0))), each(&|x, y| if x < y { x } else { 9.0 }));
+        let [difference, logarithm] = L::lane_by_lane(x, y, |x, y| [x - y, (x * x + y.abs()).ln()]);
+        close(lanes(difference), each(&|x, y| x - y));
+        close(lanes(logarithm), each(&|x, y| (x * x + y.abs()).ln()));
         close(vec![x.sum().to_f64()], vec![a.iter().map(|v| v.to_f64()).sum()]);
         let sum_of = |v: &[L::Element]| v.iter().map(|v| v.to_f64()).sum::<f64>();
         let (p, q) = (sum_of(&a), sum_of(&b));

@@ -1,6 +1,6 @@
 //! Bundles in the 128-bit registers every 64-bit ARM processor has.
 
-use super::{Lanes, gather_entries};
+use super::{Lanes, each_lane, gather_entries};
 use sphorge_physics::Real;
 use std::arch::aarch64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -106,6 +106,10 @@ macro_rules! arithmetic {
             #[inline(always)]
             fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
                 Self(unsafe { $select($less(a.0, b.0), then.0, otherwise.0) })
+            }
+            #[inline(always)]
+            fn lane_by_lane(a: Self, b: Self, f: impl Fn(f64, f64) -> [f64; 2]) -> [Self; 2] {
+                each_lane(a, b, f)
             }
         }
     };

@@ -1,7 +1,8 @@
 //! Materials.
 
 use sphorge_physics::eos::{BoundedPressure, EquationOfState, PressureState};
-use sphorge_physics::{Real, flow::FlowLaw, return_mapping::ReturnRule};
+use sphorge_physics::flow::{FlowLaw, FlowState};
+use sphorge_physics::{Real, return_mapping::ReturnRule};
 
 /// A material, all constants in SI.
 #[derive(Clone, Debug)]
@@ -12,7 +13,7 @@ pub struct Material {
     pub reference: String,
     /// Density at rest, kg/m³.
     pub density: f64,
-    /// Shear modulus G, Pa (0 for a fluid).
+    /// Shear modulus G at rest, Pa (0 for a fluid).
     pub shear_modulus: f64,
     /// Pressure law.
     pub equation_of_state: EquationOfState<f64>,
@@ -42,6 +43,14 @@ impl Material {
         self.specific_heat < NO_HEATING
     }
 
+    /// What the flow law may depend on, at a temperature (K), density (kg/m³) and pressure (Pa); the rate of plastic strain is not
+    /// known, and zero.
+    #[inline(always)]
+    pub fn flow_state(&self, plastic_strain: f64, temperature: f64, density: f64, pressure: f64) -> FlowState<f64> {
+        let compression = density / self.density;
+        FlowState { plastic_strain, pressure, compression, ..FlowState::at_rest(temperature) }
+    }
+
     /// Pressure (Pa) and sound speed at a density (kg/m³) and a specific internal energy (J/kg), tension cut off where the
     /// material spalls. Energies below that of absolute zero count as that.
     #[inline(always)]
@@ -58,5 +67,37 @@ impl Material {
             self.specific_heat,
             self.reference_temperature,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS};
+
+    #[test]
+    fn the_flow_law_sees_compression_against_the_density_at_rest() {
+        let law = |key: &str| FLOW_LAWS.iter().find(|entry| entry.key == key).unwrap();
+        let material = Material {
+            name: String::new(),
+            reference: String::new(),
+            density: 8000.0,
+            shear_modulus: 80e9,
+            equation_of_state: (EQUATIONS_OF_STATE[0].build)(&[8000.0, 4000.0]),
+            flow_law: (law("elastic").build)(&[]),
+            return_rule: ReturnRule::RadialReturn,
+            specific_heat: NO_HEATING,
+            conductivity: 0.0,
+            taylor_quinney: 0.9,
+            spall_pressure: f64::INFINITY,
+            reference_temperature: 293.15,
+        };
+        for (strain, temperature, density, pressure, compression) in
+            [(0.2, 400.0, 8800.0, 1.28e10, 1.1), (0.0, 300.0, 7200.0, -1.28e10, 0.9)]
+        {
+            let state = material.flow_state(strain, temperature, density, pressure);
+            assert_eq!((state.plastic_strain, state.plastic_strain_rate), (strain, 0.0));
+            assert_eq!((state.temperature, state.pressure, state.compression), (temperature, pressure, compression));
+        }
     }
 }

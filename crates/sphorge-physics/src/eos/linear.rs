@@ -1,6 +1,6 @@
 //! Linear pressure.
 
-use super::{PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SOUND_SPEED};
+use super::{EquationConstants, GruneisenForm, REFERENCE_DENSITY, ReferenceCurve, SOUND_SPEED};
 use crate::parameter::Parameter;
 use crate::{Real, Scalar};
 
@@ -21,7 +21,9 @@ impl<T: Scalar> Linear<T> {
     }
 }
 
-impl<T: Real> PressureLaw<T> for Linear<T> {
+impl<T: Real> EquationConstants for Linear<T> {
+    type Number = T;
+
     const KEY: &'static str = "linear";
     const NAME: &'static str = "linear";
     const REFERENCE: &'static str = "Hooke's law for volume change, K = rho_0 c_0^2";
@@ -29,12 +31,6 @@ impl<T: Real> PressureLaw<T> for Linear<T> {
 
     fn new(values: &[f64]) -> Self {
         Self { density: T::of(values[0]), sound_speed: T::of(values[1]) }
-    }
-
-    #[inline(always)]
-    fn reference_curve(&self, density: T) -> ReferenceCurve<T> {
-        let slope = self.sound_speed * self.sound_speed;
-        ReferenceCurve { pressure: slope * (density - self.density), slope }
     }
 
     #[inline(always)]
@@ -46,9 +42,17 @@ impl<T: Real> PressureLaw<T> for Linear<T> {
     fn reference_sound_speed(&self) -> T {
         self.sound_speed
     }
+}
+
+impl<T: Real> GruneisenForm for Linear<T> {
+    #[inline(always)]
+    fn reference_curve(&self, density: T) -> ReferenceCurve<T> {
+        let slope = self.sound_speed * self.sound_speed;
+        ReferenceCurve { pressure: slope * (density - self.density), slope }
+    }
 
     #[inline(always)]
-    fn gruneisen(&self) -> T {
+    fn gamma(&self) -> T {
         T::zero()
     }
 }

@@ -1,6 +1,6 @@
 //! Mie–Grüneisen with the exact Hugoniot of a linear shock velocity.
 
-use super::{GRUNEISEN, PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
+use super::{EquationConstants, GRUNEISEN, GruneisenForm, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
 use crate::parameter::Parameter;
 use crate::{Real, Scalar};
 
@@ -38,7 +38,9 @@ impl<T: Scalar> MieGruneisenHugoniot<T> {
     }
 }
 
-impl<T: Real> PressureLaw<T> for MieGruneisenHugoniot<T> {
+impl<T: Real> EquationConstants for MieGruneisenHugoniot<T> {
+    type Number = T;
+
     const KEY: &'static str = "mie-gruneisen";
     const NAME: &'static str = "Mie–Grüneisen, exact linear Us-Up Hugoniot";
     const REFERENCE: &'static str =
@@ -54,6 +56,18 @@ impl<T: Real> PressureLaw<T> for MieGruneisenHugoniot<T> {
         }
     }
 
+    #[inline(always)]
+    fn reference_density(&self) -> T {
+        self.density
+    }
+
+    #[inline(always)]
+    fn reference_sound_speed(&self) -> T {
+        self.sound_speed
+    }
+}
+
+impl<T: Real> GruneisenForm for MieGruneisenHugoniot<T> {
     #[inline(always)]
     fn reference_curve(&self, density: T) -> ReferenceCurve<T> {
         let c_2 = self.sound_speed * self.sound_speed;
@@ -78,17 +92,7 @@ impl<T: Real> PressureLaw<T> for MieGruneisenHugoniot<T> {
     }
 
     #[inline(always)]
-    fn reference_density(&self) -> T {
-        self.density
-    }
-
-    #[inline(always)]
-    fn reference_sound_speed(&self) -> T {
-        self.sound_speed
-    }
-
-    #[inline(always)]
-    fn gruneisen(&self) -> T {
+    fn gamma(&self) -> T {
         self.gruneisen
     }
 }

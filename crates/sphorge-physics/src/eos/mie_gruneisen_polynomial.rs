@@ -1,6 +1,6 @@
 //! Mie–Grüneisen with the Hugoniot expanded in the compression.
 
-use super::{GRUNEISEN, PressureLaw, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
+use super::{EquationConstants, GRUNEISEN, GruneisenForm, REFERENCE_DENSITY, ReferenceCurve, SHOCK_SLOPE, SOUND_SPEED};
 use crate::parameter::Parameter;
 use crate::{Real, Scalar};
 
@@ -34,7 +34,9 @@ impl<T: Scalar> MieGruneisenPolynomial<T> {
     }
 }
 
-impl<T: Real> PressureLaw<T> for MieGruneisenPolynomial<T> {
+impl<T: Real> EquationConstants for MieGruneisenPolynomial<T> {
+    type Number = T;
+
     const KEY: &'static str = "mie-gruneisen-polynomial";
     const NAME: &'static str = "Mie–Grüneisen, Hugoniot as a polynomial";
     const REFERENCE: &'static str =
@@ -50,6 +52,18 @@ impl<T: Real> PressureLaw<T> for MieGruneisenPolynomial<T> {
         }
     }
 
+    #[inline(always)]
+    fn reference_density(&self) -> T {
+        self.density
+    }
+
+    #[inline(always)]
+    fn reference_sound_speed(&self) -> T {
+        self.sound_speed
+    }
+}
+
+impl<T: Real> GruneisenForm for MieGruneisenPolynomial<T> {
     #[inline(always)]
     fn reference_curve(&self, density: T) -> ReferenceCurve<T> {
         // `a_0`, `b_0`, `c_0` divided by `rho_0`.
@@ -71,17 +85,7 @@ impl<T: Real> PressureLaw<T> for MieGruneisenPolynomial<T> {
     }
 
     #[inline(always)]
-    fn reference_density(&self) -> T {
-        self.density
-    }
-
-    #[inline(always)]
-    fn reference_sound_speed(&self) -> T {
-        self.sound_speed
-    }
-
-    #[inline(always)]
-    fn gruneisen(&self) -> T {
+    fn gamma(&self) -> T {
         self.gruneisen
     }
 }

@@ -1,20 +1,20 @@
 //! Equations of state: pressure from density and specific internal energy.
 //!
-//! Every law here is of the Mie–Grüneisen form `p(rho, e) = f(rho) + Gamma rho e`: a pressure at zero energy `f`, and a
-//! constant Grüneisen parameter `Gamma` (zero for a law without energy). A law gives only `f` and its slope; sound speed
-//! and the energy of the isotherm follow. A further law is one file and one line of the table at the end.
-//!
-//! A constant `Gamma` limits the compression a law can be used at: without heat, pressure stops rising at about 1.7 to 2
-//! times the reference density (copper 1.72 at zero energy, 1.86 on its isentrope), and a shock cannot exceed `1 + 2/Gamma`.
+//! A law gives pressure, sound speed and Grüneisen parameter ([`PressureLaw`]); the energy of the isotherm follows. One of the
+//! form `p(rho, e) = f(rho) + Gamma rho e` gives only `f`, its slope and `Gamma` ([`GruneisenForm`]). A further law is one file
+//! and one line of the table at the end.
 //!
 //! Units: `rho` kg/m^3, `e` J/kg with `e = 0` in the reference state, `p` Pa, positive in compression, `c` m/s.
 
 mod bounded;
+mod gruneisen_form;
+mod isotherm;
 mod linear;
 mod mie_gruneisen_hugoniot;
 mod mie_gruneisen_polynomial;
 
 pub use bounded::BoundedPressure;
+pub use gruneisen_form::{GruneisenForm, ReferenceCurve};
 pub use linear::Linear;
 pub use mie_gruneisen_hugoniot::MieGruneisenHugoniot;
 pub use mie_gruneisen_polynomial::MieGruneisenPolynomial;
@@ -32,17 +32,32 @@ pub struct PressureState<T> {
     pub sound_speed: T,
 }
 
-/// Pressure at zero specific energy.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ReferenceCurve<T> {
-    /// `f(rho)`, Pa.
-    pub pressure: T,
-    /// `df/drho`, Pa m^3/kg.
-    pub slope: T,
+impl<T: Real> PressureState<T> {
+    /// Of a pressure and the square of the sound speed by its formula, m^2/s^2; `reference_sound_speed` gives the floor.
+    #[inline(always)]
+    pub fn new(pressure: T, sound_speed_squared: T, reference_sound_speed: T) -> Self {
+        let c0 = reference_sound_speed;
+        let sound_speed = sound_speed_squared.max(T::of(SOUND_SPEED_SQUARED_FLOOR) * c0 * c0).sqrt();
+        Self { pressure, sound_speed }
+    }
+
+    /// Of a law that needs more than the arithmetic of lanes, such as a table or an exponential: `state` is asked for one density
+    /// and energy after the other.
+    #[inline(always)]
+    pub fn lane_by_lane(density: T, energy: T, state: impl Fn(f64, f64) -> PressureState<f64>) -> Self {
+        let [pressure, sound_speed] = T::lane_by_lane(density, energy, |density, energy| {
+            let state = state(density, energy);
+            [state.pressure, state.sound_speed]
+        });
+        Self { pressure, sound_speed }
+    }
 }
 
-/// What a law of the form `p = f(rho) + Gamma rho e` has to give.
-pub trait PressureLaw<T: Real>: Copy {
+/// Name, constants and reference state of an equation of state.
+pub trait EquationConstants: Copy {
+    /// What the constants are held in.
+    type Number: Real;
+
     /// Name in a deck.
     const KEY: &'static str;
     /// Name in a text.
@@ -52,16 +67,51 @@ pub trait PressureLaw<T: Real>: Copy {
     /// The constants, in the order of `new`; the first is the reference density.
     const PARAMETERS: &'static [Parameter];
 
+    /// What is wrong with constants that do not fit together, or `None`.
+    fn check(values: &[f64]) -> Option<&'static str> {
+        let _ = values;
+        None
+    }
     /// From one value per parameter, SI units.
     fn new(values: &[f64]) -> Self;
-    /// Pressure at zero energy and its slope.
-    fn reference_curve(&self, density: T) -> ReferenceCurve<T>;
-    /// `rho_0`, kg/m^3.
-    fn reference_density(&self) -> T;
-    /// Bulk sound speed at `rho_0`, m/s.
-    fn reference_sound_speed(&self) -> T;
-    /// `Gamma`.
-    fn gruneisen(&self) -> T;
+    /// `rho_0`, kg/m^3: the density of zero pressure at zero energy.
+    fn reference_density(&self) -> Self::Number;
+    /// Bulk sound speed in the reference state, m/s; the bulk modulus there is `rho_0 c_0^2`.
+    fn reference_sound_speed(&self) -> Self::Number;
+}
+
+/// What an equation of state has to give.
+pub trait PressureLaw: EquationConstants {
+    /// Pressure and sound speed at a density (kg/m^3) and specific internal energy (J/kg), on lanes: branches are taken by
+    /// [`Real::select_lt`], or the law is asked by [`PressureState::lane_by_lane`].
+    fn pressure(&self, density: Self::Number, energy: Self::Number) -> PressureState<Self::Number>;
+
+    /// Grüneisen parameter `Gamma = (1/rho) dp/de|_rho` in a state, zero where pressure does not depend on energy.
+    fn gruneisen(&self, density: Self::Number, energy: Self::Number) -> Self::Number;
+
+    /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
+    #[inline]
+    fn isentropic_energy(&self, density: Self::Number) -> Self::Number
+    where
+        Self::Number: Scalar,
+    {
+        isotherm::energy(self, density, Self::Number::zero())
+    }
+
+    /// Specific energy on the isotherm of the reference temperature (K), J/kg, zero at `rho_0`, so that
+    /// `T = T_0 + (e - e_cold) / c_p`: `de/drho = p(rho, e)/rho^2 - T_0 Gamma c_p/rho`.
+    #[inline]
+    fn cold_energy(
+        &self,
+        density: Self::Number,
+        reference_temperature: Self::Number,
+        specific_heat: Self::Number,
+    ) -> Self::Number
+    where
+        Self::Number: Scalar,
+    {
+        isotherm::energy(self, density, specific_heat * reference_temperature)
+    }
 }
 
 /// The constant `rho_0` that every law starts with; a deck takes it from the material.
@@ -95,44 +145,6 @@ pub(crate) const GRUNEISEN: Parameter = Parameter::required(
 /// Smallest square of the sound speed, as a fraction of the square in the reference state.
 const SOUND_SPEED_SQUARED_FLOOR: f64 = 0.01;
 
-#[inline(always)]
-fn pressure_state<T: Real, L: PressureLaw<T>>(law: &L, density: T, energy: T) -> PressureState<T> {
-    let curve = law.reference_curve(density);
-    let gamma = law.gruneisen();
-    let pressure = curve.pressure + gamma * density * energy;
-    let c0 = law.reference_sound_speed();
-    let squared = curve.slope + gamma * (energy + pressure / density);
-    let sound_speed = squared.max(T::of(SOUND_SPEED_SQUARED_FLOOR) * c0 * c0).sqrt();
-    PressureState { pressure, sound_speed }
-}
-
-/// Positive nodes and weights of the six-point Gauss–Legendre rule on [-1, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (0.238_619_186_083_196_9, 0.467_913_934_572_691),
-    (0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
-    (0.932_469_514_203_152, 0.171_324_492_379_170_4),
-];
-
-/// `e_s(rho)`, J/kg: energy on the isentrope through the reference state.
-///
-/// `de/drho = p/rho^2 = f/rho^2 + Gamma e/rho` is linear in `e`; with `x = rho/rho_0`, `u = ln x`,
-/// `e_s = x^Gamma / rho_0 int_0^ln(x) f(rho_0 exp u) exp(-(Gamma + 1) u) du`, done with six Gauss points.
-#[inline]
-fn isentropic_energy<T: Scalar, L: PressureLaw<T>>(law: &L, density: T) -> T {
-    let rho_0 = law.reference_density();
-    let exponent = law.gruneisen() + T::one();
-    let half = T::of(0.5) * (density / rho_0).ln();
-    let mut sum = T::zero();
-    for k in 0..GAUSS.len() {
-        let offset = half * T::of(GAUSS[k].0);
-        let (near, far) = (half - offset, half + offset);
-        let f_near = law.reference_curve(rho_0 * near.exp()).pressure * (-(exponent * near)).exp();
-        let f_far = law.reference_curve(rho_0 * far.exp()).pressure * (-(exponent * far)).exp();
-        sum += T::of(GAUSS[k].1) * (f_near + f_far);
-    }
-    half * sum / rho_0 * (law.gruneisen() * (half + half)).exp()
-}
-
 macro_rules! equations_of_state {
     ($($law:ident,)*) => {
         /// The equations of state a material can have.
@@ -147,12 +159,13 @@ macro_rules! equations_of_state {
         /// Every equation of state, for the deck reader.
         pub const EQUATIONS_OF_STATE: &[LawEntry<EquationOfState<f64>>] = &[
             $(LawEntry {
-                key: <$law<f64> as PressureLaw<f64>>::KEY,
-                name: <$law<f64> as PressureLaw<f64>>::NAME,
-                reference: <$law<f64> as PressureLaw<f64>>::REFERENCE,
-                parameters: <$law<f64> as PressureLaw<f64>>::PARAMETERS,
-                check: |_| None,
-                build: |values| EquationOfState::$law(<$law<f64> as PressureLaw<f64>>::new(values)),
+                key: <$law<f64> as EquationConstants>::KEY,
+                name: <$law<f64> as EquationConstants>::NAME,
+                reference: <$law<f64> as EquationConstants>::REFERENCE,
+                parameters: <$law<f64> as EquationConstants>::PARAMETERS,
+                history: &[],
+                check: <$law<f64> as EquationConstants>::check,
+                build: |values| EquationOfState::$law(<$law<f64> as EquationConstants>::new(values)),
             },)*
         ];
 
@@ -160,7 +173,7 @@ macro_rules! equations_of_state {
             /// Pressure and sound speed at a density (kg/m^3) and specific internal energy (J/kg).
             #[inline(always)]
             pub fn pressure(&self, density: T, energy: T) -> PressureState<T> {
-                match self { $(Self::$law(law) => pressure_state(law, density, energy),)* }
+                match self { $(Self::$law(law) => law.pressure(density, energy),)* }
             }
 
             /// `rho_0`, kg/m^3: the density of zero pressure at zero energy.
@@ -175,20 +188,20 @@ macro_rules! equations_of_state {
                 match self { $(Self::$law(law) => law.reference_sound_speed(),)* }
             }
 
-            /// Grüneisen parameter `Gamma = (1/rho) dp/de|_rho`, zero where pressure does not depend on energy.
+            /// Grüneisen parameter `Gamma = (1/rho) dp/de|_rho` in a state, zero where pressure does not depend on energy.
             #[inline(always)]
-            pub fn gruneisen(&self) -> T {
-                match self { $(Self::$law(law) => law.gruneisen(),)* }
+            pub fn gruneisen(&self, density: T, energy: T) -> T {
+                match self { $(Self::$law(law) => law.gruneisen(density, energy),)* }
             }
 
             /// Name in a deck.
             pub fn key(&self) -> &'static str {
-                match self { $(Self::$law(_) => <$law<T> as PressureLaw<T>>::KEY,)* }
+                match self { $(Self::$law(_) => <$law<T> as EquationConstants>::KEY,)* }
             }
 
             /// The constants of this law.
             pub fn parameters(&self) -> &'static [Parameter] {
-                match self { $(Self::$law(_) => <$law<T> as PressureLaw<T>>::PARAMETERS,)* }
+                match self { $(Self::$law(_) => <$law<T> as EquationConstants>::PARAMETERS,)* }
             }
         }
 
@@ -196,7 +209,14 @@ macro_rules! equations_of_state {
             /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
             #[inline]
             pub fn isentropic_energy(&self, density: T) -> T {
-                match self { $(Self::$law(law) => isentropic_energy(law, density),)* }
+                match self { $(Self::$law(law) => law.isentropic_energy(density),)* }
+            }
+
+            /// Specific energy on the isotherm of the reference temperature (K), J/kg, zero at `rho_0`, so that
+            /// `T = T_0 + (e - e_cold) / c_p`.
+            #[inline]
+            pub fn cold_energy(&self, density: T, reference_temperature: T, specific_heat: T) -> T {
+                match self { $(Self::$law(law) => law.cold_energy(density, reference_temperature, specific_heat),)* }
             }
 
             /// The same law in another precision, or with every constant in all lanes of a bundle.
@@ -212,21 +232,6 @@ equations_of_state! {
     Linear,
     MieGruneisenPolynomial,
     MieGruneisenHugoniot,
-}
-
-impl<T: Scalar> EquationOfState<T> {
-    /// Specific energy on the isotherm of the reference temperature, J/kg, zero at `rho_0`, so that
-    /// `T = T_0 + (e - e_cold) / c_p`.
-    ///
-    /// Along an isotherm `de/drho = p(rho, e)/rho^2 - T_0 Gamma c_p / rho`, whose solution is
-    /// `e_cold = e_s(rho) - c_p T_0 [(rho/rho_0)^Gamma - 1]` with the isentrope `e_s`: compression at constant entropy
-    /// heats to `T = T_0 (rho/rho_0)^Gamma`, as a constant Grüneisen parameter demands.
-    #[inline]
-    pub fn cold_energy(&self, density: T, reference_temperature: T, specific_heat: T) -> T {
-        let ratio = density / self.reference_density();
-        let heating = ratio.powf(self.gruneisen()) - T::one();
-        self.isentropic_energy(density) - specific_heat * reference_temperature * heating
-    }
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
 use super::*;
+use core::marker::PhantomData;
 
 const COPPER: [f64; 4] = [8930.0, 3940.0, 1.49, 2.0];
 
@@ -146,8 +147,9 @@ fn cold_energy_follows_the_isotherm() {
             let rho_0 = law.reference_density();
             let steps = 4000;
             let dr = rho_0 * (ratio - 1.0) / f64::from(steps);
-            let slope =
-                |rho: f64, e: f64| law.pressure(rho, e).pressure / (rho * rho) - t_0 * law.gruneisen() * c_p / rho;
+            let slope = |rho: f64, e: f64| {
+                law.pressure(rho, e).pressure / (rho * rho) - t_0 * law.gruneisen(rho, e) * c_p / rho
+            };
             let (mut rho, mut e) = (rho_0, 0.0);
             for _ in 0..steps {
                 let k1 = slope(rho, e);
@@ -187,5 +189,96 @@ fn single_precision_and_tables() {
         let entry = entry(law.key());
         assert_eq!(entry.parameters, law.parameters());
         assert_eq!(entry.parameters[0].key, "density");
+    }
+}
+
+/// `p = K (1 - rho_0/rho) + Gamma_0 rho_0 e`: a law that is not of the form with a constant Grüneisen parameter, asked lane by
+/// lane.
+#[derive(Clone, Copy, Debug)]
+struct ConstantGammaRho<T> {
+    /// `rho_0`, kg/m^3, `c_0`, m/s, `Gamma_0`.
+    constants: [f64; 3],
+    number: PhantomData<T>,
+}
+
+impl<T: Real> EquationConstants for ConstantGammaRho<T> {
+    type Number = T;
+
+    const KEY: &'static str = "constant-gamma-rho";
+    const NAME: &'static str = "constant Gamma rho";
+    const REFERENCE: &'static str = "none";
+    const PARAMETERS: &'static [Parameter] = &[REFERENCE_DENSITY, SOUND_SPEED, GRUNEISEN];
+
+    fn new(values: &[f64]) -> Self {
+        Self { constants: [values[0], values[1], values[2]], number: PhantomData }
+    }
+
+    fn reference_density(&self) -> T {
+        T::of(self.constants[0])
+    }
+
+    fn reference_sound_speed(&self) -> T {
+        T::of(self.constants[1])
+    }
+}
+
+impl<T: Real> PressureLaw for ConstantGammaRho<T> {
+    fn pressure(&self, density: T, energy: T) -> PressureState<T> {
+        let [rho_0, c_0, gamma_0] = self.constants;
+        PressureState::lane_by_lane(density, energy, |rho, e| {
+            let modulus = rho_0 * c_0 * c_0;
+            let pressure = modulus * (1.0 - rho_0 / rho) + gamma_0 * rho_0 * e;
+            PressureState::new(pressure, (modulus + gamma_0 * pressure) * rho_0 / (rho * rho), c_0)
+        })
+    }
+
+    fn gruneisen(&self, density: T, _energy: T) -> T {
+        T::of(self.constants[2]) * self.reference_density() / density
+    }
+}
+
+#[test]
+fn a_law_of_any_form_gives_pressure_and_gruneisen_parameter_of_its_own() {
+    let law = ConstantGammaRho::<f64>::new(&[8000.0, 4000.0, 2.0]);
+    // K = 128 GPa. 25.6 + 1.6 GPa, c^2 = 1.024e7 + 4.352e6; -32 + 3.2 GPa, c^2 = 2.5e7 - 1.125e7.
+    for (rho, e, pressure, squared, gamma) in
+        [(1.0e4, 1.0e5, 27.2e9, 1.4592e7, 1.6), (6400.0, 2.0e5, -28.8e9, 1.375e7, 2.5)]
+    {
+        let state = law.pressure(rho, e);
+        close(state.pressure, pressure, 1e-14);
+        close(state.sound_speed, f64::sqrt(squared), 1e-14);
+        close(law.gruneisen(rho, e), gamma, 1e-14);
+    }
+    // Far in expansion the formula turns imaginary: a tenth of c_0.
+    close(law.pressure(2000.0, 0.0).sound_speed, 400.0, 1e-14);
+    assert!(ConstantGammaRho::<f64>::check(&[]).is_none());
+    // The laws of the constant form say the same of every state.
+    let copper = (entry("mie-gruneisen").build)(&COPPER);
+    assert_eq!((copper.gruneisen(9.0e3, 0.0), copper.gruneisen(7.0e3, 1.0e6)), (2.0, 2.0));
+    assert_eq!((entry("linear").build)(&[7850.0, 4600.0]).gruneisen(8.0e3, 1.0e5), 0.0);
+}
+
+#[test]
+fn isentrope_and_isotherm_of_any_form_by_hand() {
+    // With x = 1 - rho_0/rho: e_s = K/(rho_0 Gamma_0^2) (exp(Gamma_0 x) - 1 - Gamma_0 x), less T_0 c_p (exp(Gamma_0 x) - 1) on the
+    // isotherm. K/(rho_0 Gamma_0^2) = 4 MJ/kg, T_0 c_p = 300 400 = 120 kJ/kg; x = 0.2, exp(0.4) = 1.4918246976, and x = -0.25,
+    // exp(-0.5) = 0.6065306597.
+    let law = ConstantGammaRho::<f64>::new(&[8000.0, 4000.0, 2.0]);
+    for (rho, isentropic, cold) in [(1.0e4, 367_298.790, 308_279.827), (6400.0, 426_122.639, 473_338.960)] {
+        close(law.isentropic_energy(rho), isentropic, 1e-6);
+        close(law.cold_energy(rho, 300.0, 400.0), cold, 1e-6);
+    }
+    assert_eq!((law.isentropic_energy(8000.0), law.cold_energy(8000.0, 300.0, 400.0)), (0.0, 0.0));
+}
+
+#[test]
+fn integration_agrees_with_the_quadrature_of_the_constant_form() {
+    for constants in [COPPER, [2710.0, 5300.0, 1.5, 1.7]] {
+        let law = MieGruneisenHugoniot::<f64>::new(&constants);
+        for ratio in [0.7, 0.95, 1.02, 1.2, 1.5] {
+            let rho = ratio * law.density;
+            close(isotherm::energy(&law, rho, 0.0), law.isentropic_energy(rho), 1e-6);
+            close(isotherm::energy(&law, rho, 300.0 * 385.0), law.cold_energy(rho, 300.0, 385.0), 1e-6);
+        }
     }
 }

@@ -61,7 +61,7 @@ impl<T: Scalar> YieldLaw<T> for Bilinear<T> {
     }
 
     #[inline(always)]
-    fn yield_stress(&self, state: FlowState<T>) -> YieldStress<T> {
+    fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         YieldStress {
             value: self.yield_stress + self.hardening_modulus * state.plastic_strain,
             by_strain: self.hardening_modulus,

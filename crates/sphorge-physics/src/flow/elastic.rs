@@ -38,7 +38,7 @@ impl<T: Scalar> YieldLaw<T> for Elastic<T> {
     }
 
     #[inline(always)]
-    fn yield_stress(&self, _state: FlowState<T>) -> YieldStress<T> {
+    fn yield_stress(&self, _state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         YieldStress { value: T::of(f64::INFINITY), by_strain: T::zero(), by_rate: T::zero() }
     }
 

@@ -132,7 +132,7 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     }
 
     #[inline(always)]
-    fn yield_stress(&self, state: FlowState<T>) -> YieldStress<T> {
+    fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
         let chord = T::of(CHORD_BELOW);
         let strain = state.plastic_strain.max(T::zero());
@@ -166,12 +166,12 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     }
 
     #[inline(always)]
-    fn isothermal(&self, temperature: T) -> Self {
-        let factor = self.thermal_factor(temperature);
+    fn held(&self, state: FlowState<T>) -> Self {
+        let factor = self.thermal_factor(state.temperature);
         Self {
             yield_stress: self.yield_stress * factor,
             hardening: self.hardening * factor,
-            reference_temperature: self.reference_temperature.max(temperature),
+            reference_temperature: self.reference_temperature.max(state.temperature),
             ..*self
         }
     }

@@ -38,7 +38,7 @@ impl<T: Scalar> YieldLaw<T> for NoStrength<T> {
     }
 
     #[inline(always)]
-    fn yield_stress(&self, _state: FlowState<T>) -> YieldStress<T> {
+    fn yield_stress(&self, _state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         YieldStress { value: T::zero(), by_strain: T::zero(), by_rate: T::zero() }
     }
 

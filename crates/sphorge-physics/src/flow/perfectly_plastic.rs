@@ -44,7 +44,7 @@ impl<T: Scalar> YieldLaw<T> for PerfectlyPlastic<T> {
     }
 
     #[inline(always)]
-    fn yield_stress(&self, _state: FlowState<T>) -> YieldStress<T> {
+    fn yield_stress(&self, _state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         YieldStress { value: self.yield_stress, by_strain: T::zero(), by_rate: T::zero() }
     }
 

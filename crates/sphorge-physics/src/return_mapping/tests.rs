@@ -18,8 +18,13 @@ fn close(got: f64, want: f64, relative: f64) {
     assert!((got - want).abs() <= relative * want.abs(), "got {got}, want {want}");
 }
 
+fn state<T: Scalar>(plastic_strain: T, temperature: T) -> FlowState<T> {
+    FlowState { plastic_strain, ..FlowState::at_rest(temperature) }
+}
+
 fn radial(law: &FlowLaw<f64>, sigma_trial: f64, plastic_strain: f64, temperature: f64, dt: f64) -> Returned<f64> {
-    return_mapping(ReturnRule::RadialReturn, law, G, deviator(sigma_trial), plastic_strain, temperature, dt)
+    let state = state(plastic_strain, temperature);
+    return_mapping(ReturnRule::RadialReturn, law, G, deviator(sigma_trial), state, &[], dt)
 }
 
 #[test]
@@ -78,23 +83,19 @@ fn benz_asphaug_by_hand() {
     // f = (200/400)^2, increment (1 - 1/4) 400 MPa/(3 G), stress 100 MPa: below the yield surface.
     let perfect = law("perfectly-plastic", &[200.0e6]);
     let rule = ReturnRule::BenzAsphaug;
-    let r = return_mapping(rule, &perfect, G, deviator(400.0e6), 0.0, 300.0, 1e-8);
+    let r = return_mapping(rule, &perfect, G, deviator(400.0e6), state(0.0, 300.0), &[], 1e-8);
     close(r.deviator.von_mises(), 100.0e6, 1e-14);
     close(r.plastic_strain_increment, 300.0e6 / 240.0e9, 1e-14);
     close(r.yield_stress, 200.0e6, 1e-15);
     // With hardening and rate the factor takes the yield stress at the end of the step.
     let iron = law("johnson-cook", &IRON);
-    let r = return_mapping(rule, &iron, G, deviator(900.0e6), 0.02, 400.0, 1e-7);
+    let r = return_mapping(rule, &iron, G, deviator(900.0e6), state(0.02, 400.0), &[], 1e-7);
     let dep = r.plastic_strain_increment;
-    let y = iron.yield_stress(FlowState {
-        plastic_strain: 0.02 + dep,
-        plastic_strain_rate: dep / 1e-7,
-        temperature: 400.0,
-    });
+    let y = iron.yield_stress(FlowState { plastic_strain_rate: dep / 1e-7, ..state(0.02 + dep, 400.0) }, &[]);
     let f = (y.value / 900.0e6) * (y.value / 900.0e6);
     close(r.deviator.von_mises(), f * 900.0e6, 1e-13);
     close(dep, (1.0 - f) * 900.0e6 / (3.0 * G), 1e-12);
-    assert_eq!(return_mapping(rule, &iron, G, r.deviator, 0.02 + dep, 400.0, 1e-7).iterations, 0);
+    assert_eq!(return_mapping(rule, &iron, G, r.deviator, state(0.02 + dep, 400.0), &[], 1e-7).iterations, 0);
 }
 
 #[test]
@@ -113,8 +114,8 @@ fn residual_is_zero_over_the_whole_range() {
                         let r = radial(&law, sigma_trial, strain, temperature, dt);
                         let dep = r.plastic_strain_increment;
                         let rate = if dt > 0.0 { dep / dt } else { 0.0 };
-                        let state = FlowState { plastic_strain: strain + dep, plastic_strain_rate: rate, temperature };
-                        let y = law.yield_stress(state).value;
+                        let state = FlowState { plastic_strain_rate: rate, ..state(strain + dep, temperature) };
+                        let y = law.yield_stress(state, &[]).value;
                         let sigma = r.deviator.von_mises();
                         let case = (constants, sigma_trial, strain, temperature, dt, r);
                         assert!(dep >= 0.0 && r.plastic_work >= 0.0, "{case:?}");
@@ -151,7 +152,8 @@ fn returning_twice_changes_nothing_without_rate() {
             let once = radial(&law, sigma_trial, 0.0, 500.0, 1e-8);
             let strain = once.plastic_strain_increment;
             assert!(strain > 0.0);
-            let twice = return_mapping(ReturnRule::RadialReturn, &law, G, once.deviator, strain, 500.0, 1e-8);
+            let twice =
+                return_mapping(ReturnRule::RadialReturn, &law, G, once.deviator, state(strain, 500.0), &[], 1e-8);
             assert_eq!(twice.deviator, once.deviator);
             assert_eq!((twice.plastic_strain_increment, twice.iterations), (0.0, 0));
         }
@@ -178,8 +180,8 @@ fn without_shear_modulus_stress_is_capped_at_yield() {
         &law("bilinear", &[350.0e6, 210.0e9, 2.0e9]),
         0.0,
         deviator(1.0e9),
-        0.0,
-        300.0,
+        state(0.0, 300.0),
+        &[],
         1e-8,
     );
     close(r.deviator.von_mises(), 350.0e6, 1e-14);
@@ -200,8 +202,8 @@ fn single_precision_follows_double() {
                     &single,
                     G as f32,
                     trial,
-                    strain as f32,
-                    temperature as f32,
+                    state(strain as f32, temperature as f32),
+                    &[],
                     1e-8,
                 );
                 assert!(r.iterations < MAXIMUM_ITERATIONS);
@@ -214,7 +216,7 @@ fn single_precision_follows_double() {
     }
     // Squares of such a stress overflow single precision.
     let huge = SymmetricTensor { xy: 3.0e30f32, ..SymmetricTensor::zero() };
-    let r = return_mapping(ReturnRule::RadialReturn, &single, 80.0e9, huge, 0.0, 300.0, 1e-8);
+    let r = return_mapping(ReturnRule::RadialReturn, &single, 80.0e9, huge, state(0.0, 300.0), &[], 1e-8);
     assert!(r.deviator.von_mises().is_finite() && r.deviator.von_mises() <= r.yield_stress * 1.000_001);
 }
 
@@ -222,7 +224,9 @@ fn single_precision_follows_double() {
 fn a_stress_that_is_not_a_number_stays_visible() {
     let iron = law("johnson-cook", &IRON);
     let trial = SymmetricTensor { xy: f64::NAN, ..deviator(1.0e9) };
-    assert!(return_mapping(ReturnRule::RadialReturn, &iron, G, trial, 0.0, 300.0, 1e-8).deviator.xy.is_nan());
+    assert!(
+        return_mapping(ReturnRule::RadialReturn, &iron, G, trial, state(0.0, 300.0), &[], 1e-8).deviator.xy.is_nan()
+    );
 }
 
 #[test]
@@ -237,7 +241,8 @@ fn rules_are_found_by_name() {
 fn a_guess_changes_the_iterations_and_nothing_else() {
     let law = law("johnson-cook", &IRON);
     let trial = SymmetricTensor { xx: 3.2e8f64, yy: -2.0e8, zz: -1.2e8, xy: 1.0e8, yz: 2.0e7, xz: -3.0e7 };
-    let from = |guess| return_mapping_near(ReturnRule::RadialReturn, &law, 80.0e9, trial, 0.3, 350.0, 2.0e-8, guess);
+    let state = state(0.3, 350.0);
+    let from = |guess| return_mapping_near(ReturnRule::RadialReturn, &law, 80.0e9, trial, state, &[], 2.0e-8, guess);
     let plain = from(0.0);
     for factor in [0.01, 0.7, 0.999, 1.0, 1.001, 1.4, 1e3] {
         let guessed = from(factor * plain.plastic_strain_increment);
@@ -246,4 +251,31 @@ fn a_guess_changes_the_iterations_and_nothing_else() {
         assert!((guessed.yield_stress / plain.yield_stress - 1.0).abs() < 1e-11);
     }
     assert!(from(1.01 * plain.plastic_strain_increment).iterations + 3 <= plain.iterations);
+}
+
+#[test]
+fn pressure_and_history_are_held_over_the_step_and_the_shear_modulus_is_the_one_given() {
+    let law = law("pressure-and-damage", &[200.0e6, 1.0e9, 0.1, 2.0e-11, 100.0e6]);
+    // Y = (200 + 100 + 500) 0.75 = 600 MPa with the slope 0.75 GPa, and (200 + 20 - 100) 0.5 = 60 MPa with 0.5 GPa.
+    for (plastic_strain, pressure, damage, g, sigma_trial, start, slope) in
+        [(0.1, 5.0e9, 0.25, 87.0e9, 900.0e6, 600.0e6, 0.75e9), (0.02, -1.0e9, 0.5, 44.0e9, 100.0e6, 60.0e6, 0.5e9)]
+    {
+        let begin = FlowState { pressure, compression: 1.1, ..state(plastic_strain, 300.0) };
+        let trial = deviator(sigma_trial);
+        let r = return_mapping(ReturnRule::RadialReturn, &law, g, trial, begin, &[damage], 1e-8);
+        let increment = (sigma_trial - start) / (3.0 * g + slope);
+        close(r.plastic_strain_increment, increment, 1e-12);
+        close(r.yield_stress, start + slope * increment, 1e-14);
+        close(r.deviator.von_mises(), start + slope * increment, 1e-14);
+        // What the history is taken through: strain and rate at the end, all else as it was held.
+        let step = r.step(begin, 1e-8);
+        close(step.state.plastic_strain, plastic_strain + increment, 1e-14);
+        close(step.state.plastic_strain_rate, increment / 1e-8, 1e-12);
+        assert_eq!((step.state.pressure, step.state.compression, step.state.temperature), (pressure, 1.1, 300.0));
+        assert_eq!((step.deviator, step.plastic_strain_increment), (r.deviator, r.plastic_strain_increment));
+        assert_eq!(r.step(begin, 0.0).state.plastic_strain_rate, 0.0);
+        // Below yield nothing flows.
+        let elastic = return_mapping(ReturnRule::RadialReturn, &law, g, deviator(0.99 * start), begin, &[damage], 1e-8);
+        assert_eq!((elastic.iterations, elastic.step(begin, 1e-8).plastic_strain_increment), (0, 0.0));
+    }
 }

@@ -63,8 +63,8 @@ fn particle(materials: &[Material], mixed: bool, k: usize) -> Particle {
     let law = &materials[m].flow_law;
     let plastic_strain = if k.is_multiple_of(2) { 0.0 } else { 0.1 * number(k, 1).abs() };
     let temperature = if k.is_multiple_of(11) { 1400.0 } else { 300.0 + 200.0 * number(k, 2).abs() };
-    let state = sphorge_physics::flow::FlowState { plastic_strain, plastic_strain_rate: 0.0, temperature };
-    let yield_stress = law.yield_stress(state).value;
+    let state = materials[m].flow_state(plastic_strain, temperature, materials[m].density, 0.0);
+    let yield_stress = law.yield_stress(state, &[]).value;
     let increment = if k % 5 == 1 { 1e-5 } else { 0.0 };
     // From far below yield to beyond it.
     let size = 2.0 * number(k, 3).abs() * yield_stress.min(300.0e6);
@@ -127,13 +127,15 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
     let mut elastic = 0;
     for (k, p) in particles.iter().enumerate() {
         let m = &materials[p.material as usize];
-        let trial = stress::trial_deviator(p.deviator, &p.l, m.shear_modulus, DT);
-        let (law, g) = (&m.flow_law, m.shear_modulus);
-        let update = return_mapping_near(m.return_rule, law, g, trial, p.flow[0], p.flow[4], DT, p.flow[1]);
+        let (law, pressure) = (&m.flow_law, m.pressure(p.density, p.energy).pressure);
+        let begin = m.flow_state(p.flow[0], p.flow[4], p.density, pressure);
+        let g = law.shear_modulus(m.shear_modulus, begin);
+        let trial = stress::trial_deviator(p.deviator, &p.l, g, DT);
+        let update = return_mapping_near(m.return_rule, law, g, trial, begin, &[], DT, p.flow[1]);
         elastic += usize::from(update.plastic_strain_increment == 0.0);
         let mut want: [Vec<f64>; 5] = p.flow.map(|v| vec![v]);
         let [ep, dep, y, wp, t] = &mut want;
-        FlowColumns::new((ep, dep, y, wp, t)).commit(0, &update, m, source, p.density, p.energy);
+        FlowColumns::new((ep, dep, y, wp, t)).commit(0, &update, m, g, source, p.density, p.energy);
         for (c, name) in ["strain", "increment", "yield stress", "work", "temperature"].into_iter().enumerate() {
             // A step known to be elastic leaves the work alone whatever the density.
             if k != 50 {
