@@ -3,7 +3,6 @@
 //! [`model`] is the problem in SI units, [`geometry`] fills its bodies with [`particles`], an engine carries out the stages of
 //! the step, and a [`Simulation`] keeps the clock and chooses the step sizes.
 
-pub mod boundary;
 mod cpu;
 mod engine;
 mod failure;

@@ -11,9 +11,19 @@
 //! Surfaces are found as they form (as in Fraser's adaptive thermal boundaries) by the divergence of position,
 //! `div x = - sum_j V_j x_ij . grad W_ij`, the same moment times `d`: a particle is on a surface where it lacks at least half of
 //! what the outermost layer of a flat body lacks, and its share of the surface is in proportion to what it lacks.
+//!
+//! In the total Lagrangian form sums go over the initial neighbours at the initial positions `X`. Per initial volume heat flows with
+//! `k J C^-1 grad_0 T`, `C = F^T F`, and `rho_0 c dT/dt` is the divergence of that. The part of undeformed material, `k grad_0 T`, is
+//! the sum above; the rest, `q = k (J C^-1 - I) grad_0 T`, goes by the two sums of the form itself,
+//!
+//! `grad_0 T_i = sum_j V_j (T_j - T_i) B_i grad_0 W_ij`,  `Q_i = sum_j V_i V_j (q_i B_i + q_j B_j) . grad_0 W_ij`,
+//!
+//! which are adjoint and antisymmetric: heat is conserved. The gradient sees less of a temperature than pairs do, so that even where
+//! `q` flows upwards, which is never more than `k grad_0 T`, heat does not on the whole.
 
 use crate::kernel::Kernel;
-use crate::{Dimension, Real, Scalar};
+use crate::tensor::{determinant, dot, inverse, multiply, transpose};
+use crate::{Dimension, Real, Scalar, Tensor, Vector};
 
 /// Sums over a square or cubic lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,6 +61,113 @@ pub fn lattice(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> La
 pub fn pair_conductivity<T: Scalar>(k_i: T, k_j: T) -> T {
     let sum = k_i + k_j;
     if sum > T::zero() { T::of(4.0) * (k_i * k_j) / sum } else { T::zero() }
+}
+
+/// What flows to a particle, and what it sees of surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inflow<T> {
+    /// W.
+    pub power: T,
+    /// Sum of conductances, W/K.
+    pub conductance: T,
+    /// `- sum_j V_j x_ij . grad_i W_ij / d` over that of a full lattice.
+    pub filled: T,
+}
+
+/// A pair that exchanges heat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatPair<T> {
+    /// `V_i`, `V_j`, m^d.
+    pub volumes: (T, T),
+    /// Of the pair ([`pair_conductivity`]), W/(m K).
+    pub conductivity: T,
+    /// One over the moment of the lattice ([`Lattice::moment`]), mean of both bodies.
+    pub correction: T,
+    /// `-(1/r) dW/dr`, m^-(d+2).
+    pub slope: T,
+    /// `r^2`, m^2.
+    pub r2: T,
+    /// `T_j - T_i`, K.
+    pub difference: T,
+}
+
+impl<T: Scalar> Inflow<T> {
+    /// Adds a neighbour.
+    #[inline(always)]
+    pub fn add(&mut self, pair: &HeatPair<T>, dimension: Dimension) {
+        let conductance = self.add_conductance(pair, T::one(), dimension);
+        self.power += conductance * pair.difference;
+    }
+
+    /// Adds an initial neighbour of the total Lagrangian form: `flow = q_i B_i + q_j B_j` (W/m^2) of both particles, initial distance
+    /// `x_ij` (m). Heat flows at most `better` times as well as at rest.
+    #[inline(always)]
+    pub fn add_reference(
+        &mut self,
+        pair: &HeatPair<T>,
+        x_ij: Vector<T>,
+        flow: Vector<T>,
+        better: T,
+        dimension: Dimension,
+    ) {
+        let conductance = self.add_conductance(pair, better, dimension);
+        let (volume_i, volume_j) = pair.volumes;
+        self.power += conductance * pair.difference - volume_i * volume_j * pair.slope * dot(flow, x_ij);
+    }
+
+    #[inline(always)]
+    fn add_conductance(&mut self, pair: &HeatPair<T>, better: T, dimension: Dimension) -> T {
+        let (volume_i, volume_j) = pair.volumes;
+        let conductance = (volume_i * volume_j) * pair.conductivity * (pair.correction * pair.slope);
+        self.conductance += better * conductance;
+        self.filled += pair.correction * volume_j * pair.slope * pair.r2 / T::of(dimension.count() as f64);
+        conductance
+    }
+}
+
+/// Adds an initial neighbour to the gradient of the temperature (K/m) of the total Lagrangian form, before the correction `B`.
+/// `difference = T_j - T_i` (K), `slope` as in [`HeatPair`].
+#[inline(always)]
+pub fn add_temperature_gradient<T: Real>(
+    gradient: &mut Vector<T>,
+    volume_j: T,
+    slope: T,
+    difference: T,
+    x_ij: Vector<T>,
+) {
+    let weight = volume_j * slope;
+    for a in 0..3 {
+        gradient[a] -= weight * difference * x_ij[a];
+    }
+}
+
+/// `J C^-1`: how much better than at rest heat flows, by direction of the initial configuration.
+fn stretched<T: Real>(f: &Tensor<T>) -> Tensor<T> {
+    let (inverse, j) = (inverse(f), determinant(f));
+    multiply(&inverse, &transpose(&inverse)).map(|row| row.map(|c| j * c))
+}
+
+/// Heat that deformation adds to the flow, `q B = k (J C^-1 - I) grad_0 T B`, W/m^2, with the conductivity `k` (W/(m K)), the
+/// gradient of the temperature before its correction `B` (K/m), and the deformation gradient.
+pub fn added_flow<T: Real>(conductivity: T, gradient: Vector<T>, f: &Tensor<T>, correction: &Tensor<T>) -> Vector<T> {
+    let gradient = apply(correction, gradient);
+    let along = apply(&stretched(f), gradient);
+    let q = [0, 1, 2].map(|c| conductivity * (along[c] - gradient[c]));
+    apply(&transpose(correction), q)
+}
+
+/// At most how many times better than at rest heat flows in any direction, not less than one: the largest sum of magnitudes in a row
+/// of `J C^-1`, which no eigenvalue exceeds.
+pub fn best_flow<T: Real>(f: &Tensor<T>) -> T {
+    let mut bound = T::one();
+    for row in stretched(f) {
+        bound = bound.max(row[0].abs() + row[1].abs() + row[2].abs());
+    }
+    bound
+}
+
+fn apply<T: Real>(a: &Tensor<T>, v: Vector<T>) -> Vector<T> {
+    a.map(|row| dot(row, v))
 }
 
 /// Conductance per area between a particle and what is outside of its surface, W/(m² K): half a spacing of material and the
@@ -116,6 +233,50 @@ mod tests {
         assert!((pair_conductivity(80.0f64, 400.0) - 266.666_666_666_666_7).abs() < 1e-12);
         assert_eq!(pair_conductivity(50.0f64, 50.0), 100.0);
         assert_eq!((pair_conductivity(0.0f64, 50.0), pair_conductivity(0.0f64, 0.0)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn what_flows_in_by_hand() {
+        // (2 3) 10 (0.5 0.25) = 7.5 W/K and 4 K; filled 0.5 3 0.25 4/2.
+        let pair = HeatPair {
+            volumes: (2.0, 3.0),
+            conductivity: 10.0,
+            correction: 0.5,
+            slope: 0.25,
+            r2: 4.0,
+            difference: 4.0f64,
+        };
+        let mut sum = Inflow { power: 1.0, ..Inflow::default() };
+        sum.add(&pair, Dimension::Two);
+        assert_eq!(sum, Inflow { power: 31.0, conductance: 7.5, filled: 0.75 });
+        // To a colder one, at initial positions: -15 W, and 6 0.25 (1 4 - 2 1) = 3 W flow on; 1.5 times better than at rest.
+        let colder = HeatPair { difference: -2.0, ..pair };
+        sum.add_reference(&colder, [4.0, -1.0, 0.0], [1.0, 2.0, 5.0], 1.5, Dimension::Three);
+        assert_eq!((sum.power, sum.conductance), (31.0 - 15.0 - 3.0, 7.5 + 11.25));
+        let mut gradient = [1.0, 0.0, 0.0];
+        add_temperature_gradient(&mut gradient, 2.0, 0.25, 4.0, [3.0, -1.0, 0.0]);
+        assert_eq!(gradient, [-5.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn heat_flows_better_along_what_is_pressed() {
+        // A cube of side 1 pressed to half its height and spread to 1.5 x 1.2: through the height the area is 1.8 times as large and
+        // the way half as long, 3.6; along x the area is 0.6, the way 1.5, 0.4; along y 0.75/1.2 = 0.625.
+        let f = [[1.5, 0.0, 0.0], [0.0, 1.2, 0.0], [0.0, 0.0, 0.5]];
+        let a = stretched(&f);
+        for (k, expected) in [0.4, 0.625, 3.6].into_iter().enumerate() {
+            assert!((a[k][k] - expected).abs() < 1e-12, "{a:?}");
+        }
+        // A rotation changes nothing.
+        let turned = multiply(&[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], &f);
+        let b = stretched(&turned);
+        assert!((0..9).all(|c| (a[c / 3][c % 3] - b[c / 3][c % 3]).abs() < 1e-12), "{b:?}");
+        assert!((best_flow(&f) - 3.6).abs() < 1e-12);
+        assert_eq!(best_flow(&[[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]]), 1.0f64);
+        // 50 (0.4 - 1) 2 (-3) along x with B = 2 twice; 50 2.6 1 along z.
+        let correction = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let q = added_flow(50.0, [-3.0, 0.0, 1.0], &f, &correction);
+        assert!((q[0] - 360.0).abs() < 1e-10 && q[1] == 0.0 && (q[2] - 130.0).abs() < 1e-10, "{q:?}");
     }
 
     #[test]

@@ -23,6 +23,7 @@
 
 use crate::kernel::Kernel;
 use crate::tensor::dot;
+use crate::time_step::oscillator_limit;
 use crate::{Dimension, Real, Scalar, Vector};
 
 /// Overlap over which damping comes in, so that it does not jump at first touch.
@@ -147,15 +148,73 @@ impl<T: Scalar> ContactLaw<T> {
 
 /// `phi'` of an overlap; zero where there is none.
 #[inline(always)]
-pub fn overlap_pressure<T: Scalar>(overlap: T) -> T {
+fn overlap_pressure<T: Scalar>(overlap: T) -> T {
     let s = overlap.max(T::zero());
     s * (T::one() + s * s / T::of(3.0))
 }
 
 /// `phi''` of an overlap; zero where there is none.
 #[inline(always)]
-pub fn overlap_stiffness<T: Scalar>(overlap: T) -> T {
+fn overlap_stiffness<T: Scalar>(overlap: T) -> T {
     if overlap > T::zero() { T::one() + overlap * overlap } else { T::zero() }
+}
+
+/// What a particle sees of other bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overlap<T> {
+    /// `s_i = sum_j V_j W_ij / S_ab - 1`.
+    pub overlap: T,
+    /// `- grad_i s_i`, 1/m: points away from the other bodies.
+    pub away: Vector<T>,
+    /// `sum_j V_i V_j |dW/dr|`, m^(d-1).
+    pub weight: T,
+}
+
+/// Kernel of a pair of particles of different bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactKernel<T> {
+    /// `W_ij`, m^-d.
+    pub w: T,
+    /// `-(1/r) dW/dr`, m^-(d+2).
+    pub slope: T,
+    /// Distance, m.
+    pub r: T,
+    /// Smoothing length of the pair, m.
+    pub h: T,
+}
+
+impl<T: Scalar> ContactKernel<T> {
+    /// At a distance, m, with the smoothing length of the pair, m.
+    #[inline]
+    pub fn new(kernel: Kernel, dimension: Dimension, r: T, h: T) -> Self {
+        let scale = T::of(kernel.normalisation(dimension)) / h.powu(dimension.count() as u32);
+        let q = r / h;
+        Self { w: scale * kernel.w(q), slope: -scale * kernel.dw_over_q(q) / (h * h), r, h }
+    }
+
+    /// `V_i V_j |dW/dr|`, m^(d-1), with the volumes at rest, m^d.
+    #[inline(always)]
+    pub fn weight(&self, volume_i: T, volume_j: T) -> T {
+        volume_i * volume_j * self.slope * self.r
+    }
+}
+
+impl<T: Scalar> Overlap<T> {
+    /// Of a particle with neighbours in other bodies, before the first of them is added.
+    pub fn before_the_first() -> Self {
+        Self { overlap: -T::one(), away: [T::zero(); 3], weight: T::zero() }
+    }
+
+    /// Adds a neighbour in another body at `x_ij` (m); volumes at rest, m^d.
+    #[inline(always)]
+    pub fn add(&mut self, law: &ContactLaw<T>, kernel: &ContactKernel<T>, x_ij: Vector<T>, volume_i: T, volume_j: T) {
+        let share = volume_j * law.inverse_sums.0;
+        self.overlap += share * kernel.w;
+        self.weight += kernel.weight(volume_i, volume_j);
+        for a in 0..3 {
+            self.away[a] += share * kernel.slope * x_ij[a];
+        }
+    }
 }
 
 /// A pair of particles of different bodies.
@@ -174,6 +233,58 @@ pub struct ContactPair<T> {
     /// Momentum per speed that friction may take in a step, over the step, kg/s: the share of this pair in what would stop the
     /// sliding of its lighter side.
     pub stopping: T,
+}
+
+/// Momentum per speed (kg/s) that friction may take in a step `dt` (s) from a pair, over the step: the share of the pair,
+/// `weight` over the larger sum of weights of the two particles, in what would stop the reduced mass. Masses in kg; none in a step of
+/// no length.
+#[inline(always)]
+pub fn stopping<T: Scalar>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) -> T {
+    let reduced = m_i * m_j / (m_i + m_j);
+    let share = weight / weights.0.max(weights.1);
+    if dt > T::zero() && weight > T::zero() { reduced * share / dt } else { T::zero() }
+}
+
+/// Stiffness and damping of the contacts of a particle: the diagonal of the second derivative of the energy by its place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactStiffness<T> {
+    /// Of the overlaps its neighbours see, N/m.
+    stiffness: T,
+    /// Largest `K` among its contacts, Pa.
+    modulus: T,
+    /// N s/m.
+    damping: T,
+}
+
+impl<T: Scalar> ContactStiffness<T> {
+    /// Adds a neighbour in another body with the overlap `s_j`; volumes at rest, m^d.
+    #[inline(always)]
+    pub fn add(&mut self, law: &ContactLaw<T>, kernel: &ContactKernel<T>, overlaps: (T, T), volume_i: T, volume_j: T) {
+        let weight = kernel.weight(volume_i, volume_j);
+        let pressed = pair_pressure(law, overlaps);
+        let through = volume_i * kernel.slope * kernel.r * law.inverse_sums.1;
+        self.stiffness +=
+            law.modulus * (volume_j * overlap_stiffness(overlaps.1) * through * through + weight * pressed / kernel.h);
+        if pressed > T::zero() {
+            self.damping += law.damping * weight;
+        }
+        self.modulus = self.modulus.max(law.modulus);
+    }
+
+    /// Largest stable step, s, of a particle of that volume at rest (m^d) and mass (kg). Twice the diagonal stands for neighbours that
+    /// swing against the particle.
+    pub fn limit(&self, own: &Overlap<T>, volume: T, mass: T) -> T {
+        let stiffness =
+            self.stiffness + self.modulus * volume * overlap_stiffness(own.overlap) * dot(own.away, own.away);
+        let two = T::of(2.0);
+        oscillator_limit(two * stiffness / mass, two * self.damping / mass)
+    }
+}
+
+/// `phi'(s_i)/S_ab + phi'(s_j)/S_ba`.
+#[inline(always)]
+fn pair_pressure<T: Scalar>(law: &ContactLaw<T>, overlaps: (T, T)) -> T {
+    overlap_pressure(overlaps.0) * law.inverse_sums.0 + overlap_pressure(overlaps.1) * law.inverse_sums.1
 }
 
 /// What a pair does.
@@ -210,7 +321,7 @@ pub fn contact_force<T: Scalar>(law: &ContactLaw<T>, pair: &ContactPair<T>) -> C
     let speed_n = dot(pair.v, normal);
     result.approach = -speed_n;
     let (s_i, s_j) = pair.overlaps;
-    let pressure = overlap_pressure(s_i) * law.inverse_sums.0 + overlap_pressure(s_j) * law.inverse_sums.1;
+    let pressure = pair_pressure(law, pair.overlaps);
     if pressure <= zero {
         return result;
     }
@@ -334,6 +445,54 @@ mod tests {
         // Friction stops, it does not turn round.
         let gentle = contact_force(&LAW, &ContactPair { stopping: 0.1, ..pair() });
         assert!((gentle.force[0] - (3.09 * 0.6 - 0.1 * 2.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_overlap_by_hand() {
+        // Cubic spline in one dimension, q = 1, h = 2: W = 1/12, -(1/r) dW/dr = 1/16.
+        let near = ContactKernel::new(Kernel::CubicSpline, Dimension::One, 2.0, 2.0f64);
+        assert!((near.w - 1.0 / 12.0).abs() < 1e-15 && (near.slope - 0.0625).abs() < 1e-15);
+        assert!((near.weight(3.0, 4.0) - 1.5).abs() < 1e-14);
+        // V_j/S_ab = 0.4 2; then 0.1 2 at a distance of 3: W 0.25, slope 0.5.
+        let mut seen = Overlap::before_the_first();
+        seen.add(&LAW, &near, [2.0, 0.0, 0.0], 3.0, 0.4);
+        let far = ContactKernel { w: 0.25, slope: 0.5, r: 3.0, h: 2.0 };
+        seen.add(&LAW, &far, [0.0, -3.0, 0.0], 3.0, 0.1);
+        assert!((seen.overlap - (0.8 / 12.0 + 0.05 - 1.0)).abs() < 1e-15);
+        assert!((seen.away[0] - 0.1).abs() < 1e-15 && (seen.away[1] + 0.3).abs() < 1e-15);
+        assert!((seen.weight - (0.15 + 0.45)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_friction_may_take_by_hand() {
+        // 2 6/8 = 1.5 kg, share 0.5/2, in 0.1 s; the larger sum of weights counts.
+        assert_eq!(stopping(2.0f64, 6.0, 0.5, (1.0, 2.0), 0.125), 3.0);
+        assert_eq!(stopping(6.0f64, 2.0, 0.5, (4.0, 2.0), 0.125), 1.5);
+        assert_eq!(
+            (stopping(6.0f64, 2.0, 0.0, (0.0, 0.0), 0.1), stopping(6.0f64, 2.0, 0.5, (4.0, 2.0), 0.0)),
+            (0.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn the_stable_step_of_a_contact_by_hand() {
+        let kernel = ContactKernel { w: 1.0, slope: 0.5, r: 2.0, h: 4.0 };
+        let own = Overlap { overlap: 1.0, away: [0.0, 3.0, 4.0], weight: 0.0 };
+        let mut contact = ContactStiffness::default();
+        // weight 2 3 0.5 2 = 6; phi' (1) 2 = 8/3, phi'(-1) = 0, so 6 (8/3)/4 = 4; nothing of the neighbour's. Own: 2 2 25 = 100.
+        contact.add(&LAW, &kernel, (1.0, -1.0), 2.0, 3.0);
+        // K (4 + 100) = 1040, damping 4 6 = 24: 2 1040/520 = 4 and 2 24/520.
+        let want = oscillator_limit(4.0, 48.0 / 520.0);
+        assert!((contact.limit(&own, 2.0, 520.0) - want).abs() < 1e-14);
+        // The neighbour's overlap: 3 phi''(1) (2 0.5 2 5)^2 = 600 and 6 (8/3 + 4/3 5)/4 = 14 on top.
+        let mut contact = ContactStiffness::default();
+        contact.add(&LAW, &kernel, (1.0, 1.0), 2.0, 3.0);
+        let want = oscillator_limit(2.0 * 10.0 * (600.0 + 14.0 + 100.0) / 520.0, 48.0 / 520.0);
+        assert!((contact.limit(&own, 2.0, 520.0) - want).abs() < 1e-14);
+        // Apart, there is neither.
+        let mut apart = ContactStiffness::default();
+        apart.add(&LAW, &kernel, (-0.1, -1.0), 2.0, 3.0);
+        assert!(apart.limit(&Overlap { overlap: -0.1, ..own }, 2.0, 520.0).is_infinite());
     }
 
     #[test]

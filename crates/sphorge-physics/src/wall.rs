@@ -1,4 +1,4 @@
-//! Forces of rigid walls, and of one body on another, that push and never pull.
+//! Rigid walls: how far a particle is from them, and forces that push and never pull.
 
 use crate::tensor::dot;
 use crate::{Scalar, Vector};
@@ -6,16 +6,53 @@ use crate::{Scalar, Vector};
 /// Smallest relative distance the repulsion is evaluated at: it is finite for particles on or behind the wall.
 const CLOSEST: f64 = 0.01;
 
-/// Repulsion of a wall (Monaghan & Kos 1999): acceleration along the wall's normal, m/s^2, never negative.
+/// Way from a wall to a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap<T> {
+    /// Distance of the particle's centre, m; negative behind a plane.
+    pub distance: T,
+    /// Unit normal of the wall there, towards the particle, or to the side of a plane where material is.
+    pub normal: Vector<T>,
+}
+
+impl<T: Scalar> Gap<T> {
+    /// To a plane through a point (m) with a unit normal.
+    #[inline]
+    pub fn to_plane(x: Vector<T>, point: Vector<T>, normal: Vector<T>) -> Self {
+        Self { distance: dot(difference(x, point), normal), normal }
+    }
+
+    /// To a straight segment between two ends (m), which act like points; `None` on the line itself, where no direction is away
+    /// from it.
+    #[inline]
+    pub fn to_segment(x: Vector<T>, from: Vector<T>, to: Vector<T>) -> Option<Self> {
+        let along = difference(to, from);
+        let offset = difference(x, from);
+        let s = (dot(offset, along) / dot(along, along)).max(T::zero()).min(T::one());
+        let away = difference(offset, along.map(|c| s * c));
+        let distance = dot(away, away).sqrt();
+        (distance > T::zero()).then(|| Self { distance, normal: away.map(|c| c / distance) })
+    }
+}
+
+/// `a - b`.
+#[inline(always)]
+fn difference<T: Scalar>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Repulsion of a wall (Monaghan & Kos 1999): acceleration, m/s^2, along the wall's normal and never towards the wall.
 ///
 /// `R(q) = A (1 - q)/sqrt(q)`, `q = distance/range`, zero from `q = 1` on, `A = (0.01 c^2 + c max(u, 0))/h`, where `u` is the
-/// speed of approach (positive towards the wall). `distance` and `range` in m; below a hundredth of the range, and behind the
-/// wall, the value at a hundredth is kept.
+/// speed of approach, of the `velocity` (m/s) relative to the wall. `range` and `h` in m, sound speed in m/s; below a hundredth of
+/// the range, and behind the wall, the value at a hundredth is kept.
 #[inline]
-pub fn monaghan_kos<T: Scalar>(distance: T, range: T, approach_speed: T, sound_speed: T, h: T) -> T {
-    let q = (distance / range).max(T::of(CLOSEST)).min(T::one());
+pub fn monaghan_kos<T: Scalar>(gap: &Gap<T>, velocity: Vector<T>, range: T, sound_speed: T, h: T) -> Vector<T> {
+    let approach_speed = -dot(velocity, gap.normal);
+    let q = (gap.distance / range).max(T::of(CLOSEST)).min(T::one());
     let strength = (T::of(0.01) * sound_speed + approach_speed.max(T::zero())) * sound_speed / h;
-    strength * (T::one() - q) / q.sqrt()
+    let acceleration = strength * (T::one() - q) / q.sqrt();
+    gap.normal.map(|n| acceleration * n)
 }
 
 /// Stiffness, damping and friction of a penalty contact, per mass of the particle.
@@ -30,37 +67,34 @@ pub struct PenaltyParameters<T> {
 }
 
 impl<T: Scalar> PenaltyParameters<T> {
-    /// Stiffness `scale (c/h)^2`, the frequency of sound across a smoothing length, and damping as a fraction of the critical,
-    /// `2 ratio sqrt(stiffness)`.
-    pub fn from_sound_speed(sound_speed: T, h: T, scale: T, damping_ratio: T, friction: T) -> Self {
-        let frequency = scale.sqrt() * sound_speed / h;
+    /// Stiffness `scale (c/l)^2` with the frequency `c/l` of sound (m/s) across a length (m), such as the spacing, and damping as a
+    /// fraction of the critical, `2 ratio sqrt(stiffness)`.
+    #[inline]
+    pub fn from_sound_speed(sound_speed: T, length: T, scale: T, damping_ratio: T, friction: T) -> Self {
+        let frequency = scale.sqrt() * sound_speed / length;
         Self { stiffness: frequency * frequency, damping: T::of(2.0) * damping_ratio * frequency, friction }
     }
 }
 
-/// Acceleration of a particle by a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ContactAcceleration<T> {
-    /// Along the outward normal of the wall, m/s^2; never negative.
-    pub normal: T,
-    /// Friction, in the tangential plane and against the sliding, m/s^2.
-    pub tangential: Vector<T>,
-}
-
-/// Penalty contact with Coulomb friction.
+/// Penalty contact with Coulomb friction: acceleration, m/s^2.
 ///
-/// Normal: `a_n = max(k d + b u, 0)` at a penetration `d > 0` (m) with speed of approach `u` (m/s), else zero: damping alone
-/// never pulls. Friction: `min(mu a_n, |v_t|/dt)` against the sliding velocity `v_t` of the particle relative to the wall
-/// (tangential, m/s): within the step `dt` (s) it can stop the sliding but not turn it round.
+/// Surfaces touch when the particle, a ball of that `radius` (m), does. Along the normal: `a_n = max(k d + b u, 0)` at a penetration
+/// `d = radius - distance > 0` with speed of approach `u`, else zero: damping alone never pulls. Friction:
+/// `min(mu a_n, |v_t|/dt)` against the sliding velocity `v_t`: within the step `dt` (s) it can stop the sliding but not turn it
+/// round. `velocity` (m/s) is relative to the wall.
 #[inline]
 pub fn penalty_contact<T: Scalar>(
     p: PenaltyParameters<T>,
-    penetration: T,
-    approach_speed: T,
-    sliding: Vector<T>,
+    gap: &Gap<T>,
+    radius: T,
+    velocity: Vector<T>,
     dt: T,
-) -> ContactAcceleration<T> {
+) -> Vector<T> {
     let zero = T::zero();
+    let n = gap.normal;
+    let approach_speed = -dot(velocity, n);
+    let sliding = [0, 1, 2].map(|a| velocity[a] + approach_speed * n[a]);
+    let penetration = radius - gap.distance;
     let mut normal = zero;
     let mut drag = zero;
     if penetration > zero {
@@ -70,60 +104,85 @@ pub fn penalty_contact<T: Scalar>(
             drag = (p.friction * normal / speed).min(T::one() / dt);
         }
     }
-    ContactAcceleration { normal, tangential: [-drag * sliding[0], -drag * sliding[1], -drag * sliding[2]] }
+    [0, 1, 2].map(|a| normal * n[a] + -drag * sliding[a])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const UP: Vector<f64> = [0.0, 1.0, 0.0];
+
+    fn at(distance: f64) -> Gap<f64> {
+        Gap { distance, normal: UP }
+    }
+
+    #[test]
+    fn gap_of_a_plane_and_of_a_segment_and_its_ends() {
+        assert_eq!(Gap::to_plane([7.0, 2.5, 0.0], [9.0, -1.0, 5.0], UP), at(3.5));
+        let gap = Gap::to_plane([3.0f64, 1.0, 2.0], [1.0, 1.0, 1.0], [0.6, 0.0, -0.8]);
+        assert!((gap.distance - 0.4).abs() < 1e-15);
+        let gap = |x| Gap::to_segment(x, [0.0; 3], [2.0, 0.0, 0.0]);
+        assert_eq!(gap([1.0, -3.0, 0.0]), Some(Gap { distance: 3.0, normal: [0.0, -1.0, 0.0] }));
+        assert_eq!(gap([5.0, 4.0, 0.0]), Some(Gap { distance: 5.0, normal: [0.6, 0.8, 0.0] }));
+        assert_eq!(gap([-0.6, 0.8, 0.0]), Some(Gap { distance: 1.0, normal: [-0.6, 0.8, 0.0] }));
+        assert_eq!(gap([1.0, 0.0, 0.0]), None);
+    }
+
     #[test]
     fn repulsion_by_hand() {
         // A = (0.01 3630^2 + 3630 200)/3.6e-4 = 857769/3.6e-4; q = 0.25: 0.75/0.5.
         let a = 857_769.0 / 3.6e-4;
-        let got = monaghan_kos(1.5e-4f64, 6.0e-4, 200.0, 3630.0, 3.6e-4);
-        assert!((got - 1.5 * a).abs() < 1e-9 * a);
+        let got = monaghan_kos(&at(1.5e-4), [70.0, -200.0, 0.0], 6.0e-4, 3630.0, 3.6e-4);
+        assert!((got[1] - 1.5 * a).abs() < 1e-9 * a && got[0] == 0.0);
         // Leaving at 50 m/s: only 0.01 c^2/h = 0.01 1e6/0.5; q = 0.64: 0.36/0.8.
-        assert!((monaghan_kos(0.32f64, 0.5, -50.0, 1000.0, 0.5) - 9000.0).abs() < 1e-9);
+        let gap = Gap { distance: 0.32, normal: [0.6, 0.0, -0.8f64] };
+        let got = monaghan_kos(&gap, [30.0, 0.0, -40.0], 0.5, 1000.0, 0.5);
+        assert!((got[0] - 5400.0).abs() < 1e-9 && (got[2] + 7200.0).abs() < 1e-9);
     }
 
     #[test]
     fn repulsion_ends_at_its_range_and_stays_finite_behind_the_wall() {
-        assert_eq!(monaghan_kos(1.0f64, 1.0, 100.0, 1000.0, 1.0), 0.0);
-        assert_eq!(monaghan_kos(7.0f64, 1.0, 100.0, 1000.0, 1.0), 0.0);
+        assert_eq!(monaghan_kos(&at(1.0), [0.0, -100.0, 0.0], 1.0, 1000.0, 1.0)[1], 0.0);
+        assert_eq!(monaghan_kos(&at(7.0), [0.0, -100.0, 0.0], 1.0, 1000.0, 1.0)[1], 0.0);
         // A = 1e4; (1 - 0.01)/0.1.
-        for distance in [0.01f64, 1e-9, 0.0, -3.0] {
-            assert!((monaghan_kos(distance, 1.0, 0.0, 1000.0, 1.0) - 9.9e4).abs() < 1e-8);
+        for distance in [0.01, 1e-9, 0.0, -3.0] {
+            assert!((monaghan_kos(&at(distance), [0.0; 3], 1.0, 1000.0, 1.0)[1] - 9.9e4).abs() < 1e-8);
         }
+    }
+
+    fn assert_near(got: Vector<f64>, want: Vector<f64>) {
+        assert!((0..3).all(|a| (got[a] - want[a]).abs() < 1e-9), "{got:?} {want:?}");
     }
 
     #[test]
     fn penalty_by_hand() {
-        // k d + b u = 1e6 0.002 + 100 3 = 2300; mu 0.2: 460 along -(3, 0, 4)/5.
+        // d = 0.005 - 0.003: k d + b u = 1e6 0.002 + 100 3 = 2300; mu 0.2: 460 along -(3, 0, 4)/5.
         let p = PenaltyParameters { stiffness: 1.0e6, damping: 100.0, friction: 0.2 };
-        let a = penalty_contact(p, 0.002f64, 3.0, [3.0, 0.0, 4.0], 1e-5);
-        assert!((a.normal - 2300.0).abs() < 1e-9);
-        for (got, want) in a.tangential.iter().zip([-276.0, 0.0, -368.0]) {
-            assert!((got - want).abs() < 1e-9);
-        }
-        // From c/h: (0.5 (1000/0.1)^2, 2 0.25 sqrt(that)).
+        assert_near(penalty_contact(p, &at(0.003), 0.005, [3.0, -3.0, 4.0], 1e-5), [-276.0, 2300.0, -368.0]);
+        // On a slope, behind the plane, no sliding: 1e6 0.006 - 100 10 = 5000 along the normal.
+        let gap = Gap { distance: -0.001, normal: [0.6, 0.0, -0.8] };
+        assert_near(penalty_contact(p, &gap, 0.005, [6.0, 0.0, -8.0], 1e-5), [3000.0, 0.0, -4000.0]);
+        // From c/l: (0.5 (1000/0.1)^2, 2 0.25 sqrt(that)).
         let p = PenaltyParameters::from_sound_speed(1000.0f64, 0.1, 0.5, 0.25, 0.1);
         assert!((p.stiffness - 5.0e7).abs() < 1e-6 && (p.damping - 3_535.533_905_932_738).abs() < 1e-9);
+        // 4 (5000/0.002)^2, 2 0.1 2 2.5e6.
+        let p = PenaltyParameters::from_sound_speed(5000.0f64, 0.002, 4.0, 0.1, 0.3);
+        assert_eq!(p, PenaltyParameters { stiffness: 2.5e13, damping: 1.0e6, friction: 0.3 });
     }
 
     #[test]
     fn contact_never_pulls_and_friction_at_most_stops() {
         let p = PenaltyParameters { stiffness: 1.0e6, damping: 1.0e4, friction: 0.5 };
+        let touching = at(0.003);
         // Leaving fast: damping would pull.
-        let leaving = penalty_contact(p, 0.002f64, -10.0, [1.0, 0.0, 0.0], 1e-5);
-        assert_eq!((leaving.normal, leaving.tangential[0].abs()), (0.0, 0.0));
+        assert_near(penalty_contact(p, &touching, 0.005, [1.0, 10.0, 0.0], 1e-5), [0.0; 3]);
         // Not touching.
-        let apart = penalty_contact(p, -0.002f64, 50.0, [1.0, 0.0, 0.0], 1e-5);
-        assert_eq!((apart.normal, apart.tangential[0].abs()), (0.0, 0.0));
+        assert_near(penalty_contact(p, &at(0.007), 0.005, [1.0, -50.0, 0.0], 1e-5), [0.0; 3]);
         // Slow sliding: just stopped within the step.
-        let slow = penalty_contact(p, 0.002f64, 0.0, [0.0, -1e-4, 0.0], 1e-5);
-        assert!((slow.tangential[1] * 1e-5 - 1e-4).abs() < 1e-18);
+        let slow = penalty_contact(p, &touching, 0.005, [0.0, 0.0, -1e-4], 1e-5);
+        assert!((slow[2] * 1e-5 - 1e-4).abs() < 1e-18);
         // No sliding, no friction, nothing undefined.
-        assert_eq!(penalty_contact(p, 0.002f64, 0.0, [0.0; 3], 0.0).tangential.map(f64::abs), [0.0; 3]);
+        assert_near(penalty_contact(p, &touching, 0.005, [0.0; 3], 0.0), [0.0, 2000.0, 0.0]);
     }
 }

@@ -13,9 +13,13 @@ use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::{Particles, Permutation};
 use rayon::prelude::*;
-use sphorge_physics::conduction::{cell_size, lattice, pair_conductivity, surface_area, surface_conductance};
+use sphorge_physics::conduction::{
+    HeatPair, Inflow, cell_size, lattice, pair_conductivity, surface_area, surface_conductance,
+};
+use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
+use sphorge_physics::pair::mean;
 use sphorge_physics::time_step::conduction_limit;
-use sphorge_physics::{Dimension, Vector, kernel::Kernel, tensor::dot};
+use sphorge_physics::{Dimension, Vector, tensor::dot};
 
 /// Share of its own time step after which a flow beside mechanics is summed anew.
 const RENEWAL: f64 = 0.1;
@@ -53,13 +57,12 @@ pub(super) struct HeatFlow {
 /// Constants by body.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
-    kernel: Kernel,
+    pub(super) kernel: Kernel,
     pub(super) dimension: Dimension,
-    normalisation: f64,
     pub(super) conductivity: Vec<f64>,
     specific_heat: Vec<f64>,
     /// `1 / moment` of the body's lattice.
-    pub(super) correction: Vec<f64>,
+    correction: Vec<f64>,
     /// Moment of its outermost layer over that of a full lattice.
     flat: Vec<f64>,
 }
@@ -74,7 +77,6 @@ impl HeatFlow {
         let table = Table {
             kernel,
             dimension,
-            normalisation: kernel.normalisation(dimension),
             conductivity: model.bodies.iter().map(|b| material(b).conductivity).collect(),
             specific_heat: model.bodies.iter().map(|b| material(b).specific_heat).collect(),
             correction: lattices.clone().map(|(_, l)| 1.0 / l.moment).collect(),
@@ -144,17 +146,6 @@ fn add_by_boundary(partial: &[f64], totals: &mut [f64]) {
     }
 }
 
-/// What flows to a particle, and what it sees of surfaces.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Inflow {
-    /// W.
-    pub(super) power: f64,
-    /// Sum of conductances, W/K.
-    pub(super) conductance: f64,
-    /// `- sum_j V_j x_ij . grad_i W_ij / d` over that of a full lattice.
-    pub(super) filled: f64,
-}
-
 /// The state a flow is summed from.
 #[derive(Clone, Copy)]
 struct State<'a> {
@@ -163,33 +154,41 @@ struct State<'a> {
 }
 
 impl Table {
-    /// `-1/r dW/dr`, 1/m^(d+2).
-    pub(super) fn slope(&self, r2: f64, h: f64) -> f64 {
-        -self.normalisation * self.kernel.dw_over_q(r2.sqrt() / h) / h.powi(self.dimension.count() as i32 + 2)
+    /// A pair of particles of these bodies, at a distance whose square is given, m^2.
+    pub(super) fn pair(
+        &self,
+        bodies: (u32, u32),
+        volumes: (f64, f64),
+        r2: f64,
+        h: f64,
+        difference: f64,
+    ) -> HeatPair<f64> {
+        let (a, b) = (bodies.0 as usize, bodies.1 as usize);
+        HeatPair {
+            volumes,
+            conductivity: pair_conductivity(self.conductivity[a], self.conductivity[b]),
+            correction: mean(self.correction[a], self.correction[b]),
+            slope: self.kernel.slope(self.dimension, r2.sqrt(), h),
+            r2,
+            difference,
+        }
     }
 
-    fn add(&self, sum: &mut Inflow, i: usize, row: &[u32], state: State<'_>) {
+    fn add(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], state: State<'_>) {
         let p = state.particles;
-        let a = p.body[i] as usize;
         let volume = p.mass[i] / p.density[i];
         for &j in row {
             let (source, position, _) = state.places.of(j);
-            let b = p.body[source] as usize;
             let x = [0, 1, 2].map(|k| p.position[i][k] - position[k]);
-            let h = 0.5 * (p.smoothing_length[i] + p.smoothing_length[source]);
-            let slope = self.slope(dot(x, x), h);
-            let other = p.mass[source] / p.density[source];
-            let conductivity = pair_conductivity(self.conductivity[a], self.conductivity[b]);
-            let correction = 0.5 * (self.correction[a] + self.correction[b]);
-            let conductance = (volume * other) * conductivity * (correction * slope);
-            sum.power += conductance * (p.temperature[source] - p.temperature[i]);
-            sum.conductance += conductance;
-            sum.filled += correction * other * slope * dot(x, x) / self.dimension.count() as f64;
+            let h = pair_smoothing_length(p.smoothing_length[i], p.smoothing_length[source]);
+            let volumes = (volume, p.mass[source] / p.density[source]);
+            let difference = p.temperature[source] - p.temperature[i];
+            sum.add(&self.pair((p.body[i], p.body[source]), volumes, dot(x, x), h, difference), self.dimension);
         }
     }
 
     /// Power and conductance of a boundary at a particle on a surface, W and W/K.
-    fn through_surface(&self, kind: HeatBoundaryKind, i: usize, sum: &Inflow, p: &Particles) -> (f64, f64) {
+    fn through_surface(&self, kind: HeatBoundaryKind, i: usize, sum: &Inflow<f64>, p: &Particles) -> (f64, f64) {
         let body = p.body[i] as usize;
         let volume = p.mass[i] / p.density[i];
         let area = surface_area(self.dimension, volume, sum.filled, self.flat[body]);

@@ -13,9 +13,10 @@ use crate::neighbors::{BLOCK, ForeignList, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::contact::{
-    ContactBody, ContactLaw, ContactPair, contact_force, overlap_pressure, overlap_stiffness,
+    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
-use sphorge_physics::{Vector, kernel::Kernel, tensor::dot};
+use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
+use sphorge_physics::{Dimension, Vector, tensor::dot};
 
 /// Contact of all bodies with each other.
 #[derive(Clone, Debug)]
@@ -23,7 +24,7 @@ pub(super) struct BodyContacts {
     foreign: ForeignList,
     table: Table,
     /// What each particle sees of other bodies; zero where that is nothing.
-    seen: Vec<Seen>,
+    seen: Vec<Overlap<f64>>,
     /// Sums of each block, by pair of bodies.
     partial: Vec<PairSums>,
     /// Largest stable step over the margin, by block, s.
@@ -40,24 +41,12 @@ pub(super) struct BodyContacts {
 #[derive(Clone, Debug)]
 struct Table {
     kernel: Kernel,
-    dimension: usize,
-    normalisation: f64,
+    dimension: Dimension,
     bodies: usize,
     /// `1/rho` at rest.
     specific_volume: Vec<f64>,
     smoothing_length: Vec<f64>,
     laws: Vec<ContactLaw<f64>>,
-}
-
-/// Overlap of a particle with other bodies.
-#[derive(Clone, Copy, Debug, Default)]
-struct Seen {
-    /// `sum_j V_j W_ij / S_ab - 1`.
-    overlap: f64,
-    /// `- grad_i` of it, 1/m: points away from the other bodies.
-    away: Vector<f64>,
-    /// `sum_j V_i V_j |dW/dr|`.
-    weight: f64,
 }
 
 /// Sums over the pairs of two bodies, the first with the lower index.
@@ -105,8 +94,7 @@ impl Table {
         let laws = laws.collect();
         Self {
             kernel,
-            dimension: dimension.count(),
-            normalisation: kernel.normalisation(dimension),
+            dimension,
             bodies: bodies.len(),
             specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
             smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
@@ -118,12 +106,10 @@ impl Table {
         &self.laws[a * self.bodies + b]
     }
 
-    /// `W` and `-1/r dW/dr` of two bodies' particles at a distance, and their smoothing length.
-    fn kernel(&self, a: usize, b: usize, r: f64) -> (f64, f64, f64) {
-        let h = 0.5 * (self.smoothing_length[a] + self.smoothing_length[b]);
-        let scale = self.normalisation / h.powi(self.dimension as i32);
-        let q = r / h;
-        (scale * self.kernel.w(q), -scale * self.kernel.dw_over_q(q) / (h * h), h)
+    /// Kernel of two bodies' particles at a distance, m.
+    fn kernel(&self, a: usize, b: usize, r: f64) -> ContactKernel<f64> {
+        let h = pair_smoothing_length(self.smoothing_length[a], self.smoothing_length[b]);
+        ContactKernel::new(self.kernel, self.dimension, r, h)
     }
 }
 
@@ -168,7 +154,7 @@ impl BodyContacts {
         (pairs > 0).then(|| Self {
             foreign: ForeignList::default(),
             table: Table::new(model, strength),
-            seen: vec![Seen::default(); particles],
+            seen: vec![Overlap::default(); particles],
             partial: vec![PairSums::default(); pairs * particles.div_ceil(BLOCK)],
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
             now: vec![PairSums::default(); pairs],
@@ -189,7 +175,7 @@ impl BodyContacts {
             None => body[j as usize],
             Some(g) => body[ghosts[g].source as usize],
         });
-        self.seen.fill(Seen::default());
+        self.seen.fill(Overlap::default());
     }
 
     /// Adds the powers of the last evaluation over a time `dt`, s.
@@ -230,7 +216,7 @@ impl BodyContacts {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.foreign.bytes()
-            + self.seen.capacity() * size_of::<Seen>()
+            + self.seen.capacity() * size_of::<Overlap<f64>>()
             + self.partial.capacity() * size_of::<PairSums>()
     }
 
@@ -242,19 +228,13 @@ impl BodyContacts {
                 for (i, row) in block.rows() {
                     let a = body[i] as usize;
                     let volume = mass[i] * table.specific_volume[a];
-                    let mut sum = Seen { overlap: -1.0, ..Seen::default() };
+                    let mut sum = Overlap::before_the_first();
                     for &j in row {
                         let (source, position, _) = places.of(j);
                         let b = body[source] as usize;
                         let x = difference(places.position[i], position);
-                        let (w, slope, _) = table.kernel(a, b, dot(x, x).sqrt());
-                        let other = mass[source] * table.specific_volume[b];
-                        let share = other * table.law(a, b).inverse_sums.0;
-                        sum.overlap += share * w;
-                        sum.weight += volume * other * slope * dot(x, x).sqrt();
-                        for k in 0..3 {
-                            sum.away[k] += share * slope * x[k];
-                        }
+                        let kernel = table.kernel(a, b, dot(x, x).sqrt());
+                        sum.add(table.law(a, b), &kernel, x, volume, mass[source] * table.specific_volume[b]);
                     }
                     seen[i % BLOCK] = sum;
                 }
@@ -340,7 +320,7 @@ impl Table {
         places: Places<'_>,
         mass: &[f64],
         body: &[u32],
-        seen: &[Seen],
+        seen: &[Overlap<f64>],
         dt: f64,
         sums: &mut [PairSums],
     ) -> Push {
@@ -348,26 +328,23 @@ impl Table {
         let volume = mass[i] * self.specific_volume[a];
         let own = &seen[i];
         let mut push = Push::default();
-        let (mut stiffness, mut damping, mut modulus) = (0.0, 0.0, 0.0f64);
+        let mut stiffness = ContactStiffness::default();
         for &j in row {
             let (source, position, sign) = places.of(j);
             let b = body[source] as usize;
             let law = self.law(a, b);
             let other = &seen[source];
             let x = difference(places.position[i], position);
-            let r = dot(x, x).sqrt();
-            let (_, slope, h) = self.kernel(a, b, r);
+            let kernel = self.kernel(a, b, dot(x, x).sqrt());
             let other_volume = mass[source] * self.specific_volume[b];
-            let weight = volume * other_volume * slope * r;
-            let reduced = mass[i] * mass[source] / (mass[i] + mass[source]);
-            let share = weight / own.weight.max(other.weight);
+            let (weight, overlaps) = (kernel.weight(volume, other_volume), (own.overlap, other.overlap));
             let pair = ContactPair {
                 x,
                 v: [0, 1, 2].map(|k| places.velocity[i][k] - sign[k] * places.velocity[source][k]),
                 weight,
-                overlaps: (own.overlap, other.overlap),
+                overlaps,
                 direction: [0, 1, 2].map(|k| own.away[k] - sign[k] * other.away[k]),
-                stopping: if dt > 0.0 && weight > 0.0 { reduced * share / dt } else { 0.0 },
+                stopping: stopping(mass[i], mass[source], weight, (own.weight, other.weight), dt),
             };
             let force = contact_force(law, &pair);
             push.approach = push.approach.max(force.approach);
@@ -384,32 +361,11 @@ impl Table {
             sum.stored += 0.5 * force.stored;
             sum.rubbed += 0.5 * force.rubbed;
             sum.damped += 0.5 * force.damped;
-
-            // Diagonal of the second derivative of the energy by the particle's place.
-            let pressed = overlap_pressure(own.overlap) * law.inverse_sums.0
-                + overlap_pressure(other.overlap) * law.inverse_sums.1;
-            let through = volume * slope * r * law.inverse_sums.1;
-            stiffness += law.modulus
-                * (other_volume * overlap_stiffness(other.overlap) * through * through + weight * pressed / h);
-            if pressed > 0.0 {
-                damping += law.damping * weight;
-            }
-            modulus = modulus.max(law.modulus);
+            stiffness.add(law, &kernel, overlaps, volume, other_volume);
         }
-        stiffness += modulus * volume * overlap_stiffness(own.overlap) * dot(own.away, own.away);
-        push.limit = stable_step(2.0 * stiffness / mass[i], 2.0 * damping / mass[i]);
+        push.limit = stiffness.limit(own, volume, mass[i]);
         push
     }
-}
-
-/// Largest stable step of an oscillator of stiffness and damping over mass, `2/w (sqrt(1 + z^2) - z)` with the damping ratio
-/// `z`, s. Twice the diagonal stands for neighbours that swing against the particle.
-fn stable_step(stiffness: f64, damping: f64) -> f64 {
-    if stiffness <= 0.0 {
-        return f64::INFINITY;
-    }
-    let half = 0.5 * damping;
-    2.0 * ((stiffness + half * half).sqrt() - half) / stiffness
 }
 
 #[cfg(test)]
@@ -425,13 +381,5 @@ mod tests {
                 next += 1;
             }
         }
-    }
-
-    #[test]
-    fn a_stable_step_by_hand() {
-        assert_eq!(stable_step(4.0, 0.0), 1.0);
-        // w = 2, z = 3/(2 2) = 0.75: sqrt(1.5625) - 0.75 = 0.5.
-        assert_eq!(stable_step(4.0, 3.0), 0.5);
-        assert!(stable_step(0.0, 3.0).is_infinite());
     }
 }

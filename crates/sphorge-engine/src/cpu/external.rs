@@ -1,35 +1,12 @@
 //! Walls and gravity.
 
+use super::walls::wall_acceleration;
 use super::{CpuEngine, Work};
-use crate::boundary::{WallState, wall_acceleration};
 use crate::lanes::PairScalar;
-use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
-
-/// Where the walls stand.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Walls {
-    pub(super) states: Vec<WallState>,
-    /// Time at which `states` were reached, s.
-    time: f64,
-}
-
-impl Walls {
-    pub(super) fn new(model: &Model) -> Self {
-        Self { states: model.walls.iter().map(WallState::new).collect(), time: 0.0 }
-    }
-
-    /// Carries the walls to where they stand at `time`.
-    pub(super) fn move_to(&mut self, time: f64) {
-        for state in &mut self.states {
-            state.advance(self.time, time);
-        }
-        self.time = time;
-    }
-}
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Adds wall and gravity accelerations to those of the pair sum.

@@ -21,6 +21,7 @@ mod stress_columns;
 mod sweeps;
 mod total_lagrangian;
 mod votes;
+mod walls;
 
 use crate::engine::{Engine, SearchReport, Vote};
 use crate::lanes::{Instructions, PairScalar};
@@ -30,7 +31,6 @@ use crate::particles::{Particles, Permutation};
 use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
 use contact::BodyContacts;
-use external::Walls;
 use halo::Halo;
 use integrate::{Base, ExternalSums, Motions};
 use kinematics::PairConstants;
@@ -39,6 +39,7 @@ use search::Lists;
 use sphorge_physics::{Tensor, Vector};
 use std::sync::Arc;
 use total_lagrangian::Reference;
+use walls::Walls;
 
 /// Searches between two sortings of the particles into cell order.
 const SEARCHES_PER_SORTING: u64 = 64;

@@ -5,6 +5,7 @@ use crate::lanes::PairScalar;
 use crate::model::Integrator;
 use crate::neighbors::BLOCK;
 use rayon::prelude::*;
+use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::{Vector, stress, tensor::dot};
 
@@ -19,8 +20,6 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let dimension = super::dimension(&self.model);
         let kernel = self.model.numerics.kernel;
-        let sigma = kernel.normalisation(dimension);
-        let kernel_value = |h: f64, r: f64| sigma / h.powi(dimension.count() as i32) * kernel.w(r / h);
         let particles = &self.particles;
         let count = particles.len();
         let ghosts = &self.halo.ghosts;
@@ -40,13 +39,13 @@ impl<T: PairScalar> CpuEngine<T> {
                 // Visits the particle itself and its neighbours of the same body: source, x_ij, W_ij.
                 let visit = |each: &mut dyn FnMut(usize, Vector<f64>, f64)| {
                     let h_i = particles.smoothing_length[i];
-                    each(i, [0.0; 3], kernel_value(h_i, 0.0));
+                    each(i, [0.0; 3], kernel.value(dimension, 0.0, h_i));
                     for &j in self.list().row(i) {
                         let (x_j, source) = place(j as usize);
                         if particles.body[source] == particles.body[i] {
                             let x = [0, 1, 2].map(|a| particles.position[i][a] - x_j[a]);
-                            let h = 0.5 * (h_i + particles.smoothing_length[source]);
-                            each(source, x, kernel_value(h, dot(x, x).sqrt()));
+                            let h = pair_smoothing_length(h_i, particles.smoothing_length[source]);
+                            each(source, x, kernel.value(dimension, dot(x, x).sqrt(), h));
                         }
                     }
                 };

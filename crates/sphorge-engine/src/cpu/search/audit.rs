@@ -6,6 +6,7 @@ use crate::Audit;
 use crate::lanes::PairScalar;
 use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, Searcher, brute_force};
 use rayon::prelude::*;
+use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::{SymmetricTensor, Vector, tensor::dot};
 
 /// Up to this many points every pair is tested; beyond, a cell search of its own finds the pairs.
@@ -101,7 +102,6 @@ impl<T: PairScalar> CpuEngine<T> {
         let lists = &self.lists;
         let kernel = self.model.numerics.kernel;
         let dimension = super::super::dimension(&self.model);
-        let sigma = kernel.normalisation(dimension);
         let (b, k) = (i / BLOCK, i % BLOCK);
         let stored: Option<&StoredBlock<T>> = lists.stored.as_ref().filter(|_| kept).map(|s| s.block(b));
         let stress = |j: usize| particles.deviator[j] - SymmetricTensor::isotropic(particles.pressure[j]);
@@ -113,7 +113,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let source = if j < count { j } else { self.halo.ghosts[j - count].source as usize };
             let sign = if j < count { [1.0; 3] } else { self.halo.ghosts[j - count].sign };
             let now = [0, 1, 2].map(|a| points[i][a] - points[j][a]);
-            let h = 0.5 * (reach.smoothing_length[i] + reach.smoothing_length[j]);
+            let h = pair_smoothing_length(reach.smoothing_length[i], reach.smoothing_length[j]);
             let inside = dot(now, now).sqrt() < kernel.support() * h;
             sums.stale += u64::from(kept && !inside);
             if !kept {
@@ -128,8 +128,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             }
             let x = stored.map_or(now, |s| s.distance(row_start + n));
-            let q = dot(x, x).sqrt() / h;
-            let f = kernel.dw_over_q(q) * sigma / h.powi(dimension.count() as i32 + 2);
+            let f = -kernel.slope(dimension, dot(x, x).sqrt(), h);
             let volume = particles.mass[source] / particles.density[source];
             let v: Vector<f64> = [0, 1, 2].map(|a| sign[a] * particles.velocity[source][a] - particles.velocity[i][a]);
             sums.divergence += volume * f * dot(v, x);

@@ -1,5 +1,0 @@
-//! Rigid walls: where they are and how they push.
-
-mod wall;
-
-pub use wall::{WallState, wall_acceleration};

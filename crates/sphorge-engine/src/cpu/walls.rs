@@ -1,0 +1,119 @@
+//! Rigid walls: where they stand, and how they push particles away.
+
+use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
+use sphorge_physics::Vector;
+use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
+
+/// Present place of a wall.
+#[derive(Clone, Debug)]
+pub(super) struct WallState {
+    tables: [TimeTable; 3],
+    /// Shift since time zero, m.
+    displacement: Vector<f64>,
+    /// Present velocity, m/s.
+    velocity: Vector<f64>,
+}
+
+impl WallState {
+    /// The wall at time zero.
+    fn new(wall: &Wall) -> Self {
+        Self {
+            tables: wall.velocity.clone(),
+            displacement: [0.0; 3],
+            velocity: [0, 1, 2].map(|a| wall.velocity[a].at(0.0)),
+        }
+    }
+
+    /// Moves the wall from where it stood at time `from` to where it stands at time `to`, s.
+    fn advance(&mut self, from: f64, to: f64) {
+        for a in 0..3 {
+            // The table is piecewise linear: Simpson's rule is exact within a piece.
+            let table = &self.tables[a];
+            let mean = (table.at(from) + 4.0 * table.at(0.5 * (from + to)) + table.at(to)) / 6.0;
+            self.displacement[a] += mean * (to - from);
+            self.velocity[a] = table.at(to);
+        }
+    }
+
+    /// Way from the wall, which has moved, to a point; `None` on the line of a segment itself.
+    fn gap(&self, surface: &WallSurface, x: Vector<f64>) -> Option<Gap<f64>> {
+        let local = [0, 1, 2].map(|a| x[a] - self.displacement[a]);
+        match *surface {
+            WallSurface::Plane { point, normal } => Some(Gap::to_plane(local, point, normal)),
+            WallSurface::Segment { from, to } => Gap::to_segment(local, from, to),
+        }
+    }
+}
+
+/// Where the walls stand.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Walls {
+    pub(super) states: Vec<WallState>,
+    /// Time at which `states` were reached, s.
+    time: f64,
+}
+
+impl Walls {
+    pub(super) fn new(model: &Model) -> Self {
+        Self { states: model.walls.iter().map(WallState::new).collect(), time: 0.0 }
+    }
+
+    /// Carries the walls to where they stand at `time`.
+    pub(super) fn move_to(&mut self, time: f64) {
+        for state in &mut self.states {
+            state.advance(self.time, time);
+        }
+        self.time = time;
+    }
+}
+
+/// Acceleration a wall gives a particle of body `body` at `x` with velocity `v`, m/s². `dt` bounds friction: it can stop
+/// the sliding within the step, never turn it.
+pub(super) fn wall_acceleration(
+    model: &Model,
+    wall: &Wall,
+    state: &WallState,
+    body: u32,
+    x: Vector<f64>,
+    v: Vector<f64>,
+    dt: f64,
+) -> Vector<f64> {
+    let Some(gap) = state.gap(&wall.surface, x) else { return [0.0; 3] };
+    let body = &model.bodies[body as usize];
+    let sound_speed = model.materials[body.material].equation_of_state.reference_sound_speed();
+    let relative = [0, 1, 2].map(|a| v[a] - state.velocity[a]);
+    match wall.contact {
+        WallContact::MonaghanKos { range } => monaghan_kos(&gap, relative, range, sound_speed, body.smoothing_length),
+        WallContact::Penalty { stiffness, damping, friction } => {
+            let parameters =
+                PenaltyParameters::from_sound_speed(sound_speed, body.spacing, stiffness, damping, friction);
+            penalty_contact(parameters, &gap, 0.5 * body.spacing, relative, dt)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_moves_by_the_integral_of_its_velocity() {
+        let ramp = TimeTable { points: vec![(0.0, 0.0), (2.0, 4.0)] };
+        let zero = TimeTable::constant(0.0);
+        let wall = Wall {
+            name: String::new(),
+            surface: WallSurface::Plane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] },
+            velocity: [ramp, zero.clone(), zero],
+            contact: WallContact::MonaghanKos { range: 1.0 },
+        };
+        let mut state = WallState::new(&wall);
+        state.advance(0.0, 1.0);
+        state.advance(1.0, 2.0);
+        assert_eq!((state.displacement[0], state.velocity[0]), (4.0, 4.0));
+        // The gap is that to where it has moved.
+        let gap = state.gap(&wall.surface, [7.0, 4.0, 0.0]);
+        assert_eq!(gap, Some(Gap { distance: 3.0, normal: [1.0, 0.0, 0.0] }));
+        let segment = WallSurface::Segment { from: [0.0; 3], to: [0.0, 2.0, 0.0] };
+        assert_eq!(state.gap(&segment, [4.0, 1.0, 0.0]), None);
+    }
+}
