@@ -1,15 +1,30 @@
-//! What every engine can do: the stages of a step, and a view of the particles.
+//! The contract of an engine: what takes particles through a step, and what can be asked of it.
+//!
+//! An engine owns the columns of the particles, wherever they are: in memory, on a card, on many ranks. [`crate::Simulation`] calls the
+//! stages in the order of [`crate::step`]; the rest of the program asks for sums ([`Engine::reduce`], [`Engine::ledger`]) and copies
+//! of fields ([`Engine::read`]), never for the columns themselves.
 
-use super::{Audit, RunFailure, VoteReason};
-use crate::Particles;
+use crate::halo::FieldSet;
+use crate::persist::{Archive, ArchiveError};
+use crate::reduction::Reduction;
+use crate::{Audit, Column, Ledger, LimitReason, Model, Particles, RunFailure};
+use std::sync::Arc;
 
-/// Proposal for the next time step.
+/// Longest stable next step, and what limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vote {
+pub struct TimeStepLimit {
     /// Largest stable step, s.
     pub dt: f64,
     /// The rule that set it.
-    pub reason: VoteReason,
+    pub reason: LimitReason,
+}
+
+impl TimeStepLimit {
+    /// The smaller of two limits, the first of equals.
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        if other.dt < self.dt { other } else { self }
+    }
 }
 
 /// Share of the work a search did.
@@ -19,33 +34,84 @@ pub struct SearchReport {
     pub searched_fraction: f64,
 }
 
-/// An engine owns the particle columns and carries out the stages; [`super::step::advance`] puts them in order.
-pub(super) trait Engine: Send {
-    /// Opens a step of size `dt`: boundary motion, prediction or kick and drift.
-    fn begin(&mut self, dt: f64);
-    /// Makes neighbour lists valid for the positions just reached.
-    fn refresh_neighbors(&mut self) -> SearchReport;
+/// A kind of engine: knows what it can run, and starts it.
+pub trait EngineKind: Sync {
+    /// Name on the command line and in the summary, such as `cpu`.
+    fn name(&self) -> &'static str;
+
+    /// Whether this engine can run a model here and now.
+    ///
+    /// # Errors
+    /// What it cannot do.
+    fn supports(&self, model: &Model) -> Result<(), Unsupported>;
+
+    /// Takes over particles in their initial configuration. Threads are those of the rayon pool it is called in.
+    ///
+    /// # Errors
+    /// There is no room, or the device does not answer.
+    fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure>;
+}
+
+/// Why an engine cannot run a model.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}")]
+pub struct Unsupported {
+    /// What it cannot do, such as "heat conduction".
+    pub what: String,
+    /// The way out.
+    pub help: String,
+}
+
+/// The stages of a step, and what can be asked between steps. Every stage can fail: a card can be lost, a rank can die.
+pub trait Engine: Send {
+    /// Opens a step of size `dt` (s): boundary motion, kick and drift or prediction. A step of size zero evaluates the initial rates.
+    ///
+    /// # Errors
+    /// Here and below: the engine is lost, or the state has no meaning any more.
+    fn begin(&mut self, dt: f64) -> Result<(), RunFailure>;
+    /// Makes neighbour lists and ghosts valid for the positions just reached.
+    fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure>;
     /// Comparison of the lists with an exact search, if one is due.
-    fn audit(&mut self) -> Option<Audit>;
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure>;
+    /// Brings the fields of a set, of all ghosts, to those of the particles they stand for.
+    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure>;
     /// Velocity gradient and density.
-    fn kinematics(&mut self);
+    fn kinematics(&mut self) -> Result<(), RunFailure>;
+    /// Density re-initialisation, if one is due.
+    fn restore_density(&mut self) -> Result<(), RunFailure>;
+    /// Gradient correction where forces are evaluated, if it is not that of the velocity gradient.
+    fn correct_gradients(&mut self) -> Result<(), RunFailure>;
     /// Trial stress, equation of state, return mapping, temperature.
-    fn stress(&mut self);
-    /// Momentum, energy, viscosity, artificial stress, XSPH, walls, gravity.
-    fn forces(&mut self);
+    fn stress(&mut self) -> Result<(), RunFailure>;
+    /// Sums that the forces read of neighbours: contact overlaps, heat flow in the initial configuration.
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure>;
+    /// Momentum, energy, viscosity, artificial stress, XSPH, heat, contact, walls, gravity.
+    fn forces(&mut self) -> Result<(), RunFailure>;
     /// Closes the step: correction or second kick.
-    fn finish(&mut self);
+    fn finish(&mut self) -> Result<(), RunFailure>;
     /// Every value finite, every density positive.
     fn guard(&self) -> Result<(), RunFailure>;
-    /// Largest stable next step.
-    fn vote(&self) -> Vote;
+    /// Longest stable next step.
+    fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure>;
+
+    /// Number of particles.
+    fn count(&self) -> usize;
     /// Ordered pairs inside the kernel support at the last kinematics stage.
     fn pairs(&self) -> u64;
-
-    /// The particles; a device engine copies them here first.
-    fn particles(&self) -> &Particles;
     /// Conservation sums.
-    fn ledger(&self) -> super::Ledger;
+    fn ledger(&self) -> Result<Ledger, RunFailure>;
+    /// A sum, mean or extremum over particles, taken where the columns are; see [`Reduction`] for what comes back.
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure>;
+    /// A field of [`crate::particles::FIELDS`] of all particles, in the order of their `id`.
+    ///
+    /// # Errors
+    /// As above, or there is no such field.
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure>;
+    /// Saves everything that the steps to come depend on, or loads it into an engine that was started with the same model.
+    ///
+    /// # Errors
+    /// The archive holds something else.
+    fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError>;
     /// Bytes held by columns, lists and scratch.
     fn memory_bytes(&self) -> u64;
 }

@@ -36,3 +36,10 @@ impl fmt::Display for RunFailure {
 }
 
 impl std::error::Error for RunFailure {}
+
+impl RunFailure {
+    /// A failure of the engine rather than of a particle.
+    pub fn of_engine(message: String) -> Self {
+        Self { step: 0, time: 0.0, field: "engine", particle: None, body: None, position: None, message }
+    }
+}

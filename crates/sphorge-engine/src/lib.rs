@@ -1,25 +1,33 @@
 //! The model of a problem, the particles it becomes, and the engines that take them through time.
 //!
-//! [`model`] is the problem in SI units, [`geometry`] fills its bodies with [`particles`], an engine carries out the stages of
+//! [`model`] is the problem in SI units, [`geometry`] fills its bodies with [`particles`], an [`Engine`] carries out the stages of
 //! the step, and a [`Simulation`] keeps the clock and chooses the step sizes.
 
 mod cpu;
 mod engine;
 mod failure;
 pub mod geometry;
+pub mod halo;
 mod lanes;
 pub mod model;
 pub mod neighbors;
 pub mod particles;
+pub mod persist;
+pub mod reduction;
 mod report;
 mod simulation;
 mod step;
 
-pub use engine::{SearchReport, Vote};
+pub use cpu::Cpu;
+pub use engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use model::Model;
-pub use particles::Particles;
+pub use particles::{Column, Particles};
+pub use reduction::Reduction;
 pub use report::{
-    Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, StageSeconds, StepReport, VoteReason,
+    Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, StageSeconds, StepReport,
 };
 pub use simulation::Simulation;
+
+/// The engines of this crate; the first is the default.
+pub const ENGINES: &[&dyn EngineKind] = &[&Cpu];

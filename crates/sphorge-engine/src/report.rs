@@ -2,7 +2,7 @@
 
 /// Which rule limited the time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VoteReason {
+pub enum LimitReason {
     /// Longitudinal sound speed plus |mu| over the smoothing length.
     SoundSpeed,
     /// Square root of smoothing length over acceleration.
@@ -17,7 +17,16 @@ pub enum VoteReason {
     Output,
 }
 
-impl VoteReason {
+impl LimitReason {
+    /// Every reason, in the order of their numbers.
+    const ALL: [Self; 6] =
+        [Self::SoundSpeed, Self::Acceleration, Self::Contact, Self::Conduction, Self::Deck, Self::Output];
+
+    /// The reason of this number.
+    pub(crate) fn from_u8(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|reason| *reason as u8 == number)
+    }
+
     /// Word written to `history.csv`.
     pub fn name(self) -> &'static str {
         match self {
@@ -168,7 +177,7 @@ pub struct StepReport {
     /// Size of the step just taken, s.
     pub dt: f64,
     /// Why it was no larger.
-    pub reason: VoteReason,
+    pub reason: LimitReason,
     /// Share of the particles whose neighbours were searched in this step.
     pub searched_fraction: f64,
     /// Ordered neighbour pairs i != j inside the kernel support, summed over particles, in this step.

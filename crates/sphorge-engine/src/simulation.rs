@@ -1,52 +1,87 @@
 //! A run in progress: an engine, its clock and the choice of steps.
 
-use super::cpu::CpuEngine;
-use super::engine::{Engine, Vote};
-use super::step::advance;
-use super::{Ledger, RunFailure, StageSeconds, StepReport, VoteReason};
-use crate::model::{Model, Precision};
-use crate::particles::Particles;
+use crate::engine::{Engine, EngineKind, TimeStepLimit};
+use crate::model::Model;
+use crate::particles::{Column, Particles};
+use crate::persist::{Archive, ArchiveError, Persist};
+use crate::reduction::Reduction;
+use crate::step::advance;
+use crate::{ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
 use std::sync::Arc;
 
 /// A run in progress. Threads are those of the rayon pool it is called in.
 pub struct Simulation {
     model: Arc<Model>,
     engine: Box<dyn Engine>,
-    vote: Option<Vote>,
-    time: f64,
-    steps: u64,
+    name: &'static str,
+    clock: RunClock,
     seconds: StageSeconds,
 }
 
-impl Simulation {
-    /// Sets up the engine the model asks for.
-    pub fn new(model: Model, particles: Particles) -> Self {
-        let model = Arc::new(model);
-        let engine: Box<dyn Engine> = match model.numerics.precision {
-            Precision::Mixed => Box::new(CpuEngine::<f32>::new(model.clone(), particles)),
-            Precision::Double => Box::new(CpuEngine::<f64>::new(model.clone(), particles)),
+/// How far a run is.
+#[derive(Clone, Copy, Debug, Default)]
+struct RunClock {
+    /// Longest stable next step; unknown before the initial rates are.
+    limit: Option<TimeStepLimit>,
+    /// s.
+    time: f64,
+    steps: u64,
+}
+
+impl Persist for RunClock {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.time.persist(&format!("{name}.time"), archive)?;
+        self.steps.persist(&format!("{name}.steps"), archive)?;
+        let mut limit = self.limit.map(|limit| (limit.dt, limit.reason as u8));
+        limit.persist(&format!("{name}.limit"), archive)?;
+        let unknown = || ArchiveError::Mismatch(format!("{name}.limit"));
+        self.limit = match limit {
+            Some((dt, reason)) => Some(TimeStepLimit { dt, reason: LimitReason::from_u8(reason).ok_or_else(unknown)? }),
+            None => None,
         };
-        Self { model, engine, vote: None, time: 0.0, steps: 0, seconds: StageSeconds::default() }
+        Ok(())
+    }
+}
+
+impl Simulation {
+    /// Starts the default engine.
+    ///
+    /// # Panics
+    /// If that engine does not run the model; only tests and tools that know that it does call this.
+    pub fn new(model: Model, particles: Particles) -> Self {
+        Self::start(ENGINES[0], model, particles).unwrap_or_else(|failure| panic!("{failure}"))
+    }
+
+    /// Starts an engine; [`EngineKind::supports`] says beforehand whether it can run the model.
+    ///
+    /// # Errors
+    /// See [`EngineKind::start`].
+    pub fn start(kind: &dyn EngineKind, model: Model, particles: Particles) -> Result<Self, RunFailure> {
+        let model = Arc::new(model);
+        let engine = kind.start(model.clone(), particles)?;
+        let seconds = StageSeconds::default();
+        Ok(Self { model, engine, name: kind.name(), clock: RunClock::default(), seconds })
     }
 
     /// Takes one time step, shortened so that it does not pass `land_on`, s.
     ///
     /// # Errors
-    /// A value that is not finite, a density that is not positive, or a fixed step beyond the stable one.
+    /// A value that is not finite, a density that is not positive, a fixed step beyond the stable one, or an engine that is lost.
     pub fn step(&mut self, land_on: Option<f64>) -> Result<StepReport, RunFailure> {
-        let vote = self.next_vote()?;
-        let (dt, reason) = self.choose_step(vote, land_on)?;
+        let limit = self.next_limit()?;
+        let (dt, reason) = self.choose_step(limit, land_on)?;
         let advanced = advance(self.engine.as_mut(), dt, &mut self.seconds).map_err(|f| self.date(f))?;
-        self.vote = Some(advanced.vote);
-        self.steps += 1;
+        let clock = &mut self.clock;
+        clock.limit = Some(advanced.limit);
+        clock.steps += 1;
         // Landing is exact: the sum of steps would miss the output time by a rounding.
-        self.time = match land_on {
-            Some(t) if reason == VoteReason::Output && self.time + dt >= t * (1.0 - 1e-12) => t,
-            _ => self.time + dt,
+        clock.time = match land_on {
+            Some(t) if reason == LimitReason::Output && clock.time + dt >= t * (1.0 - 1e-12) => t,
+            _ => clock.time + dt,
         };
         Ok(StepReport {
-            step: self.steps,
-            time: self.time,
+            step: clock.steps,
+            time: clock.time,
             dt,
             reason,
             searched_fraction: advanced.search.searched_fraction,
@@ -59,9 +94,9 @@ impl Simulation {
     ///
     /// # Errors
     /// The initial state is not finite.
-    pub fn next_step_estimate(&mut self) -> Result<(f64, VoteReason), RunFailure> {
-        let vote = self.next_vote()?;
-        self.choose_step(vote, None)
+    pub fn next_step_estimate(&mut self) -> Result<(f64, LimitReason), RunFailure> {
+        let limit = self.next_limit()?;
+        self.choose_step(limit, None)
     }
 
     /// The model.
@@ -69,23 +104,59 @@ impl Simulation {
         &self.model
     }
 
-    /// The particles as they are now.
-    pub fn particles(&self) -> &Particles {
-        self.engine.particles()
+    /// Name of the engine.
+    pub fn engine_name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Number of particles.
+    pub fn count(&self) -> usize {
+        self.engine.count()
+    }
+
+    /// A field of all particles, in the order of their `id`; see [`Engine::read`].
+    ///
+    /// # Errors
+    /// There is no such field, or the engine is lost.
+    pub fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.engine.read(field)
+    }
+
+    /// A sum, mean or extremum over particles; see [`Reduction`].
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        self.engine.reduce(reduction)
+    }
+
+    /// A copy of every field a user can name, in the order of `id`.
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub fn particles(&self) -> Result<Particles, RunFailure> {
+        let mut particles = Particles::new(self.count());
+        for field in crate::particles::FIELDS.iter() {
+            particles.set_column(field.name, &self.engine.read(field.name)?);
+        }
+        Ok(particles)
     }
 
     /// Time reached, s.
     pub fn time(&self) -> f64 {
-        self.time
+        self.clock.time
     }
 
     /// Steps done.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.clock.steps
     }
 
     /// Conservation sums.
-    pub fn ledger(&self) -> Ledger {
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub fn ledger(&self) -> Result<Ledger, RunFailure> {
         self.engine.ledger()
     }
 
@@ -96,7 +167,7 @@ impl Simulation {
 
     /// Mean number of neighbours inside the kernel support.
     pub fn mean_neighbors(&self) -> f64 {
-        self.engine.pairs() as f64 / self.particles().len().max(1) as f64
+        self.engine.pairs() as f64 / self.count().max(1) as f64
     }
 
     /// Bytes held by columns, lists and scratch.
@@ -104,56 +175,61 @@ impl Simulation {
         self.engine.memory_bytes()
     }
 
-    fn next_vote(&mut self) -> Result<Vote, RunFailure> {
-        match self.vote {
-            Some(vote) => Ok(vote),
+    /// Saves everything the steps to come depend on, or loads it into a simulation that was started with the same model and
+    /// particles.
+    ///
+    /// # Errors
+    /// The archive holds something else.
+    pub fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.clock.persist("clock", archive)?;
+        self.engine.persist(archive)
+    }
+
+    fn next_limit(&mut self) -> Result<TimeStepLimit, RunFailure> {
+        match self.clock.limit {
+            Some(limit) => Ok(limit),
             None => {
                 // Preparation is not part of a step's time.
                 let mut preparation = StageSeconds::default();
                 let advanced = advance(self.engine.as_mut(), 0.0, &mut preparation).map_err(|f| self.date(f))?;
-                self.vote = Some(advanced.vote);
-                Ok(advanced.vote)
+                self.clock.limit = Some(advanced.limit);
+                Ok(advanced.limit)
             }
         }
     }
 
-    fn choose_step(&self, vote: Vote, land_on: Option<f64>) -> Result<(f64, VoteReason), RunFailure> {
+    fn choose_step(&self, limit: TimeStepLimit, land_on: Option<f64>) -> Result<(f64, LimitReason), RunFailure> {
         let control = &self.model.time;
-        let (mut dt, mut reason) = (vote.dt, vote.reason);
+        let (mut dt, mut reason) = (limit.dt, limit.reason);
         if let Some(fixed) = control.fixed_step {
-            // The vote carries the Courant number as its margin; a fixed step may use that margin up, not more.
-            if fixed * control.courant > vote.dt {
+            // The limit carries the Courant number as its margin; a fixed step may use that margin up, not more.
+            if fixed * control.courant > limit.dt {
                 return Err(self.date(RunFailure {
-                    step: 0,
-                    time: 0.0,
                     field: "time step",
-                    particle: None,
-                    body: None,
-                    position: None,
-                    message: format!(
-                        "the fixed step {fixed:.3e} s is unstable: the vote ({}) allows {:.3e} s; lower `time.fixed-step`",
-                        vote.reason.name(),
-                        vote.dt
-                    ),
+                    ..RunFailure::of_engine(format!(
+                        "the fixed step {fixed:.3e} s is unstable: the limit ({}) is {:.3e} s; lower `time.fixed-step`",
+                        limit.reason.name(),
+                        limit.dt
+                    ))
                 }));
             }
-            (dt, reason) = (fixed, VoteReason::Deck);
+            (dt, reason) = (fixed, LimitReason::Deck);
         }
         if let Some(max) = control.max_step.filter(|&max| max < dt) {
-            (dt, reason) = (max, VoteReason::Deck);
+            (dt, reason) = (max, LimitReason::Deck);
         }
-        if let Some(left) = land_on.map(|t| t - self.time).filter(|&left| left > 0.0) {
+        if let Some(left) = land_on.map(|t| t - self.clock.time).filter(|&left| left > 0.0) {
             if left <= dt * (1.0 + 1e-9) {
-                (dt, reason) = (left, VoteReason::Output);
+                (dt, reason) = (left, LimitReason::Output);
             } else if left < 2.0 * dt {
                 // Two equal steps rather than a full one and a sliver.
-                (dt, reason) = (0.5 * left, VoteReason::Output);
+                (dt, reason) = (0.5 * left, LimitReason::Output);
             }
         }
         Ok((dt, reason))
     }
 
     fn date(&self, failure: RunFailure) -> RunFailure {
-        RunFailure { step: self.steps + 1, time: self.time, ..failure }
+        RunFailure { step: self.clock.steps + 1, time: self.clock.time, ..failure }
     }
 }

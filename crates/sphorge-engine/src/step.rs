@@ -1,36 +1,46 @@
 //! The time step, in the order of the papers.
 
-use super::engine::{Engine, SearchReport, Vote};
-use super::{Audit, RunFailure, StageSeconds};
+use crate::engine::{Engine, SearchReport, TimeStepLimit};
+use crate::halo::FieldSet;
+use crate::{Audit, RunFailure, StageSeconds};
 use std::time::Instant;
 
 /// What one pass through the stages yields.
-pub(super) struct Advance {
-    pub(super) search: SearchReport,
-    pub(super) audit: Option<Audit>,
-    pub(super) vote: Vote,
+pub(crate) struct Advance {
+    pub(crate) search: SearchReport,
+    pub(crate) audit: Option<Audit>,
+    pub(crate) limit: TimeStepLimit,
 }
 
 /// Takes one step of size `dt`, timing each stage. A step of size zero evaluates the initial rates.
-pub(super) fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSeconds) -> Result<Advance, RunFailure> {
+pub(crate) fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSeconds) -> Result<Advance, RunFailure> {
     let mut clock = Clock(Instant::now());
-    engine.begin(dt);
+    engine.begin(dt)?;
     clock.lap(&mut seconds.integrate);
-    let search = engine.refresh_neighbors();
+    let search = engine.refresh_neighbors()?;
     clock.lap(&mut seconds.search);
-    let audit = engine.audit();
+    engine.exchange(FieldSet::Audit)?;
+    let audit = engine.audit()?;
     clock.skip();
-    engine.kinematics();
+    engine.exchange(FieldSet::Motion)?;
+    engine.kinematics()?;
+    engine.exchange(FieldSet::Density)?;
+    engine.restore_density()?;
+    engine.exchange(FieldSet::Volume)?;
+    engine.correct_gradients()?;
     clock.lap(&mut seconds.kinematics);
-    engine.stress();
+    engine.stress()?;
+    engine.exchange(FieldSet::Stress)?;
     clock.lap(&mut seconds.stress);
-    engine.forces();
+    engine.intermediate_sums()?;
+    engine.exchange(FieldSet::IntermediateSums)?;
+    engine.forces()?;
     clock.lap(&mut seconds.forces);
-    engine.finish();
+    engine.finish()?;
     engine.guard()?;
-    let vote = engine.vote();
+    let limit = engine.time_step_limit()?;
     clock.lap(&mut seconds.integrate);
-    Ok(Advance { search, audit, vote })
+    Ok(Advance { search, audit, limit })
 }
 
 struct Clock(Instant);

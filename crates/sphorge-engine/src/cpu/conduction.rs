@@ -5,21 +5,19 @@
 //! then the last flow goes on. Each sum is antisymmetric, so heat is conserved either way.
 
 use super::CpuEngine;
-use super::contact::Places;
-use super::reference_conduction::ReferenceState;
+use super::conduction_table::Table;
+use super::reference_conduction::{ReferencePoints, sum_reference_flow};
 use crate::HeatLedger;
+use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
-use crate::particles::{Particles, Permutation};
+use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::conduction::{
-    HeatPair, Inflow, cell_size, lattice, pair_conductivity, surface_area, surface_conductance,
-};
-use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
-use sphorge_physics::pair::mean;
+use sphorge_physics::conduction::{Inflow, cell_size, surface_area, surface_conductance};
+use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
-use sphorge_physics::{Dimension, Vector, tensor::dot};
+use sphorge_physics::{Vector, tensor::dot};
 
 /// Share of its own time step after which a flow beside mechanics is summed anew.
 const RENEWAL: f64 = 0.1;
@@ -31,10 +29,6 @@ const RENEWAL_STEPS: u32 = 50;
 #[derive(Clone, Debug)]
 pub(super) struct HeatFlow {
     table: Table,
-    /// Heat that flows in, W/kg.
-    rate: Vec<f64>,
-    /// Flow at the initial positions, W/m²; empty but with the total Lagrangian form.
-    flow: Vec<Vector<f64>>,
     /// Power of each boundary by block, W; its heat of a step by block, J.
     partial: Vec<f64>,
     /// Heat that changed places in a step by block, J.
@@ -52,42 +46,17 @@ pub(super) struct HeatFlow {
     /// Steps since then.
     steps: u32,
     surfaces: bool,
-}
-
-/// Constants by body.
-#[derive(Clone, Debug)]
-pub(super) struct Table {
-    pub(super) kernel: Kernel,
-    pub(super) dimension: Dimension,
-    pub(super) conductivity: Vec<f64>,
-    specific_heat: Vec<f64>,
-    /// `1 / moment` of the body's lattice.
-    correction: Vec<f64>,
-    /// Moment of its outermost layer over that of a full lattice.
-    flat: Vec<f64>,
+    /// Whether the flow is summed again in this step.
+    due: bool,
 }
 
 impl HeatFlow {
     /// `None` where no heat flows.
     pub(super) fn new(model: &Model, particles: usize) -> Option<Self> {
-        let dimension = super::dimension(model);
-        let kernel = model.numerics.kernel;
-        let material = |body: &crate::model::Body| &model.materials[body.material];
-        let lattices = model.bodies.iter().map(|b| (b, lattice(kernel, dimension, b.spacing, b.smoothing_length)));
-        let table = Table {
-            kernel,
-            dimension,
-            conductivity: model.bodies.iter().map(|b| material(b).conductivity).collect(),
-            specific_heat: model.bodies.iter().map(|b| material(b).specific_heat).collect(),
-            correction: lattices.clone().map(|(_, l)| 1.0 / l.moment).collect(),
-            flat: lattices.map(|(_, l)| l.surface_moment / l.moment).collect(),
-        };
         let (blocks, boundaries) = (particles.div_ceil(BLOCK), model.thermal.boundaries.len());
         let on_surface = |kind| !matches!(kind, HeatBoundaryKind::Hold(_));
         model.thermal.conduction.then(|| Self {
-            table,
-            rate: vec![0.0; particles],
-            flow: Vec::new(),
+            table: Table::new(model),
             // At least one column, so that a block always has a chunk.
             partial: vec![0.0; blocks * boundaries.max(1)],
             moved: vec![0.0; blocks],
@@ -98,26 +67,8 @@ impl HeatFlow {
             age: f64::INFINITY,
             steps: 0,
             surfaces: model.thermal.boundaries.iter().any(|b| on_surface(b.kind)),
+            due: false,
         })
-    }
-
-    /// Brings held particles to their temperature: part of the initial state.
-    pub(super) fn hold(model: &Model, particles: &mut Particles) {
-        for i in 0..particles.len() {
-            for boundary in &model.thermal.boundaries {
-                if let HeatBoundaryKind::Hold(held) = boundary.kind
-                    && boundary.claims(particles.body[i], particles.regions[i])
-                {
-                    let cp = model.materials[particles.material[i] as usize].specific_heat;
-                    particles.energy[i] += cp * (held - particles.temperature[i]);
-                    particles.temperature[i] = held;
-                }
-            }
-        }
-    }
-
-    pub(super) fn reorder(&mut self, permutation: &Permutation) {
-        permutation.apply(&mut self.rate);
     }
 
     /// Largest stable step over the margin at the last evaluation, s.
@@ -132,8 +83,22 @@ impl HeatFlow {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        24 * self.flow.capacity()
-            + 8 * (self.rate.capacity() + self.partial.capacity() + self.moved.capacity() + self.limits.capacity())
+        8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity())
+    }
+}
+
+/// Brings held particles to their temperature: part of the initial state.
+pub(super) fn hold(model: &Model, particles: &mut Particles) {
+    for i in 0..particles.len() {
+        for boundary in &model.thermal.boundaries {
+            if let HeatBoundaryKind::Hold(held) = boundary.kind
+                && boundary.claims(particles.body[i], particles.regions[i])
+            {
+                let cp = model.materials[particles.material[i] as usize].specific_heat;
+                particles.energy[i] += cp * (held - particles.temperature[i]);
+                particles.temperature[i] = held;
+            }
+        }
     }
 }
 
@@ -146,44 +111,43 @@ fn add_by_boundary(partial: &[f64], totals: &mut [f64]) {
     }
 }
 
-/// The state a flow is summed from.
+/// Particles and ghosts, as a flow is summed from them.
 #[derive(Clone, Copy)]
-struct State<'a> {
-    places: Places<'a>,
-    particles: &'a Particles,
+struct HeatPoints<'a> {
+    position: WithGhosts<'a, Vector<f64>>,
+    smoothing_length: WithGhosts<'a, f64>,
+    temperature: WithGhosts<'a, f64>,
+    body: WithGhosts<'a, u32>,
+    mass: WithGhosts<'a, f64>,
+    density: WithGhosts<'a, f64>,
+}
+
+impl<'a> HeatPoints<'a> {
+    fn new(p: &'a Particles, ghosts: &'a Particles) -> Self {
+        Self {
+            position: WithGhosts::new(&p.position, &ghosts.position),
+            smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
+            temperature: WithGhosts::new(&p.temperature, &ghosts.temperature),
+            body: WithGhosts::new(&p.body, &ghosts.body),
+            mass: WithGhosts::new(&p.mass, &ghosts.mass),
+            density: WithGhosts::new(&p.density, &ghosts.density),
+        }
+    }
 }
 
 impl Table {
-    /// A pair of particles of these bodies, at a distance whose square is given, m^2.
-    pub(super) fn pair(
-        &self,
-        bodies: (u32, u32),
-        volumes: (f64, f64),
-        r2: f64,
-        h: f64,
-        difference: f64,
-    ) -> HeatPair<f64> {
-        let (a, b) = (bodies.0 as usize, bodies.1 as usize);
-        HeatPair {
-            volumes,
-            conductivity: pair_conductivity(self.conductivity[a], self.conductivity[b]),
-            correction: mean(self.correction[a], self.correction[b]),
-            slope: self.kernel.slope(self.dimension, r2.sqrt(), h),
-            r2,
-            difference,
-        }
-    }
-
-    fn add(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], state: State<'_>) {
-        let p = state.particles;
-        let volume = p.mass[i] / p.density[i];
+    fn add(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &HeatPoints<'_>) {
+        let HeatPoints { position, smoothing_length, temperature, body, mass, density } = points;
+        let volume = mass.at(i) / density.at(i);
+        let x_i = position.at(i);
         for &j in row {
-            let (source, position, _) = state.places.of(j);
-            let x = [0, 1, 2].map(|k| p.position[i][k] - position[k]);
-            let h = pair_smoothing_length(p.smoothing_length[i], p.smoothing_length[source]);
-            let volumes = (volume, p.mass[source] / p.density[source]);
-            let difference = p.temperature[source] - p.temperature[i];
-            sum.add(&self.pair((p.body[i], p.body[source]), volumes, dot(x, x), h, difference), self.dimension);
+            let j = j as usize;
+            let x_j = position.at(j);
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
+            let volumes = (volume, mass.at(j) / density.at(j));
+            let difference = temperature.at(j) - temperature.at(i);
+            sum.add(&self.pair((body.at(i), body.at(j)), volumes, dot(x, x), h, difference), self.dimension);
         }
     }
 
@@ -205,29 +169,33 @@ impl Table {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Sums the flow of heat anew where it is due.
+    /// Notes whether the flow of heat is due to be summed again, and works out what that reads of neighbours.
+    pub(super) fn begin_heat(&mut self) {
+        let Some(heat) = &mut self.heat else { return };
+        let (mechanics, courant) = (self.model.thermal.mechanics, self.model.time.courant);
+        let is_recent = heat.steps < RENEWAL_STEPS && heat.age < RENEWAL * courant * heat.limit();
+        heat.due = !(mechanics && is_recent);
+        if heat.due && self.formulation.is_initial() {
+            let mut flow = std::mem::take(&mut self.particles.heat_flow);
+            let points = ReferencePoints::new(&self.particles, &self.ghosts.columns);
+            sum_reference_flow(&heat.table, &self.lists.list, &points, &self.particles, &mut flow);
+            self.particles.heat_flow = flow;
+        }
+    }
+
+    /// Sums the flow of heat again where that is due.
     pub(super) fn sum_heat(&mut self) {
-        let model = self.model.clone();
-        let is_recent =
-            |heat: &HeatFlow| heat.steps < RENEWAL_STEPS && heat.age < RENEWAL * model.time.courant * heat.limit();
-        let due = |heat: &mut HeatFlow| !(model.thermal.mechanics && is_recent(heat));
-        let Some(mut heat) = self.heat.take_if(due) else { return };
+        let Some(heat) = self.heat.as_mut().filter(|heat| heat.due) else { return };
         (heat.age, heat.steps) = (0.0, 0);
-        self.sum_reference_flow(&heat.table, &mut heat.flow);
+        let mut rates = std::mem::take(&mut self.particles.heat_rate);
         let p = &self.particles;
-        let places = Places { position: &p.position, velocity: &p.velocity, ghosts: &self.halo.ghosts };
-        let state = State { places, particles: p };
+        let points = HeatPoints::new(p, &self.ghosts.columns);
+        let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
-        let HeatFlow { table, rate, flow, partial, limits, power, surfaces, .. } = &mut heat;
-        let (table, boundaries) = (&*table, &model.thermal.boundaries);
-        let reference = self.reference.as_ref().map(|reference| ReferenceState {
-            places: Places { position: &reference.position, ..places },
-            particles: p,
-            reference,
-            flow,
-        });
+        let HeatFlow { table, partial, limits, power, surfaces, .. } = heat;
+        let (table, boundaries) = (&*table, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
-        (rate.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
+        (rates.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
             |(b, (rate, limit, powers))| {
                 *limit = f64::INFINITY;
                 powers.fill(0.0);
@@ -235,12 +203,12 @@ impl<T: PairScalar> CpuEngine<T> {
                 for (k, rate) in rate.iter_mut().enumerate() {
                     let i = b * BLOCK + k;
                     let mut sum = Inflow::default();
-                    match reference {
-                        Some(state) => table.add_reference(&mut sum, i, list.row(i), state),
-                        None => table.add(&mut sum, i, list.row(i), state),
+                    match &reference {
+                        Some(points) => table.add_reference(&mut sum, i, list.row(i), points),
+                        None => table.add(&mut sum, i, list.row(i), &points),
                     }
                     if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
-                        table.add(&mut sum, i, row, state);
+                        table.add(&mut sum, i, row, &points);
                     }
                     if *surfaces {
                         for (boundary, total) in boundaries.iter().zip(powers.iter_mut()) {
@@ -260,7 +228,7 @@ impl<T: PairScalar> CpuEngine<T> {
         );
         power.fill(0.0);
         add_by_boundary(partial, power);
-        self.heat = Some(heat);
+        self.particles.heat_rate = rates;
     }
 
     /// Lets the heat flow for the step: energy, temperature, account.
@@ -268,9 +236,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let model = &*self.model;
         let dt = self.step.dt;
         let Some(heat) = &mut self.heat else { return };
-        let Particles { energy, temperature, mass, body, regions, .. } = &mut self.particles;
-        let (mass, body, regions) = (&*mass, &*body, &*regions);
-        let HeatFlow { table, rate, partial, moved, power, supplied, exchanged, age, steps, .. } = heat;
+        let Particles { energy, temperature, mass, body, regions, heat_rate, .. } = &mut self.particles;
+        let (mass, body, regions, rate) = (&*mass, &*body, &*regions, &*heat_rate);
+        let HeatFlow { table, partial, moved, power, supplied, exchanged, age, steps, .. } = heat;
         let boundaries = &model.thermal.boundaries;
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (
@@ -316,17 +284,17 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Warms particles by the heat of friction, where temperature is not that of the internal energy anyway.
     pub(super) fn warm_by_friction(&mut self) {
         let model = &*self.model;
-        let Some(contacts) = &self.contacts else { return };
-        if model.numerics.temperature != TemperatureSource::PlasticWork {
+        if self.contacts.is_none() || model.numerics.temperature != TemperatureSource::PlasticWork {
             return;
         }
         let dt = self.step.dt;
-        let material = &self.particles.material;
-        let rubbed = contacts.rubbed();
-        self.particles.temperature.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, t)| {
-            if rubbed[i] > 0.0 {
-                *t += dt * rubbed[i] / model.materials[material[i] as usize].specific_heat;
+        let Particles { temperature, material, friction_heat, .. } = &mut self.particles;
+        temperature.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, t)| {
+            if friction_heat[i] > 0.0 {
+                *t += dt * friction_heat[i] / model.materials[material[i] as usize].specific_heat;
             }
         });
     }
 }
+
+crate::persist_fields!(HeatFlow { partial, limits, power, supplied, exchanged, age, steps });

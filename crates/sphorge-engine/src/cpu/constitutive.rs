@@ -1,9 +1,9 @@
 //! Per-particle update: density is known, stress, temperature and what the force sum reads follow.
 
+use super::CpuEngine;
 use super::prefetch::prefetch_behind;
 use super::records::{extra, force, kinematic};
 use super::stress_columns::{ElasticInputs, PackStress, StressColumns, StressForm};
-use super::{CpuEngine, Work};
 use crate::lanes::{Instructions, PairScalar, run};
 use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
@@ -11,8 +11,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{SymmetricTensor, heat, stress, tensor, viscosity};
+use sphorge_physics::{SymmetricTensor, heat, stress, viscosity};
 
 /// What a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
@@ -177,19 +176,18 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         let dt = self.step.dt_to_evaluation(numerics.integrator);
         let corrected = self.corrected();
-        // Forces of the total Lagrangian form are summed at initial positions.
-        let reference = self.reference.as_ref();
+        let formulation = self.formulation;
         let form = StressForm {
             pair_form: numerics.pair_form,
-            bulk_viscosity: reference
-                .map(|_| ViscosityParameters { alpha: numerics.viscosity_alpha, beta: numerics.viscosity_beta }),
+            bulk_viscosity: formulation.bulk_viscosity(model),
             artificial_stress: numerics.artificial_stress.map(|a| a.epsilon),
             dimension: super::dimension(model),
         };
 
-        let Work { correction, evaluated_velocity, .. } = &self.work;
         let Particles {
             position,
+            reference_position,
+            evaluated_velocity,
             material,
             density,
             energy,
@@ -209,7 +207,9 @@ impl<T: PairScalar> CpuEngine<T> {
         } = &mut self.particles;
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
-        let position = reference.map_or(&*position, |r| &r.position);
+        let evaluated_velocity = &*evaluated_velocity;
+        // Forces of the total Lagrangian form are summed at initial positions.
+        let position = if formulation.is_initial() { &*reference_position } else { &*position };
         let count = density.len();
         let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
         let corrected_length = if corrected { count } else { 0 };
@@ -298,16 +298,23 @@ impl<T: PairScalar> CpuEngine<T> {
         }
 
         let records = &self.records.force;
+        let particles = &self.particles;
         self.records.corrected[..corrected_length].par_iter_mut().enumerate().for_each(|(i, record)| {
             let stress = stress_of(&records[i]);
-            let product = match reference {
-                None => tensor::multiply(&stress.to_tensor(), &correction[i]),
-                Some(reference) => reference.force_tensor(i, stress, &correction[i]),
-            };
+            let product = formulation.force_tensor(particles, i, stress, &particles.correction[i]);
             for (slot, value) in product.iter().flatten().enumerate() {
                 record[slot] = T::of(*value);
             }
         });
+    }
+
+    /// Brings the force records of ghosts to those of the particles they stand for.
+    pub(super) fn pack_ghost_stress(&mut self) {
+        if !self.ghosts.halo.is_empty() {
+            let ghosts = &self.ghosts.columns;
+            let places = if self.formulation.is_initial() { &ghosts.reference_position } else { &ghosts.position };
+            self.records.fill_force_ghosts(self.particles.len(), self.ghosts.halo.as_ref(), places);
+        }
     }
 
     /// Takes the stress through the whole step with the gradient of mid-step, for good.
@@ -321,9 +328,9 @@ impl<T: PairScalar> CpuEngine<T> {
             commit: true,
         };
         let dt = self.step.dt;
-        let base = &self.base;
         let Particles {
             material,
+            base_density,
             density,
             energy,
             velocity_gradient,
@@ -338,6 +345,7 @@ impl<T: PairScalar> CpuEngine<T> {
             ..
         } = &mut self.particles;
         let (material, energy, velocity_gradient) = (&*material, &*energy, &*velocity_gradient);
+        let base_density = &*base_density;
         (
             deviator.par_chunks_mut(BLOCK),
             (
@@ -358,7 +366,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 let particles = b * BLOCK..b * BLOCK + s.len();
                 let material = &material[particles.clone()];
                 let l = &velocity_gradient[particles.clone()];
-                for ((rho, l), base) in rho.iter_mut().zip(l).zip(&base.density[particles.clone()]) {
+                for ((rho, l), base) in rho.iter_mut().zip(l).zip(&base_density[particles.clone()]) {
                     *rho = stress::density_after(*base, l, dt);
                 }
                 columns.density[..s.len()].copy_from_slice(rho);
@@ -384,8 +392,10 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Adds the strain of the step to what adaptive search looks at.
     pub(super) fn accumulate_strain(&mut self) {
         let dt = self.step.dt;
-        let Particles { velocity_gradient, plastic_strain_increment, .. } = &self.particles;
-        let Work { strain_since_search, plastic_since_search, .. } = &mut self.work;
+        let Particles {
+            velocity_gradient, plastic_strain_increment, strain_since_search, plastic_since_search, ..
+        } = &mut self.particles;
+        let (velocity_gradient, plastic_strain_increment) = (&*velocity_gradient, &*plastic_strain_increment);
         let columns = (
             strain_since_search.par_chunks_mut(BLOCK),
             plastic_since_search.par_chunks_mut(BLOCK),

@@ -4,13 +4,14 @@
 //! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
 //! the energy account, what damping and friction take heats both particles by halves.
 
-use super::halo::Ghost;
-use super::{CpuEngine, Work};
+use super::CpuEngine;
 use crate::ContactLedger;
+use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignList, NeighborList};
 use crate::particles::Particles;
+use crate::persist::{Archive, ArchiveError, Persist, persist_all};
 use rayon::prelude::*;
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -23,8 +24,6 @@ use sphorge_physics::{Dimension, Vector, tensor::dot};
 pub(super) struct BodyContacts {
     foreign: ForeignList,
     table: Table,
-    /// What each particle sees of other bodies; zero where that is nothing.
-    seen: Vec<Overlap<f64>>,
     /// Sums of each block, by pair of bodies.
     partial: Vec<PairSums>,
     /// Largest stable step over the margin, by block, s.
@@ -33,8 +32,6 @@ pub(super) struct BodyContacts {
     now: Vec<PairSums>,
     /// Works so far, by pair of bodies, J.
     works: Vec<Works>,
-    /// Heat of friction at the last evaluation, W/kg.
-    rubbed: Vec<f64>,
 }
 
 /// Constants by body and by ordered pair of bodies.
@@ -56,14 +53,14 @@ struct PairSums {
     force: Vector<f64>,
     /// Powers, W.
     stored: f64,
-    rubbed: f64,
+    friction: f64,
     damped: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Works {
     stored: f64,
-    rubbed: f64,
+    friction: f64,
     damped: f64,
 }
 
@@ -118,26 +115,22 @@ fn pair_index(bodies: usize, a: usize, b: usize) -> usize {
     a * (2 * bodies - a - 1) / 2 + b - a - 1
 }
 
-/// Where the particles are, and their images.
+/// Particles and ghosts, as the contact reads them.
 #[derive(Clone, Copy)]
-pub(super) struct Places<'a> {
-    pub(super) position: &'a [Vector<f64>],
-    pub(super) velocity: &'a [Vector<f64>],
-    pub(super) ghosts: &'a [Ghost],
+struct Points<'a> {
+    position: WithGhosts<'a, Vector<f64>>,
+    velocity: WithGhosts<'a, Vector<f64>>,
+    mass: WithGhosts<'a, f64>,
+    body: WithGhosts<'a, u32>,
+    overlap: WithGhosts<'a, f64>,
+    direction: WithGhosts<'a, Vector<f64>>,
+    weight: WithGhosts<'a, f64>,
 }
 
-impl Places<'_> {
-    /// Source, position, and the signs of vectors of a particle or ghost.
-    pub(super) fn of(&self, j: u32) -> (usize, Vector<f64>, Vector<f64>) {
-        let j = j as usize;
-        match j.checked_sub(self.position.len()) {
-            None => (j, self.position[j], [1.0; 3]),
-            Some(g) => {
-                let ghost = &self.ghosts[g];
-                let source = ghost.source as usize;
-                (source, ghost.position(&self.position[source]), ghost.sign)
-            }
-        }
+impl Points<'_> {
+    /// Overlap of a particle or ghost with other bodies.
+    fn overlap_of(&self, j: usize) -> Overlap<f64> {
+        Overlap { overlap: self.overlap.at(j), away: self.direction.at(j), weight: self.weight.at(j) }
     }
 }
 
@@ -154,12 +147,10 @@ impl BodyContacts {
         (pairs > 0).then(|| Self {
             foreign: ForeignList::default(),
             table: Table::new(model, strength),
-            seen: vec![Overlap::default(); particles],
             partial: vec![PairSums::default(); pairs * particles.div_ceil(BLOCK)],
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
-            rubbed: vec![0.0; particles],
         })
     }
 
@@ -169,20 +160,16 @@ impl BodyContacts {
         rows.any(|(own, row)| own == i && row.contains(&j))
     }
 
-    /// Takes the pairs of different bodies out of a list that was just searched.
-    pub(super) fn take_pairs(&mut self, list: &mut NeighborList, body: &[u32], ghosts: &[Ghost]) {
-        self.foreign.take_from(list, |j| match (j as usize).checked_sub(body.len()) {
-            None => body[j as usize],
-            Some(g) => body[ghosts[g].source as usize],
-        });
-        self.seen.fill(Overlap::default());
+    /// Takes the pairs of different bodies out of a list that was just rebuilt.
+    pub(super) fn take_pairs(&mut self, list: &mut NeighborList, body: WithGhosts<'_, u32>) {
+        self.foreign.take_from(list, |j| body.at(j as usize));
     }
 
     /// Adds the powers of the last evaluation over a time `dt`, s.
     pub(super) fn book(&mut self, dt: f64) {
         for (works, now) in self.works.iter_mut().zip(&self.now) {
             works.stored += dt * now.stored;
-            works.rubbed += dt * now.rubbed;
+            works.friction += dt * now.friction;
             works.damped += dt * now.damped;
         }
     }
@@ -190,11 +177,6 @@ impl BodyContacts {
     /// Particles' neighbours in other bodies.
     pub(super) fn foreign(&self) -> &ForeignList {
         &self.foreign
-    }
-
-    /// Heat of friction at the last evaluation, W/kg.
-    pub(super) fn rubbed(&self) -> &[f64] {
-        &self.rubbed
     }
 
     /// Largest stable step over the margin, s.
@@ -207,7 +189,7 @@ impl BodyContacts {
         let of = |(now, works): (&PairSums, &Works)| ContactLedger {
             force: now.force.map(|f| 0.0 - f),
             stored_energy: works.stored,
-            friction_work: works.rubbed,
+            friction_work: works.friction,
             damping_work: works.damped,
         };
         self.now.iter().zip(&self.works).map(of).collect()
@@ -215,31 +197,7 @@ impl BodyContacts {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.foreign.bytes()
-            + self.seen.capacity() * size_of::<Overlap<f64>>()
-            + self.partial.capacity() * size_of::<PairSums>()
-    }
-
-    /// First pass: the overlap of every particle that has neighbours in other bodies.
-    fn look(&mut self, places: Places<'_>, mass: &[f64], body: &[u32]) {
-        let table = &self.table;
-        (self.foreign.blocks().par_iter(), self.seen.par_chunks_mut(BLOCK)).into_par_iter().for_each(
-            |(block, seen)| {
-                for (i, row) in block.rows() {
-                    let a = body[i] as usize;
-                    let volume = mass[i] * table.specific_volume[a];
-                    let mut sum = Overlap::before_the_first();
-                    for &j in row {
-                        let (source, position, _) = places.of(j);
-                        let b = body[source] as usize;
-                        let x = difference(places.position[i], position);
-                        let kernel = table.kernel(a, b, dot(x, x).sqrt());
-                        sum.add(table.law(a, b), &kernel, x, volume, mass[source] * table.specific_volume[b]);
-                    }
-                    seen[i % BLOCK] = sum;
-                }
-            },
-        );
+        self.foreign.bytes() + self.partial.capacity() * size_of::<PairSums>()
     }
 
     fn close(&mut self) {
@@ -248,7 +206,7 @@ impl BodyContacts {
         for block in self.partial.chunks(pairs) {
             for (sum, part) in self.now.iter_mut().zip(block) {
                 sum.stored += part.stored;
-                sum.rubbed += part.rubbed;
+                sum.friction += part.friction;
                 sum.damped += part.damped;
                 for k in 0..3 {
                     sum.force[k] += part.force[k];
@@ -259,17 +217,70 @@ impl BodyContacts {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
+    /// First pass: the overlap of every particle that has neighbours in other bodies.
+    pub(super) fn overlap_bodies(&mut self) {
+        let Some(contacts) = &self.contacts else { return };
+        let table = &contacts.table;
+        let Particles { position, mass, body, contact_overlap, contact_direction, contact_weight, .. } =
+            &mut self.particles;
+        let ghosts = &self.ghosts.columns;
+        let positions = WithGhosts::new(position, &ghosts.position);
+        let masses = WithGhosts::new(mass, &ghosts.mass);
+        let bodies = WithGhosts::new(body, &ghosts.body);
+        (
+            contacts.foreign.blocks().par_iter(),
+            contact_overlap.par_chunks_mut(BLOCK),
+            contact_direction.par_chunks_mut(BLOCK),
+            contact_weight.par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .for_each(|(block, overlaps, directions, weights)| {
+                for (i, row) in block.rows() {
+                    let a = bodies.at(i) as usize;
+                    let volume = masses.at(i) * table.specific_volume[a];
+                    let mut sum = Overlap::before_the_first();
+                    for &j in row {
+                        let j = j as usize;
+                        let b = bodies.at(j) as usize;
+                        let x = difference(positions.at(i), positions.at(j));
+                        let kernel = table.kernel(a, b, dot(x, x).sqrt());
+                        sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
+                    }
+                    let k = i % BLOCK;
+                    (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
+                }
+            });
+    }
+
     /// Adds the forces between bodies, and their heat, to those of the pair sum.
     pub(super) fn add_body_contact(&mut self) {
         let Some(contacts) = &mut self.contacts else { return };
-        let Work { evaluated_velocity, mu, .. } = &mut self.work;
-        let Particles { acceleration, energy_rate, position, mass, body, .. } = &mut self.particles;
-        let (mass, body) = (&*mass, &*body);
-        let places = Places { position, velocity: evaluated_velocity, ghosts: &self.halo.ghosts };
-        contacts.look(places, mass, body);
-
-        let BodyContacts { foreign, table, seen, partial, limits, now, rubbed, .. } = contacts;
-        let (table, seen, dt) = (&*table, &*seen, self.step.dt);
+        let Particles {
+            acceleration,
+            energy_rate,
+            position,
+            mass,
+            body,
+            evaluated_velocity,
+            mu,
+            contact_overlap,
+            contact_direction,
+            contact_weight,
+            friction_heat,
+            ..
+        } = &mut self.particles;
+        let ghosts = &self.ghosts.columns;
+        let points = Points {
+            position: WithGhosts::new(position, &ghosts.position),
+            velocity: WithGhosts::new(evaluated_velocity, &ghosts.evaluated_velocity),
+            mass: WithGhosts::new(mass, &ghosts.mass),
+            body: WithGhosts::new(body, &ghosts.body),
+            overlap: WithGhosts::new(contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(contact_weight, &ghosts.contact_weight),
+        };
+        let BodyContacts { foreign, table, partial, limits, now, .. } = contacts;
+        let (table, mass, dt) = (&*table, &*mass, self.step.dt);
         (
             foreign.blocks().par_iter(),
             acceleration.par_chunks_mut(BLOCK),
@@ -277,21 +288,21 @@ impl<T: PairScalar> CpuEngine<T> {
             mu.par_chunks_mut(BLOCK),
             partial.par_chunks_mut(now.len()),
             limits.par_iter_mut(),
-            rubbed.par_chunks_mut(BLOCK),
+            friction_heat.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
-            .for_each(|(block, acceleration, energy_rate, mu, sums, limit, rubbed)| {
+            .for_each(|(block, acceleration, energy_rate, mu, sums, limit, friction_heat)| {
                 sums.fill(PairSums::default());
-                rubbed.fill(0.0);
+                friction_heat.fill(0.0);
                 *limit = f64::INFINITY;
                 for (i, row) in block.rows() {
                     let k = i % BLOCK;
-                    let push = table.row(i, row, places, mass, body, seen, dt, sums);
+                    let push = table.row(i, row, &points, dt, sums);
                     for axis in 0..3 {
                         acceleration[k][axis] += push.force[axis] / mass[i];
                     }
                     energy_rate[k] += 0.5 * push.heat / mass[i];
-                    rubbed[k] = 0.5 * push.rubbed / mass[i];
+                    friction_heat[k] = 0.5 * push.friction / mass[i];
                     mu[k] = mu[k].max(push.approach);
                     *limit = limit.min(push.limit);
                 }
@@ -307,44 +318,35 @@ struct Push {
     /// Power that turns to heat in all its pairs, W.
     heat: f64,
     /// Friction's part of it, W.
-    rubbed: f64,
+    friction: f64,
     approach: f64,
     limit: f64,
 }
 
 impl Table {
-    fn row(
-        &self,
-        i: usize,
-        row: &[u32],
-        places: Places<'_>,
-        mass: &[f64],
-        body: &[u32],
-        seen: &[Overlap<f64>],
-        dt: f64,
-        sums: &mut [PairSums],
-    ) -> Push {
-        let a = body[i] as usize;
-        let volume = mass[i] * self.specific_volume[a];
-        let own = &seen[i];
+    fn row(&self, i: usize, row: &[u32], points: &Points<'_>, dt: f64, sums: &mut [PairSums]) -> Push {
+        let a = points.body.at(i) as usize;
+        let mass = points.mass.at(i);
+        let volume = mass * self.specific_volume[a];
+        let own = points.overlap_of(i);
         let mut push = Push::default();
         let mut stiffness = ContactStiffness::default();
         for &j in row {
-            let (source, position, sign) = places.of(j);
-            let b = body[source] as usize;
+            let j = j as usize;
+            let b = points.body.at(j) as usize;
             let law = self.law(a, b);
-            let other = &seen[source];
-            let x = difference(places.position[i], position);
+            let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
+            let x = difference(points.position.at(i), points.position.at(j));
             let kernel = self.kernel(a, b, dot(x, x).sqrt());
-            let other_volume = mass[source] * self.specific_volume[b];
+            let other_volume = other_mass * self.specific_volume[b];
             let (weight, overlaps) = (kernel.weight(volume, other_volume), (own.overlap, other.overlap));
             let pair = ContactPair {
                 x,
-                v: [0, 1, 2].map(|k| places.velocity[i][k] - sign[k] * places.velocity[source][k]),
+                v: difference(points.velocity.at(i), points.velocity.at(j)),
                 weight,
                 overlaps,
-                direction: [0, 1, 2].map(|k| own.away[k] - sign[k] * other.away[k]),
-                stopping: stopping(mass[i], mass[source], weight, (own.weight, other.weight), dt),
+                direction: difference(own.away, other.away),
+                stopping: stopping(mass, other_mass, weight, (own.weight, other.weight), dt),
             };
             let force = contact_force(law, &pair);
             push.approach = push.approach.max(force.approach);
@@ -356,15 +358,27 @@ impl Table {
                 }
             }
             push.heat += force.damped + force.rubbed;
-            push.rubbed += force.rubbed;
+            push.friction += force.rubbed;
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
-            sum.rubbed += 0.5 * force.rubbed;
+            sum.friction += 0.5 * force.rubbed;
             sum.damped += 0.5 * force.damped;
             stiffness.add(law, &kernel, overlaps, volume, other_volume);
         }
-        push.limit = stiffness.limit(own, volume, mass[i]);
+        push.limit = stiffness.limit(&own, volume, mass);
         push
+    }
+}
+
+crate::persist_fields!(PairSums { force, stored, friction, damped });
+crate::persist_fields!(Works { stored, friction, damped });
+
+impl Persist for BodyContacts {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.foreign.persist(&format!("{name}.foreign"), archive)?;
+        self.limits.persist(&format!("{name}.limits"), archive)?;
+        persist_all(&mut self.now, &format!("{name}.now"), archive)?;
+        persist_all(&mut self.works, &format!("{name}.works"), archive)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Walls and gravity.
 
+use super::CpuEngine;
 use super::walls::wall_acceleration;
-use super::{CpuEngine, Work};
 use crate::lanes::PairScalar;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
@@ -17,10 +17,9 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         let (walls, dt) = (&self.walls, self.step.dt);
-        let Work { external_acceleration, evaluated_velocity, .. } = &mut self.work;
-        let velocity = &*evaluated_velocity;
-        let Particles { acceleration, position, body, .. } = &mut self.particles;
-        let (position, body) = (&*position, &*body);
+        let Particles { acceleration, position, body, external_acceleration, evaluated_velocity, .. } =
+            &mut self.particles;
+        let (position, body, velocity) = (&*position, &*body, &*evaluated_velocity);
         (acceleration.par_chunks_mut(BLOCK), external_acceleration.par_chunks_mut(BLOCK))
             .into_par_iter()
             .enumerate()
@@ -48,7 +47,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let force = |(wall, state)| {
             let mut sum = [0.0; 3];
             for i in 0..p.len() {
-                let v = self.work.evaluated_velocity[i];
+                let v = p.evaluated_velocity[i];
                 let push = wall_acceleration(&self.model, wall, state, p.body[i], p.position[i], v, self.step.dt);
                 for axis in 0..3 {
                     sum[axis] += p.mass[i] * push[axis];

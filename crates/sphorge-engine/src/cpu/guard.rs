@@ -14,27 +14,9 @@ pub(super) fn is_cooled(model: &Model) -> bool {
 /// Names the first particle (in id order of failure, lowest index) with a value that is not finite, a density that is not
 /// positive or, where something `is_cooled`, a temperature below zero.
 pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
-    let wrong = |i: usize| -> Option<&'static str> {
-        let finite = |v: &[f64]| v.iter().all(|c| c.is_finite());
-        if !finite(&p.position[i]) {
-            Some("position")
-        } else if !finite(&p.velocity[i]) {
-            Some("velocity")
-        } else if !finite(&p.acceleration[i]) {
-            Some("acceleration")
-        } else if !(p.density[i].is_finite() && p.density[i] > 0.0) {
-            Some("density")
-        } else if !p.energy[i].is_finite() {
-            Some("energy")
-        } else if !p.pressure[i].is_finite() {
-            Some("pressure")
-        } else if !finite(&p.deviator[i].to_array()) {
-            Some("deviator")
-        } else if !p.temperature[i].is_finite() || (is_cooled && p.temperature[i] < 0.0) {
-            Some("temperature")
-        } else {
-            None
-        }
+    let wrong = |i: usize| {
+        let too_cold = || (is_cooled && p.temperature[i] < 0.0).then_some("temperature");
+        p.first_fault(i).or_else(too_cold)
     };
     let Some(i) = (0..p.len()).into_par_iter().with_min_len(1024).find_first(|&i| wrong(i).is_some()) else {
         return Ok(());

@@ -4,30 +4,19 @@
 use super::CpuEngine;
 use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
+use super::records::{Records, hourglass as entry};
 use super::sweeps::dispatch_dimension;
 use crate::lanes::{Job, Lanes, PairScalar, run, splat_record};
-use crate::model::Search;
+use crate::model::{Formulation, Material};
 use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
 use sphorge_physics::{Dimension, Tensor, Vector};
 
-/// Entries of an hourglass record: position as it is, deformation gradient, stiffness `alpha E`, largest stress.
-mod entry {
-    pub(super) const X: usize = 0;
-    pub(super) const F: usize = 3;
-    pub(super) const STIFFNESS: usize = 12;
-    pub(super) const BOUND: usize = 13;
-    pub(super) const LEN: usize = 16;
-}
-
-/// What the sum reads of a particle beside its kinematic record.
-pub(super) type HourglassRecord<T> = [T; entry::LEN];
-
 struct HourglassJob<'a, T, const D: usize> {
     kinematic: &'a [[T; kinematic::LEN]],
-    records: &'a [HourglassRecord<T>],
+    records: &'a [[T; entry::LEN]],
     first: usize,
     block: &'a Block,
     constants: &'a PairConstants<T>,
@@ -138,51 +127,15 @@ fn hourglass_row<L: Lanes, const D: usize>(
 impl<T: PairScalar> CpuEngine<T> {
     /// Adds the hourglass forces to acceleration and energy rate.
     pub(super) fn resist_hourglass(&mut self) {
-        let (Search::TotalLagrangian(total), Some(reference)) = (self.model.search, &self.reference) else { return };
-        if total.hourglass == 0.0 {
+        let Formulation::TotalLagrangian { hourglass: strength } = self.model.formulation else { return };
+        if strength == 0.0 {
             return;
         }
-        let count = self.particles.len();
-        let frame = self.records.frame;
-        let (evaluated, position) = (&self.work.evaluated_velocity, &self.particles.position);
-        self.records.kinematic[..count].par_iter_mut().zip(evaluated).for_each(|(record, v)| {
-            for a in 0..3 {
-                record[V + a] = T::of(v[a]);
-            }
-        });
-        self.halo.exchange_kinematics(count, |i| reference.position[i], &mut self.records);
-
-        let mut records = std::mem::take(&mut self.records.hourglass);
-        records.resize(count + self.halo.ghosts.len(), [T::zero(); entry::LEN]);
-        let deformation = &reference.deformation;
-        let (material, yield_stress) = (&self.particles.material, &self.particles.yield_stress);
-        let set = |record: &mut HourglassRecord<T>, i: usize| {
-            let young = reference.young_modulus[material[i] as usize];
-            let spring = Spring::new(total.hourglass, young, yield_stress[i]);
-            (record[entry::STIFFNESS], record[entry::BOUND]) = (T::of(spring.stiffness), T::of(spring.bound));
-        };
-        records[..count].par_iter_mut().enumerate().for_each(|(i, record)| {
-            record[..3].copy_from_slice(&frame.encode::<T>(&position[i]));
-            for c in 0..9 {
-                record[entry::F + c] = T::of(deformation[i][c / 3][c % 3]);
-            }
-            set(record, i);
-        });
-        for (k, ghost) in self.halo.ghosts.iter().enumerate() {
-            let source = ghost.source as usize;
-            let record = &mut records[count + k];
-            record[..3].copy_from_slice(&frame.encode::<T>(&ghost.position(&position[source])));
-            for c in 0..9 {
-                record[entry::F + c] = T::of(deformation[source][c / 3][c % 3] * ghost.sign[c / 3] * ghost.sign[c % 3]);
-            }
-            set(record, source);
-        }
-
+        self.pack_hourglass(strength);
         let (list, instructions, constants) = (&self.lists.list, self.instructions, &self.constants);
-        let (kinematic, model) = (&self.records.kinematic, &self.model);
-        let Particles { acceleration, energy_rate, mass, .. } = &mut self.particles;
-        let mass = &*mass;
-        let records_of = &records;
+        let (kinematic, records, model) = (&self.records.kinematic, &self.records.hourglass, &self.model);
+        let Particles { acceleration, energy_rate, mass, reference_volume, .. } = &mut self.particles;
+        let (mass, volume) = (&*mass, &*reference_volume);
         dispatch_dimension!(super::dimension(model), |D| {
             (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK))
                 .into_par_iter()
@@ -191,7 +144,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     let mut sums = [SpringSums::zero(); BLOCK];
                     let job = HourglassJob::<T, D> {
                         kinematic,
-                        records: records_of,
+                        records,
                         first: b * BLOCK,
                         block: &list.blocks()[b],
                         constants,
@@ -200,7 +153,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     run(instructions, job);
                     for k in 0..acceleration.len() {
                         let i = b * BLOCK + k;
-                        let factor = reference.volume[i] / mass[i];
+                        let factor = volume[i] / mass[i];
                         for a in 0..3 {
                             acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
                         }
@@ -208,6 +161,32 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                 });
         });
-        self.records.hourglass = records;
+    }
+
+    /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation
+    /// gradients, springs.
+    fn pack_hourglass(&mut self, strength: f64) {
+        let young: Vec<f64> = self.model.materials.iter().map(Material::young_modulus).collect();
+        let count = self.particles.len();
+        let frame = self.records.frame;
+        let Records { kinematic, hourglass, .. } = &mut self.records;
+        hourglass.resize(kinematic.len(), [T::zero(); entry::LEN]);
+        let (own, ghost) = kinematic.split_at_mut(count);
+        let (own_springs, ghost_springs) = hourglass.split_at_mut(count);
+        let parts = [(&self.particles, own, own_springs), (&self.ghosts.columns, ghost, ghost_springs)];
+        for (p, kinematic, springs) in parts {
+            kinematic.par_iter_mut().zip(springs).enumerate().for_each(|(i, (record, spring_record))| {
+                for a in 0..3 {
+                    record[V + a] = T::of(p.evaluated_velocity[i][a]);
+                }
+                let spring = Spring::new(strength, young[p.material[i] as usize], p.yield_stress[i]);
+                spring_record[..3].copy_from_slice(&frame.encode::<T>(&p.position[i]));
+                for c in 0..9 {
+                    spring_record[entry::F + c] = T::of(p.deformation[i][c / 3][c % 3]);
+                }
+                spring_record[entry::STIFFNESS] = T::of(spring.stiffness);
+                spring_record[entry::BOUND] = T::of(spring.bound);
+            });
+        }
     }
 }

@@ -6,36 +6,13 @@
 //! energy less external work is constant to round-off for any step sequence (in the spirit of Owen's 2014 compatible
 //! energy, per particle instead of per pair).
 
-use super::{CpuEngine, Work};
+use super::CpuEngine;
 use crate::lanes::PairScalar;
-use crate::model::{Integrator, Model, MotionAxis};
+use crate::model::{Model, MotionAxis};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
-
-/// Copies of the state at the start of a predictor–corrector step; empty for leapfrog.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Base {
-    pub(super) position: Vec<Vector<f64>>,
-    pub(super) velocity: Vec<Vector<f64>>,
-    pub(super) density: Vec<f64>,
-}
-
-impl Base {
-    pub(super) fn new(integrator: Integrator, count: usize) -> Self {
-        match integrator {
-            Integrator::Leapfrog => Self::default(),
-            Integrator::PredictorCorrector => {
-                Self { position: vec![[0.0; 3]; count], velocity: vec![[0.0; 3]; count], density: vec![0.0; count] }
-            }
-        }
-    }
-
-    pub(super) fn bytes_per_particle(&self) -> usize {
-        if self.position.is_empty() { 0 } else { 56 }
-    }
-}
 
 /// Prescribed velocities at one time, by motion and axis.
 #[derive(Clone, Debug, Default)]
@@ -171,10 +148,21 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.motions.set_time(&self.model, self.step.time + half);
         self.motions_at_end.set_time(&self.model, self.step.time + dt);
-        let Work { xsph, external_acceleration, evaluated_velocity, motion, .. } = &mut self.work;
-        let (xsph, external_acceleration, motion) = (&*xsph, &*external_acceleration, &*motion);
-        let Particles { position, velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;
+        let Particles {
+            position,
+            velocity,
+            energy,
+            acceleration,
+            energy_rate,
+            mass,
+            xsph,
+            external_acceleration,
+            evaluated_velocity,
+            motion,
+            ..
+        } = &mut self.particles;
         let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
+        let (xsph, external_acceleration, motion) = (&*xsph, &*external_acceleration, &*motion);
         let (motions, at_end) = (&self.motions, &self.motions_at_end);
         (
             position.par_chunks_mut(BLOCK),
@@ -211,9 +199,20 @@ impl<T: PairScalar> CpuEngine<T> {
             contacts.book(half);
         }
         self.motions.set_time(&self.model, self.step.time + self.step.dt);
-        let Work { external_acceleration, evaluated_velocity, motion, .. } = &self.work;
-        let Particles { velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;
+        let Particles {
+            velocity,
+            energy,
+            acceleration,
+            energy_rate,
+            mass,
+            external_acceleration,
+            evaluated_velocity,
+            motion,
+            ..
+        } = &mut self.particles;
         let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
+        let (external_acceleration, evaluated_velocity, motion) =
+            (&*external_acceleration, &*evaluated_velocity, &*motion);
         let motions = &self.motions;
         (velocity.par_chunks_mut(BLOCK), energy.par_chunks_mut(BLOCK), self.external.partial.par_iter_mut())
             .into_par_iter()
@@ -238,13 +237,12 @@ impl<T: PairScalar> CpuEngine<T> {
         // Of a middle that is left again: who has moved how far is looked at every time.
         self.lists.odometer.lose_track();
         self.motions.set_time(&self.model, self.step.time + half);
-        self.base.position.copy_from_slice(&self.particles.position);
-        self.base.velocity.copy_from_slice(&self.particles.velocity);
-        self.base.density.copy_from_slice(&self.particles.density);
-        let Work { xsph, motion, evaluated_velocity, .. } = &mut self.work;
-        let (xsph, motion) = (&*xsph, &*motion);
-        let Particles { position, velocity, acceleration, .. } = &mut self.particles;
-        let acceleration = &*acceleration;
+        let p = &mut self.particles;
+        p.base_position.copy_from_slice(&p.position);
+        p.base_velocity.copy_from_slice(&p.velocity);
+        p.base_density.copy_from_slice(&p.density);
+        let Particles { position, velocity, acceleration, xsph, motion, evaluated_velocity, .. } = p;
+        let (acceleration, xsph, motion) = (&*acceleration, &*xsph, &*motion);
         let motions = &self.motions;
         (position.par_chunks_mut(BLOCK), velocity.par_chunks_mut(BLOCK), evaluated_velocity.par_chunks_mut(BLOCK))
             .into_par_iter()
@@ -269,10 +267,25 @@ impl<T: PairScalar> CpuEngine<T> {
             contacts.book(dt);
         }
         self.motions.set_time(&self.model, self.step.time + dt);
-        let Work { xsph, external_acceleration, evaluated_velocity, motion, .. } = &self.work;
-        let Particles { position, velocity, energy, acceleration, energy_rate, mass, .. } = &mut self.particles;
+        let Particles {
+            position,
+            velocity,
+            energy,
+            acceleration,
+            energy_rate,
+            mass,
+            xsph,
+            external_acceleration,
+            evaluated_velocity,
+            motion,
+            base_position,
+            base_velocity,
+            ..
+        } = &mut self.particles;
         let (acceleration, energy_rate, mass) = (&*acceleration, &*energy_rate, &*mass);
-        let (motions, base) = (&self.motions, &self.base);
+        let (xsph, external_acceleration, evaluated_velocity, motion) =
+            (&*xsph, &*external_acceleration, &*evaluated_velocity, &*motion);
+        let (motions, base_position, base_velocity) = (&self.motions, &*base_position, &*base_velocity);
         (
             position.par_chunks_mut(BLOCK),
             velocity.par_chunks_mut(BLOCK),
@@ -286,11 +299,11 @@ impl<T: PairScalar> CpuEngine<T> {
                 for k in 0..x.len() {
                     let i = b * BLOCK + k;
                     let (a, external, evaluated) = (acceleration[i], external_acceleration[i], evaluated_velocity[i]);
-                    let before = base.velocity[i];
+                    let before = base_velocity[i];
                     let kicked = kick(before, a, external, evaluated, mass[i], dt, motions, motion[i]);
                     v[k] = kicked.velocity;
                     let mean = [0, 1, 2].map(|a| 0.5 * (before[a] + v[k][a]));
-                    x[k] = base.position[i];
+                    x[k] = base_position[i];
                     // A prescribed axis moves with the mean of its velocities, no XSPH.
                     let prescribed = motions.of(motion[i]);
                     let held = [0, 1, 2].map(|a| prescribed[a].map(|_| mean[a]));
@@ -324,3 +337,5 @@ fn drift(x: &mut Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Op
     }
     way
 }
+
+crate::persist_fields!(ExternalSums { work, impulse });

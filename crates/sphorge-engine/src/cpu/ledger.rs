@@ -13,7 +13,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut bodies = vec![BodyLedger::default(); model.bodies.len()];
         let driven: Vec<_> = (0..model.motions.len()).map(|k| self.prescribed_acceleration(k)).collect();
         for i in 0..p.len() {
-            let motion = (self.work.motion[i] as usize).checked_sub(1).map_or([None; 3], |k| driven[k]);
+            let motion = (p.motion[i] as usize).checked_sub(1).map_or([None; 3], |k| driven[k]);
             let body = &mut bodies[p.body[i] as usize];
             let material = &model.materials[p.material[i] as usize];
             let (m, x, v) = (p.mass[i], p.position[i], p.velocity[i]);
@@ -69,7 +69,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let p = &self.particles;
         let mut forces = vec![[0.0; 3]; self.model.motions.len()];
         for i in 0..p.len() {
-            let Some(k) = (self.work.motion[i] as usize).checked_sub(1) else { continue };
+            let Some(k) = (p.motion[i] as usize).checked_sub(1) else { continue };
             let driven = self.prescribed_acceleration(k);
             for a in 0..3 {
                 if let Some(driven) = driven[a] {

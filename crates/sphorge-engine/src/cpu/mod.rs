@@ -1,56 +1,81 @@
 //! The engine for processors.
 
 mod conduction;
+mod conduction_table;
 mod constitutive;
 mod contact;
 mod external;
 mod forces;
+mod formulation;
 mod guard;
-mod halo;
 mod hourglass;
+mod initial;
 mod integrate;
 mod kinematics;
 mod ledger;
 mod moving_least_squares;
+mod persist;
 mod prefetch;
+mod read;
 mod records;
 mod reference_conduction;
 mod search;
 mod smoothing;
 mod stress_columns;
 mod sweeps;
-mod total_lagrangian;
 mod votes;
 mod walls;
 
-use crate::engine::{Engine, SearchReport, Vote};
+use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
+use crate::halo::{FieldSet, Ghosts, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
-use crate::model::{Integrator, Model, Search, TemperatureSource};
-use crate::neighbors::range_of;
-use crate::particles::{Particles, Permutation};
+use crate::model::{Integrator, Model, Precision};
+use crate::particles::{Column, Particles};
+use crate::persist::{Archive, ArchiveError};
+use crate::reduction::{self, Reduction};
 use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
 use contact::BodyContacts;
-use halo::Halo;
-use integrate::{Base, ExternalSums, Motions};
+use formulation::Formulation;
+use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
 use records::Records;
 use search::Lists;
-use sphorge_physics::{Tensor, Vector};
 use std::sync::Arc;
-use total_lagrangian::Reference;
 use walls::Walls;
 
 /// Searches between two sortings of the particles into cell order.
 const SEARCHES_PER_SORTING: u64 = 64;
 
+/// The engine for processors: all threads of the rayon pool it is started in.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cpu;
+
+impl EngineKind for Cpu {
+    fn name(&self) -> &'static str {
+        "cpu"
+    }
+
+    fn supports(&self, _: &Model) -> Result<(), Unsupported> {
+        Ok(())
+    }
+
+    fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        let halo = Box::new(Images::new(&model));
+        Ok(match model.numerics.precision {
+            Precision::Mixed => Box::new(CpuEngine::<f32>::new(model, particles, halo)),
+            Precision::Double => Box::new(CpuEngine::<f64>::new(model, particles, halo)),
+        })
+    }
+}
+
 /// Engine for processors; `T` is the precision of pair sums, everything accumulated is double.
-pub(super) struct CpuEngine<T> {
+struct CpuEngine<T: PairScalar> {
     model: Arc<Model>,
+    formulation: &'static dyn Formulation<T>,
     particles: Particles,
-    work: Work,
+    ghosts: Ghosts,
     records: Records<T>,
-    halo: Halo,
     walls: Walls,
     motions: Motions,
     /// Prescribed velocities at the end of the step, while those of its middle are in use.
@@ -62,34 +87,10 @@ pub(super) struct CpuEngine<T> {
     instructions: Instructions,
     lists: Lists<T>,
     step: StepState,
-    base: Base,
-    /// Initial configuration; only with the total Lagrangian form.
-    reference: Option<Reference>,
-}
-
-/// Columns the engine keeps for itself, in the order of the particles.
-#[derive(Clone, Debug, Default)]
-struct Work {
-    /// XSPH velocity of the last force sum, already times its strength, m/s.
-    xsph: Vec<Vector<f64>>,
-    /// Acceleration by walls and gravity, part of the total, m/s².
-    external_acceleration: Vec<Vector<f64>>,
-    /// Velocity the last force sum was evaluated with, m/s.
-    evaluated_velocity: Vec<Vector<f64>>,
-    /// Largest |mu| of the last force sum, m/s.
-    mu: Vec<f64>,
-    /// Gradient correction B; empty unless asked for.
-    correction: Vec<Tensor<f64>>,
-    /// Index of the prescribed motion plus one, zero for none.
-    motion: Vec<u32>,
-    /// Strain accumulated since the last search, the integral of |D|; empty unless the search is adaptive.
-    strain_since_search: Vec<f64>,
-    /// Plastic strain since the last search; empty unless the search is adaptive.
-    plastic_since_search: Vec<f64>,
-    /// Positions at the start, m; empty unless the search is adaptive.
-    origin: Vec<Vector<f64>>,
-    /// Scratch of the density re-initialisation.
+    /// Scratch of the density re-initialisation, kg/m³.
     restored_density: Vec<f64>,
+    /// Gradient correction of the initial configuration is known.
+    reference_corrected: bool,
 }
 
 /// The step being taken.
@@ -118,69 +119,41 @@ impl StepState {
     }
 }
 
+crate::persist_fields!(StepState { time, dt, count, mls_energy, pairs, adapted_someone });
+
 impl<T: PairScalar> CpuEngine<T> {
-    pub(super) fn new(model: Arc<Model>, mut particles: Particles) -> Self {
-        let total_lagrangian = matches!(model.search, Search::TotalLagrangian(t) if t.corrected);
-        let model = if total_lagrangian { total_lagrangian::without_pair_terms(&model) } else { model };
+    fn new(model: Arc<Model>, mut particles: Particles, halo: Box<dyn Halo>) -> Self {
+        initial::state(&model, &mut particles);
         let count = particles.len();
-        if model.numerics.temperature == TemperatureSource::Energy {
-            // Temperature is that of the energy, from the start.
-            for i in 0..count {
-                let material = &model.materials[particles.material[i] as usize];
-                let warmer = particles.temperature[i] - material.reference_temperature;
-                particles.energy[i] += material.specific_heat * warmer;
-            }
-        }
-        HeatFlow::hold(&model, &mut particles);
-        for i in 0..count {
-            let law = &model.materials[particles.material[i] as usize].equation_of_state;
-            let state = law.pressure(particles.density[i], particles.energy[i]);
-            (particles.pressure[i], particles.sound_speed[i]) = (state.pressure, state.sound_speed);
-        }
         let numerics = &model.numerics;
+        let formulation = formulation::of::<T>(&model);
+        initial::columns(&model, &mut particles, formulation.is_corrected(&model));
         let constants = PairConstants {
             unit: T::one(),
             kernel: numerics.kernel,
             sigma: T::of(numerics.kernel.normalisation(dimension(&model))),
         };
-        let corrected = numerics.gradient_correction != crate::model::GradientCorrection::None || total_lagrangian;
-        let adaptive = matches!(model.search, Search::Adaptive(_));
-        let work = Work {
-            xsph: vec![[0.0; 3]; count],
-            external_acceleration: vec![[0.0; 3]; count],
-            evaluated_velocity: particles.velocity.clone(),
-            mu: vec![0.0; count],
-            correction: if corrected { vec![sphorge_physics::tensor::identity(); count] } else { Vec::new() },
-            motion: Motions::assign(&model, &particles),
-            strain_since_search: vec![0.0; if adaptive { count } else { 0 }],
-            plastic_since_search: vec![0.0; if adaptive { count } else { 0 }],
-            origin: if adaptive { particles.position.clone() } else { Vec::new() },
-            restored_density: Vec::new(),
-        };
         let mut engine = Self {
-            halo: Halo::new(&model),
+            formulation,
+            ghosts: Ghosts::new(halo),
             walls: Walls::new(&model),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),
             contacts: BodyContacts::new(&model, count),
             heat: HeatFlow::new(&model, count),
-            base: Base::new(numerics.integrator, count),
             records: Records::default(),
-            lists: Lists::new(),
+            lists: Lists::new(&particles),
             step: StepState::default(),
             constants,
             instructions: Instructions::best(),
-            work,
             particles,
             model,
-            reference: None,
+            restored_density: Vec::new(),
+            reference_corrected: false,
         };
-        engine.lists.smoothing_lengths = range_of(&engine.particles.smoothing_length);
         engine.sort_particles();
-        if total_lagrangian {
-            engine.reference = Some(Reference::new(&engine.particles, &engine.model));
-        }
+        formulation.start(&mut engine);
         engine
     }
 
@@ -189,28 +162,19 @@ impl<T: PairScalar> CpuEngine<T> {
     fn idle(&self, dt: f64) -> bool {
         !self.model.thermal.mechanics && dt > 0.0
     }
-}
 
-impl Work {
-    fn reorder(&mut self, permutation: &Permutation) {
-        permutation.apply(&mut self.xsph);
-        permutation.apply(&mut self.external_acceleration);
-        permutation.apply(&mut self.evaluated_velocity);
-        permutation.apply(&mut self.mu);
-        permutation.apply(&mut self.correction);
-        permutation.apply(&mut self.motion);
-        permutation.apply(&mut self.strain_since_search);
-        permutation.apply(&mut self.plastic_since_search);
-        permutation.apply(&mut self.origin);
+    /// Whether an audit is due in this step.
+    fn audit_is_due(&self) -> bool {
+        self.model.audit.is_some_and(|n| self.step.dt > 0.0 && self.step.count.is_multiple_of(n))
     }
 }
 
 impl<T: PairScalar> Engine for CpuEngine<T> {
-    fn begin(&mut self, dt: f64) {
+    fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
         if self.idle(dt) {
             self.step.dt = dt;
             self.step.count += 1;
-            return;
+            return Ok(());
         }
         if self.lists.searches >= SEARCHES_PER_SORTING && self.may_sort() {
             self.lists.searches = 0;
@@ -226,48 +190,95 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             Integrator::Leapfrog => self.leapfrog_begin(),
             Integrator::PredictorCorrector => self.predict(),
         }
+        Ok(())
     }
 
-    fn refresh_neighbors(&mut self) -> SearchReport {
+    fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
         self.follow_density();
-        self.renew_lists()
+        Ok(self.renew_lists())
     }
 
-    fn audit(&mut self) -> Option<Audit> {
-        let due = self.model.audit.is_some_and(|n| self.step.dt > 0.0 && self.step.count.is_multiple_of(n));
-        due.then(|| self.audit_lists())
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        let due = self.audit_is_due();
+        Ok(due.then(|| self.audit_lists()))
     }
 
-    fn kinematics(&mut self) {
-        if self.idle(self.step.dt) {
-            return;
+    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        let still = self.idle(self.step.dt);
+        match fields {
+            FieldSet::Search => self.ghosts.exchange(fields, &self.particles),
+            FieldSet::Audit if self.audit_is_due() => self.ghosts.exchange(fields, &self.particles),
+            FieldSet::Stress if still => self.ghosts.exchange(fields, &self.particles),
+            FieldSet::Audit => {}
+            FieldSet::Motion | FieldSet::Density | FieldSet::Volume if still => {}
+            FieldSet::Motion => {
+                self.ghosts.exchange(fields, &self.particles);
+                self.formulation.pack_motion(self);
+            }
+            FieldSet::Density => {
+                if self.restoration_is_due() {
+                    self.ghosts.exchange(fields, &self.particles);
+                }
+            }
+            FieldSet::Volume => self.formulation.pack_volumes(self),
+            FieldSet::Stress => {
+                self.ghosts.exchange(fields, &self.particles);
+                self.pack_ghost_stress();
+            }
+            FieldSet::IntermediateSums => self.ghosts.exchange(fields, &self.particles),
         }
-        self.sum_gradients();
-        self.restore_density();
-        self.correct_forces();
+        Ok(())
     }
 
-    fn stress(&mut self) {
-        if self.idle(self.step.dt) {
-            return;
+    fn kinematics(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) {
+            self.formulation.kinematics(self);
         }
-        self.update_stress();
-        let positions = self.reference.as_ref().map_or(&self.particles.position, |r| &r.position);
-        self.halo.exchange_stress(positions, &mut self.records);
+        Ok(())
     }
 
-    fn forces(&mut self) {
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) && self.restoration_is_due() {
+            self.restore_densities();
+        }
+        Ok(())
+    }
+
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) {
+            self.formulation.correct_gradients(self);
+        }
+        Ok(())
+    }
+
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) {
+            self.update_stress();
+        }
+        Ok(())
+    }
+
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
+        self.begin_heat();
+        if !self.idle(self.step.dt) {
+            self.overlap_bodies();
+        }
+        Ok(())
+    }
+
+    fn forces(&mut self) -> Result<(), RunFailure> {
         self.sum_heat();
         if self.idle(self.step.dt) {
-            return;
+            return Ok(());
         }
         self.sum_forces();
-        self.resist_hourglass();
+        self.formulation.add_forces(self);
         self.add_body_contact();
         self.add_external_forces();
+        Ok(())
     }
 
-    fn finish(&mut self) {
+    fn finish(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
             match self.model.numerics.integrator {
                 Integrator::Leapfrog => self.leapfrog_finish(),
@@ -278,47 +289,52 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.accumulate_strain();
         self.flow_heat();
         self.step.time += self.step.dt;
+        Ok(())
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
         guard::check(&self.particles, guard::is_cooled(&self.model))
     }
 
-    fn vote(&self) -> Vote {
+    fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
         let conduction = votes::conduction_vote(&self.model, self.heat.as_ref().map(HeatFlow::limit));
         if !self.model.thermal.mechanics {
-            return conduction;
+            return Ok(conduction);
         }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        votes::smaller(votes::vote(&self.model, &self.particles, &self.work.mu, contact, self.instructions), conduction)
+        Ok(votes::vote(&self.model, &self.particles, contact, self.instructions).min(conduction))
+    }
+
+    fn count(&self) -> usize {
+        self.particles.len()
     }
 
     fn pairs(&self) -> u64 {
         self.step.pairs
     }
 
-    fn particles(&self) -> &Particles {
-        &self.particles
+    fn ledger(&self) -> Result<Ledger, RunFailure> {
+        Ok(self.conservation_ledger())
     }
 
-    fn ledger(&self) -> Ledger {
-        self.conservation_ledger()
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        Ok(reduction::evaluate(reduction, &self.model, &self.particles))
+    }
+
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.read_by_id(field)
+    }
+
+    fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.persist_all(archive)
     }
 
     fn memory_bytes(&self) -> u64 {
-        let count = self.particles.len();
-        let columns = count * (Particles::BYTES + Work::BYTES + self.base.bytes_per_particle());
-        let accumulated = (8 + 8 + 24) * self.work.strain_since_search.capacity();
-        let reference = self.reference.as_ref().map_or(0, Reference::bytes);
         let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
         let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
-        (columns + accumulated + reference + contacts + heat + self.lists.bytes() + self.records.bytes()) as u64
+        let ghosts = self.ghosts.halo.bytes() + self.ghosts.columns.bytes();
+        (self.particles.bytes() + ghosts + contacts + heat + self.lists.bytes() + self.records.bytes()) as u64
     }
-}
-
-impl Work {
-    /// Bytes per particle without the gradient correction.
-    const BYTES: usize = 3 * size_of::<Vector<f64>>() + size_of::<f64>() + size_of::<u32>();
 }
 
 /// Dimension of the kernel.

@@ -1,6 +1,7 @@
 //! Density re-initialisation by first-order moving least squares (Dilts 1999), within each body.
 
 use super::CpuEngine;
+use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::model::Integrator;
 use crate::neighbors::BLOCK;
@@ -10,56 +11,54 @@ use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::{Vector, stress, tensor::dot};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Replaces the density just reached by its moving-least-squares estimate, every so many steps. A particle whose
-    /// moment matrix is singular (too few neighbours, or all on a line) keeps its density.
-    pub(super) fn restore_density(&mut self) {
-        let due =
-            self.model.numerics.mls_interval.is_some_and(|n| self.step.dt > 0.0 && self.step.count.is_multiple_of(n));
-        if !due {
-            return;
-        }
+    /// Whether this step restores the density.
+    pub(super) fn restoration_is_due(&self) -> bool {
+        let due = |n: u64| self.step.dt > 0.0 && self.step.count.is_multiple_of(n);
+        self.model.numerics.mls_interval.is_some_and(due)
+    }
+
+    /// Replaces the density just reached by its moving-least-squares estimate. A particle whose moment matrix is singular (too few
+    /// neighbours, or all on a line) keeps its density.
+    pub(super) fn restore_densities(&mut self) {
         let dimension = super::dimension(&self.model);
         let kernel = self.model.numerics.kernel;
         let particles = &self.particles;
-        let count = particles.len();
-        let ghosts = &self.halo.ghosts;
-        // Where a neighbour is, and which particle holds its mass and density.
-        let place = |j: usize| match j.checked_sub(count) {
-            None => (particles.position[j], j),
-            Some(g) => {
-                let source = ghosts[g].source as usize;
-                (ghosts[g].position(&particles.position[source]), source)
-            }
-        };
-        let mut restored = std::mem::take(&mut self.work.restored_density);
-        restored.resize(count, 0.0);
+        let ghosts = &self.ghosts.columns;
+        let position = WithGhosts::new(&particles.position, &ghosts.position);
+        let smoothing_length = WithGhosts::new(&particles.smoothing_length, &ghosts.smoothing_length);
+        let mass = WithGhosts::new(&particles.mass, &ghosts.mass);
+        let density = WithGhosts::new(&particles.density, &ghosts.density);
+        let body = WithGhosts::new(&particles.body, &ghosts.body);
+        let mut restored = std::mem::take(&mut self.restored_density);
+        restored.resize(particles.len(), 0.0);
         restored.par_chunks_mut(BLOCK).enumerate().for_each(|(b, restored)| {
             for (k, rho) in restored.iter_mut().enumerate() {
                 let i = b * BLOCK + k;
-                // Visits the particle itself and its neighbours of the same body: source, x_ij, W_ij.
+                // Visits the particle itself and its neighbours of the same body: number, x_ij, W_ij.
                 let visit = |each: &mut dyn FnMut(usize, Vector<f64>, f64)| {
                     let h_i = particles.smoothing_length[i];
                     each(i, [0.0; 3], kernel.value(dimension, 0.0, h_i));
-                    for &j in self.list().row(i) {
-                        let (x_j, source) = place(j as usize);
-                        if particles.body[source] == particles.body[i] {
+                    for &j in self.lists.list.row(i) {
+                        let j = j as usize;
+                        if body.at(j) == particles.body[i] {
+                            let x_j = position.at(j);
                             let x = [0, 1, 2].map(|a| particles.position[i][a] - x_j[a]);
-                            let h = pair_smoothing_length(h_i, particles.smoothing_length[source]);
-                            each(source, x, kernel.value(dimension, dot(x, x).sqrt(), h));
+                            let h = pair_smoothing_length(h_i, smoothing_length.at(j));
+                            each(j, x, kernel.value(dimension, dot(x, x).sqrt(), h));
                         }
                     }
                 };
                 let mut moments = Moments::default();
-                visit(&mut |j, x, w| moments.add(x, particles.mass[j] / particles.density[j] * w));
-                let mut density = particles.density[i];
+                visit(&mut |j, x, w| moments.add(x, mass.at(j) / density.at(j) * w));
+                let mut estimate = particles.density[i];
                 if let Some(beta) = moments.solve(particles.smoothing_length[i], dimension) {
                     let mut sum = 0.0;
-                    visit(&mut |j, x, w| sum += particles.mass[j] * beta.factor(x) * w);
+                    visit(&mut |j, x, w| sum += mass.at(j) * beta.factor(x) * w);
                     if sum > 0.0 {
-                        density = sum;
+                        estimate = sum;
                     }
                 }
-                *rho = density;
+                *rho = estimate;
             }
         });
 
@@ -71,9 +70,10 @@ impl<T: PairScalar> CpuEngine<T> {
             self.particles.density[i] = rho;
             if self.model.numerics.integrator == Integrator::PredictorCorrector {
                 // The corrector starts from the beginning of the step.
-                self.base.density[i] = stress::density_after(rho, &self.particles.velocity_gradient[i], -half);
+                self.particles.base_density[i] =
+                    stress::density_after(rho, &self.particles.velocity_gradient[i], -half);
             }
         }
-        self.work.restored_density = restored;
+        self.restored_density = restored;
     }
 }

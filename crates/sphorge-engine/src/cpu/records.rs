@@ -1,10 +1,22 @@
 //! What a pair sum reads of a neighbour, one record per particle, so that a neighbour costs one or two cache lines.
 
+use crate::halo::{GhostColumn, Halo, Packed};
 use crate::lanes::PairScalar;
 use crate::neighbors::Frame;
+use bytemuck::{cast_slice, cast_slice_mut};
+use sphorge_physics::Vector;
+
+/// Axes along which a mirror turns the sign of an entry, twice none for one that is the same.
+type Axes = (u8, u8);
+const SAME: Axes = (0, 0);
+const ALONG: [Axes; 3] = [(1, 0), (2, 0), (4, 0)];
+/// xx, yy, zz, xy, yz, xz.
+const SYMMETRIC: [Axes; 6] = [(1, 1), (2, 2), (4, 4), (1, 2), (2, 4), (1, 4)];
 
 /// Entries of a kinematic record.
 pub(super) mod kinematic {
+    use super::{ALONG, Axes, SAME};
+
     pub(crate) const X: usize = 0;
     /// Weight of the neighbour in a gradient sum.
     pub(crate) const WEIGHT: usize = 3;
@@ -12,10 +24,14 @@ pub(super) mod kinematic {
     /// Smoothing length.
     pub(crate) const H: usize = 7;
     pub(crate) const LEN: usize = 8;
+    /// Coordinates are encoded and filled apart.
+    pub(super) const AXES: [Axes; LEN] = [SAME, SAME, SAME, SAME, ALONG[0], ALONG[1], ALONG[2], SAME];
 }
 
 /// Entries of a force record.
 pub(super) mod force {
+    use super::{ALONG, Axes, SAME, SYMMETRIC};
+
     pub(crate) const X: usize = 0;
     /// Weight of the neighbour in the momentum sum.
     pub(crate) const WEIGHT: usize = 3;
@@ -29,19 +45,50 @@ pub(super) mod force {
     /// Sound speed.
     pub(crate) const C: usize = 15;
     pub(crate) const LEN: usize = 16;
+    /// Coordinates are encoded and filled apart.
+    pub(super) const AXES: [Axes; LEN] = {
+        let [xx, yy, zz, xy, yz, xz] = SYMMETRIC;
+        let [x, y, z] = ALONG;
+        [SAME, SAME, SAME, SAME, x, y, z, SAME, xx, yy, zz, xy, yz, xz, SAME, SAME]
+    };
 }
 
 /// Entries of an extra record, read only when artificial stress or the Balsara switch is on.
 pub(super) mod extra {
+    use super::{Axes, SAME, SYMMETRIC};
+
     /// Scaled artificial stress xx, yy, zz, xy, yz, xz.
     pub(crate) const R: usize = 0;
     /// Balsara factor.
     pub(crate) const BALSARA: usize = 6;
     pub(crate) const LEN: usize = 8;
+    pub(super) const AXES: [Axes; LEN] = {
+        let [xx, yy, zz, xy, yz, xz] = SYMMETRIC;
+        [xx, yy, zz, xy, yz, xz, SAME, SAME]
+    };
 }
 
 /// Entries of a corrected record: the scaled stress times the gradient correction, row by row; not symmetric.
 pub(super) const CORRECTED_LEN: usize = 9;
+const CORRECTED_AXES: [Axes; CORRECTED_LEN] = [(1, 1), (1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (4, 4)];
+
+/// Entries of an hourglass record: position as it is, deformation gradient, stiffness `alpha E`, largest stress.
+pub(super) mod hourglass {
+    pub(crate) const X: usize = 0;
+    pub(crate) const F: usize = 3;
+    pub(crate) const STIFFNESS: usize = 12;
+    pub(crate) const BOUND: usize = 13;
+    pub(crate) const LEN: usize = 16;
+}
+
+/// Records of particles and ghosts in the precision they have.
+fn packed<'a, T: PairScalar>(own: &'a [T], ghosts: &'a mut [T], axes: &'a [Axes]) -> GhostColumn<'a> {
+    if size_of::<T>() == size_of::<f32>() {
+        GhostColumn::Single(Packed { own: cast_slice(own), ghosts: cast_slice_mut(ghosts), axes })
+    } else {
+        GhostColumn::Double(Packed { own: cast_slice(own), ghosts: cast_slice_mut(ghosts), axes })
+    }
+}
 
 /// Records of all particles and ghosts.
 #[derive(Clone, Debug, Default)]
@@ -53,8 +100,10 @@ pub(super) struct Records<T> {
     /// Empty unless needed.
     pub(super) corrected: Vec<[T; CORRECTED_LEN]>,
     /// Empty unless needed.
-    pub(super) hourglass: Vec<super::hourglass::HourglassRecord<T>>,
+    pub(super) hourglass: Vec<[T; hourglass::LEN]>,
     pub(super) frame: Frame,
+    /// Where ghosts are for the velocity gradient, m.
+    ghost_places: Vec<Vector<f64>>,
 }
 
 impl<T: PairScalar> Records<T> {
@@ -70,6 +119,42 @@ impl<T: PairScalar> Records<T> {
         }
     }
 
+    /// Fills the kinematic records of ghosts, which follow those of the `count` particles; `place` tells where a particle is.
+    pub(super) fn fill_kinematic_ghosts(
+        &mut self,
+        count: usize,
+        halo: &dyn Halo,
+        place: &(dyn Fn(usize) -> Vector<f64> + Sync),
+    ) {
+        if halo.is_empty() {
+            return;
+        }
+        self.ghost_places.resize(halo.count(), [0.0; 3]);
+        halo.fill(GhostColumn::PointOf(place, &mut self.ghost_places));
+        let (own, ghosts) = self.kinematic.split_at_mut(count);
+        halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &kinematic::AXES));
+        for (record, place) in ghosts.iter_mut().zip(&self.ghost_places) {
+            record[kinematic::X..kinematic::X + 3].copy_from_slice(&self.frame.encode::<T>(place));
+        }
+    }
+
+    /// Fills the force records of ghosts; `places` are those of the ghosts, m.
+    pub(super) fn fill_force_ghosts(&mut self, count: usize, halo: &dyn Halo, places: &[Vector<f64>]) {
+        let (own, ghosts) = self.force.split_at_mut(count);
+        halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &force::AXES));
+        for (record, place) in ghosts.iter_mut().zip(places) {
+            record[force::X..force::X + 3].copy_from_slice(&self.frame.encode::<T>(place));
+        }
+        if !self.extra.is_empty() {
+            let (own, ghosts) = self.extra.split_at_mut(count);
+            halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &extra::AXES));
+        }
+        if !self.corrected.is_empty() {
+            let (own, ghosts) = self.corrected.split_at_mut(count);
+            halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &CORRECTED_AXES));
+        }
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let per = |capacity: usize, length: usize| capacity * length * size_of::<T>();
@@ -77,6 +162,7 @@ impl<T: PairScalar> Records<T> {
             + per(self.force.capacity(), force::LEN)
             + per(self.extra.capacity(), extra::LEN)
             + per(self.corrected.capacity(), CORRECTED_LEN)
-            + per(self.hourglass.capacity(), 16)
+            + per(self.hourglass.capacity(), hourglass::LEN)
+            + size_of::<Vector<f64>>() * self.ghost_places.capacity()
     }
 }

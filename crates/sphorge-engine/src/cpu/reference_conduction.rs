@@ -1,74 +1,90 @@
 //! Conduction in the total Lagrangian form: sums over the initial neighbours at the initial positions, whose formulas are those of
 //! [`sphorge_physics::conduction`].
 
-use super::CpuEngine;
-use super::conduction::Table;
-use super::contact::Places;
-use super::total_lagrangian::Reference;
-use crate::lanes::PairScalar;
-use crate::neighbors::BLOCK;
+use super::conduction_table::Table;
+use crate::halo::WithGhosts;
+use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::conduction::{Inflow, add_temperature_gradient, added_flow, best_flow};
 use sphorge_physics::kernel::pair_smoothing_length;
-use sphorge_physics::{Vector, tensor::dot};
+use sphorge_physics::{Tensor, Vector, tensor::dot};
 
-/// What a flow is summed from.
+/// Particles and ghosts, as a flow is summed from them in the initial configuration.
 #[derive(Clone, Copy)]
-pub(super) struct ReferenceState<'a> {
-    pub(super) places: Places<'a>,
-    pub(super) particles: &'a Particles,
-    pub(super) reference: &'a Reference,
+pub(super) struct ReferencePoints<'a> {
+    position: WithGhosts<'a, Vector<f64>>,
+    volume: WithGhosts<'a, f64>,
+    smoothing_length: WithGhosts<'a, f64>,
+    temperature: WithGhosts<'a, f64>,
+    body: WithGhosts<'a, u32>,
     /// `q B` of every particle, W/m²: what deformation adds.
-    pub(super) flow: &'a [Vector<f64>],
+    flow: WithGhosts<'a, Vector<f64>>,
+    deformation: &'a [Tensor<f64>],
+}
+
+impl<'a> ReferencePoints<'a> {
+    pub(super) fn new(p: &'a Particles, ghosts: &'a Particles) -> Self {
+        Self {
+            position: WithGhosts::new(&p.reference_position, &ghosts.reference_position),
+            volume: WithGhosts::new(&p.reference_volume, &ghosts.reference_volume),
+            smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
+            temperature: WithGhosts::new(&p.temperature, &ghosts.temperature),
+            body: WithGhosts::new(&p.body, &ghosts.body),
+            flow: WithGhosts::new(&p.heat_flow, &ghosts.heat_flow),
+            deformation: &p.deformation,
+        }
+    }
 }
 
 impl Table {
     /// Gradient of the temperature, K/m, still to be corrected.
-    fn temperature_gradient(&self, i: usize, row: &[u32], state: ReferenceState<'_>) -> Vector<f64> {
-        let (p, reference) = (state.particles, state.reference);
+    fn temperature_gradient(&self, i: usize, row: &[u32], points: &ReferencePoints<'_>) -> Vector<f64> {
+        let ReferencePoints { position, volume, smoothing_length, temperature, .. } = points;
+        let x_i = position.at(i);
         let mut gradient = [0.0; 3];
         for &j in row {
-            let (source, position, _) = state.places.of(j);
-            let x = [0, 1, 2].map(|k| reference.position[i][k] - position[k]);
-            let h = pair_smoothing_length(p.smoothing_length[i], p.smoothing_length[source]);
+            let j = j as usize;
+            let x_j = position.at(j);
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
             let slope = self.kernel.slope(self.dimension, dot(x, x).sqrt(), h);
-            let difference = p.temperature[source] - p.temperature[i];
-            add_temperature_gradient(&mut gradient, reference.volume[source], slope, difference, x);
+            let difference = temperature.at(j) - temperature.at(i);
+            add_temperature_gradient(&mut gradient, volume.at(j), slope, difference, x);
         }
         gradient
     }
 
     /// Adds what flows to a particle from its initial neighbours.
-    pub(super) fn add_reference(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], state: ReferenceState<'_>) {
-        let (p, reference) = (state.particles, state.reference);
-        let better = best_flow(&reference.deformation[i]);
+    pub(super) fn add_reference(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &ReferencePoints<'_>) {
+        let ReferencePoints { position, volume, smoothing_length, temperature, body, flow, .. } = points;
+        let better = best_flow(&points.deformation[i]);
+        let (x_i, flow_i) = (position.at(i), flow.at(i));
         for &j in row {
-            let (source, position, sign) = state.places.of(j);
-            let x = [0, 1, 2].map(|k| reference.position[i][k] - position[k]);
-            let h = pair_smoothing_length(p.smoothing_length[i], p.smoothing_length[source]);
-            let flow = [0, 1, 2].map(|k| state.flow[i][k] + sign[k] * state.flow[source][k]);
-            let volumes = (reference.volume[i], reference.volume[source]);
-            let difference = p.temperature[source] - p.temperature[i];
-            let pair = self.pair((p.body[i], p.body[source]), volumes, dot(x, x), h, difference);
+            let j = j as usize;
+            let (x_j, flow_j) = (position.at(j), flow.at(j));
+            let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
+            let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
+            let flow = [0, 1, 2].map(|k| flow_i[k] + flow_j[k]);
+            let volumes = (volume.at(i), volume.at(j));
+            let difference = temperature.at(j) - temperature.at(i);
+            let pair = self.pair((body.at(i), body.at(j)), volumes, dot(x, x), h, difference);
             sum.add_reference(&pair, x, flow, better, self.dimension);
         }
     }
 }
 
-impl<T: PairScalar> CpuEngine<T> {
-    /// `q B` of every particle at its temperature; nothing without a reference configuration.
-    pub(super) fn sum_reference_flow(&self, table: &Table, flow: &mut Vec<Vector<f64>>) {
-        let Some(reference) = &self.reference else { return };
-        let p = &self.particles;
-        let places = Places { position: &reference.position, velocity: &p.velocity, ghosts: &self.halo.ghosts };
-        flow.resize(p.len(), [0.0; 3]);
-        let (list, correction) = (&self.lists.list, &self.work.correction);
-        let state = ReferenceState { places, particles: p, reference, flow: &[] };
-        flow.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, flow)| {
-            let gradient = table.temperature_gradient(i, list.row(i), state);
-            let conductivity = table.conductivity[p.body[i] as usize];
-            *flow = added_flow(conductivity, gradient, &reference.deformation[i], &correction[i]);
-        });
-    }
+/// `q B` of every particle at its temperature.
+pub(super) fn sum_reference_flow(
+    table: &Table,
+    list: &NeighborList,
+    points: &ReferencePoints<'_>,
+    p: &Particles,
+    flow: &mut [Vector<f64>],
+) {
+    flow.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, flow)| {
+        let gradient = table.temperature_gradient(i, list.row(i), points);
+        let conductivity = table.conductivity[p.body[i] as usize];
+        *flow = added_flow(conductivity, gradient, &p.deformation[i], &p.correction[i]);
+    });
 }

@@ -1,16 +1,17 @@
 //! The two pair sweeps over all blocks: packing what they read, choosing the compiled variant, storing what they sum.
 
+use super::CpuEngine;
 use super::forces::{ForceJob, ForceSum, ForceTerms};
+use super::kinematics::PairConstants;
 use super::kinematics::{GradientJob, GradientSum};
-use super::records::kinematic;
-use super::{CpuEngine, Work};
-use crate::lanes::{PairScalar, run};
-use crate::model::{GradientCorrection, Integrator};
+use super::records::{Records, kinematic};
+use super::search::{Lists, StoredPairs};
+use crate::lanes::{Instructions, PairScalar, run};
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{Dimension, Tensor, Vector, gradient_correction, pair, stress, tensor};
+use sphorge_physics::{Dimension, pair};
 
 /// Runs an expression with the dimension `D` and the choice `CORRECTED` as compile-time constants.
 macro_rules! dispatch_sweep {
@@ -72,153 +73,56 @@ macro_rules! dispatch_dimension {
 
 pub(super) use {dispatch_dimension, dispatch_sweep};
 
-impl<T: PairScalar> CpuEngine<T> {
-    pub(super) fn corrected(&self) -> bool {
-        self.model.numerics.gradient_correction != GradientCorrection::None || self.reference.is_some()
+/// The sums of the first sweep, block by block, over the records as they are.
+pub(super) struct GradientSweep<'a, T> {
+    records: &'a [[T; kinematic::LEN]],
+    list: &'a NeighborList,
+    stored: Option<&'a StoredPairs<T>>,
+    constants: &'a PairConstants<T>,
+    instructions: Instructions,
+}
+
+impl<'a, T: PairScalar> GradientSweep<'a, T> {
+    pub(super) fn new(
+        records: &'a Records<T>,
+        lists: &'a Lists<T>,
+        constants: &'a PairConstants<T>,
+        instructions: Instructions,
+    ) -> Self {
+        Self { records: &records.kinematic, list: &lists.list, stored: lists.stored.as_ref(), constants, instructions }
     }
 
-    /// Writes velocity, smoothing length, the position a time `back` (s) ago and the weight expected a time `ahead` (s) of the
-    /// present density, of every particle and ghost, into its kinematic record.
-    fn pack_kinematics(&mut self, back: f64, ahead: f64) {
+    /// Sums of the particles of block `b`.
+    pub(super) fn block<const D: usize, const CORRECTED: bool>(&self, b: usize, sums: &mut [GradientSum<T>; BLOCK]) {
+        let job = GradientJob::<T, D, CORRECTED> {
+            records: self.records,
+            first: b * BLOCK,
+            block: &self.list.blocks()[b],
+            stored: self.stored.map(|s| s.block(b)),
+            constants: self.constants,
+            sums,
+        };
+        run(self.instructions, job);
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Whether sums use corrected gradients.
+    pub(super) fn corrected(&self) -> bool {
+        self.formulation.is_corrected(&self.model)
+    }
+
+    /// Makes room for the records of all particles and ghosts.
+    pub(super) fn make_records(&mut self) {
         let numerics = &self.model.numerics;
         let extra = numerics.artificial_stress.is_some() || numerics.balsara;
-        let count = self.particles.len();
-        self.records.resize(count + self.halo.ghosts.len(), extra, self.corrected());
-
-        let form = numerics.pair_form;
-        let frame = self.records.frame;
-        let Particles { position, velocity, velocity_gradient, mass, density, smoothing_length, .. } = &self.particles;
-        let Work { xsph, motion, .. } = &self.work;
-        let motions = &self.motions;
-        let place = |i: usize| match back {
-            0.0 => position[i],
-            _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
-        };
-        self.records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
-            for (k, record) in records.iter_mut().enumerate() {
-                let i = b * BLOCK + k;
-                let x = frame.encode::<T>(&place(i));
-                for a in 0..3 {
-                    record[kinematic::X + a] = x[a];
-                    record[kinematic::V + a] = T::of(velocity[i][a]);
-                }
-                let density = stress::predicted_density(density[i], &velocity_gradient[i], ahead);
-                record[kinematic::WEIGHT] = T::of(pair::gradient_weight(form, mass[i], density));
-                record[kinematic::H] = T::of(smoothing_length[i]);
-            }
-        });
-        self.halo.exchange_kinematics(count, place, &mut self.records);
+        let corrected = self.corrected();
+        self.records.resize(self.particles.len() + self.ghosts.count(), extra, corrected);
     }
 
-    /// Velocity gradient and density. With leapfrog the gradient is taken with the positions of mid-step, where its
-    /// velocities are: the step is then the same forwards and backwards in time, and what stress gains in it is the work of
-    /// the forces before and after it, to second order.
-    pub(super) fn sum_gradients(&mut self) {
-        if self.reference.is_some() {
-            return self.sum_reference_gradients();
-        }
-        let half = 0.5 * self.step.dt;
-        // The predictor has its positions at mid-step already.
-        let leapfrog = self.model.numerics.integrator == Integrator::Leapfrog;
-        self.pack_kinematics(if leapfrog { half } else { 0.0 }, half);
-        let model = &*self.model;
-        let dimension = super::dimension(model);
-        dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
-            let records = &self.records.kinematic;
-            let constants = &self.constants;
-            let form = model.numerics.pair_form;
-            let dt = self.step.dt_to_evaluation(model.numerics.integrator);
-            let Particles { velocity_gradient, neighbors, density, .. } = &mut self.particles;
-            let (list, instructions) = (&self.lists.list, self.instructions);
-            let stored = self.lists.stored.as_ref();
-            let sum_block = |sums: &mut [GradientSum<T>; BLOCK], b: usize| {
-                let block = &list.blocks()[b];
-                let job = GradientJob::<T, D, CORRECTED> {
-                    records,
-                    first: b * BLOCK,
-                    block,
-                    stored: stored.map(|s| s.block(b)),
-                    constants,
-                    sums,
-                };
-                run(instructions, job);
-            };
-            let room = || [GradientSum::zero(); BLOCK];
-            let finish =
-                |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
-                    let scale = pair::gradient_factor(form, stress::predicted_density(*rho, last, half));
-                    let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
-                    if let Some(b_i) = correction {
-                        let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
-                        *b_i = gradient_correction::gradient_correction(&moment, dimension);
-                        l = tensor::multiply(&l, &tensor::transpose(b_i));
-                    }
-                    *rho = stress::density_after(*rho, &l, dt);
-                    l
-                };
-            let columns = (
-                velocity_gradient.par_chunks_mut(BLOCK),
-                neighbors.par_chunks_mut(BLOCK),
-                density.par_chunks_mut(BLOCK),
-            );
-            if CORRECTED {
-                (columns.0, columns.1, columns.2, self.work.correction.par_chunks_mut(BLOCK))
-                    .into_par_iter()
-                    .enumerate()
-                    .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
-                        sum_block(sums, b);
-                        for k in 0..l.len() {
-                            l[k] = finish(&sums[k], &mut rho[k], &l[k], Some(&mut correction[k]));
-                            n[k] = sums[k].inside;
-                        }
-                    });
-            } else {
-                columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
-                    sum_block(sums, b);
-                    for k in 0..l.len() {
-                        l[k] = finish(&sums[k], &mut rho[k], &l[k], None);
-                        n[k] = sums[k].inside;
-                    }
-                });
-            }
-        });
+    /// Adds up the pairs of the last velocity gradient.
+    pub(super) fn count_pairs(&mut self) {
         self.step.pairs = self.particles.neighbors.iter().map(|&n| u64::from(n)).sum();
-    }
-
-    /// Gradient correction at the positions and densities forces are evaluated with, where those are not the ones of the
-    /// velocity gradient. Torques cancel only if force and correction see the same.
-    pub(super) fn correct_forces(&mut self) {
-        let moved = self.model.numerics.integrator == Integrator::Leapfrog && self.step.dt > 0.0;
-        if !(self.corrected() && moved) || self.reference.is_some() {
-            return;
-        }
-        self.pack_kinematics(0.0, 0.0);
-        let model = &*self.model;
-        let dimension = super::dimension(model);
-        let form = model.numerics.pair_form;
-        dispatch_sweep!(dimension, true, |D, CORRECTED| {
-            let (records, constants) = (&self.records.kinematic, &self.constants);
-            let (list, instructions) = (&self.lists.list, self.instructions);
-            let stored = self.lists.stored.as_ref();
-            let density = &self.particles.density;
-            self.work.correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
-                let mut sums = [GradientSum::zero(); BLOCK];
-                let job = GradientJob::<T, D, CORRECTED> {
-                    records,
-                    first: b * BLOCK,
-                    block: &list.blocks()[b],
-                    stored: stored.map(|s| s.block(b)),
-                    constants,
-                    sums: &mut sums,
-                };
-                run(instructions, job);
-                for (k, b_i) in correction.iter_mut().enumerate() {
-                    let scale = pair::gradient_factor(form, density[b * BLOCK + k]);
-                    let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
-                    *b_i = gradient_correction::gradient_correction(&moment, dimension);
-                }
-            });
-        });
     }
 
     /// Acceleration by pair forces, energy rate, XSPH velocity.
@@ -227,15 +131,10 @@ impl<T: PairScalar> CpuEngine<T> {
         let numerics = &model.numerics;
         let dimension = super::dimension(model);
         let pair_form = numerics.pair_form;
-        let bulk_viscosity = self.reference.is_some();
+        let viscosity = self.formulation.pair_viscosity(model);
+        let mu_of_pairs = self.formulation.bulk_viscosity(model).is_none();
         let terms = ForceTerms {
-            // The total Lagrangian form has its viscosity in the stress.
-            viscosity: match self.reference {
-                None => {
-                    ViscosityParameters { alpha: T::of(numerics.viscosity_alpha), beta: T::of(numerics.viscosity_beta) }
-                }
-                Some(_) => ViscosityParameters { alpha: T::zero(), beta: T::zero() },
-            },
+            viscosity: ViscosityParameters { alpha: T::of(viscosity.alpha), beta: T::of(viscosity.beta) },
             artificial_stress: numerics.artificial_stress.map(|a| (T::of(self.inverse_w_spacing()), a.exponent)),
             balsara: numerics.balsara,
             xsph: numerics.xsph != 0.0,
@@ -247,8 +146,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let records = &self.records;
             let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
             let instructions = self.instructions;
-            let Work { xsph, mu, .. } = &mut self.work;
-            let Particles { acceleration, energy_rate, mass, .. } = &mut self.particles;
+            let Particles { acceleration, energy_rate, mass, xsph, mu, .. } = &mut self.particles;
             let mass = &*mass;
             let room = || [ForceSum::zero(); BLOCK];
             (
@@ -289,7 +187,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
                         e[k] = sum.energy_rate.to_f64() * outer;
                         x[k] = sum.xsph.map(|v| v.to_f64() * strength);
-                        if !bulk_viscosity {
+                        if mu_of_pairs {
                             mu[k] = sum.mu.to_f64();
                         }
                     }
@@ -303,16 +201,4 @@ impl<T: PairScalar> CpuEngine<T> {
         let ratio = self.model.bodies.first().map_or(1.0, |b| b.spacing / b.smoothing_length);
         1.0 / self.model.numerics.kernel.w(ratio)
     }
-
-    /// The neighbour list, for stages of their own file.
-    pub(super) fn list(&self) -> &NeighborList {
-        &self.lists.list
-    }
-}
-
-/// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.
-#[inline(always)]
-fn earlier(x: Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], back: f64) -> Vector<f64> {
-    // A prescribed axis has no XSPH; its velocity is the one it drifted with.
-    [0, 1, 2].map(|a| x[a] - back * if prescribed[a].is_some() { v[a] } else { v[a] + xsph[a] })
 }

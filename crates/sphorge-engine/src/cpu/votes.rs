@@ -5,7 +5,7 @@ use crate::lanes::{Instructions, Job, Lanes, run};
 use crate::model::{Model, WallContact};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
-use crate::{Vote, VoteReason};
+use crate::{LimitReason, TimeStepLimit};
 use rayon::prelude::*;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, penalty_limit, sound_limit};
 
@@ -47,7 +47,7 @@ impl Job<f64> for VoteJob<'_> {
 }
 
 /// The smallest votes of the particles of block `b`, s.
-fn votes_of_block(model: &Model, p: &Particles, mu: &[f64], instructions: Instructions, b: usize) -> (f64, f64) {
+fn votes_of_block(model: &Model, p: &Particles, instructions: Instructions, b: usize) -> (f64, f64) {
     let mut columns = Columns {
         smoothing_length: [f64::INFINITY; BLOCK],
         sound_speed: [1.0; BLOCK],
@@ -61,7 +61,7 @@ fn votes_of_block(model: &Model, p: &Particles, mu: &[f64], instructions: Instru
     columns.smoothing_length[..count].copy_from_slice(&p.smoothing_length[particles.clone()]);
     columns.sound_speed[..count].copy_from_slice(&p.sound_speed[particles.clone()]);
     columns.density[..count].copy_from_slice(&p.density[particles.clone()]);
-    columns.mu[..count].copy_from_slice(&mu[particles.clone()]);
+    columns.mu[..count].copy_from_slice(&p.mu[particles.clone()]);
     for (k, (material, a)) in p.material[particles.clone()].iter().zip(&p.acceleration[particles]).enumerate() {
         columns.shear_modulus[k] = shear_modulus_of(&model.materials[*material as usize], p, b * BLOCK + k);
         columns.acceleration[k] = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
@@ -72,39 +72,37 @@ fn votes_of_block(model: &Model, p: &Particles, mu: &[f64], instructions: Instru
 }
 
 /// The smallest vote of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.
-pub(super) fn vote(model: &Model, p: &Particles, mu: &[f64], contact: Option<f64>, instructions: Instructions) -> Vote {
+pub(super) fn vote(model: &Model, p: &Particles, contact: Option<f64>, instructions: Instructions) -> TimeStepLimit {
     let courant = model.time.courant;
-    let of_block = |b| votes_of_block(model, p, mu, instructions, b);
+    let of_block = |b| votes_of_block(model, p, instructions, b);
     // A minimum does not depend on the order it is taken in.
     let (by_sound, by_acceleration) = (0..p.len().div_ceil(BLOCK))
         .into_par_iter()
         .map(of_block)
         .reduce(|| (f64::INFINITY, f64::INFINITY), |a, b| (a.0.min(b.0), a.1.min(b.1)));
-    let particles = smaller(
-        Vote { dt: by_sound, reason: VoteReason::SoundSpeed },
-        Vote { dt: by_acceleration, reason: VoteReason::Acceleration },
-    );
-    let contact = contact.map(|limit| Vote { dt: courant * limit, reason: VoteReason::Contact });
-    model.walls.iter().filter_map(|w| contact_vote(model, &w.contact)).chain(contact).fold(particles, smaller)
+    let particles = TimeStepLimit { dt: by_sound, reason: LimitReason::SoundSpeed }
+        .min(TimeStepLimit { dt: by_acceleration, reason: LimitReason::Acceleration });
+    let contact = contact.map(|limit| TimeStepLimit { dt: courant * limit, reason: LimitReason::Contact });
+    model
+        .walls
+        .iter()
+        .filter_map(|w| contact_vote(model, &w.contact))
+        .chain(contact)
+        .fold(particles, TimeStepLimit::min)
 }
 
 /// The vote of conduction, whose limit is given, s.
-pub(super) fn conduction_vote(model: &Model, limit: Option<f64>) -> Vote {
-    Vote { dt: model.time.courant * limit.unwrap_or(f64::INFINITY), reason: VoteReason::Conduction }
-}
-
-/// The smaller of two votes, the first of equals.
-pub(super) fn smaller(a: Vote, b: Vote) -> Vote {
-    if b.dt < a.dt { b } else { a }
+pub(super) fn conduction_vote(model: &Model, limit: Option<f64>) -> TimeStepLimit {
+    TimeStepLimit { dt: model.time.courant * limit.unwrap_or(f64::INFINITY), reason: LimitReason::Conduction }
 }
 
 /// Step that resolves the contact spring of a penalty wall, for the body with the fastest one.
-fn contact_vote(model: &Model, contact: &WallContact) -> Option<Vote> {
+fn contact_vote(model: &Model, contact: &WallContact) -> Option<TimeStepLimit> {
     let WallContact::Penalty { stiffness, .. } = *contact else { return None };
     let fastest = model
         .bodies
         .iter()
         .map(|b| model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing)
         .fold(0.0, f64::max);
-    Some(Vote { dt: penalty_limit(stiffness, fastest, model.time.courant), reason: VoteReason::Contact })
+    Some(TimeStepLimit { dt: penalty_limit(stiffness, fastest, model.time.courant), reason: LimitReason::Contact })
 }

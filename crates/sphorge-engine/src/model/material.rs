@@ -2,6 +2,7 @@
 
 use sphorge_physics::eos::{BoundedPressure, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
+use sphorge_physics::total_lagrangian::young_modulus;
 use sphorge_physics::{Real, return_mapping::ReturnRule};
 
 /// A material, all constants in SI.
@@ -67,6 +68,12 @@ impl Material {
             self.specific_heat,
             self.reference_temperature,
         )
+    }
+
+    /// Young's modulus at rest, Pa.
+    pub fn young_modulus(&self) -> f64 {
+        let c = self.equation_of_state.pressure(self.density, 0.0).sound_speed;
+        young_modulus(self.density * c * c, self.shear_modulus)
     }
 }
 

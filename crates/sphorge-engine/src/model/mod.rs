@@ -23,8 +23,8 @@ pub use dimensions::Dimensions;
 pub use material::{Material, NO_HEATING};
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, ParticleSelection, Perforation};
 pub use numerics::{
-    AdaptiveSearch, ArtificialStress, GradientCorrection, Integrator, Numerics, OutputControl, Precision, Search,
-    SmoothingLength, TemperatureSource, TimeControl, TotalLagrangian,
+    AdaptiveSearch, ArtificialStress, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
+    Search, SmoothingLength, TemperatureSource, TimeControl,
 };
 pub use observed::{Section, Tracer};
 pub use problem::Model;

@@ -111,8 +111,22 @@ pub enum Search {
     },
     /// Particles whose plastic strain grows (Fraser).
     Adaptive(AdaptiveSearch),
-    /// None after the start: sums refer to the initial positions.
-    TotalLagrangian(TotalLagrangian),
+    /// No one after the start: the sums of the total Lagrangian form, or in the updated Lagrangian one those of a list and kernel values
+    /// that are kept as they were, as in the published table.
+    Initial,
+}
+
+/// Which configuration the sums are taken in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Formulation {
+    /// The present one: Cauchy stress over present neighbours.
+    #[default]
+    UpdatedLagrangian,
+    /// The initial one: deformation gradient and first Piola–Kirchhoff stress with corrected gradients over initial neighbours.
+    TotalLagrangian {
+        /// Strength of the hourglass control, zero for none.
+        hourglass: f64,
+    },
 }
 
 /// Which rows of the neighbour lists are rebuilt.
@@ -125,16 +139,6 @@ pub struct AdaptiveSearch {
     /// Whose rows are rebuilt too so that no pair is missed: particles whose accumulated strain since their last search exceeds
     /// this bound, and contact candidates. `None`: the paper's rule alone, with the kernel values of the last search.
     pub guard: Option<f64>,
-}
-
-/// Sums over the initial neighbours.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TotalLagrangian {
-    /// Deformation gradient and first Piola–Kirchhoff stress with corrected gradients; otherwise lists and kernel values of
-    /// the start in the sums of the other strategies, as in the paper's table.
-    pub corrected: bool,
-    /// Strength of the hourglass control, zero for none.
-    pub hourglass: f64,
 }
 
 /// Time control.

@@ -1,8 +1,8 @@
 //! A whole problem.
 
 use super::{
-    Body, BodyContact, Dimensions, Material, Measure, Numerics, OutputControl, PrescribedMotion, Region, Search,
-    Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall,
+    Body, BodyContact, Dimensions, Formulation, Material, Measure, Numerics, OutputControl, PrescribedMotion, Region,
+    Search, Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall,
 };
 
 /// A whole problem.
@@ -18,6 +18,8 @@ pub struct Model {
     pub spacing: f64,
     /// Choices of the discretisation.
     pub numerics: Numerics,
+    /// Which configuration the sums are taken in.
+    pub formulation: Formulation,
     /// Neighbour search strategy.
     pub search: Search,
     /// Compare the neighbour lists with an exact search every so many steps.

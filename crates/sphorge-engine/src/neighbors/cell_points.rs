@@ -6,6 +6,7 @@
 use super::cells::{CHUNK, bounds};
 use super::{CellGrid, DisplacementBound, Frame, PAD, Reach};
 use crate::lanes::PairScalar;
+use crate::persist::{Archive, ArchiveError, Persist};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -60,6 +61,11 @@ impl CellPoints {
         if self.serves(points, largest, displacement) {
             return;
         }
+        self.sort(points, largest, displacement);
+    }
+
+    /// Sorts `points` into cells for a search with the reach `largest`, m.
+    fn sort(&mut self, points: &[Vector<f64>], largest: f64, displacement: DisplacementBound) {
         self.grid.sort(points, largest * (1.0 + CELL_MARGIN));
         self.sorted_at.clear();
         self.sorted_at.extend_from_slice(points);
@@ -211,5 +217,19 @@ impl CellPoints {
         let low = self.rebuilt[k / 64] >> (k % 64);
         let high = (self.rebuilt[k / 64 + 1] << 1) << (63 - k % 64);
         (low | high) as u32
+    }
+}
+
+impl Persist for CellPoints {
+    /// The order of the points, and with it that of the rows, follows from where they were sorted.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.sorted_at.persist(&format!("{name}.sorted_at"), archive)?;
+        self.sorted_when.persist(&format!("{name}.sorted_when"), archive)?;
+        self.sorted_for.persist(&format!("{name}.sorted_for"), archive)?;
+        if !archive.is_saving() && !self.sorted_at.is_empty() {
+            let points = std::mem::take(&mut self.sorted_at);
+            self.sort(&points, self.sorted_for, self.sorted_when);
+        }
+        Ok(())
     }
 }

@@ -24,6 +24,8 @@ impl DisplacementBound {
     }
 }
 
+crate::persist_fields!(DisplacementBound { displacement });
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! Neighbours in other bodies, taken out of the neighbour list where bodies meet in a contact of their own.
 
 use super::{BLOCK, Block, NeighborList};
+use crate::persist::{Archive, ArchiveError, Persist, persist_all};
 use rayon::prelude::*;
 
 /// Rows of the few particles that have neighbours in other bodies, by block like [`NeighborList`].
@@ -73,6 +74,14 @@ impl ForeignBlock {
         self.owners.iter().zip(starts).zip(&self.ends).map(row)
     }
 }
+
+impl Persist for ForeignList {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_all(&mut self.blocks, name, archive)
+    }
+}
+
+crate::persist_fields!(ForeignBlock { owners, ends, indices });
 
 #[cfg(test)]
 mod tests {

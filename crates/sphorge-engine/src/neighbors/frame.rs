@@ -34,3 +34,5 @@ impl Frame {
         [0, 1, 2].map(|a| T::encode((p[a] - self.origin[a]) * self.inverse_unit))
     }
 }
+
+crate::persist_fields!(Frame { origin, unit, inverse_unit });

@@ -5,6 +5,8 @@
 //! own index: a pair of a particle with itself has zero distance and zero velocity difference, so every antisymmetric or
 //! difference sum ignores it and sweeps need no masks.
 
+use crate::persist::{Archive, ArchiveError, Persist, persist_all};
+
 /// Rows in a block.
 pub const BLOCK: usize = 128;
 
@@ -199,6 +201,14 @@ impl Block {
         }
     }
 }
+
+impl Persist for NeighborList {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_all(&mut self.blocks, name, archive)
+    }
+}
+
+crate::persist_fields!(Block { starts, lengths, indices, used });
 
 #[cfg(test)]
 mod tests {

@@ -5,6 +5,7 @@ use super::cell_points::CellPoints;
 use super::rows::{PatchJob, RowsJob};
 use super::{BLOCK, Block, DisplacementBound, Frame, NeighborList, Reach, mark};
 use crate::lanes::{Instructions, PairScalar, run};
+use crate::persist::{Archive, ArchiveError, Persist};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -180,6 +181,12 @@ fn differences(old: &[u32], new: &[u32], mut visit: impl FnMut(u32)) {
     let (old, new) = (&old[..old.len() - same], &new[..new.len() - same]);
     old.iter().filter(|j| !new.contains(j)).for_each(|&j| visit(j));
     new.iter().filter(|j| !old.contains(j)).for_each(|&j| visit(j));
+}
+
+impl Persist for Searcher {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.points.persist(name, archive)
+    }
 }
 
 #[cfg(test)]

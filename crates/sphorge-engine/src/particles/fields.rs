@@ -1,8 +1,11 @@
-//! The table of fields a user can name: stored columns and quantities derived from them.
+//! The fields a user can name: stored columns, histories of material laws, and quantities derived from columns.
 
+use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
 use sphorge_physics::SymmetricTensor;
+use sphorge_physics::flow::FLOW_LAWS;
 use std::borrow::Cow;
+use std::sync::LazyLock;
 
 /// What is known of a field.
 #[derive(Clone, Copy, Debug)]
@@ -19,40 +22,66 @@ pub struct FieldInfo {
     pub meaning: &'static str,
 }
 
-macro_rules! table {
-    ($( $name:literal, $unit:literal, $kind:ident, $output:literal, $meaning:literal; )+) => {
-        /// All fields.
-        pub const FIELDS: &[FieldInfo] = &[ $( FieldInfo { name: $name, unit: $unit, kind: ColumnKind::$kind, default_output: $output, meaning: $meaning }, )+ ];
-    };
-}
+/// Derived fields, each with the stored one it stands behind in lists.
+const DERIVED: [(&str, FieldInfo); 3] = [
+    (
+        "velocity",
+        FieldInfo {
+            name: "speed",
+            unit: "m/s",
+            kind: ColumnKind::Scalar,
+            default_output: false,
+            meaning: "magnitude of the velocity",
+        },
+    ),
+    (
+        "deviator",
+        FieldInfo {
+            name: "stress",
+            unit: "Pa",
+            kind: ColumnKind::Symmetric,
+            default_output: true,
+            meaning: "Cauchy stress, positive in tension",
+        },
+    ),
+    (
+        "deviator",
+        FieldInfo {
+            name: "von_mises_stress",
+            unit: "Pa",
+            kind: ColumnKind::Scalar,
+            default_output: true,
+            meaning: "von Mises equivalent stress",
+        },
+    ),
+];
 
-table! {
-    "id", "", Integer, true, "number given at creation";
-    "body", "", Integer, true, "index of the body";
-    "material", "", Integer, false, "index of the material";
-    "mass", "kg", Scalar, false, "mass";
-    "smoothing_length", "m", Scalar, false, "smoothing length";
-    "position", "m", Vector, false, "position (always written as the points of a frame)";
-    "velocity", "m/s", Vector, true, "velocity";
-    "speed", "m/s", Scalar, false, "magnitude of the velocity";
-    "acceleration", "m/s^2", Vector, false, "acceleration of the last force sum";
-    "density", "kg/m^3", Scalar, true, "density";
-    "energy", "J/kg", Scalar, true, "specific internal energy";
-    "temperature", "K", Scalar, true, "temperature";
-    "pressure", "Pa", Scalar, true, "pressure, positive in compression";
-    "sound_speed", "m/s", Scalar, false, "bulk sound speed";
-    "deviator", "Pa", Symmetric, false, "stress deviator";
-    "stress", "Pa", Symmetric, true, "Cauchy stress, positive in tension";
-    "von_mises_stress", "Pa", Scalar, true, "von Mises equivalent stress";
-    "velocity_gradient", "1/s", Tensor, false, "velocity gradient";
-    "plastic_strain", "", Scalar, true, "accumulated equivalent plastic strain";
-    "plastic_strain_increment", "", Scalar, false, "plastic strain added in the last step";
-    "yield_stress", "Pa", Scalar, false, "yield stress at the end of the last step";
-    "plastic_work", "J/kg", Scalar, false, "plastic work per mass";
-    "neighbors", "", Integer, false, "neighbours inside the kernel support";
-    "adapted", "", Integer, false, "one where neighbours were searched in the last step, else zero";
-    "last_searched", "", Integer, false, "number of the step of the last search";
-}
+/// All fields a user can name.
+pub static FIELDS: LazyLock<Vec<FieldInfo>> = LazyLock::new(|| {
+    let mut fields = Vec::new();
+    for column in COLUMNS.iter().filter(|column| column.access != Access::Internal) {
+        fields.push(FieldInfo {
+            name: column.name,
+            unit: column.unit,
+            kind: column.kind,
+            default_output: column.access == Access::Written,
+            meaning: column.meaning,
+        });
+        fields.extend(DERIVED.iter().filter(|(behind, _)| *behind == column.name).map(|(_, field)| *field));
+    }
+    for variable in FLOW_LAWS.iter().flat_map(|law| law.history) {
+        if fields.iter().all(|field| field.name != variable.name) {
+            fields.push(FieldInfo {
+                name: variable.name,
+                unit: variable.unit,
+                kind: ColumnKind::Scalar,
+                default_output: true,
+                meaning: variable.meaning,
+            });
+        }
+    }
+    fields
+});
 
 /// The field of this name.
 pub fn find_field(name: &str) -> Option<&'static FieldInfo> {
@@ -81,7 +110,7 @@ mod tests {
     #[test]
     fn every_field_of_the_table_is_there_with_its_kind() {
         let particles = Particles::new(2);
-        for field in FIELDS {
+        for field in FIELDS.iter() {
             let column = particles.column(field.name).expect(field.name);
             assert_eq!(column.kind(), field.kind, "{}", field.name);
             assert_eq!(column.len(), 2);

@@ -1,11 +1,14 @@
-//! Particle state: structure of arrays, one table of fields.
+//! Particles: structure of arrays, one table of fields.
 
 mod column;
 mod fields;
+mod history;
 mod permutation;
-mod state;
+mod table;
+mod value;
 
 pub use column::{Column, ColumnKind};
 pub use fields::{FIELDS, FieldInfo, find_field};
+pub use history::HistoryColumn;
 pub use permutation::Permutation;
-pub use state::Particles;
+pub use table::{Access, COLUMNS, Check, ColumnInfo, Owner, Particles};

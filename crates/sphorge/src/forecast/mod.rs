@@ -2,7 +2,7 @@
 
 use crate::{
     deck::Setup,
-    engine::{RunFailure, Simulation, VoteReason},
+    engine::{LimitReason, RunFailure, Simulation},
     geometry::Volume,
     model::{Dimensions, Model, Solid},
     observed::Observed,
@@ -37,7 +37,7 @@ pub struct Forecast {
     /// The first time step, s.
     pub first_step: f64,
     /// What limits it.
-    pub first_reason: VoteReason,
+    pub first_reason: LimitReason,
     /// Steps to the end at the mean size of the steps taken here.
     pub expected_steps: u64,
     /// Most steps the deck allows.
@@ -263,7 +263,7 @@ mod tests {
         // The courant number over the longitudinal sound speed, on the smaller smoothing length.
         let speed = (3630_f64.powi(2) + 4.0 / 3.0 * 80e9 / 7890.0).sqrt();
         assert!((forecast.first_step - 0.3 * 1.2 * 0.8e-3 / speed).abs() < 1e-3 * forecast.first_step);
-        assert_eq!(forecast.first_reason, VoteReason::SoundSpeed);
+        assert_eq!(forecast.first_reason, LimitReason::SoundSpeed);
         assert_eq!(forecast.expected_steps, 20);
         // Twenty steps of 48 ns are short of the first frame interval: the initial frame and that of the end.
         assert_eq!(forecast.frames, 2);

@@ -19,7 +19,7 @@ use super::{
     sync::Pacing,
 };
 use crate::{
-    engine::{Audit, ContactLedger, Energies, HeatLedger, Ledger, VoteReason},
+    engine::{Audit, ContactLedger, Energies, HeatLedger, Ledger, LimitReason},
     model::{Dimensions, MeasureKind, Model},
     particles::find_field,
 };
@@ -44,7 +44,7 @@ pub(crate) struct HistorySample<'a> {
     pub(crate) step: u64,
     /// Last step that was not shortened to land on an output time, and what limited it.
     pub(crate) dt: f64,
-    pub(crate) reason: Option<VoteReason>,
+    pub(crate) reason: Option<LimitReason>,
     pub(crate) ledger: &'a Ledger,
     pub(crate) energy_drift: f64,
     pub(crate) momentum_drift: f64,

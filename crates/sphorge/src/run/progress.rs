@@ -1,6 +1,6 @@
 //! How far a run is, for whoever watches.
 
-use crate::engine::VoteReason;
+use crate::engine::LimitReason;
 use std::{path::PathBuf, time::Instant};
 
 /// A run about to start.
@@ -32,7 +32,7 @@ pub struct Progress {
     /// Size of the last step, s.
     pub dt: f64,
     /// What limited it.
-    pub reason: VoteReason,
+    pub reason: LimitReason,
     /// Speed since the previous report.
     pub particle_steps_per_second: f64,
     /// Wall-clock seconds since the start.

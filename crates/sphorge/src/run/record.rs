@@ -2,7 +2,7 @@
 
 use super::{conservation::Conservation, stepper::Stepper};
 use crate::{
-    engine::{Audit, Energies, StepReport, VoteReason},
+    engine::{Audit, Energies, LimitReason, StepReport},
     measures::Measures,
     model::{Model, Precision},
     observed::Observed,
@@ -30,7 +30,7 @@ pub(super) struct Recorder {
     steps: StepSums,
     steps_at_last_row: StepSums,
     /// Size and reason for the `dt` column.
-    step_size: (f64, Option<VoteReason>),
+    step_size: (f64, Option<LimitReason>),
     landing_since_row: bool,
     pairs: Option<u64>,
     audit: Option<Audit>,
@@ -77,7 +77,7 @@ impl Recorder {
     }
 
     /// Notes the size of the first step before it is taken.
-    pub(super) fn prepared(&mut self, dt: f64, reason: VoteReason) {
+    pub(super) fn prepared(&mut self, dt: f64, reason: LimitReason) {
         self.step_size = (dt, Some(reason));
     }
 
@@ -92,7 +92,7 @@ impl Recorder {
             self.audits.add(audit);
         }
         // A step cut for a frame says little of what limits the run.
-        let landing = report.reason == VoteReason::Output;
+        let landing = report.reason == LimitReason::Output;
         if !landing || self.landing_since_row {
             self.step_size = (report.dt, Some(report.reason));
             self.landing_since_row = landing;

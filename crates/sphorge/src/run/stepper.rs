@@ -1,7 +1,7 @@
 //! What the driver asks of a simulation; apart from it so that the driver can be tested alone.
 
 use crate::{
-    engine::{Ledger, RunFailure, Simulation, StageSeconds, StepReport, VoteReason},
+    engine::{Ledger, LimitReason, RunFailure, Simulation, StageSeconds, StepReport},
     model::Model,
     output::FailureRecord,
     particles::Particles,
@@ -10,7 +10,7 @@ use crate::{
 /// Something that takes time steps.
 pub(super) trait Stepper {
     /// Evaluates the initial state, and the size of the first step and what limits it.
-    fn prepare(&mut self) -> Result<(f64, VoteReason), Box<FailureRecord>>;
+    fn prepare(&mut self) -> Result<(f64, LimitReason), Box<FailureRecord>>;
     /// Takes one step that does not pass `land_on` (s) and ends exactly there if it gets that far. After a failure the
     /// state is not to be written.
     fn step(&mut self, land_on: f64) -> Result<StepReport, Box<FailureRecord>>;
@@ -25,7 +25,7 @@ pub(super) trait Stepper {
 }
 
 impl Stepper for Simulation {
-    fn prepare(&mut self) -> Result<(f64, VoteReason), Box<FailureRecord>> {
+    fn prepare(&mut self) -> Result<(f64, LimitReason), Box<FailureRecord>> {
         self.next_step_estimate().map_err(|failure| record(self.model(), failure))
     }
     fn step(&mut self, land_on: f64) -> Result<StepReport, Box<FailureRecord>> {

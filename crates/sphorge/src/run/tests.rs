@@ -2,7 +2,7 @@
 
 use super::{drive::drive, stepper::Stepper, *};
 use crate::{
-    engine::{BodyLedger, Energies, Ledger, StageSeconds, StepReport, VoteReason},
+    engine::{BodyLedger, Energies, Ledger, LimitReason, StageSeconds, StepReport},
     model::{Measure, MeasureKind, Model, ParticleSelection},
     output::{EndReason, FailureRecord, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
     particles::Particles,
@@ -34,8 +34,8 @@ impl Clockwork {
 }
 
 impl Stepper for Clockwork {
-    fn prepare(&mut self) -> Result<(f64, VoteReason), Box<FailureRecord>> {
-        Ok((DT, VoteReason::SoundSpeed))
+    fn prepare(&mut self) -> Result<(f64, LimitReason), Box<FailureRecord>> {
+        Ok((DT, LimitReason::SoundSpeed))
     }
     fn step(&mut self, land_on: f64) -> Result<StepReport, Box<FailureRecord>> {
         if self.fail_at.is_some_and(|t| self.time >= t) {
@@ -52,7 +52,7 @@ impl Stepper for Clockwork {
         }
         let landing = self.time + DT >= land_on;
         let (dt, reason) =
-            if landing { (land_on - self.time, VoteReason::Output) } else { (DT, VoteReason::SoundSpeed) };
+            if landing { (land_on - self.time, LimitReason::Output) } else { (DT, LimitReason::SoundSpeed) };
         self.time = if landing { land_on } else { self.time + dt };
         self.steps += 1;
         self.particles.position[1][0] = 3.0 * self.time;

@@ -1,7 +1,7 @@
 //! Heat that flows: series solutions, and accounts that close.
 
 use super::setup::{COLLISION, by_id, run_steps, run_to, simulation};
-use sphorge::engine::{Simulation, VoteReason};
+use sphorge::engine::{LimitReason, Simulation};
 use std::f64::consts::PI;
 
 /// A slab of 100 mm between two plates, from 0 degC; diffusivity 1e-5 m^2/s.
@@ -67,7 +67,7 @@ fn a_slab_between_two_plates_converges_at_second_order() {
         let mut simulation = simulation(SLAB, &[("particles.spacing", spacing)]);
         let (dt, reason) = simulation.next_step_estimate().unwrap();
         // 0.3 rho cp dx^2/(2 k).
-        assert_eq!(reason, VoteReason::Conduction);
+        assert_eq!(reason, LimitReason::Conduction);
         assert!((dt / (0.3 * 0.5 * 1e5 * simulation.model().spacing.powi(2)) - 1.0).abs() < 1e-9, "{dt}");
         let before = internal(&simulation);
         run_to(&mut simulation, 100.0);

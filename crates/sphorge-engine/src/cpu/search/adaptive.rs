@@ -10,11 +10,11 @@
 //!   or none;
 //! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
 
-use super::super::{CpuEngine, Work};
+use super::super::CpuEngine;
 use super::{CHUNK, moved_beyond};
 use crate::engine::SearchReport;
 use crate::lanes::PairScalar;
-use crate::model::{AdaptiveSearch, Search};
+use crate::model::{self, AdaptiveSearch, Search};
 use crate::neighbors::{Reach, mark};
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -36,9 +36,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let reach = self.largest_reach();
             let factor = self.model.numerics.kernel.support();
             let lists = &mut self.lists;
-            let origin = &self.work.origin;
-            let odometer = lists.odometer;
-            lists.guard.refresh(&self.particles, &lists.list, &lists.searched_at, origin, odometer, reach, factor);
+            lists.guard.refresh(&self.particles, &lists.list, lists.odometer, reach, factor);
         }
         let marked = self.mark(adaptive);
         let count = self.particles.len();
@@ -49,30 +47,30 @@ impl<T: PairScalar> CpuEngine<T> {
         if marked == 0 {
             return SearchReport { searched_fraction: 0.0 };
         }
-        if !self.halo.ghosts.is_empty() {
+        if self.ghosts.count() > 0 {
             self.place_points();
         }
         let factor = self.reach_factor();
         let one_sided = adaptive.guard.is_none();
         let (odometer, range) = (self.lists.odometer, self.lists.smoothing_lengths);
-        let super::Lists { list, searcher, points, smoothing_length, sources, marks, to_search, stored, .. } =
-            &mut self.lists;
+        let super::Lists { list, searcher, points, smoothing_length, marks, to_search, stored, .. } = &mut self.lists;
+        let rows = self.ghosts.halo.rows();
         // Without ghosts the particles are all there is.
-        let (points, smoothing_length) = if sources.is_empty() {
+        let (points, smoothing_length) = if rows.is_empty() {
             (&self.particles.position, &self.particles.smoothing_length)
         } else {
             (&*points, &*smoothing_length)
         };
         marks.truncate(count);
-        for (k, &source) in sources.iter().enumerate() {
-            let mark = marks[source as usize].load(Ordering::Relaxed);
+        for (k, &row) in rows.iter().enumerate() {
+            let mark = marks[row as usize].load(Ordering::Relaxed);
             marks.push(AtomicU8::new(mark));
             if mark == mark::REBUILD {
                 to_search.push((count + k) as u32);
             }
         }
         let reach = Reach { smoothing_length, factor, range };
-        searcher.rebuild_rows(points, sources, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
+        searcher.rebuild_rows(points, rows, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
         if let Some(stored) = stored {
             let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::REBUILD;
             stored.renew(list, points, searched);
@@ -89,10 +87,11 @@ impl<T: PairScalar> CpuEngine<T> {
             lists.stored.get_or_insert_default().renew(&lists.list, &lists.points, |_| true);
         }
         if matches!(self.model.search, Search::Adaptive(_)) {
-            self.lists.searched_at.clone_from(&self.particles.position);
             self.lists.searched_when = self.lists.odometer;
-            self.work.strain_since_search.fill(0.0);
-            self.work.plastic_since_search.fill(0.0);
+            let p = &mut self.particles;
+            p.searched_at.copy_from_slice(&p.position);
+            p.strain_since_search.fill(0.0);
+            p.plastic_since_search.fill(0.0);
         }
     }
 
@@ -100,7 +99,7 @@ impl<T: PairScalar> CpuEngine<T> {
     fn keeps_distances(&self) -> bool {
         match self.model.search {
             Search::Adaptive(adaptive) => adaptive.guard.is_none(),
-            Search::TotalLagrangian(total) => !total.corrected,
+            Search::Initial => self.model.formulation == model::Formulation::UpdatedLagrangian,
             _ => false,
         }
     }
@@ -108,9 +107,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Whether a particle may have come near a symmetry plane or a periodic end without a ghost.
     fn ghosts_used_up(&self) -> bool {
         let allowed = GHOST_MARGIN * self.largest_reach();
-        !self.halo.is_empty()
+        !self.ghosts.halo.is_empty()
             && !self.lists.odometer.is_within(self.lists.searched_when, allowed)
-            && moved_beyond(&self.particles.position, &self.lists.searched_at, allowed)
+            && moved_beyond(&self.particles.position, &self.particles.searched_at, allowed)
     }
 
     /// Marks the particles to be searched, returns how many.
@@ -119,9 +118,15 @@ impl<T: PairScalar> CpuEngine<T> {
         let super::Lists { marks, to_search, guard, .. } = &mut self.lists;
         marks.resize_with(count.max(marks.len()), AtomicU8::default);
         let step = self.step.count as u32;
-        let Particles { plastic_strain_increment, adapted, last_searched, .. } = &mut self.particles;
+        let Particles {
+            plastic_strain_increment,
+            adapted,
+            last_searched,
+            strain_since_search,
+            plastic_since_search,
+            ..
+        } = &mut self.particles;
         let (plastic_strain_increment, guard) = (&*plastic_strain_increment, &*guard);
-        let Work { strain_since_search, plastic_since_search, .. } = &mut self.work;
         let columns = (
             marks[..count].par_chunks_mut(CHUNK),
             adapted.par_chunks_mut(CHUNK),

@@ -3,6 +3,7 @@
 use super::super::CpuEngine;
 use super::{StoredBlock, place};
 use crate::Audit;
+use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, Searcher, brute_force};
 use rayon::prelude::*;
@@ -31,7 +32,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(in super::super) fn audit_lists(&mut self) -> Audit {
         // Those of the lists may be older.
         let (mut points, mut smoothing_length) = (Vec::new(), Vec::new());
-        place(&self.particles, &self.halo.ghosts, &mut points, &mut smoothing_length);
+        place(&self.particles, &self.ghosts, &mut points, &mut smoothing_length);
         let count = self.particles.len();
         let factor = self.model.numerics.kernel.support();
         let lists = &self.lists;
@@ -104,14 +105,21 @@ impl<T: PairScalar> CpuEngine<T> {
         let dimension = super::super::dimension(&self.model);
         let (b, k) = (i / BLOCK, i % BLOCK);
         let stored: Option<&StoredBlock<T>> = lists.stored.as_ref().filter(|_| kept).map(|s| s.block(b));
-        let stress = |j: usize| particles.deviator[j] - SymmetricTensor::isotropic(particles.pressure[j]);
+        let ghosts = &self.ghosts.columns;
+        let (deviators, pressures) = (
+            WithGhosts::new(&particles.deviator, &ghosts.deviator),
+            WithGhosts::new(&particles.pressure, &ghosts.pressure),
+        );
+        let masses = WithGhosts::new(&particles.mass, &ghosts.mass);
+        let densities = WithGhosts::new(&particles.density, &ghosts.density);
+        let velocities = WithGhosts::new(&particles.velocity, &ghosts.velocity);
+        let bodies = WithGhosts::new(&particles.body, &ghosts.body);
+        let stress = |j: usize| deviators.at(j) - SymmetricTensor::isotropic(pressures.at(j));
         let mut sums = Sums::default();
         let row_start = list.blocks()[b].start(k);
         let known = other.row(i);
         for (n, &j) in list.row(i).iter().enumerate() {
             let j = j as usize;
-            let source = if j < count { j } else { self.halo.ghosts[j - count].source as usize };
-            let sign = if j < count { [1.0; 3] } else { self.halo.ghosts[j - count].sign };
             let now = [0, 1, 2].map(|a| points[i][a] - points[j][a]);
             let h = pair_smoothing_length(reach.smoothing_length[i], reach.smoothing_length[j]);
             let inside = dot(now, now).sqrt() < kernel.support() * h;
@@ -124,19 +132,16 @@ impl<T: PairScalar> CpuEngine<T> {
                 let in_contact = || self.contacts.as_ref().is_some_and(|c| c.has_pair(i, j as u32));
                 if !known.contains(&(j as u32)) && !in_contact() {
                     sums.missed += 1;
-                    sums.missed_foreign += u64::from(particles.body[i] != particles.body[source]);
+                    sums.missed_foreign += u64::from(bodies.at(i) != bodies.at(j));
                 }
             }
             let x = stored.map_or(now, |s| s.distance(row_start + n));
             let f = -kernel.slope(dimension, dot(x, x).sqrt(), h);
-            let volume = particles.mass[source] / particles.density[source];
-            let v: Vector<f64> = [0, 1, 2].map(|a| sign[a] * particles.velocity[source][a] - particles.velocity[i][a]);
+            let volume = masses.at(j) / densities.at(j);
+            let (v_i, v_j) = (velocities.at(i), velocities.at(j));
+            let v: Vector<f64> = [0, 1, 2].map(|a| v_j[a] - v_i[a]);
             sums.divergence += volume * f * dot(v, x);
-            let mut theirs = stress(source);
-            theirs.xy *= sign[0] * sign[1];
-            theirs.yz *= sign[1] * sign[2];
-            theirs.xz *= sign[0] * sign[2];
-            let traction = (stress(i) + theirs).dot(x);
+            let traction = (stress(i) + stress(j)).dot(x);
             for a in 0..3 {
                 let acceleration = volume / particles.density[i] * f * traction[a];
                 sums.acceleration[a] += acceleration;

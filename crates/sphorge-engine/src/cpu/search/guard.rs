@@ -7,6 +7,7 @@
 
 use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
 use crate::particles::Particles;
+use crate::persist::{Archive, ArchiveError, Persist};
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
 
@@ -65,8 +66,6 @@ impl Guard {
         &mut self,
         particles: &Particles,
         list: &NeighborList,
-        searched_at: &[Vector<f64>],
-        origin: &[Vector<f64>],
         odometer: DisplacementBound,
         reach: f64,
         support: f64,
@@ -82,14 +81,14 @@ impl Guard {
         self.sorted_when = odometer;
         let size = CELL_WIDTH * reach;
         self.cells.sort(&particles.position, size);
-        self.pieces.find(particles, list, origin, support);
+        self.pieces.find(particles, list, support);
 
         let (cells, pieces) = (&self.cells, &self.pieces.of);
         self.contents.resize(cells.cells(), Content::NOTHING);
         self.contents.par_iter_mut().enumerate().for_each(|(c, content)| {
             *content = Content::NOTHING;
             for &i in cells.members(c) {
-                let (piece, at) = (pieces[i as usize], searched_at[i as usize]);
+                let (piece, at) = (pieces[i as usize], particles.searched_at[i as usize]);
                 content.add(&Content { pieces: (piece, piece), low: at, high: at });
             }
         });
@@ -137,10 +136,10 @@ struct Pieces {
 impl Pieces {
     /// Joins particles of one body that are in the list, within the kernel support of each other, and were not much farther apart at
     /// the start: pieces that meet stay pieces.
-    fn find(&mut self, particles: &Particles, list: &NeighborList, origin: &[Vector<f64>], support: f64) {
+    fn find(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
         self.of.clear();
         self.of.extend(0..particles.len() as u32);
-        let Particles { position, body, smoothing_length, .. } = particles;
+        let Particles { position, body, smoothing_length, origin, .. } = particles;
         for i in 0..particles.len() {
             for &j in list.row(i) {
                 let j = j as usize;
@@ -176,6 +175,16 @@ impl Pieces {
     }
 }
 
+impl Persist for Guard {
+    /// Cells and what is in them follow from where particles were sorted; fragments are found with the lists of that time and saved.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.sorted_at.persist(&format!("{name}.sorted_at"), archive)?;
+        self.sorted_when.persist(&format!("{name}.sorted_when"), archive)?;
+        self.pieces.of.persist(&format!("{name}.fragments"), archive)?;
+        self.among_strangers.persist(&format!("{name}.candidates"), archive)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,7 +207,10 @@ mod tests {
         let reach = Reach::new(&particles.smoothing_length, 2.0);
         let list = brute_force(&particles.position, 10, &reach);
         let mut guard = Guard::default();
-        guard.refresh(particles, &list, searched_at, searched_at, DisplacementBound::default(), 1.2, 2.0);
+        let mut particles = particles.clone();
+        particles.searched_at = searched_at.to_vec();
+        particles.origin = searched_at.to_vec();
+        guard.refresh(&particles, &list, DisplacementBound::default(), 1.2, 2.0);
         (0..10).map(|i| guard.among_strangers(i)).collect()
     }
 

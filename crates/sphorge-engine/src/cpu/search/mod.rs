@@ -8,12 +8,13 @@ mod stored;
 pub(super) use stored::{StoredBlock, StoredPairs};
 
 use super::CpuEngine;
-use super::halo::Ghost;
 use crate::engine::SearchReport;
+use crate::halo::{FieldSet, Ghosts, WithGhosts};
 use crate::lanes::PairScalar;
 use crate::model::Search;
-use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
+use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds, range_of};
 use crate::particles::{Particles, Permutation};
+use crate::persist::{Archive, ArchiveError, Persist, persist_option};
 use guard::Guard;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
@@ -43,21 +44,35 @@ pub(super) struct Lists<T> {
     /// Its readings at the last search of everyone, and when the frame was made.
     searched_when: DisplacementBound,
     framed_when: DisplacementBound,
-    /// Source of every ghost.
-    sources: Vec<u32>,
     /// What a partial search does with each row; ghosts as their sources.
     marks: Vec<AtomicU8>,
     /// Points of a partial search.
     to_search: Vec<u32>,
-    /// Positions at the last search of everyone, m; only for adaptive search.
-    searched_at: Vec<Vector<f64>>,
     guard: Guard,
 }
 
 impl<T: Default> Lists<T> {
-    /// Lists of no one.
-    pub(super) fn new() -> Self {
-        Self { stale: true, ..Self::default() }
+    /// Lists that are to be built for these particles.
+    pub(super) fn new(particles: &Particles) -> Self {
+        Self { stale: true, smoothing_lengths: range_of(&particles.smoothing_length), ..Self::default() }
+    }
+}
+
+impl<T: PairScalar> Persist for Lists<T> {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let of = |field: &str| format!("{name}.{field}");
+        self.list.persist(&of("list"), archive)?;
+        persist_option(&mut self.stored, &of("stored"), archive)?;
+        self.searches.persist(&of("searches"), archive)?;
+        self.stale.persist(&of("stale"), archive)?;
+        self.searcher.persist(&of("searcher"), archive)?;
+        self.points.persist(&of("points"), archive)?;
+        self.smoothing_length.persist(&of("smoothing_length"), archive)?;
+        self.smoothing_lengths.persist(&of("smoothing_lengths"), archive)?;
+        self.odometer.persist(&of("displacement"), archive)?;
+        self.searched_when.persist(&of("searched_when"), archive)?;
+        self.framed_when.persist(&of("framed_when"), archive)?;
+        self.guard.persist(&of("guard"), archive)
     }
 }
 
@@ -70,7 +85,6 @@ impl<T> Lists<T> {
             + 32 * self.points.capacity()
             + 5 * self.marks.capacity()
             + 4 * self.to_search.capacity()
-            + 24 * self.searched_at.capacity()
             + self.guard.bytes()
     }
 }
@@ -93,8 +107,8 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             }
             Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
-            Search::TotalLagrangian(_) if stale => self.search_everyone(),
-            Search::TotalLagrangian(_) => {
+            Search::Initial if stale => self.search_everyone(),
+            Search::Initial => {
                 self.follow_frame();
                 self.search_no_one()
             }
@@ -127,7 +141,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let skin = skin * self.model.numerics.kernel.support();
         let (now, then) = (&self.particles.position, &self.lists.points);
         // Images in symmetry planes go other ways than their sources.
-        let ways_differ = || !self.halo.is_empty() || differ_beyond(now, then, skin);
+        let ways_differ = || !self.ghosts.halo.is_empty() || differ_beyond(now, then, skin);
         skin <= 0.0
             || (!self.lists.odometer.is_within(self.lists.searched_when, 0.5 * skin)
                 && moved_beyond(now, then, 0.5 * skin)
@@ -145,29 +159,26 @@ impl<T: PairScalar> CpuEngine<T> {
     fn search_everyone(&mut self) -> SearchReport {
         let reach_factor = self.reach_factor();
         let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
-        if self.halo.wrap(&mut self.particles.position) {
+        if self.ghosts.halo.wrap(&mut self.particles.position) {
             self.lists.searcher.forget();
             self.lists.guard.forget();
         }
-        if self.halo.rebuild(&self.particles.position, ghost_reach) {
+        if self.ghosts.halo.rebuild(&self.particles.position, ghost_reach) {
             self.lists.searcher.forget();
         }
         self.place_points();
         let count = self.particles.len();
-        let Lists { list, searcher, points, smoothing_length, smoothing_lengths, sources, odometer, .. } =
-            &mut self.lists;
+        let Lists { list, searcher, points, smoothing_length, smoothing_lengths, odometer, .. } = &mut self.lists;
         let reach = Reach { smoothing_length, factor: reach_factor, range: *smoothing_lengths };
         searcher.search(points, count, &reach, *odometer, self.instructions, list);
         let frame = searcher.frame::<T>();
-        if self.reference.is_some() {
+        if !self.formulation.sees_other_bodies() {
             // Another body's material is no part of the deformation of this one.
-            let body = &self.particles.body;
-            let body_of =
-                |j: u32| body.get(j as usize).copied().unwrap_or_else(|| body[sources[j as usize - count] as usize]);
+            let body = WithGhosts::new(&self.particles.body, &self.ghosts.columns.body);
             for (b, block) in list.blocks_mut().iter_mut().enumerate() {
                 for k in 0..block.len() {
                     let own = b * BLOCK + k;
-                    block.retain_in_row(k, own as u32, |j| body[own] == body_of(j));
+                    block.retain_in_row(k, own as u32, |j| body.at(own) == body.at(j as usize));
                 }
             }
         }
@@ -186,7 +197,12 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Moves pairs of different bodies to the contact between them, where the deck has one.
     fn take_contacts(&mut self) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.take_pairs(&mut self.lists.list, &self.particles.body, &self.halo.ghosts);
+            let p = &mut self.particles;
+            contacts.take_pairs(&mut self.lists.list, WithGhosts::new(&p.body, &self.ghosts.columns.body));
+            // Those that lose their neighbours in other bodies overlap no more.
+            p.contact_overlap.fill(0.0);
+            p.contact_direction.fill([0.0; 3]);
+            p.contact_weight.fill(0.0);
         }
     }
 
@@ -200,11 +216,9 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Positions and smoothing lengths of particles and ghosts, for the searcher.
     fn place_points(&mut self) {
-        let Lists { points, smoothing_length, sources, .. } = &mut self.lists;
-        let ghosts = &self.halo.ghosts;
-        place(&self.particles, ghosts, points, smoothing_length);
-        sources.clear();
-        sources.extend(ghosts.iter().map(|g| g.source));
+        self.ghosts.exchange(FieldSet::Search, &self.particles);
+        let Lists { points, smoothing_length, .. } = &mut self.lists;
+        place(&self.particles, &self.ghosts, points, smoothing_length);
     }
 
     /// The frame of the records around the positions as they are: lists may outlive it.
@@ -213,13 +227,13 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         let (mut low, mut high) = bounds(&self.particles.position);
-        if let Some(reference) = &self.reference {
-            let (other_low, other_high) = bounds(&reference.position);
+        if self.formulation.is_initial() {
+            let (other_low, other_high) = bounds(&self.particles.reference_position);
             low = [0, 1, 2].map(|a| low[a].min(other_low[a]));
             high = [0, 1, 2].map(|a| high[a].max(other_high[a]));
         }
         // Ghosts stand at most as far outside as the reach they were made for; all may move by a reach.
-        self.set_frame(Frame::around::<T>(low, high, 4.0 * self.largest_reach() + self.halo.longest_shift()));
+        self.set_frame(Frame::around::<T>(low, high, 4.0 * self.largest_reach() + self.ghosts.halo.longest_shift()));
     }
 
     fn set_frame(&mut self, frame: Frame) {
@@ -233,7 +247,7 @@ impl<T: PairScalar> CpuEngine<T> {
         match self.model.search {
             Search::EveryStep | Search::Skin { .. } => true,
             Search::Adaptive(adaptive) => adaptive.guard.is_some(),
-            Search::TotalLagrangian(_) => false,
+            Search::Initial => false,
         }
     }
 
@@ -243,10 +257,6 @@ impl<T: PairScalar> CpuEngine<T> {
         let Lists { searcher, permutation, .. } = &mut self.lists;
         permutation.set(searcher.cell_order(&self.particles.position, size));
         self.particles.reorder(permutation);
-        self.work.reorder(permutation);
-        if let Some(heat) = &mut self.heat {
-            heat.reorder(permutation);
-        }
         self.lists.stale = true;
         // It knows particles by their places.
         self.lists.guard.forget();
@@ -254,18 +264,15 @@ impl<T: PairScalar> CpuEngine<T> {
 }
 
 /// Positions (m) and smoothing lengths (m) of particles and ghosts.
-fn place(particles: &Particles, ghosts: &[Ghost], points: &mut Vec<Vector<f64>>, smoothing_length: &mut Vec<f64>) {
-    let count = particles.len();
-    points.resize(count + ghosts.len(), [0.0; 3]);
-    smoothing_length.resize(count + ghosts.len(), 0.0);
+fn place(particles: &Particles, ghosts: &Ghosts, points: &mut Vec<Vector<f64>>, smoothing_length: &mut Vec<f64>) {
+    let (count, ghost_count) = (particles.len(), ghosts.count());
+    points.resize(count + ghost_count, [0.0; 3]);
+    smoothing_length.resize(count + ghost_count, 0.0);
     let copy_points = || copy(&particles.position, points);
     let copy_lengths = || copy(&particles.smoothing_length, smoothing_length);
     rayon::join(copy_points, copy_lengths);
-    for (k, ghost) in ghosts.iter().enumerate() {
-        let source = ghost.source as usize;
-        points[count + k] = ghost.position(&particles.position[source]);
-        smoothing_length[count + k] = particles.smoothing_length[source];
-    }
+    points[count..].copy_from_slice(&ghosts.columns.position[..ghost_count]);
+    smoothing_length[count..].copy_from_slice(&ghosts.columns.smoothing_length[..ghost_count]);
 }
 
 /// Copies a column to the front of another, on all threads.

@@ -3,6 +3,7 @@
 
 use crate::lanes::{Lanes, PairScalar};
 use crate::neighbors::{BLOCK, Block, NeighborList, PAD};
+use crate::persist::{Archive, ArchiveError, Persist, persist_all};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 
@@ -82,6 +83,23 @@ impl<T: PairScalar> StoredBlock<T> {
     /// The distance of the pair at entry `at` of the block, m.
     pub(super) fn distance(&self, at: usize) -> Vector<f64> {
         [0, 1, 2].map(|a| self.x[at / PAD * 3 * PAD + a * PAD + at % PAD].to_f64())
+    }
+}
+
+impl<T: PairScalar> Persist for StoredPairs<T> {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_all(&mut self.blocks, name, archive)
+    }
+}
+
+impl<T: PairScalar> Persist for StoredBlock<T> {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.starts.persist(&format!("{name}.starts"), archive)?;
+        // Single precision widens to double and back without a change.
+        let mut distances: Vec<f64> = self.x.iter().map(|x| x.to_f64()).collect();
+        distances.persist(&format!("{name}.distances"), archive)?;
+        self.x = distances.into_iter().map(T::of).collect();
+        Ok(())
     }
 }
 

@@ -1,0 +1,58 @@
+//! The two forms of the sums: which configuration positions, gradients and stresses belong to.
+//!
+//! What both share, the sweeps over pairs, the laws and the integrators, is in the files beside this folder.
+
+mod total_lagrangian;
+mod updated_lagrangian;
+
+use super::CpuEngine;
+use crate::lanes::PairScalar;
+use crate::model::{self, Model};
+use crate::particles::Particles;
+use sphorge_physics::viscosity::ViscosityParameters;
+use sphorge_physics::{SymmetricTensor, Tensor};
+use total_lagrangian::TotalLagrangian;
+use updated_lagrangian::UpdatedLagrangian;
+
+/// What the two forms do in their own way. They hold no state: that is in the columns of the engine.
+pub(super) trait Formulation<T: PairScalar>: Sync {
+    /// Whether sums use corrected gradients.
+    fn is_corrected(&self, model: &Model) -> bool;
+    /// Completes the columns of particles in their initial order.
+    fn start(&self, engine: &mut CpuEngine<T>);
+    /// Whether sums are taken over the initial configuration: its neighbours, positions and volumes.
+    fn is_initial(&self) -> bool;
+    /// Whether material of other bodies takes part in the sums.
+    fn sees_other_bodies(&self) -> bool;
+    /// Viscosity between pairs, which is none where it is a pressure of the particle.
+    fn pair_viscosity(&self, model: &Model) -> ViscosityParameters<f64>;
+    /// Viscosity as a pressure of the particle.
+    fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
+
+    /// Packs what the velocity gradient reads of particles and ghosts.
+    fn pack_motion(&self, engine: &mut CpuEngine<T>);
+    /// Velocity gradient and density.
+    fn kinematics(&self, engine: &mut CpuEngine<T>);
+    /// Packs what the gradient correction of the forces reads, where that is not the one of the velocity gradient.
+    fn pack_volumes(&self, engine: &mut CpuEngine<T>);
+    /// That gradient correction.
+    fn correct_gradients(&self, engine: &mut CpuEngine<T>);
+    /// The tensor whose sum is the force of particle `i`, of its scaled stress and its gradient correction.
+    fn force_tensor(
+        &self,
+        particles: &Particles,
+        i: usize,
+        stress: SymmetricTensor<f64>,
+        correction: &Tensor<f64>,
+    ) -> Tensor<f64>;
+    /// Forces beside those of the stress.
+    fn add_forces(&self, engine: &mut CpuEngine<T>);
+}
+
+/// The form a model asks for.
+pub(super) fn of<T: PairScalar>(model: &Model) -> &'static dyn Formulation<T> {
+    match model.formulation {
+        model::Formulation::UpdatedLagrangian => &UpdatedLagrangian,
+        model::Formulation::TotalLagrangian { .. } => &TotalLagrangian,
+    }
+}

@@ -1,0 +1,154 @@
+//! The total Lagrangian form: sums over the initial neighbours at the initial positions `X`, whose formulas are those of
+//! [`sphorge_physics::total_lagrangian`].
+//!
+//! The Cauchy stress follows from the velocity gradient by the same laws as in the other form. There is no tensile instability:
+//! artificial stress, XSPH and density restoration are left out of the model. Viscosity is a pressure of the particle: a viscosity of
+//! pairs at initial positions would brake rigid rotation. Other bodies are not seen.
+
+use super::Formulation;
+use crate::cpu::CpuEngine;
+use crate::cpu::kinematics::GradientSum;
+use crate::cpu::records::kinematic;
+use crate::cpu::sweeps::{GradientSweep, dispatch_sweep};
+use crate::lanes::PairScalar;
+use crate::model::Model;
+use crate::neighbors::BLOCK;
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::total_lagrangian::{deform, density as density_of, first_piola};
+use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, gradient_correction, tensor};
+
+pub(super) struct TotalLagrangian;
+
+impl<T: PairScalar> Formulation<T> for TotalLagrangian {
+    fn is_corrected(&self, _: &Model) -> bool {
+        true
+    }
+
+    fn start(&self, engine: &mut CpuEngine<T>) {
+        let p = &mut engine.particles;
+        p.reference_position.clone_from(&p.position);
+        for (volume, (mass, density)) in p.reference_volume.iter_mut().zip(p.mass.iter().zip(&p.density)) {
+            *volume = mass / density;
+        }
+    }
+
+    fn is_initial(&self) -> bool {
+        true
+    }
+
+    fn sees_other_bodies(&self) -> bool {
+        false
+    }
+
+    fn pair_viscosity(&self, _: &Model) -> ViscosityParameters<f64> {
+        ViscosityParameters { alpha: 0.0, beta: 0.0 }
+    }
+
+    fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>> {
+        Some(ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta })
+    }
+
+    /// Velocities at initial positions, with initial volumes for weights.
+    fn pack_motion(&self, engine: &mut CpuEngine<T>) {
+        engine.make_records();
+        let count = engine.particles.len();
+        let frame = engine.records.frame;
+        let Particles { velocity, smoothing_length, reference_position, reference_volume, .. } = &engine.particles;
+        engine.records.kinematic[..count].par_iter_mut().enumerate().for_each(|(i, record)| {
+            let x = frame.encode::<T>(&reference_position[i]);
+            for a in 0..3 {
+                record[kinematic::X + a] = x[a];
+                record[kinematic::V + a] = T::of(velocity[i][a]);
+            }
+            record[kinematic::WEIGHT] = T::of(reference_volume[i]);
+            record[kinematic::H] = T::of(smoothing_length[i]);
+        });
+        engine.records.fill_kinematic_ghosts(count, engine.ghosts.halo.as_ref(), &|i| reference_position[i]);
+    }
+
+    /// Deformation gradient, velocity gradient and density.
+    fn kinematics(&self, engine: &mut CpuEngine<T>) {
+        if !engine.reference_corrected {
+            correct_reference(engine);
+            engine.reference_corrected = true;
+        }
+        let dimension = crate::cpu::dimension(&engine.model);
+        let dt = engine.step.dt;
+        let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+        let Particles {
+            velocity_gradient,
+            neighbors,
+            density,
+            deformation,
+            mu,
+            mass,
+            smoothing_length,
+            reference_volume,
+            correction,
+            ..
+        } = &mut engine.particles;
+        let (mass, volume, h, correction) = (&*mass, &*reference_volume, &*smoothing_length, &*correction);
+        dispatch_sweep!(dimension, false, |D, CORRECTED| {
+            (
+                velocity_gradient.par_chunks_mut(BLOCK),
+                neighbors.par_chunks_mut(BLOCK),
+                density.par_chunks_mut(BLOCK),
+                deformation.par_chunks_mut(BLOCK),
+                mu.par_chunks_mut(BLOCK),
+            )
+                .into_par_iter()
+                .enumerate()
+                .for_each(|(b, (l, n, rho, f, mu))| {
+                    let mut sums = [GradientSum::zero(); BLOCK];
+                    sweep.block::<D, CORRECTED>(b, &mut sums);
+                    for k in 0..l.len() {
+                        let i = b * BLOCK + k;
+                        let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
+                        let rate = tensor::multiply(&sum, &tensor::transpose(&correction[i]));
+                        l[k] = deform(&mut f[k], &rate, dt);
+                        rho[k] = density_of(mass[i], volume[i], &f[k]);
+                        n[k] = sums[k].inside;
+                        mu[k] = bulk_mu(&l[k], h[i]);
+                    }
+                });
+        });
+        engine.count_pairs();
+    }
+
+    fn pack_volumes(&self, _: &mut CpuEngine<T>) {}
+
+    fn correct_gradients(&self, _: &mut CpuEngine<T>) {}
+
+    fn force_tensor(
+        &self,
+        particles: &Particles,
+        i: usize,
+        stress: SymmetricTensor<f64>,
+        correction: &Tensor<f64>,
+    ) -> Tensor<f64> {
+        tensor::multiply(&first_piola(stress, &particles.deformation[i]), correction)
+    }
+
+    fn add_forces(&self, engine: &mut CpuEngine<T>) {
+        engine.resist_hourglass();
+    }
+}
+
+/// The gradient correction of the initial configuration.
+fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
+    let dimension: Dimension = crate::cpu::dimension(&engine.model);
+    let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+    let correction = &mut engine.particles.correction;
+    dispatch_sweep!(dimension, true, |D, CORRECTED| {
+        correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
+            let mut sums = [GradientSum::zero(); BLOCK];
+            sweep.block::<D, CORRECTED>(b, &mut sums);
+            for (k, b_i) in correction.iter_mut().enumerate() {
+                let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
+                *b_i = gradient_correction::gradient_correction(&moment, dimension);
+            }
+        });
+    });
+}

@@ -1,0 +1,191 @@
+//! The updated Lagrangian form of both papers: Cauchy stress over the neighbours as they are.
+
+use super::Formulation;
+use crate::cpu::CpuEngine;
+use crate::cpu::kinematics::GradientSum;
+use crate::cpu::records::kinematic;
+use crate::cpu::sweeps::{GradientSweep, dispatch_sweep};
+use crate::lanes::PairScalar;
+use crate::model::{GradientCorrection, Integrator, Model};
+use crate::neighbors::BLOCK;
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::viscosity::ViscosityParameters;
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector, gradient_correction, pair, stress, tensor};
+
+pub(super) struct UpdatedLagrangian;
+
+impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
+    fn is_corrected(&self, model: &Model) -> bool {
+        model.numerics.gradient_correction != GradientCorrection::None
+    }
+
+    fn start(&self, _: &mut CpuEngine<T>) {}
+
+    fn is_initial(&self) -> bool {
+        false
+    }
+
+    fn sees_other_bodies(&self) -> bool {
+        true
+    }
+
+    fn pair_viscosity(&self, model: &Model) -> ViscosityParameters<f64> {
+        ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta }
+    }
+
+    fn bulk_viscosity(&self, _: &Model) -> Option<ViscosityParameters<f64>> {
+        None
+    }
+
+    /// With leapfrog the gradient is taken with the positions of mid-step, where its velocities are: the step is then the same
+    /// forwards and backwards in time, and what stress gains in it is the work of the forces before and after it, to second order.
+    fn pack_motion(&self, engine: &mut CpuEngine<T>) {
+        let half = 0.5 * engine.step.dt;
+        // The predictor has its positions at mid-step already.
+        let leapfrog = engine.model.numerics.integrator == Integrator::Leapfrog;
+        pack(engine, if leapfrog { half } else { 0.0 }, half);
+    }
+
+    fn kinematics(&self, engine: &mut CpuEngine<T>) {
+        let half = 0.5 * engine.step.dt;
+        let model = &*engine.model;
+        let dimension = crate::cpu::dimension(model);
+        let form = model.numerics.pair_form;
+        let dt = engine.step.dt_to_evaluation(model.numerics.integrator);
+        let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+        let Particles { velocity_gradient, neighbors, density, correction, .. } = &mut engine.particles;
+        dispatch_sweep!(dimension, self.is_corrected_form(model), |D, CORRECTED| {
+            let room = || [GradientSum::zero(); BLOCK];
+            let finish =
+                |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
+                    let scale = pair::gradient_factor(form, stress::predicted_density(*rho, last, half));
+                    let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
+                    if let Some(b_i) = correction {
+                        let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
+                        *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                        l = tensor::multiply(&l, &tensor::transpose(b_i));
+                    }
+                    *rho = stress::density_after(*rho, &l, dt);
+                    l
+                };
+            let columns = (
+                velocity_gradient.par_chunks_mut(BLOCK),
+                neighbors.par_chunks_mut(BLOCK),
+                density.par_chunks_mut(BLOCK),
+            );
+            if CORRECTED {
+                (columns.0, columns.1, columns.2, correction.par_chunks_mut(BLOCK))
+                    .into_par_iter()
+                    .enumerate()
+                    .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
+                        sweep.block::<D, CORRECTED>(b, sums);
+                        for k in 0..l.len() {
+                            l[k] = finish(&sums[k], &mut rho[k], &l[k], Some(&mut correction[k]));
+                            n[k] = sums[k].inside;
+                        }
+                    });
+            } else {
+                columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
+                    sweep.block::<D, CORRECTED>(b, sums);
+                    for k in 0..l.len() {
+                        l[k] = finish(&sums[k], &mut rho[k], &l[k], None);
+                        n[k] = sums[k].inside;
+                    }
+                });
+            }
+        });
+        engine.count_pairs();
+    }
+
+    fn pack_volumes(&self, engine: &mut CpuEngine<T>) {
+        if self.corrects_forces(engine) {
+            pack(engine, 0.0, 0.0);
+        }
+    }
+
+    /// Gradient correction at the positions and densities forces are evaluated with. Torques cancel only if force and correction see
+    /// the same.
+    fn correct_gradients(&self, engine: &mut CpuEngine<T>) {
+        if !self.corrects_forces(engine) {
+            return;
+        }
+        let model = &*engine.model;
+        let dimension = crate::cpu::dimension(model);
+        let form = model.numerics.pair_form;
+        let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+        let Particles { density, correction, .. } = &mut engine.particles;
+        dispatch_sweep!(dimension, true, |D, CORRECTED| {
+            correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
+                let mut sums = [GradientSum::zero(); BLOCK];
+                sweep.block::<D, CORRECTED>(b, &mut sums);
+                for (k, b_i) in correction.iter_mut().enumerate() {
+                    let scale = pair::gradient_factor(form, density[b * BLOCK + k]);
+                    let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
+                    *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                }
+            });
+        });
+    }
+
+    fn force_tensor(
+        &self,
+        _: &Particles,
+        _: usize,
+        stress: SymmetricTensor<f64>,
+        correction: &Tensor<f64>,
+    ) -> Tensor<f64> {
+        tensor::multiply(&stress.to_tensor(), correction)
+    }
+
+    fn add_forces(&self, _: &mut CpuEngine<T>) {}
+}
+
+impl UpdatedLagrangian {
+    fn is_corrected_form(&self, model: &Model) -> bool {
+        <Self as Formulation<f64>>::is_corrected(self, model)
+    }
+
+    /// Whether forces are evaluated elsewhere than the velocity gradient, with a correction of their own.
+    fn corrects_forces<T: PairScalar>(&self, engine: &CpuEngine<T>) -> bool {
+        let moved = engine.model.numerics.integrator == Integrator::Leapfrog && engine.step.dt > 0.0;
+        self.is_corrected_form(&engine.model) && moved
+    }
+}
+
+/// Writes velocity, smoothing length, the position a time `back` (s) ago and the weight expected a time `ahead` (s) of the present
+/// density, of every particle and ghost, into its kinematic record.
+fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, back: f64, ahead: f64) {
+    engine.make_records();
+    let form = engine.model.numerics.pair_form;
+    let count = engine.particles.len();
+    let frame = engine.records.frame;
+    let Particles { position, velocity, velocity_gradient, mass, density, smoothing_length, xsph, motion, .. } =
+        &engine.particles;
+    let motions = &engine.motions;
+    let place = |i: usize| match back {
+        0.0 => position[i],
+        _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
+    };
+    engine.records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
+        for (k, record) in records.iter_mut().enumerate() {
+            let i = b * BLOCK + k;
+            let x = frame.encode::<T>(&place(i));
+            for a in 0..3 {
+                record[kinematic::X + a] = x[a];
+                record[kinematic::V + a] = T::of(velocity[i][a]);
+            }
+            let density = stress::predicted_density(density[i], &velocity_gradient[i], ahead);
+            record[kinematic::WEIGHT] = T::of(pair::gradient_weight(form, mass[i], density));
+            record[kinematic::H] = T::of(smoothing_length[i]);
+        }
+    });
+    engine.records.fill_kinematic_ghosts(count, engine.ghosts.halo.as_ref(), &place);
+}
+
+/// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.
+#[inline(always)]
+fn earlier(x: Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], back: f64) -> Vector<f64> {
+    // A prescribed axis has no XSPH; its velocity is the one it drifted with.
+    [0, 1, 2].map(|a| x[a] - back * if prescribed[a].is_some() { v[a] } else { v[a] + xsph[a] })
+}

@@ -1,0 +1,50 @@
+//! Initial conditions: what the state and the columns are before the first step.
+
+use super::conduction::hold;
+use super::integrate::Motions;
+use crate::model::{BodyContact, Formulation, Integrator, Model, Search, TemperatureSource};
+use crate::particles::{HistoryColumn, Owner, Particles};
+
+/// Completes the state of particles that have position, velocity, density and temperature.
+pub(super) fn state(model: &Model, particles: &mut Particles) {
+    if model.numerics.temperature == TemperatureSource::Energy {
+        // Temperature is that of the energy, from the start.
+        for i in 0..particles.len() {
+            let material = &model.materials[particles.material[i] as usize];
+            let warmer = particles.temperature[i] - material.reference_temperature;
+            particles.energy[i] += material.specific_heat * warmer;
+        }
+    }
+    hold(model, particles);
+    for i in 0..particles.len() {
+        let law = &model.materials[particles.material[i] as usize].equation_of_state;
+        let state = law.pressure(particles.density[i], particles.energy[i]);
+        (particles.pressure[i], particles.sound_speed[i]) = (state.pressure, state.sound_speed);
+    }
+}
+
+/// Adds the columns that the choices of a model need, and fills those that do not start at the value of the table.
+pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bool) {
+    let wanted = [
+        (Owner::Step, true),
+        (Owner::Correction, is_corrected),
+        (Owner::AdaptiveSearch, matches!(model.search, Search::Adaptive(_))),
+        (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
+        (Owner::Heat, model.thermal.conduction),
+        (Owner::Contact, model.contact != BodyContact::KernelSum),
+        (Owner::Reference, model.formulation != Formulation::UpdatedLagrangian),
+    ];
+    for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {
+        particles.allocate(owner);
+    }
+    particles.evaluated_velocity.clone_from(&particles.velocity);
+    particles.motion = Motions::assign(model, particles);
+    if matches!(model.search, Search::Adaptive(_)) {
+        particles.origin.clone_from(&particles.position);
+    }
+    for variable in model.materials.iter().flat_map(|material| material.flow_law.history()) {
+        if particles.history.iter().all(|column| column.variable.name != variable.name) {
+            particles.history.push(HistoryColumn::new(variable, particles.len()));
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Ghosts: what stands behind the particles for what is not among them, images in symmetry planes and periodic copies here, particles
+//! of other domains in a distributed run.
+//!
+//! Ghosts own their columns. A [`Halo`] makes them with each neighbour search and brings their fields to those of the particles they
+//! stand for at the points of the step that [`FieldSet`] names; readers never ask whom a ghost stands for.
+
+mod images;
+
+pub use images::Images;
+
+use crate::particles::Particles;
+use crate::persist::{Archive, ArchiveError};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector};
+
+/// What is exchanged at a named point of the step ([`crate::step`]); the table of fields says which columns that is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldSet {
+    /// With every search: what does not change between searches, and positions.
+    Search,
+    /// Before an audit: the state of the last step.
+    Audit,
+    /// Before the velocity gradient: positions and velocities.
+    Motion,
+    /// Before the density re-initialisation: densities.
+    Density,
+    /// Before the gradient correction of the forces: volumes.
+    Volume,
+    /// Before the forces: stresses and velocities.
+    Stress,
+    /// Before the forces: what the intermediate sums gave.
+    IntermediateSums,
+}
+
+/// How a ghost's value follows from that of the particle it stands for, in a mirror or a periodic cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mirror {
+    /// Ghosts do not have it.
+    Unmirrored,
+    /// As it is.
+    Same,
+    /// A point: mirrored and shifted.
+    Point,
+    /// A vector: mirrored.
+    Vector,
+    /// A symmetric tensor: mirrored.
+    Symmetric,
+    /// A tensor: mirrored.
+    Tensor,
+}
+
+/// A column of particles, and that of the ghosts to be filled from it.
+pub enum GhostColumn<'a> {
+    /// Numbers that are the same in every image.
+    Scalar(&'a [f64], &'a mut [f64]),
+    /// Whole numbers.
+    Integer(&'a [u32], &'a mut [u32]),
+    /// Points, m.
+    Point(&'a [Vector<f64>], &'a mut [Vector<f64>]),
+    /// Points worked out for the particles that are asked for, m.
+    PointOf(&'a (dyn Fn(usize) -> Vector<f64> + Sync), &'a mut [Vector<f64>]),
+    /// Vectors.
+    Vector(&'a [Vector<f64>], &'a mut [Vector<f64>]),
+    /// Symmetric tensors.
+    Symmetric(&'a [SymmetricTensor<f64>], &'a mut [SymmetricTensor<f64>]),
+    /// Tensors.
+    Tensor(&'a [Tensor<f64>], &'a mut [Tensor<f64>]),
+    /// Packed records in single precision.
+    Single(Packed<'a, f32>),
+    /// Packed records in double precision.
+    Double(Packed<'a, f64>),
+}
+
+/// Packed records of particles and of the ghosts behind them; coordinates in them are left alone.
+pub struct Packed<'a, T> {
+    /// Entries of the particles' records, one record behind the other.
+    pub own: &'a [T],
+    /// Entries of the ghosts' records.
+    pub ghosts: &'a mut [T],
+    /// For each entry of a record the axes along which a mirror turns its sign: bit 0 for x, twice for none.
+    pub axes: &'a [(u8, u8)],
+}
+
+/// Who the ghosts are, and where their values come from.
+pub trait Halo: Send + Sync {
+    /// Whether there can never be ghosts.
+    fn is_empty(&self) -> bool;
+    /// Number of ghosts.
+    fn count(&self) -> usize;
+    /// How far outside the particles a ghost may stand beyond the reach it was made for, m.
+    fn longest_shift(&self) -> f64;
+    /// Brings particles that left a periodic cell back in; says whether there were any.
+    fn wrap(&self, positions: &mut [Vector<f64>]) -> bool;
+    /// Makes the ghosts of all particles within `reach` (m) of where they are needed. Says whether they are others than before: then
+    /// their numbers mean other points.
+    fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool;
+    /// Fills a column of the ghosts.
+    fn fill(&self, column: GhostColumn<'_>);
+    /// The row of the neighbour list that is kept for a ghost: that of the particle of this domain it is an image of.
+    fn rows(&self) -> &[u32];
+    /// Bytes held.
+    fn bytes(&self) -> usize;
+    /// Saves or loads who the ghosts are.
+    ///
+    /// # Errors
+    /// The archive holds something else.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError>;
+}
+
+/// A column of particles with that of the ghosts behind it.
+#[derive(Clone, Copy)]
+pub(crate) struct WithGhosts<'a, V> {
+    own: &'a [V],
+    ghosts: &'a [V],
+}
+
+impl<'a, V: Copy> WithGhosts<'a, V> {
+    pub(crate) fn new(own: &'a [V], ghosts: &'a [V]) -> Self {
+        Self { own, ghosts }
+    }
+
+    /// Value of point `j`: a particle, or from their number on a ghost.
+    #[inline(always)]
+    pub(crate) fn at(&self, j: usize) -> V {
+        match j.checked_sub(self.own.len()) {
+            None => self.own[j],
+            Some(ghost) => self.ghosts[ghost],
+        }
+    }
+}
+
+/// Ghosts of a model: who they are, and their columns.
+pub(crate) struct Ghosts {
+    pub(crate) halo: Box<dyn Halo>,
+    pub(crate) columns: Particles,
+}
+
+impl Ghosts {
+    pub(crate) fn new(halo: Box<dyn Halo>) -> Self {
+        Self { halo, columns: Particles::default() }
+    }
+
+    /// Brings the columns of a set to those of the particles.
+    pub(crate) fn exchange(&mut self, fields: FieldSet, particles: &Particles) {
+        if !self.halo.is_empty() {
+            particles.exchange(fields, &mut self.columns, self.halo.as_ref());
+        }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.halo.count()
+    }
+}

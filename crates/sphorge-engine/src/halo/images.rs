@@ -1,0 +1,251 @@
+//! Mirror images behind symmetry planes and copies beyond periodic ends.
+
+use super::{GhostColumn, Halo, Packed};
+use crate::model::{Model, SymmetryPlane};
+use crate::persist::{Archive, ArchiveError, Persist};
+use sphorge_physics::{Real, SymmetricTensor, Vector};
+
+/// An image: its source with a sign and a shift per axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Image {
+    source: u32,
+    /// +1, or -1 along axes it is mirrored on.
+    sign: Vector<f64>,
+    shift: Vector<f64>,
+}
+
+impl Image {
+    /// Position of the image when its source is at `p`.
+    #[inline(always)]
+    fn position(&self, p: &Vector<f64>) -> Vector<f64> {
+        [0, 1, 2].map(|a| self.sign[a] * p[a] + self.shift[a])
+    }
+}
+
+/// The planes and periodic axes of a model, and the images they make.
+#[derive(Clone, Debug, Default)]
+pub struct Images {
+    symmetry: Vec<SymmetryPlane>,
+    periodic: [Option<(f64, f64)>; 3],
+    images: Vec<Image>,
+    /// Images before the last rebuilding.
+    former: Vec<Image>,
+    sources: Vec<u32>,
+}
+
+/// Axis pairs of the symmetric components xx, yy, zz, xy, yz, xz.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+
+impl Images {
+    /// No images yet.
+    pub fn new(model: &Model) -> Self {
+        Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ..Self::default() }
+    }
+
+    /// Each image behind the particles, filled from its source by `of`.
+    fn each<V: Copy, G>(&self, own: &[V], ghosts: &mut [G], of: impl Fn(&Image, V) -> G) {
+        for (image, ghost) in self.images.iter().zip(ghosts) {
+            *ghost = of(image, own[image.source as usize]);
+        }
+    }
+
+    fn packed<T: Real>(&self, records: Packed<'_, T>) {
+        let Packed { own, ghosts, axes } = records;
+        let width = axes.len();
+        for (image, record) in self.images.iter().zip(ghosts.chunks_exact_mut(width)) {
+            let start = image.source as usize * width;
+            let sign = image.sign.map(T::of);
+            for ((entry, source), (first, second)) in record.iter_mut().zip(&own[start..start + width]).zip(axes) {
+                *entry = *source;
+                for axis in [first, second] {
+                    if *axis != 0 {
+                        *entry = *entry * sign[axis.trailing_zeros() as usize];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Halo for Images {
+    fn is_empty(&self) -> bool {
+        self.symmetry.is_empty() && self.periodic.iter().all(Option::is_none)
+    }
+
+    fn count(&self) -> usize {
+        self.images.len()
+    }
+
+    fn longest_shift(&self) -> f64 {
+        self.periodic.iter().flatten().fold(0.0, |longest: f64, (low, high)| longest.max(high - low))
+    }
+
+    fn wrap(&self, positions: &mut [Vector<f64>]) -> bool {
+        let mut left = false;
+        for (axis, cell) in self.periodic.iter().enumerate() {
+            let Some((low, high)) = *cell else { continue };
+            for p in positions.iter_mut() {
+                if p[axis] < low || p[axis] >= high {
+                    p[axis] = low + (p[axis] - low).rem_euclid(high - low);
+                    left = true;
+                }
+            }
+        }
+        left
+    }
+
+    /// Later axes also repeat earlier images, which fills edges and corners.
+    fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool {
+        std::mem::swap(&mut self.images, &mut self.former);
+        self.images.clear();
+        for axis in 0..3 {
+            let before = self.images.len();
+            let mut kinds: [Option<(f64, f64, f64, f64)>; 2] = [None; 2];
+            // Each kind of image: sign, shift, and the interval of source coordinates that need it.
+            if let Some((low, high)) = self.periodic[axis] {
+                let length = high - low;
+                kinds = [
+                    Some((1.0, length, f64::NEG_INFINITY, low + reach)),
+                    Some((1.0, -length, high - reach, f64::INFINITY)),
+                ];
+            }
+            let planes = self.symmetry.iter().filter(|s| s.axis == axis);
+            for (kind, plane) in kinds.iter_mut().filter(|i| i.is_none()).zip(planes) {
+                let p = plane.position;
+                // A particle on the plane is its own image.
+                let skip = 1e-9 * reach;
+                *kind = Some(if plane.side > 0.0 {
+                    (-1.0, 2.0 * p, p + skip, p + reach)
+                } else {
+                    (-1.0, 2.0 * p, p - reach, p - skip)
+                });
+            }
+            for (sign, shift, first, last) in kinds.into_iter().flatten() {
+                for (i, p) in positions.iter().enumerate() {
+                    if p[axis] >= first && p[axis] <= last {
+                        let mut image = Image { source: i as u32, sign: [1.0; 3], shift: [0.0; 3] };
+                        image.sign[axis] = sign;
+                        image.shift[axis] = shift;
+                        self.images.push(image);
+                    }
+                }
+                for k in 0..before {
+                    let mut image = self.images[k];
+                    let x = image.position(&positions[image.source as usize])[axis];
+                    if x >= first && x <= last {
+                        image.sign[axis] *= sign;
+                        image.shift[axis] = sign * image.shift[axis] + shift;
+                        self.images.push(image);
+                    }
+                }
+            }
+        }
+        self.sources.clear();
+        self.sources.extend(self.images.iter().map(|image| image.source));
+        self.images != self.former
+    }
+
+    fn fill(&self, column: GhostColumn<'_>) {
+        match column {
+            GhostColumn::Scalar(own, ghosts) => self.each(own, ghosts, |_, v| v),
+            GhostColumn::Integer(own, ghosts) => self.each(own, ghosts, |_, v| v),
+            GhostColumn::Point(own, ghosts) => self.each(own, ghosts, |image, p| image.position(&p)),
+            GhostColumn::PointOf(of, ghosts) => {
+                for (image, ghost) in self.images.iter().zip(ghosts) {
+                    *ghost = image.position(&of(image.source as usize));
+                }
+            }
+            GhostColumn::Vector(own, ghosts) => {
+                self.each(own, ghosts, |image, v| [0, 1, 2].map(|a| v[a] * image.sign[a]));
+            }
+            GhostColumn::Symmetric(own, ghosts) => self.each(own, ghosts, |image, tensor| {
+                let mut c = tensor.to_array();
+                for (value, (a, b)) in c.iter_mut().zip(PAIRS) {
+                    *value = *value * image.sign[a] * image.sign[b];
+                }
+                SymmetricTensor::from_array(c)
+            }),
+            GhostColumn::Tensor(own, ghosts) => self.each(own, ghosts, |image, tensor| {
+                [0, 1, 2].map(|a| [0, 1, 2].map(|b| tensor[a][b] * image.sign[a] * image.sign[b]))
+            }),
+            GhostColumn::Single(records) => self.packed(records),
+            GhostColumn::Double(records) => self.packed(records),
+        }
+    }
+
+    fn rows(&self) -> &[u32] {
+        &self.sources
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<Image>() * (self.images.capacity() + self.former.capacity()) + 4 * self.sources.capacity()
+    }
+
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let mut parts: Vec<(u32, ([f64; 3], [f64; 3]))> =
+            self.images.iter().map(|image| (image.source, (image.sign, image.shift))).collect();
+        parts.persist(name, archive)?;
+        self.images = parts.into_iter().map(|(source, (sign, shift))| Image { source, sign, shift }).collect();
+        self.sources = self.images.iter().map(|image| image.source).collect();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_planes_and_a_corner_make_three_images() {
+        let plane = |axis| SymmetryPlane { axis, position: 0.0, side: 1.0 };
+        let mut halo = Images { symmetry: vec![plane(0), plane(1)], ..Images::default() };
+        let p = [[0.2, 0.3, 5.0]];
+        assert!(halo.rebuild(&p, 1.0) && !halo.rebuild(&p, 1.0));
+        let mut images = vec![[0.0; 3]; halo.count()];
+        halo.fill(GhostColumn::Point(&p, &mut images));
+        images.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(images, [[-0.2, -0.3, 5.0], [-0.2, 0.3, 5.0], [0.2, -0.3, 5.0]]);
+    }
+
+    #[test]
+    fn a_mirror_turns_what_crosses_it() {
+        let plane = SymmetryPlane { axis: 1, position: 2.0, side: 1.0 };
+        let mut halo = Images { symmetry: vec![plane], ..Images::default() };
+        halo.rebuild(&[[1.0, 2.5, 3.0]], 1.0);
+        assert_eq!(halo.rows(), [0]);
+        let mut vector = [[0.0; 3]];
+        halo.fill(GhostColumn::Vector(&[[4.0, 5.0, 6.0]], &mut vector));
+        assert_eq!(vector, [[4.0, -5.0, 6.0]]);
+        let mut point = [[0.0; 3]];
+        halo.fill(GhostColumn::PointOf(&|_| [1.0, 2.25, 3.0], &mut point));
+        assert_eq!(point, [[1.0, 1.75, 3.0]]);
+        let stress = SymmetricTensor { xx: 1.0, yy: 2.0, zz: 3.0, xy: 4.0, yz: 5.0, xz: 6.0 };
+        let mut symmetric = [SymmetricTensor::zero()];
+        halo.fill(GhostColumn::Symmetric(&[stress], &mut symmetric));
+        assert_eq!(symmetric[0], SymmetricTensor { xy: -4.0, yz: -5.0, ..stress });
+        let mut tensor = [[[0.0; 3]; 3]];
+        halo.fill(GhostColumn::Tensor(&[[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]], &mut tensor));
+        assert_eq!(tensor[0], [[1.0, -2.0, 3.0], [-4.0, 5.0, -6.0], [7.0, -8.0, 9.0]]);
+        // A scalar, a y component and an xy component.
+        let mut ghosts = [0.0f32; 3];
+        let axes = [(0, 0), (2, 0), (1, 2)];
+        halo.fill(GhostColumn::Single(Packed { own: &[1.0, 2.0, 3.0], ghosts: &mut ghosts, axes: &axes }));
+        assert_eq!(ghosts, [1.0, -2.0, -3.0]);
+    }
+
+    #[test]
+    fn periodic_copies_and_wrapping() {
+        let mut halo = Images { periodic: [Some((1.0, 3.0)), None, None], ..Images::default() };
+        let mut p = [[3.25, 0.0, 0.0], [0.5, 0.0, 0.0], [2.0, 0.0, 0.0]];
+        assert!(halo.wrap(&mut p) && !halo.wrap(&mut p));
+        assert_eq!(p, [[1.25, 0.0, 0.0], [2.5, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+        assert!(halo.rebuild(&p, 0.6));
+        let mut images = vec![[0.0; 3]; halo.count()];
+        halo.fill(GhostColumn::Point(&p, &mut images));
+        assert_eq!((halo.rows(), images[0][0], images[1][0]), ([0, 1].as_slice(), 3.25, 0.5));
+        // As many, of others.
+        p.swap(1, 2);
+        assert!(halo.rebuild(&p, 0.6));
+        assert_eq!(halo.count(), 2);
+    }
+}

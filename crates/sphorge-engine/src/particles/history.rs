@@ -1,0 +1,24 @@
+//! History variables that material laws declare.
+
+use sphorge_physics::history::HistoryVariable;
+
+/// A history variable of all particles; zero or its initial value where the material's law does not have it.
+#[derive(Clone, Debug)]
+pub struct HistoryColumn {
+    /// What the law declares.
+    pub variable: &'static HistoryVariable,
+    /// One value per particle.
+    pub values: Vec<f64>,
+}
+
+impl HistoryColumn {
+    /// A variable of `count` particles at its initial value.
+    pub(crate) fn new(variable: &'static HistoryVariable, count: usize) -> Self {
+        Self { variable, values: vec![variable.initial; count] }
+    }
+
+    /// Whether the value of particle `i` is in the range the law gives.
+    pub(super) fn is_valid(&self, i: usize) -> bool {
+        self.variable.bound.allows(self.values[i])
+    }
+}

@@ -1,0 +1,293 @@
+//! The one table of fields: what every column of the particles is called, holds, belongs to and is for.
+//!
+//! Storage, reordering, lookup by name, ghosts, saved state and the guard follow from a row. Histories of material laws are rows that
+//! the laws themselves declare ([`sphorge_physics::history::HistoryVariable`]).
+
+use super::value::Value;
+use super::{Column, HistoryColumn, Permutation};
+use crate::halo::{FieldSet, Halo, Mirror};
+use crate::persist::{Archive, ArchiveError, Persist};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector};
+
+/// What a column is kept for; columns of parts that a run does not use take no memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// The state of the material, always there.
+    State,
+    /// The step of any engine.
+    Step,
+    /// Gradient correction.
+    Correction,
+    /// Adaptive search.
+    AdaptiveSearch,
+    /// The predictor–corrector.
+    PredictorCorrector,
+    /// Conduction of heat.
+    Heat,
+    /// Contact between bodies.
+    Contact,
+    /// The reference configuration of the total Lagrangian form.
+    Reference,
+}
+
+/// Who may name a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Written to frames unless the deck says otherwise.
+    Written,
+    /// Written when a deck asks for it.
+    OnRequest,
+    /// Known to engines alone.
+    Internal,
+}
+
+/// What the guard asks of a value after every step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Check {
+    /// Nothing.
+    None,
+    /// Every component is finite.
+    Finite,
+    /// Finite and above zero.
+    Positive,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnInfo {
+    /// Name of the column and of the field.
+    pub name: &'static str,
+    /// Unit in SI, empty for pure numbers.
+    pub unit: &'static str,
+    /// One line for people.
+    pub meaning: &'static str,
+    /// Value type.
+    pub kind: super::ColumnKind,
+    /// What it is kept for.
+    pub owner: Owner,
+    /// Who may name it.
+    pub access: Access,
+    /// How a ghost's value follows from that of the particle it stands for.
+    pub mirror: Mirror,
+    /// Points of the step at which ghosts take it over.
+    pub exchanged: &'static [FieldSet],
+    /// What the guard asks.
+    pub check: Check,
+}
+
+macro_rules! columns {
+    ($( $visibility:vis $name:ident : $type:ty = $initial:expr, $owner:ident, $access:ident($unit:literal, $meaning:literal),
+        $mirror:ident[$($set:ident),*], $check:ident; )+) => {
+        /// Particles as columns of equal length, in spatial order; `id` is stable. Columns that a run does not use are empty.
+        #[derive(Clone, Debug, Default)]
+        pub struct Particles {
+            $( #[doc = concat!($meaning, "; unit: ", $unit, ".")] $visibility $name: Vec<$type>, )+
+            /// History variables of the material laws in use.
+            pub history: Vec<HistoryColumn>,
+        }
+
+        /// The rows of the table, without the histories of laws.
+        pub const COLUMNS: &[ColumnInfo] = &[ $( ColumnInfo {
+            name: stringify!($name),
+            unit: $unit,
+            meaning: $meaning,
+            kind: <$type as Value>::KIND,
+            owner: Owner::$owner,
+            access: Access::$access,
+            mirror: Mirror::$mirror,
+            exchanged: &[$(FieldSet::$set),*],
+            check: Check::$check,
+        }, )+ ];
+
+        impl Particles {
+            /// `count` particles, every column of the state at its initial value.
+            pub fn new(count: usize) -> Self {
+                let mut particles = Self::default();
+                particles.id = vec![0; count];
+                particles.position = vec![[0.0; 3]; count];
+                particles.allocate(Owner::State);
+                particles
+            }
+
+            /// Adds the columns of an owner, at their initial values.
+            pub(crate) fn allocate(&mut self, owner: Owner) {
+                let count = self.len();
+                $( if owner == Owner::$owner { self.$name.resize(count, $initial); } )+
+            }
+
+            /// Number of particles.
+            pub fn len(&self) -> usize {
+                self.position.len()
+            }
+
+            /// No particles at all.
+            pub fn is_empty(&self) -> bool {
+                self.position.is_empty()
+            }
+
+            /// Moves every column the same way; see [`Permutation`].
+            pub fn reorder(&mut self, permutation: &Permutation) {
+                $( permutation.apply(&mut self.$name); )+
+                self.history.iter_mut().for_each(|column| permutation.apply(&mut column.values));
+            }
+
+            /// Bytes held.
+            pub fn bytes(&self) -> usize {
+                let history: usize = self.history.iter().map(|column| 8 * column.values.capacity()).sum();
+                history $( + size_of::<$type>() * self.$name.capacity() )+
+            }
+
+            /// A stored column by its name; `None` for an unknown one.
+            pub(crate) fn stored(&self, name: &str) -> Option<Column<'_>> {
+                match name {
+                    $( stringify!($name) => Some(Value::borrowed(self.$name.as_slice())), )+
+                    _ => self.history.iter().find(|column| column.variable.name == name).map(|c| Value::borrowed(&c.values)),
+                }
+            }
+
+            /// Sets a stored column by its name; derived and unknown fields are left alone.
+            pub(crate) fn set_column(&mut self, name: &str, values: &Column<'_>) {
+                match name {
+                    $( stringify!($name) => Value::copy_from(values, &mut self.$name), )+
+                    _ => {
+                        if let Some(column) = self.history.iter_mut().find(|column| column.variable.name == name) {
+                            Value::copy_from(values, &mut column.values);
+                        }
+                    }
+                }
+            }
+
+            /// Brings the columns of ghosts that belong to a set to those of the particles they stand for.
+            pub(crate) fn exchange(&self, fields: FieldSet, ghosts: &mut Self, halo: &dyn Halo) {
+                $( if [$(FieldSet::$set),*].contains(&fields) && !self.$name.is_empty() {
+                    ghosts.$name.resize(halo.count(), $initial);
+                    halo.fill(Value::ghosts(Mirror::$mirror, &self.$name, &mut ghosts.$name));
+                } )+
+            }
+
+            /// The first field of particle `i`, in the order of the table, that is not what the guard asks for.
+            #[inline(always)]
+            pub(crate) fn first_fault(&self, i: usize) -> Option<&'static str> {
+                $( match Check::$check {
+                    Check::None => {}
+                    Check::Finite if self.$name[i].is_finite() => {}
+                    Check::Positive if self.$name[i].is_above_zero() => {}
+                    Check::Finite | Check::Positive => return Some(stringify!($name)),
+                } )+
+                let wrong = |column: &&HistoryColumn| !column.is_valid(i);
+                self.history.iter().find(wrong).map(|column| column.variable.name)
+            }
+        }
+
+        impl Persist for Particles {
+            fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+                $( self.$name.persist(&format!("{name}.{}", stringify!($name)), archive)?; )+
+                for column in &mut self.history {
+                    column.values.persist(&format!("{name}.history.{}", column.variable.name), archive)?;
+                }
+                Ok(())
+            }
+        }
+    };
+}
+
+/// No stress.
+const UNSTRESSED: SymmetricTensor<f64> = SymmetricTensor { xx: 0.0, yy: 0.0, zz: 0.0, xy: 0.0, yz: 0.0, xz: 0.0 };
+/// No deformation.
+const UNDEFORMED: Tensor<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+columns! {
+    // name: type = initial value, owner, access(unit, meaning), mirror[sets], check
+    pub id: u32 = 0, State, Written("", "number given at creation"), Unmirrored[], None;
+    pub body: u32 = 0, State, Written("", "index of the body"), Same[Search], None;
+    pub material: u32 = 0, State, OnRequest("", "index of the material"), Same[Search], None;
+    // Bit k: region k.
+    pub regions: u32 = 0, State, Internal("", "bit set of the regions the particle belongs to"), Unmirrored[], None;
+    // Per metre of thickness in plane strain, per square metre in one dimension.
+    pub mass: f64 = 0.0, State, OnRequest("kg", "mass"), Same[Search], None;
+    pub smoothing_length: f64 = 0.0, State, OnRequest("m", "smoothing length"), Same[Search, Audit, Motion], None;
+    pub position: Vector<f64> = [0.0; 3], State, OnRequest("m", "position (always written as the points of a frame)"),
+        Point[Search, Audit, Motion], Finite;
+    pub velocity: Vector<f64> = [0.0; 3], State, Written("m/s", "velocity"), Vector[Audit], Finite;
+    pub acceleration: Vector<f64> = [0.0; 3], State, OnRequest("m/s^2", "acceleration of the last force sum"),
+        Unmirrored[], Finite;
+    pub density: f64 = 0.0, State, Written("kg/m^3", "density"), Same[Audit, Density, Stress], Positive;
+    pub energy: f64 = 0.0, State, Written("J/kg", "specific internal energy"), Unmirrored[], Finite;
+    pub energy_rate: f64 = 0.0, State, Internal("W/kg", "rate of the specific internal energy at the last force sum"),
+        Unmirrored[], None;
+    pub temperature: f64 = 0.0, State, Written("K", "temperature"), Same[Stress], Finite;
+    pub pressure: f64 = 0.0, State, Written("Pa", "pressure, positive in compression"), Same[Audit], Finite;
+    pub sound_speed: f64 = 0.0, State, OnRequest("m/s", "bulk sound speed"), Unmirrored[], None;
+    pub deviator: SymmetricTensor<f64> = UNSTRESSED, State, OnRequest("Pa", "stress deviator"), Symmetric[Audit], Finite;
+    // L_ab = dv_a/dx_b.
+    pub velocity_gradient: Tensor<f64> = [[0.0; 3]; 3], State, OnRequest("1/s", "velocity gradient"), Unmirrored[], None;
+    pub plastic_strain: f64 = 0.0, State, Written("", "accumulated equivalent plastic strain"), Unmirrored[], None;
+    pub plastic_strain_increment: f64 = 0.0, State, OnRequest("", "plastic strain added in the last step"),
+        Unmirrored[], None;
+    pub yield_stress: f64 = 0.0, State, OnRequest("Pa", "yield stress at the end of the last step"), Same[Stress], None;
+    pub plastic_work: f64 = 0.0, State, OnRequest("J/kg", "plastic work per mass"), Unmirrored[], None;
+    pub neighbors: u32 = 0, State, OnRequest("", "neighbours inside the kernel support"), Unmirrored[], None;
+    // The `AdaptNode` of Fraser.
+    pub adapted: u32 = 0, State, OnRequest("", "one where neighbours were searched in the last step, else zero"),
+        Unmirrored[], None;
+    pub last_searched: u32 = 0, State, OnRequest("", "number of the step of the last search"), Unmirrored[], None;
+
+    pub(crate) xsph: Vector<f64> = [0.0; 3], Step, Internal("m/s", "XSPH velocity of the last force sum, times its strength"),
+        Unmirrored[], None;
+    pub(crate) external_acceleration: Vector<f64> = [0.0; 3], Step,
+        Internal("m/s^2", "acceleration by walls and gravity, part of the total"), Unmirrored[], None;
+    pub(crate) evaluated_velocity: Vector<f64> = [0.0; 3], Step,
+        Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Stress], None;
+    pub(crate) mu: f64 = 0.0, Step, Internal("m/s", "largest |mu| of the last force sum"), Unmirrored[], None;
+    // Zero for none.
+    pub(crate) motion: u32 = 0, Step, Internal("", "index of the prescribed motion plus one"), Unmirrored[], None;
+
+    pub(crate) correction: Tensor<f64> = UNDEFORMED, Correction, Internal("", "gradient correction B"), Unmirrored[], None;
+
+    pub(crate) strain_since_search: f64 = 0.0, AdaptiveSearch,
+        Internal("", "integral of |D| since the last search of the particle"), Unmirrored[], None;
+    pub(crate) plastic_since_search: f64 = 0.0, AdaptiveSearch,
+        Internal("", "plastic strain since the last search of the particle"), Unmirrored[], None;
+    pub(crate) origin: Vector<f64> = [0.0; 3], AdaptiveSearch, Internal("m", "position at the start"), Unmirrored[], None;
+    pub(crate) searched_at: Vector<f64> = [0.0; 3], AdaptiveSearch,
+        Internal("m", "position at the last full search"), Unmirrored[], None;
+
+    pub(crate) base_position: Vector<f64> = [0.0; 3], PredictorCorrector,
+        Internal("m", "position at the start of the step"), Unmirrored[], None;
+    pub(crate) base_velocity: Vector<f64> = [0.0; 3], PredictorCorrector,
+        Internal("m/s", "velocity at the start of the step"), Unmirrored[], None;
+    pub(crate) base_density: f64 = 0.0, PredictorCorrector,
+        Internal("kg/m^3", "density at the start of the step"), Unmirrored[], None;
+
+    pub(crate) heat_rate: f64 = 0.0, Heat, Internal("W/kg", "heat that flows in"), Unmirrored[], None;
+    // Only with the total Lagrangian form.
+    pub(crate) heat_flow: Vector<f64> = [0.0; 3], Reference,
+        Internal("W/m^2", "heat flow q B that deformation adds, in the initial configuration"),
+        Vector[IntermediateSums], None;
+
+    pub(crate) contact_overlap: f64 = 0.0, Contact, Internal("", "sum_j V_j W_ij / S_ab - 1 over other bodies"),
+        Same[IntermediateSums], None;
+    pub(crate) contact_direction: Vector<f64> = [0.0; 3], Contact,
+        Internal("1/m", "- gradient of the contact overlap, away from other bodies"), Vector[IntermediateSums], None;
+    pub(crate) contact_weight: f64 = 0.0, Contact, Internal("m^2", "sum_j V_i V_j |dW/dr| over other bodies"),
+        Same[IntermediateSums], None;
+    pub(crate) friction_heat: f64 = 0.0, Contact, Internal("W/kg", "heat of contact friction at the last force sum"),
+        Unmirrored[], None;
+
+    pub(crate) reference_position: Vector<f64> = [0.0; 3], Reference, Internal("m", "initial position X"), Point[Search], None;
+    // m² in plane strain, m in one dimension.
+    pub(crate) reference_volume: f64 = 0.0, Reference, Internal("m^3", "initial volume"), Same[Search], None;
+    pub(crate) deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Stress], None;
+}
+
+impl Particles {
+    /// Index and distance, m, of the particle nearest to a point, of one body if given; of several as near the one with the least id.
+    pub fn nearest(&self, point: Vector<f64>, body: Option<usize>) -> Option<(usize, f64)> {
+        let squared = |i: usize| (0..3).map(|a| (self.position[i][a] - point[a]).powi(2)).sum::<f64>();
+        (0..self.len())
+            .filter(|&i| body.is_none_or(|body| self.body[i] as usize == body))
+            .map(|i| (i, squared(i)))
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(self.id[a.0].cmp(&self.id[b.0])))
+            .map(|(i, squared)| (i, squared.sqrt()))
+    }
+}

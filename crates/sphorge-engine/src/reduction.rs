@@ -1,0 +1,275 @@
+//! Sums, means and extrema over particles: what measures, tracers and sections of a deck need.
+//!
+//! An engine evaluates them where its columns are; [`evaluate`] does so for columns in memory.
+
+use crate::model::{Extremum, Model, ParticleSelection, Section};
+use crate::particles::{Column, Particles};
+use sphorge_physics::Vector;
+use sphorge_physics::kernel::{CubicSpline, KernelShape};
+
+/// A number per particle: a field, of which one component may be chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity<'a> {
+    /// Name of the field.
+    pub field: &'a str,
+    /// The component; without one the value, or the norm of a vector or tensor.
+    pub component: Option<usize>,
+}
+
+/// What is asked for, and the numbers that come back: none where no particle is selected.
+#[derive(Clone, Copy, Debug)]
+pub enum Reduction<'a> {
+    /// `max(x + s/2) - min(x - s/2)` along an axis with the spacing `s`, not beyond planes of symmetry, m.
+    Extent {
+        /// Which particles.
+        of: &'a ParticleSelection,
+        /// Axis 0, 1, 2.
+        axis: usize,
+    },
+    /// `2 max(r + s/2)` about a line along an axis through the mean position of the particles, or in the symmetry planes that
+    /// contain it, m.
+    Diameter {
+        /// Which particles.
+        of: &'a ParticleSelection,
+        /// Axis 0, 1, 2.
+        axis: usize,
+    },
+    /// Largest or smallest value.
+    Extremum {
+        /// Which particles.
+        of: &'a ParticleSelection,
+        /// Of what.
+        quantity: Quantity<'a>,
+        /// Which one.
+        extremum: Extremum,
+    },
+    /// Mass-weighted mean.
+    Mean {
+        /// Which particles.
+        of: &'a ParticleSelection,
+        /// Of what.
+        quantity: Quantity<'a>,
+    },
+    /// `sum (m/rho) f W / sum (m/rho) W` at a point (Shepard); nothing where no kernel reaches.
+    Interpolation {
+        /// Which particles.
+        of: &'a ParticleSelection,
+        /// Of what.
+        quantity: Quantity<'a>,
+        /// Where, m.
+        point: Vector<f64>,
+    },
+    /// Means over slabs of one spacing across an axis: coordinate along `direction` (m) and quantity of each slab that holds
+    /// particles, one after the other.
+    Slabs {
+        /// Which particles.
+        of: &'a ParticleSelection,
+        /// Of what.
+        quantity: Quantity<'a>,
+        /// Axis 0, 1, 2.
+        axis: usize,
+        /// Sign of the coordinate: +1 or -1.
+        direction: f64,
+    },
+    /// Force through a plane, N: x, y, z.
+    SectionForce(&'a Section),
+    /// `id` and distance (m) of the particle nearest to a point.
+    Nearest {
+        /// The point, m.
+        point: Vector<f64>,
+        /// Only particles of this body, if given.
+        body: Option<usize>,
+    },
+    /// Quantity of the particle with this `id`.
+    OfParticle {
+        /// Which particle.
+        id: u32,
+        /// Of what.
+        quantity: Quantity<'a>,
+    },
+}
+
+/// Evaluates a reduction over columns in memory, in their order.
+pub fn evaluate(reduction: &Reduction<'_>, model: &Model, particles: &Particles) -> Vec<f64> {
+    let select = |selection| Selected { model, particles, selection };
+    let found = match *reduction {
+        Reduction::Extent { of, axis } => select(of).extent(axis),
+        Reduction::Diameter { of, axis } => select(of).diameter(axis),
+        Reduction::Extremum { of, quantity, extremum } => {
+            let better = match extremum {
+                Extremum::Maximum => f64::max,
+                Extremum::Minimum => f64::min,
+            };
+            Values::of(particles, quantity).and_then(|v| select(of).indices().map(|i| v.at(i)).reduce(better))
+        }
+        Reduction::Mean { of, quantity } => Values::of(particles, quantity).and_then(|v| select(of).mean(&v)),
+        Reduction::Interpolation { of, quantity, point } => {
+            Values::of(particles, quantity).and_then(|v| select(of).interpolate(&v, point))
+        }
+        Reduction::Slabs { of, quantity, axis, direction } => {
+            let Some(values) = Values::of(particles, quantity) else { return Vec::new() };
+            return select(of).slabs(&values, axis, direction);
+        }
+        Reduction::SectionForce(section) => return section_force(section, model, particles).to_vec(),
+        Reduction::Nearest { point, body } => {
+            let nearest = particles.nearest(point, body);
+            return nearest.map_or_else(Vec::new, |(i, distance)| vec![f64::from(particles.id[i]), distance]);
+        }
+        Reduction::OfParticle { id, quantity } => {
+            let place = particles.id.iter().position(|&other| other == id);
+            Values::of(particles, quantity).and_then(|v| Some(v.at(place?)))
+        }
+    };
+    found.into_iter().collect()
+}
+
+/// The values of a quantity.
+struct Values<'a> {
+    column: Column<'a>,
+    component: Option<usize>,
+}
+
+impl<'a> Values<'a> {
+    /// `None` for an unknown field or component.
+    fn of(particles: &'a Particles, quantity: Quantity<'_>) -> Option<Self> {
+        let (column, component) = (particles.column(quantity.field)?, quantity.component);
+        component.is_none_or(|k| k < column.kind().width()).then_some(Self { column, component })
+    }
+
+    fn at(&self, i: usize) -> f64 {
+        match self.component {
+            Some(k) => self.column.component(i, k),
+            None => self.column.magnitude(i),
+        }
+    }
+}
+
+/// Selected particles at one time.
+struct Selected<'a> {
+    model: &'a Model,
+    particles: &'a Particles,
+    selection: &'a ParticleSelection,
+}
+
+impl Selected<'_> {
+    /// Places of the particles in the columns, ascending.
+    fn indices(&self) -> impl Iterator<Item = usize> {
+        let ParticleSelection { body, region, window } = *self.selection;
+        let p = self.particles;
+        (0..p.len()).filter(move |&i| {
+            body.is_none_or(|body| p.body[i] as usize == body)
+                && region.is_none_or(|region| p.regions[i] >> region & 1 == 1)
+                && window.is_none_or(|(min, max)| (0..3).all(|a| (min[a]..=max[a]).contains(&p.position[i][a])))
+        })
+    }
+
+    /// Spacing of the particle's body, m.
+    fn spacing(&self, i: usize) -> f64 {
+        self.model.bodies.get(self.particles.body[i] as usize).map_or(self.model.spacing, |body| body.spacing)
+    }
+
+    fn mean(&self, values: &Values<'_>) -> Option<f64> {
+        let (sum, mass) = self.indices().fold((0.0, 0.0), |(sum, mass), i| {
+            let m = self.particles.mass[i];
+            (sum + m * values.at(i), mass + m)
+        });
+        (mass > 0.0).then(|| sum / mass)
+    }
+
+    fn extent(&self, axis: usize) -> Option<f64> {
+        let ends = |i: usize| {
+            let (x, half) = (self.particles.position[i][axis], 0.5 * self.spacing(i));
+            (x - half, x + half)
+        };
+        let (mut low, mut high) = self.indices().map(ends).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+        // Particles pressed against the plane are flatter than half a spacing.
+        for plane in self.model.symmetry.iter().filter(|plane| plane.axis == axis) {
+            if plane.side > 0.0 {
+                low = low.max(plane.position);
+            } else {
+                high = high.min(plane.position);
+            }
+        }
+        Some(high - low)
+    }
+
+    fn diameter(&self, axis: usize) -> Option<f64> {
+        let positions = &self.particles.position;
+        let mut centre = [0.0; 3];
+        let mut count = 0.0;
+        for i in self.indices() {
+            for a in 0..3 {
+                centre[a] += positions[i][a];
+            }
+            count += 1.0;
+        }
+        centre = centre.map(|sum| sum / count);
+        for plane in self.model.symmetry.iter().filter(|plane| plane.axis != axis) {
+            centre[plane.axis] = plane.position;
+        }
+        let reach = |i: usize| {
+            let square: f64 = (0..3).filter(|&a| a != axis).map(|a| (positions[i][a] - centre[a]).powi(2)).sum();
+            square.sqrt() + 0.5 * self.spacing(i)
+        };
+        self.indices().map(reach).reduce(f64::max).map(|radius| 2.0 * radius)
+    }
+
+    /// The normalisation of the kernel cancels, but for its `1/h^d`.
+    fn interpolate(&self, values: &Values<'_>, point: Vector<f64>) -> Option<f64> {
+        let p = self.particles;
+        let kernel = self.model.numerics.kernel;
+        let dimensions = self.model.dimensions.count();
+        let (sum, weight) = self.indices().fold((0.0, 0.0), |(sum, weight), i| {
+            let r = (0..dimensions).map(|a| (p.position[i][a] - point[a]).powi(2)).sum::<f64>().sqrt();
+            let h = p.smoothing_length[i];
+            let w = p.mass[i] / p.density[i] * kernel.w(r / h) / h.powi(dimensions as i32);
+            // The field may be anything where the kernel does not reach.
+            if w > 0.0 { (sum + w * values.at(i), weight + w) } else { (sum, weight) }
+        });
+        (weight > 0.0).then(|| sum / weight)
+    }
+
+    fn slabs(&self, values: &Values<'_>, axis: usize, direction: f64) -> Vec<f64> {
+        let x = |i: usize| direction * self.particles.position[i][axis];
+        let Some((low, high)) = self.indices().map(|i| (x(i), x(i))).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+            return Vec::new();
+        };
+        // Particles of a lattice fall in the middle of a slab. A flung-off particle must not ask for endless slabs.
+        let width = self.model.spacing.max((high - low) / 1e6);
+        let mut slabs = vec![[0.0; 3]; ((high - low) / width + 0.5) as usize + 1];
+        for i in self.indices() {
+            let [count, place, value] = &mut slabs[((x(i) - low) / width + 0.5) as usize];
+            *count += 1.0;
+            *place += x(i);
+            *value += values.at(i);
+        }
+        let filled = slabs.into_iter().filter(|slab| slab[0] > 0.0);
+        filled.flat_map(|[count, place, value]| [place / count, value / count]).collect()
+    }
+}
+
+/// `sum V sigma n w(d)` with the volume `V = m/rho`, the Cauchy stress, the distance `d` from the plane and the cubic spline of one
+/// dimension with the spacing of the body as smoothing length: the integral of the traction over the plane, smoothed over two
+/// spacings on either side, N.
+fn section_force(section: &Section, model: &Model, particles: &Particles) -> Vector<f64> {
+    let mut force = [0.0; 3];
+    for i in 0..particles.len() {
+        let body = particles.body[i] as usize;
+        if section.body.is_some_and(|wanted| wanted != body) {
+            continue;
+        }
+        let spacing = model.bodies[body].spacing;
+        let x = particles.position[i];
+        let distance = (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum::<f64>().abs();
+        let weight = CubicSpline::w(distance / spacing) / spacing;
+        if weight > 0.0 {
+            let volume = particles.mass[i] / particles.density[i];
+            let stress = particles.deviator[i].to_tensor();
+            for a in 0..3 {
+                let shear = (0..3).map(|b| stress[a][b] * section.normal[b]).sum::<f64>();
+                force[a] += volume * weight * (shear - particles.pressure[i] * section.normal[a]);
+            }
+        }
+    }
+    force
+}
