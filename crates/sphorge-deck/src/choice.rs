@@ -1,19 +1,16 @@
 //! Words a deck chooses from.
 
 use super::defaults;
-use super::value::{Choices, Given, Scalar, Velocity};
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use super::value::Choices;
 use sphorge_engine::model::{
     Arrangement, CraterEdge, Dimensions, EnergySplit, GradientCorrection, Integrator, LatticePlacement, Precision,
     Search, TemperatureSource,
 };
 use sphorge_engine::particles::{FIELDS, FieldInfo};
 use sphorge_physics::{kernel::Kernel, pair::PairForm, return_mapping::ReturnRule};
-use std::borrow::Cow;
 
 macro_rules! words {
     ($( $name:ident, $what:literal, $value:ty { $( $word:literal => $chosen:expr, $meaning:literal; )+ } )+) => { $(
-        #[derive(Clone, Copy, Debug)]
         pub(crate) enum $name {}
         impl Choices for $name {
             type Value = $value;
@@ -152,26 +149,5 @@ impl Choices for FieldWord {
     const WHAT: &'static str = "field";
     fn table() -> Vec<(&'static str, &'static FieldInfo, &'static str)> {
         FIELDS.iter().map(|field| (field.name, field, field.meaning)).collect()
-    }
-}
-
-/// A velocity, or the word `free`.
-#[derive(Clone, Debug)]
-pub(crate) struct VelocityOrFree(pub(crate) Scalar);
-impl From<Scalar> for VelocityOrFree {
-    fn from(scalar: Scalar) -> Self {
-        Self(scalar)
-    }
-}
-impl JsonSchema for VelocityOrFree {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        "VelocityOrFree".into()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let velocity = generator.subschema_for::<Given<Velocity>>();
-        json_schema!({ "anyOf": [velocity, { "const": "free" }] })
     }
 }

@@ -5,7 +5,9 @@
 
 mod choice;
 pub mod decks;
+mod declare;
 pub(crate) mod defaults;
+mod expected;
 mod interpret;
 mod keys;
 mod load;
@@ -18,6 +20,7 @@ mod report;
 mod schema;
 mod unit;
 mod value;
+mod written;
 
 #[cfg(test)]
 mod tests;
@@ -25,6 +28,3 @@ mod tests;
 pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
-
-pub(crate) use load::read_materials;
-pub(crate) use report::nearest;

@@ -1,17 +1,14 @@
 //! The way from a text to a setup.
 
-use super::interpret::{self, Places, interpret};
-use super::raw::{RawDeck, RawMaterial};
-use super::report::{DeckReport, Fault, Problems};
+use super::interpret::{Places, interpret};
+use super::raw::RawDeck;
+use super::report::{DeckReport, Problems};
 use super::{keys, overrides, placement};
-use crate::material::Constants;
-use serde::de::DeserializeOwned;
 use sphorge_engine::{
     Particles, geometry,
     model::{Model, Solid},
 };
-use std::{collections::BTreeMap, path::Path};
-use toml::{Spanned, de::DeTable};
+use std::path::Path;
 
 /// A problem ready to be run.
 #[derive(Clone, Debug)]
@@ -119,40 +116,9 @@ fn with_whole_paths(text: String, model: &Model) -> Result<String, DeckReport> {
 
 /// The model of the text of `problems`, without particles.
 pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<(Model, Places), DeckReport> {
-    let text = problems.text().to_owned();
-    match DeTable::parse(&text) {
-        Ok(deck) => keys::check_deck(deck.get_ref(), problems),
-        // What follows the first slip of syntax is mostly its echo.
-        Err(error) => problems.push(toml_fault(&error)),
-    }
+    let raw: Option<RawDeck> = keys::read(problems);
     problems.check()?;
-    let raw: RawDeck = parse(problems)?;
-    let interpreted = interpret(&raw, name, problems);
+    let interpreted = raw.and_then(|raw| interpret(&raw, name, problems));
     problems.check()?;
     interpreted.ok_or_else(|| problems.report("the deck could not be interpreted"))
-}
-
-fn toml_fault(error: &toml::de::Error) -> Fault {
-    Fault::new("toml", error.message().trim().to_owned(), error.span().unwrap_or(0..0), "here")
-        .help("a deck is TOML: key = value, text in quotes, [table], [[list of tables]]")
-}
-
-/// Reads the text of `problems` into raw structs.
-fn parse<T: DeserializeOwned>(problems: &mut Problems) -> Result<T, DeckReport> {
-    toml::from_str(problems.text()).map_err(|error| {
-        problems.push(toml_fault(&error));
-        problems.report(error.message())
-    })
-}
-
-/// Reads a text of `[NAME]` tables of materials, as in a deck below `material`.
-pub(crate) fn read_materials(shown: &str, text: &str) -> Result<Vec<(String, Constants)>, DeckReport> {
-    let mut problems = Problems::new(shown, text);
-    let raw: BTreeMap<Spanned<String>, RawMaterial> = parse(&mut problems)?;
-    let entries = raw
-        .iter()
-        .map(|(name, material)| (name.get_ref().clone(), interpret::material::constants(material, &mut problems)))
-        .collect();
-    problems.check()?;
-    Ok(entries)
 }

@@ -4,7 +4,7 @@ mod body;
 mod boundary;
 mod cloud;
 mod contact;
-pub(crate) mod material;
+mod material;
 mod measure;
 mod numerics;
 mod observed;

@@ -125,7 +125,7 @@ fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Optio
         Some(count) => match count.positive(problems) {
             Some(n) if n > LARGEST_EXPONENT => {
                 let message = format!("the exponent must be between 1 and {LARGEST_EXPONENT}");
-                problems.push(Fault::new("out-of-range", message, count.0.span.clone(), format!("found {n}")));
+                problems.push(Fault::new("out-of-range", message, count.span(), format!("found {n}")));
                 None
             }
             n => n.and_then(|n| u32::try_from(n).ok()),
@@ -230,7 +230,7 @@ pub(crate) fn output(
     if let (Some(count), Some(interval)) = (&raw.frames, &raw.frame_interval) {
         let fault =
             Fault::new("exactly-one", "`frames` and `frame-interval` say the same", interval.span(), "and here");
-        problems.push(fault.also(count.0.span.clone(), "here").help("keep one of them"));
+        problems.push(fault.also(count.span(), "here").help("keep one of them"));
     }
     let fields = match &raw.fields {
         None => {
@@ -246,7 +246,7 @@ pub(crate) fn output(
     let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);
     let history_interval = history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64);
     let place = |given: &Option<Given<crate::value::Time>>| given.as_ref().map_or(0..0, |g| g.span());
-    let frames_at = raw.frames.as_ref().map_or_else(|| place(&raw.frame_interval), |f| f.0.span.clone());
+    let frames_at = raw.frames.as_ref().map_or_else(|| place(&raw.frame_interval), |f| f.span());
     for (what, interval, most, at) in [
         ("frames", frame_interval, MOST_FRAMES, frames_at),
         ("rows of the history", history_interval, MOST_ROWS, place(&raw.history_interval)),
