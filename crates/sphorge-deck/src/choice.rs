@@ -1,8 +1,8 @@
 //! Words a deck chooses from.
 
 use super::defaults;
-use super::value::{Choices, Given, Scalar, Velocity};
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use super::strategy::Strategy;
+use super::value::Choices;
 use sphorge_engine::model::{
     Arrangement, CraterEdge, Dimensions, GradientCorrection, Integrator, LatticePlacement, Precision, Search,
     TemperatureSource,
@@ -13,11 +13,9 @@ use sphorge_physics::{
     pair::{EnergySplit, PairForm},
     return_mapping::ReturnRule,
 };
-use std::borrow::Cow;
 
 macro_rules! words {
     ($( $name:ident, $what:literal, $value:ty { $( $word:literal => $chosen:expr, $meaning:literal; )+ } )+) => { $(
-        #[derive(Clone, Copy, Debug)]
         pub(crate) enum $name {}
         impl Choices for $name {
             type Value = $value;
@@ -73,11 +71,11 @@ words! {
         "constant" => false, "as at the start";
         "follow-density" => true, "grows where material expands and shrinks where it is compressed, at most by a factor of 2";
     }
-    SearchWord, "search strategy", Search {
-        "every-step" => Search::EveryStep, "all particles, every step";
-        "skin" => defaults::SKIN, "lists with a skin, renewed when two particles may have closed in by it";
-        "adaptive" => Search::Adaptive(defaults::ADAPTIVE), "particles whose plastic strain grows (Fraser), and all a guard finds";
-        "total-lagrangian" => Search::TotalLagrangian(defaults::TOTAL_LAGRANGIAN), "no one after the start: sums over the initial neighbours";
+    SearchWord, "search strategy", Strategy {
+        "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
+        "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";
+        "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser), and all a guard finds";
+        "total-lagrangian" => Strategy::total(defaults::HOURGLASS), "no one after the start: sums over the initial neighbours";
     }
     GuardWord, "guard of the adaptive search", Option<f64> {
         "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and strangers are searched too, gradients are those of the positions as they are";
@@ -156,26 +154,5 @@ impl Choices for FieldWord {
     const WHAT: &'static str = "field";
     fn table() -> Vec<(&'static str, &'static FieldInfo, &'static str)> {
         FIELDS.iter().map(|field| (field.name, field, field.meaning)).collect()
-    }
-}
-
-/// A velocity, or the word `free`.
-#[derive(Clone, Debug)]
-pub(crate) struct VelocityOrFree(pub(crate) Scalar);
-impl From<Scalar> for VelocityOrFree {
-    fn from(scalar: Scalar) -> Self {
-        Self(scalar)
-    }
-}
-impl JsonSchema for VelocityOrFree {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        "VelocityOrFree".into()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let velocity = generator.subschema_for::<Given<Velocity>>();
-        json_schema!({ "anyOf": [velocity, { "const": "free" }] })
     }
 }

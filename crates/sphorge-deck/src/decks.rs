@@ -49,8 +49,8 @@ pub fn find(name: &str) -> Option<&'static ShippedDeck> {
 impl ShippedDeck {
     /// Its `title`.
     pub fn title(&self) -> String {
-        let table = self.text.parse::<toml::Table>().ok();
-        table.and_then(|table| Some(table.get("title")?.as_str()?.to_owned())).unwrap_or_default()
+        let deck = toml_edit::Document::parse(self.text).ok();
+        deck.and_then(|deck| Some(deck.as_table().get("title")?.as_str()?.to_owned())).unwrap_or_default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a deck gets where it says nothing; the reference page states the same values, and a test compares them.
 
-use sphorge_engine::model::{AdaptiveSearch, Search, TotalLagrangian};
+use sphorge_engine::model::{AdaptiveSearch, Search};
 
 /// Smoothing length over spacing.
 pub(crate) const SMOOTHING: f64 = 1.2;
@@ -19,8 +19,8 @@ pub(crate) const GUARD_STRAIN: f64 = 0.005;
 /// Adaptive search: the middle threshold of Fraser's Table 1, guarded.
 pub(crate) const ADAPTIVE: AdaptiveSearch =
     AdaptiveSearch { plastic_strain_threshold: 1e-5, accumulate: false, guard: Some(GUARD_STRAIN) };
-/// Total Lagrangian form.
-pub(crate) const TOTAL_LAGRANGIAN: TotalLagrangian = TotalLagrangian { corrected: true, hourglass: 10.0 };
+/// Strength of the hourglass control of the total Lagrangian form.
+pub(crate) const HOURGLASS: f64 = 10.0;
 /// Stiffness, damping and friction of the penalty contact.
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
 /// Stiffness, damping and friction of the contact between bodies.

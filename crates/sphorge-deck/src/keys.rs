@@ -1,58 +1,69 @@
-//! Form of a deck, checked against its schema: unknown keys, missing keys and values of the wrong form, all of them at once,
-//! each with what is known or expected there.
+//! Form of a deck, checked against what is expected: unknown keys, missing keys and values of the wrong form, all of them at
+//! once, each with what is known or expected there.
 
+use super::declare::Read;
+use super::expected::{Expected, Form, Key, lines};
+use super::raw::RawDeck;
 use super::report::{Fault, Problems, listed, nearest};
-use super::schema::{Form, Node};
+use super::written::{self, Content, Written, key_span};
 use std::ops::Range;
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml_edit::TableLike;
 
-/// Reports every fault of form of a deck.
-pub(crate) fn check_deck(deck: &DeTable<'_>, problems: &mut Problems) {
-    check_table(deck, Node::deck(), "", 0..0, problems);
+/// What is expected of a whole deck.
+pub(crate) const DECK: &Expected = RawDeck::EXPECTED;
+
+/// Reads the text of `problems`; `None` with its faults of form in `problems`.
+pub(crate) fn read<T: Read>(problems: &mut Problems) -> Option<T> {
+    let document = written::parse(problems)?;
+    let whole = Written::Table(document.as_table());
+    check(whole, T::EXPECTED, None, "", problems);
+    if problems.is_empty() { T::read(whole) } else { None }
 }
 
-fn check(value: &Spanned<DeValue<'_>>, node: Node<'_>, path: &str, problems: &mut Problems) {
-    let form = match value.get_ref() {
-        DeValue::Table(_) => Form::Table,
-        DeValue::Array(_) => Form::List,
-        _ => Form::Scalar,
+/// Reports every fault of form of what is written at `path`.
+fn check(written: Written<'_>, expected: &Expected, key: Option<&Key>, path: &str, problems: &mut Problems) {
+    let content = written.content();
+    let form = match &content {
+        Content::Table(_) => Form::Table,
+        Content::List(_) => Form::List,
+        Content::Scalar(_) => Form::Scalar,
     };
-    if !node.allows(form) {
-        problems.push(wrong_form(form, node, path, value.span()));
+    if !expected.allows(form) {
+        problems.push(wrong_form(form, expected, key, path, written.span()));
         return;
     }
-    match value.get_ref() {
-        DeValue::Table(table) => check_table(table, node, path, value.span(), problems),
-        DeValue::Array(entries) => {
-            let (least, most) = node.length();
-            let count = entries.len() as u64;
+    match content {
+        // Faults of the deck as a whole have no place.
+        Content::Table(table) if path.is_empty() => check_table(table, expected, path, 0..0, problems),
+        Content::Table(table) => check_table(table, expected, path, written.span(), problems),
+        Content::List(entries) => {
+            let (least, most) = expected.length();
+            let count = entries.len();
             if count < least || count > most {
                 let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
                 let message = format!("expected {wanted} entries in `{path}`, found {count}");
-                problems.push(Fault::new("wrong-length", message, value.span(), "this list"));
+                problems.push(Fault::new("wrong-length", message, written.span(), "this list"));
                 return;
             }
-            for (index, entry) in entries.iter().enumerate() {
-                if let Some(item) = node.item(index) {
-                    check(entry, item, path, problems);
+            for (index, entry) in entries.into_iter().enumerate() {
+                if let Some(item) = expected.item(index) {
+                    check(entry, item, None, path, problems);
                 }
             }
         }
-        _ => {}
+        Content::Scalar(_) => {}
     }
 }
 
-fn check_table(table: &DeTable<'_>, node: Node<'_>, path: &str, at: Range<usize>, problems: &mut Problems) {
-    for (key, value) in table {
-        let name: &str = key.get_ref();
-        match node.key(name) {
-            Some(child) => check(value, child, &joined(path, name), problems),
-            None => problems.push(unknown(name, node, path).at(key.span())),
+fn check_table(table: &dyn TableLike, expected: &Expected, path: &str, at: Range<usize>, problems: &mut Problems) {
+    for (name, item) in table.iter() {
+        match expected.key(name) {
+            Some((inner, key)) => check(Written::Item(item), inner, key, &joined(path, name), problems),
+            None => problems.push(unknown(name, expected, path).at(key_span(table, name))),
         }
     }
-    for name in node.required().into_iter().filter(|name| !table.contains_key(*name)) {
-        problems.push(missing(name, node, path, at.clone()));
+    for key in expected.keys().iter().filter(|key| key.required && !table.contains_key(key.name)) {
+        problems.push(missing(key, path, at.clone()));
     }
 }
 
@@ -61,16 +72,16 @@ fn joined(path: &str, name: &str) -> String {
 }
 
 /// What stands at a place, in a sentence that follows "write" or "expected".
-fn wanted(node: Node<'_>) -> String {
-    let keys: Vec<&str> = node.keys().into_iter().map(|(key, _)| key).collect();
+fn wanted(expected: &Expected) -> String {
+    let keys = names(expected);
     let mut forms = Vec::new();
-    if node.allows(Form::Scalar) {
+    if expected.allows(Form::Scalar) {
         forms.push("a single value".to_owned());
     }
-    if node.allows(Form::List) {
+    if expected.allows(Form::List) {
         forms.push("a list".to_owned());
     }
-    if node.allows(Form::Table) {
+    if expected.allows(Form::Table) {
         forms.push(if keys.is_empty() {
             "a table".to_owned()
         } else {
@@ -80,9 +91,12 @@ fn wanted(node: Node<'_>) -> String {
     forms.join(" or ")
 }
 
-fn example(name: &str, node: Node<'_>) -> Option<String> {
-    let value = node.own("examples")?.as_array()?.first()?;
-    Some(format!("{name} = {}", toml_text(value)))
+fn names(expected: &Expected) -> Vec<&'static str> {
+    expected.keys().iter().map(|key| key.name).collect()
+}
+
+fn example(key: &Key) -> Option<String> {
+    Some(format!("{} = {}", key.name, toml_text(&key.example()?)))
 }
 
 /// A JSON value as TOML.
@@ -98,31 +112,31 @@ pub(crate) fn toml_text(value: &serde_json::Value) -> String {
     }
 }
 
-fn wrong_form(found: Form, node: Node<'_>, path: &str, at: Range<usize>) -> Fault {
+fn wrong_form(found: Form, expected: &Expected, key: Option<&Key>, path: &str, at: Range<usize>) -> Fault {
     let found = match found {
         Form::Scalar => "a single value",
         Form::List => "a list",
         Form::Table => "a table",
     };
-    let fault = Fault::new("wrong-type", format!("`{path}` must be {}", wanted(node)), at, format!("found {found}"));
-    match example(path.rsplit('.').next().unwrap_or(path), node) {
+    let fault =
+        Fault::new("wrong-type", format!("`{path}` must be {}", wanted(expected)), at, format!("found {found}"));
+    match key.and_then(example) {
         Some(example) => fault.help(format!("for example {example}")),
         None => fault,
     }
 }
 
-fn missing(name: &str, table: Node<'_>, path: &str, at: Range<usize>) -> Fault {
+fn missing(key: &Key, path: &str, at: Range<usize>) -> Fault {
+    let name = key.name;
     let place = if path.is_empty() { "the deck".to_owned() } else { format!("`{path}`") };
     // Only the line a table starts on; an inline table is marked whole.
     let fault = Fault::new("missing-key", format!("{place} has no `{name}`"), at, "missing here");
-    let Some(node) = table.key(name) else { return fault };
-    let meaning = node.own("description").and_then(|d| d.as_str()).unwrap_or_default();
-    let shown = match example(name, node) {
+    let shown = match example(key) {
         Some(example) => example,
-        None if path.is_empty() => format!("[{name}] with {}", wanted(node)),
-        None => format!("{name}: {}", wanted(node)),
+        None if path.is_empty() => format!("[{name}] with {}", wanted(&key.expected)),
+        None => format!("{name}: {}", wanted(&key.expected)),
     };
-    fault.help(format!("add {shown}    ({})", meaning.trim_end_matches('.')))
+    fault.help(format!("add {shown}    ({})", lines(&key.comment).trim_end_matches('.')))
 }
 
 /// An unknown key, still without a place.
@@ -139,8 +153,8 @@ impl Unknown {
 }
 
 /// What to say of a key that the table at `path` does not know.
-pub(crate) fn unknown(name: &str, node: Node<'_>, path: &str) -> Unknown {
-    let options: Vec<&str> = node.keys().into_iter().map(|(key, _)| key).collect();
+pub(crate) fn unknown(name: &str, expected: &Expected, path: &str) -> Unknown {
+    let options = names(expected);
     let place = if path.is_empty() { "at the top of a deck".to_owned() } else { format!("in `{path}`") };
     let message = format!("unknown key `{name}` {place}");
     // A key that is right elsewhere is meant, rather than one that looks alike here.
@@ -153,7 +167,7 @@ pub(crate) fn unknown(name: &str, node: Node<'_>, path: &str) -> Unknown {
 
 /// Tables of the deck, one level down, that know a key.
 fn tables_with(name: &str) -> Vec<&'static str> {
-    let holds = |node: Node<'_>| node.keys().iter().any(|(key, _)| *key == name);
-    let tables = Node::deck().keys().into_iter();
-    tables.filter(|(_, node)| holds(*node) || node.item(0).is_some_and(holds)).map(|(key, _)| key).collect()
+    let holds = |expected: &Expected| expected.keys().iter().any(|key| key.name == name);
+    let tables = DECK.keys().iter();
+    tables.filter(|key| holds(&key.expected) || key.expected.item(0).is_some_and(holds)).map(|key| key.name).collect()
 }

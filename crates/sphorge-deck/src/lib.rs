@@ -5,7 +5,9 @@
 
 mod choice;
 pub mod decks;
+mod declare;
 pub(crate) mod defaults;
+mod expected;
 mod interpret;
 mod keys;
 mod load;
@@ -16,8 +18,10 @@ pub(crate) mod quantity;
 pub(crate) mod raw;
 mod report;
 mod schema;
+mod strategy;
 mod unit;
 mod value;
+mod written;
 
 #[cfg(test)]
 mod tests;
@@ -25,6 +29,3 @@ mod tests;
 pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
-
-pub(crate) use load::read_materials;
-pub(crate) use report::nearest;

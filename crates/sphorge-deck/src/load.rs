@@ -1,17 +1,14 @@
 //! The way from a text to a setup.
 
-use super::interpret::{self, Places, interpret};
-use super::raw::{RawDeck, RawMaterial};
-use super::report::{DeckReport, Fault, Problems};
+use super::interpret::{Interpreted, interpret};
+use super::raw::RawDeck;
+use super::report::{DeckReport, Problems};
 use super::{keys, overrides, placement};
-use crate::material::Constants;
-use serde::de::DeserializeOwned;
 use sphorge_engine::{
     Particles, geometry,
     model::{Model, Solid},
 };
-use std::{collections::BTreeMap, path::Path};
-use toml::{Spanned, de::DeTable};
+use std::path::Path;
 
 /// A problem ready to be run.
 #[derive(Clone, Debug)]
@@ -22,6 +19,8 @@ pub struct Setup {
     pub particles: Particles,
     /// The deck as run, overrides worked in.
     pub deck_text: String,
+    /// What the user should know before the run, such as keys that the chosen form does without.
+    pub notes: Vec<String>,
 }
 
 /// Reads a deck file and fills its bodies with no more than `most_particles`; the file stem names the model.
@@ -49,7 +48,7 @@ pub fn load_model(path: &Path) -> Result<Model, DeckReport> {
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), None)
     })?;
     let mut problems = Problems::new(&shown, &text).with_folder(path.parent().unwrap_or(Path::new("")));
-    Ok(read_model("deck", &mut problems)?.0)
+    Ok(read_model("deck", &mut problems)?.model)
 }
 
 /// Reads a deck from memory, of any number of particles a run can have; `name` names the model and stands in diagnostics.
@@ -90,12 +89,12 @@ fn read(
         shown.push_str(", with --set");
     }
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
-    let (model, places) = read_model(name, &mut problems)?;
+    let Interpreted { model, places, notes } = read_model(name, &mut problems)?;
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
             placement::check_tracers(&model, &particles, &places, &mut problems);
             problems.check()?;
-            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles })
+            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles, notes })
         }
         Err(errors) => {
             for error in errors {
@@ -118,41 +117,10 @@ fn with_whole_paths(text: String, model: &Model) -> Result<String, DeckReport> {
 }
 
 /// The model of the text of `problems`, without particles.
-pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<(Model, Places), DeckReport> {
-    let text = problems.text().to_owned();
-    match DeTable::parse(&text) {
-        Ok(deck) => keys::check_deck(deck.get_ref(), problems),
-        // What follows the first slip of syntax is mostly its echo.
-        Err(error) => problems.push(toml_fault(&error)),
-    }
+pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<Interpreted, DeckReport> {
+    let raw: Option<RawDeck> = keys::read(problems);
     problems.check()?;
-    let raw: RawDeck = parse(problems)?;
-    let interpreted = interpret(&raw, name, problems);
+    let interpreted = raw.and_then(|raw| interpret(&raw, name, problems));
     problems.check()?;
     interpreted.ok_or_else(|| problems.report("the deck could not be interpreted"))
-}
-
-fn toml_fault(error: &toml::de::Error) -> Fault {
-    Fault::new("toml", error.message().trim().to_owned(), error.span().unwrap_or(0..0), "here")
-        .help("a deck is TOML: key = value, text in quotes, [table], [[list of tables]]")
-}
-
-/// Reads the text of `problems` into raw structs.
-fn parse<T: DeserializeOwned>(problems: &mut Problems) -> Result<T, DeckReport> {
-    toml::from_str(problems.text()).map_err(|error| {
-        problems.push(toml_fault(&error));
-        problems.report(error.message())
-    })
-}
-
-/// Reads a text of `[NAME]` tables of materials, as in a deck below `material`.
-pub(crate) fn read_materials(shown: &str, text: &str) -> Result<Vec<(String, Constants)>, DeckReport> {
-    let mut problems = Problems::new(shown, text);
-    let raw: BTreeMap<Spanned<String>, RawMaterial> = parse(&mut problems)?;
-    let entries = raw
-        .iter()
-        .map(|(name, material)| (name.get_ref().clone(), interpret::material::constants(material, &mut problems)))
-        .collect();
-    problems.check()?;
-    Ok(entries)
 }

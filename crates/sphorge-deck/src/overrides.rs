@@ -3,9 +3,9 @@
 //! A path follows the keys of the deck; an entry of a list is chosen by its place (from 0) or by its `name`:
 //! `particles.spacing`, `body.bar.velocity.1`, `body.0.material`, `material.armco-iron.density`.
 
-use super::keys;
+use super::expected::{Expected, Form};
+use super::keys::{self, DECK};
 use super::report::{DeckReport, Fault, Problems, suggest};
-use super::schema::{Form, Node};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
 /// The text with the overrides worked in; `None` if the text is no TOML, which reading it will report.
@@ -54,7 +54,7 @@ fn segments(path: &str) -> Result<Vec<Segment>, Fault> {
 
 fn set(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Fault> {
     let segments = segments(path)?;
-    set_in_table(document.as_table_mut(), Node::deck(), &segments, "", parse_value(value), false)
+    set_in_table(document.as_table_mut(), DECK, &segments, "", parse_value(value), false)
 }
 
 /// An entry of a document a path can lead through.
@@ -66,15 +66,15 @@ enum Place<'a> {
 
 fn set_in_table(
     table: &mut dyn TableLike,
-    node: Node<'_>,
+    expected: &Expected,
     path: &[Segment],
     above: &str,
     value: Value,
     inline: bool,
 ) -> Result<(), Fault> {
     let [segment, rest @ ..] = path else { return Ok(()) };
-    let Some(child) = node.key(&segment.key) else {
-        return Err(keys::unknown(&segment.key, node, above).at(segment.at.clone()));
+    let Some((child, _)) = expected.key(&segment.key) else {
+        return Err(keys::unknown(&segment.key, expected, above).at(segment.at.clone()));
     };
     let here = if above.is_empty() { segment.key.clone() } else { format!("{above}.{}", segment.key) };
     if rest.is_empty() {
@@ -108,37 +108,43 @@ fn implicit() -> Table {
     table
 }
 
-fn nothing_below(name: &str, node: Node<'_>, next: &Segment, present: bool) -> Fault {
+fn nothing_below(name: &str, expected: &Expected, next: &Segment, present: bool) -> Fault {
     let at = next.at.clone();
-    if node.allows(Form::List) && !present {
+    if expected.allows(Form::List) && !present {
         return Fault::new("override", format!("the deck has no `{name}` to change"), at, "not in the deck");
     }
     Fault::new("override", format!("`{name}` is a single value"), at, "nothing is below it").help("end the path there")
 }
 
-fn set_in(place: Place<'_>, node: Node<'_>, path: &[Segment], above: &str, value: Value) -> Result<(), Fault> {
+fn set_in(place: Place<'_>, expected: &Expected, path: &[Segment], above: &str, value: Value) -> Result<(), Fault> {
     match place {
-        Place::Table(table, inline) => set_in_table(table, node, path, above, value, inline),
-        Place::Item(Item::Table(table)) => set_in_table(table, node, path, above, value, false),
+        Place::Table(table, inline) => set_in_table(table, expected, path, above, value, inline),
+        Place::Item(Item::Table(table)) => set_in_table(table, expected, path, above, value, false),
         Place::Item(Item::ArrayOfTables(tables)) => {
             let names = tables.iter().map(|t| t.get("name").and_then(Item::as_str).map(str::to_owned)).collect();
             let index = choose(names, &path[0], above)?;
             match (tables.get_mut(index), path.len()) {
                 (Some(_), 1) => Err(whole_entry(&path[0])),
-                (Some(table), _) => descend(Place::Table(table, false), node, index, path, above, value),
+                (Some(table), _) => descend(Place::Table(table, false), expected, index, path, above, value),
                 (None, _) => Ok(()),
             }
         }
         Place::Item(Item::Value(inner)) | Place::Value(inner) => match inner {
-            Value::InlineTable(table) => set_in_table(table, node, path, above, value, true),
-            Value::Array(entries) => set_in_array(entries, node, path, above, value),
-            _ => Err(nothing_below(above, node, &path[0], true)),
+            Value::InlineTable(table) => set_in_table(table, expected, path, above, value, true),
+            Value::Array(entries) => set_in_array(entries, expected, path, above, value),
+            _ => Err(nothing_below(above, expected, &path[0], true)),
         },
         Place::Item(Item::None) => Ok(()),
     }
 }
 
-fn set_in_array(entries: &mut Array, node: Node<'_>, path: &[Segment], above: &str, value: Value) -> Result<(), Fault> {
+fn set_in_array(
+    entries: &mut Array,
+    expected: &Expected,
+    path: &[Segment],
+    above: &str,
+    value: Value,
+) -> Result<(), Fault> {
     let name = |v: &Value| v.as_inline_table().and_then(|t| t.get("name")).and_then(Value::as_str).map(str::to_owned);
     let index = choose(entries.iter().map(name).collect(), &path[0], above)?;
     match (entries.get_mut(index), path.len()) {
@@ -148,22 +154,22 @@ fn set_in_array(entries: &mut Array, node: Node<'_>, path: &[Segment], above: &s
             *entry.decor_mut() = decor;
             Ok(())
         }
-        (Some(entry), _) => descend(Place::Value(entry), node, index, path, above, value),
+        (Some(entry), _) => descend(Place::Value(entry), expected, index, path, above, value),
         (None, _) => Ok(()),
     }
 }
 
 fn descend(
     place: Place<'_>,
-    node: Node<'_>,
+    expected: &Expected,
     index: usize,
     path: &[Segment],
     above: &str,
     value: Value,
 ) -> Result<(), Fault> {
-    match node.item(index) {
+    match expected.item(index) {
         Some(item) => set_in(place, item, &path[1..], &format!("{above}.{}", path[0].key), value),
-        None => Err(nothing_below(above, node, &path[0], true)),
+        None => Err(nothing_below(above, expected, &path[0], true)),
     }
 }
 

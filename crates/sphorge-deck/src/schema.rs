@@ -1,37 +1,21 @@
-//! The JSON schema of a deck, and walks over it: the keys a table knows, wherever they are asked for.
+//! The JSON schema of a deck, written from what is expected at each place.
 
-use super::raw::RawDeck;
-use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
-use serde_json::{Map, Value};
+use super::expected::{Expected, Key, TableKeys, Words, lines};
+use super::keys::DECK;
+use super::quantity::QuantityKind;
+use serde_json::{Map, Value, json};
 use std::sync::LazyLock;
 
-/// TOML has no null, so a key that may be left out is described without it.
-fn without_null(schema: &mut Schema) {
-    let is_null = |option: &Value| option.get("type").is_some_and(|t| t == "null");
-    if let Some(Value::Array(types)) = schema.get_mut("type") {
-        types.retain(|t| t != "null");
-        if let [one] = types.as_slice() {
-            let one = one.clone();
-            schema.insert("type".to_owned(), one);
-        }
-    }
-    if let Some(Value::Array(options)) = schema.get_mut("anyOf") {
-        options.retain(|option| !is_null(option));
-        if let [Value::Object(one)] = options.as_slice() {
-            let one = one.clone();
-            schema.remove("anyOf");
-            for (key, value) in one {
-                if schema.get(&key).is_none() {
-                    schema.insert(key, value);
-                }
-            }
-        }
-    }
-}
-
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
-    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(without_null));
-    settings.into_generator().into_root_schema_for::<RawDeck>().to_value()
+    let mut definitions = Definitions::default();
+    let mut root = Map::new();
+    root.insert("$schema".to_owned(), "https://json-schema.org/draft/2020-12/schema".into());
+    root.insert("title".to_owned(), "Sphorge deck".into());
+    if let Some(deck) = DECK.table() {
+        root.extend(definitions.table(deck));
+    }
+    root.insert("$defs".to_owned(), Value::Object(definitions.0));
+    Value::Object(root)
 });
 
 /// The JSON schema (draft 2020-12) of a deck, for editors and other programs.
@@ -41,104 +25,112 @@ pub fn schema() -> &'static Value {
     &SCHEMA
 }
 
-/// Form of a value in a text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Form {
-    /// A single value.
-    Scalar,
-    /// A list.
-    List,
-    /// A table.
-    Table,
-}
+/// What is described once and referred to, by name.
+#[derive(Default)]
+struct Definitions(Map<String, Value>);
 
-/// One place in the schema.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Node<'a>(&'a Value);
-
-impl Node<'static> {
-    /// The whole deck.
-    pub(crate) fn deck() -> Self {
-        Node(schema())
+fn object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(map) => map,
+        _ => Map::new(),
     }
 }
 
-impl<'a> Node<'a> {
-    /// The schemas this one stands for: references followed, alternatives spread out.
-    fn alternatives(self) -> Vec<&'a Map<String, Value>> {
-        let mut found = Vec::new();
-        let mut open = vec![self.0];
-        while let Some(value) = open.pop() {
-            let Some(map) = value.as_object() else { continue };
-            if let Some(target) = map.get("$ref").and_then(Value::as_str) {
-                open.extend(target.strip_prefix('#').and_then(|pointer| schema().pointer(pointer)));
-            }
-            for key in ["anyOf", "oneOf", "allOf"] {
-                open.extend(map.get(key).and_then(Value::as_array).into_iter().flatten());
-            }
-            found.push(map);
+impl Definitions {
+    /// A reference to what `describe` makes of it, once.
+    fn refer(&mut self, name: &str, describe: impl FnOnce(&mut Self) -> Value) -> Value {
+        if !self.0.contains_key(name) {
+            // Holds the place: a shape is made of shapes.
+            self.0.insert(name.to_owned(), Value::Null);
+            let description = describe(self);
+            self.0.insert(name.to_owned(), description);
         }
-        found
+        json!({ "$ref": format!("#/$defs/{name}") })
     }
 
-    /// Keys of the table, with their schemas, in the order of declaration.
-    pub(crate) fn keys(self) -> Vec<(&'a str, Node<'a>)> {
-        let tables = self.alternatives().into_iter().filter_map(|map| map.get("properties")?.as_object());
-        tables.flat_map(|properties| properties.iter().map(|(key, value)| (key.as_str(), Node(value)))).collect()
-    }
-
-    /// Schema of every value of a table with free keys.
-    pub(crate) fn any_key(self) -> Option<Node<'a>> {
-        self.alternatives()
-            .into_iter()
-            .find_map(|map| map.get("additionalProperties").filter(|v| v.is_object()).map(Node))
-    }
-
-    /// Schema of the value of a key.
-    pub(crate) fn key(self, name: &str) -> Option<Node<'a>> {
-        self.keys().into_iter().find(|(key, _)| *key == name).map(|(_, node)| node).or_else(|| self.any_key())
-    }
-
-    /// Schema of the `index`th entry of a list.
-    pub(crate) fn item(self, index: usize) -> Option<Node<'a>> {
-        self.alternatives().into_iter().find_map(|map| {
-            let at = |entries: &'a Value| entries.as_array()?.get(index);
-            map.get("prefixItems").and_then(at).or_else(|| map.get("items").filter(|v| v.is_object())).map(Node)
-        })
-    }
-
-    /// Keys a table must have.
-    pub(crate) fn required(self) -> Vec<&'a str> {
-        let lists = self.alternatives().into_iter().filter_map(|map| map.get("required")?.as_array());
-        lists.flatten().filter_map(Value::as_str).collect()
-    }
-
-    /// Fewest and most entries of a list.
-    pub(crate) fn length(self) -> (u64, u64) {
-        let bound = |keyword: &str| self.alternatives().into_iter().find_map(|map| map.get(keyword)?.as_u64());
-        (bound("minItems").unwrap_or(0), bound("maxItems").unwrap_or(u64::MAX))
-    }
-
-    /// Whether a value of this form can stand here.
-    pub(crate) fn allows(self, form: Form) -> bool {
-        self.alternatives().into_iter().any(|map| {
-            let of = |name: &str| match name {
-                "object" => Form::Table,
-                "array" => Form::List,
-                _ => Form::Scalar,
-            };
-            match map.get("type") {
-                Some(Value::String(name)) => of(name) == form,
-                Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).any(|name| of(name) == form),
-                _ => map.contains_key("const") && form == Form::Scalar,
+    fn value(&mut self, expected: &Expected) -> Value {
+        match *expected {
+            Expected::Text => json!({ "type": "string" }),
+            Expected::Flag => json!({ "type": "boolean" }),
+            Expected::Count => json!({ "type": "integer", "minimum": 0 }),
+            Expected::Level => json!({ "type": ["number", "string"] }),
+            Expected::Word(word) => json!({ "const": word }),
+            Expected::Words(words) => self.refer(words.name, |_| one_of(words)),
+            Expected::Quantity("", kind) => json!({ "type": ["number", "string"], "x-unit": kind.si_unit }),
+            Expected::Quantity(name, kind) => self.refer(name, |_| quantity(kind)),
+            Expected::Vector(component) => match *component {
+                Expected::Quantity(name, kind) => {
+                    self.refer(&format!("{name}Vector"), |this| vector(kind, this.value(component)))
+                }
+                ref other => json!({ "type": "array", "items": self.value(other) }),
+            },
+            Expected::List(entry) => json!({ "type": "array", "items": self.value(entry) }),
+            Expected::Pair(first, second) => {
+                let entries = [self.value(first), self.value(second)];
+                json!({ "type": "array", "prefixItems": entries, "minItems": 2, "maxItems": 2 })
             }
-        })
+            Expected::Table(table) => self.refer(table().name, |this| Value::Object(this.table(table()))),
+            Expected::Law(table) => Value::Object(self.table(table)),
+            Expected::Laws(table) => self.refer(table().name, |this| {
+                let mut table = this.table(table());
+                table.insert("maxProperties".to_owned(), 1.into());
+                Value::Object(table)
+            }),
+            Expected::Named(any) => json!({ "type": "object", "additionalProperties": self.value(any) }),
+            Expected::Either(one, other) => json!({ "anyOf": [self.value(one), self.value(other)] }),
+        }
     }
 
-    /// A value of this schema itself, not of what it refers to.
-    pub(crate) fn own(self, keyword: &str) -> Option<&'a Value> {
-        self.0.get(keyword)
+    fn table(&mut self, table: &TableKeys) -> Map<String, Value> {
+        let mut map = Map::new();
+        if !table.comment.is_empty() {
+            map.insert("description".to_owned(), lines(&table.comment).into());
+        }
+        let keys: Map<String, Value> = table.keys.iter().map(|key| (key.name.to_owned(), self.key(key))).collect();
+        map.extend(object(json!({ "type": "object", "properties": keys, "additionalProperties": false })));
+        let required: Vec<&str> = table.keys.iter().filter(|key| key.required).map(|key| key.name).collect();
+        if !required.is_empty() {
+            map.insert("required".to_owned(), required.into());
+        }
+        map
     }
+
+    fn key(&mut self, key: &Key) -> Value {
+        let mut map = Map::new();
+        map.insert("description".to_owned(), lines(&key.comment).into());
+        map.extend(object(self.value(&key.expected)));
+        if let Some(example) = key.example() {
+            map.insert("examples".to_owned(), json!([example]));
+        }
+        if let Some(default) = key.default() {
+            map.insert("default".to_owned(), default);
+        }
+        if let Some(otherwise) = key.otherwise {
+            map.insert("x-default".to_owned(), otherwise.into());
+        }
+        Value::Object(map)
+    }
+}
+
+fn quantity(kind: QuantityKind) -> Value {
+    json!({
+        "description": format!("{} {}: {}, or a plain number in SI", kind.article(), kind.name, kind.examples),
+        "type": ["number", "string"],
+        "x-unit": kind.si_unit,
+    })
+}
+
+fn vector(kind: QuantityKind, component: Value) -> Value {
+    json!({
+        "description": format!("one {} per axis of the deck", kind.name),
+        "type": "array", "items": component, "minItems": 1, "maxItems": 3, "x-unit": kind.si_unit,
+    })
+}
+
+fn one_of(words: Words) -> Value {
+    let options: Vec<Value> =
+        (words.words)().into_iter().map(|(word, meaning)| json!({ "const": word, "description": meaning })).collect();
+    json!({ "description": words.what, "oneOf": options })
 }
 
 #[cfg(test)]
@@ -147,16 +139,17 @@ mod tests {
 
     #[test]
     fn keys_are_found_through_references_options_and_lists() {
-        let deck = Node::deck();
-        let body = deck.key("body").unwrap().item(0).unwrap();
-        let cuboid = body.key("shape").unwrap().key("box").unwrap();
-        assert_eq!(cuboid.keys().iter().map(|(key, _)| *key).collect::<Vec<_>>(), ["min", "max"]);
-        assert_eq!(cuboid.key("min").unwrap().length(), (1, 3));
-        let search = deck.key("search").unwrap();
-        assert_eq!(search.key("skin").unwrap().keys()[0].0, "fraction");
-        let iron = deck.key("material").unwrap().key("any-name").unwrap();
-        let cook = iron.key("strength").unwrap().key("johnson-cook").unwrap();
-        assert_eq!(cook.key("A").unwrap().own("x-unit").unwrap(), "Pa");
+        let at = |expected: &Expected, name: &str| *expected.key(name).unwrap().0;
+        let body = *at(DECK, "body").item(0).unwrap();
+        let cuboid = at(&at(&body, "shape"), "box");
+        assert_eq!(cuboid.keys().iter().map(|key| key.name).collect::<Vec<_>>(), ["min", "max"]);
+        assert_eq!(at(&cuboid, "min").length(), (1, 3));
+        let search = at(DECK, "search");
+        assert_eq!(at(&search, "skin").keys()[0].name, "fraction");
+        let iron = at(&at(DECK, "material"), "any-name");
+        let cook = at(&at(&iron, "strength"), "johnson-cook");
+        let Expected::Quantity(_, kind) = at(&cook, "A") else { panic!("a quantity expected") };
+        assert_eq!(kind.si_unit, "Pa");
         assert!(cook.key("E").is_none());
     }
 

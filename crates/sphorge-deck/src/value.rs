@@ -1,98 +1,55 @@
 //! Values as the user wrote them, with their place in the text. Reading never fails on a wrong number, unit or word:
 //! that is found when the deck is interpreted, so that several such faults are reported together.
 
+use super::declare::Read;
+use super::expected::{Expected, Words};
 use super::quantity::{QuantityKind, parse_quantity};
 use super::report::{Fault, Problems, listed, nearest};
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use super::written::{Content, Literal, Written};
 use sphorge_physics::parameter::Bound;
-use std::{borrow::Cow, fmt, marker::PhantomData, ops::Range};
-use toml::Spanned;
+use std::{marker::PhantomData, ops::Range};
 
-/// A TOML value that is not looked into further.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Literal {
-    Integer(i64),
-    Number(f64),
-    Text(String),
-    Boolean(bool),
-    /// An array or a table.
-    Composite(&'static str),
+/// Something and its place.
+pub(crate) struct Spanned<T> {
+    value: T,
+    span: Range<usize>,
 }
 
-impl Literal {
-    fn described(&self) -> String {
-        match self {
-            Self::Integer(i) => format!("found the number {i}"),
-            Self::Number(x) => format!("found the number {x}"),
-            Self::Text(text) => format!("found the text \"{text}\""),
-            Self::Boolean(b) => format!("found {b}"),
-            Self::Composite(what) => format!("found {what}"),
-        }
+impl<T> Spanned<T> {
+    pub(crate) fn new(value: T, span: Range<usize>) -> Self {
+        Self { value, span }
     }
-}
 
-macro_rules! visit_scalars {
-    ($made:expr) => {
-        fn visit_bool<E>(self, v: bool) -> Result<Self::Value, E> {
-            Ok($made(Literal::Boolean(v)))
-        }
-        fn visit_i64<E>(self, v: i64) -> Result<Self::Value, E> {
-            Ok($made(Literal::Integer(v)))
-        }
-        fn visit_u64<E>(self, v: u64) -> Result<Self::Value, E> {
-            Ok($made(Literal::Number(v as f64)))
-        }
-        fn visit_f64<E>(self, v: f64) -> Result<Self::Value, E> {
-            Ok($made(Literal::Number(v)))
-        }
-        fn visit_str<E>(self, v: &str) -> Result<Self::Value, E> {
-            Ok($made(Literal::Text(v.to_owned())))
-        }
-    };
-}
+    pub(crate) fn get_ref(&self) -> &T {
+        &self.value
+    }
 
-impl<'de> Deserialize<'de> for Literal {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Any;
-        impl<'de> Visitor<'de> for Any {
-            type Value = Literal;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a value")
-            }
-            visit_scalars!(|literal| literal);
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Literal, A::Error> {
-                while seq.next_element::<IgnoredAny>()?.is_some() {}
-                Ok(Literal::Composite("a list"))
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Literal, A::Error> {
-                while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
-                Ok(Literal::Composite("a table"))
-            }
-        }
-        deserializer.deserialize_any(Any)
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.span.clone()
     }
 }
 
 /// A single value and its place.
-#[derive(Clone, Debug)]
 pub(crate) struct Scalar {
     pub(crate) literal: Literal,
     pub(crate) span: Range<usize>,
 }
 
-impl<'de> Deserialize<'de> for Scalar {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let spanned = Spanned::<Literal>::deserialize(deserializer)?;
-        Ok(Self { span: spanned.span(), literal: spanned.into_inner() })
+/// A quantity of a kind that follows from something else: a constant of a law, a level of a field.
+impl Read for Scalar {
+    const EXPECTED: &'static Expected = &Expected::Level;
+    fn read(written: Written<'_>) -> Option<Self> {
+        match written.content() {
+            Content::Scalar(literal) => Some(Self { literal, span: written.span() }),
+            _ => None,
+        }
     }
 }
 
 impl Scalar {
     /// A fault at this value: what was expected is the message, what was found the label.
     fn fault(&self, code: &'static str, expected: impl Into<String>) -> Fault {
-        Fault::new(code, expected, self.span.clone(), self.literal.described())
+        Fault::new(code, expected, self.span.clone(), described(&self.literal))
     }
 
     /// The value as a quantity, in SI units.
@@ -148,6 +105,16 @@ impl Scalar {
     }
 }
 
+fn described(literal: &Literal) -> String {
+    match literal {
+        Literal::Integer(i) => format!("found the number {i}"),
+        Literal::Number(x) => format!("found the number {x}"),
+        Literal::Text(text) => format!("found the text \"{text}\""),
+        Literal::Boolean(b) => format!("found {b}"),
+        Literal::Date => "found a date".to_owned(),
+    }
+}
+
 /// Names a kind of quantity in the type of a key.
 pub(crate) trait Kind {
     const NAME: &'static str;
@@ -156,7 +123,6 @@ pub(crate) trait Kind {
 
 macro_rules! kind_types {
     ($($name:ident => $kind:ident,)+) => { $(
-        #[derive(Clone, Copy, Debug)]
         pub(crate) enum $name {}
         impl Kind for $name {
             const NAME: &'static str = stringify!($name);
@@ -170,67 +136,48 @@ AngularVelocity => ANGULAR_VELOCITY, Rate => RATE, Density => DENSITY, Stress =>
     SpecificHeat => SPECIFIC_HEAT, Conductivity => CONDUCTIVITY, HeatFlux => HEAT_FLUX, HeatTransfer => HEAT_TRANSFER,
 }
 
-macro_rules! scalar_wrapper {
-    ($(#[$doc:meta])* $name:ident < $parameter:ident >) => {
-        $(#[$doc])*
-        #[derive(Clone, Debug)]
-        pub(crate) struct $name<$parameter>(pub(crate) Scalar, PhantomData<$parameter>);
-        impl<'de, $parameter> Deserialize<'de> for $name<$parameter> {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                Scalar::deserialize(deserializer).map(Self::from)
-            }
-        }
-        impl<$parameter> From<Scalar> for $name<$parameter> {
-            fn from(scalar: Scalar) -> Self {
-                Self(scalar, PhantomData)
-            }
-        }
-        impl<$parameter> $name<$parameter> {
+/// A scalar of which the type says what is expected.
+macro_rules! scalars {
+    ($( $(#[doc = $comment:literal])* $name:ident $(<$of:ident : $bound:ident>)? => $expected:expr; )+) => { $(
+        $(#[doc = $comment])*
+        pub(crate) struct $name $(<$of>)? (Scalar, PhantomData<($($of,)?)>);
+
+        impl $(<$of>)? $name $(<$of>)? {
             pub(crate) fn span(&self) -> Range<usize> {
                 self.0.span.clone()
             }
         }
-    };
-    ($(#[$doc:meta])* $name:ident) => {
-        $(#[$doc])*
-        #[derive(Clone, Debug)]
-        pub(crate) struct $name(pub(crate) Scalar);
-        impl<'de> Deserialize<'de> for $name {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                Scalar::deserialize(deserializer).map(Self)
+
+        impl $(<$of: $bound>)? Read for $name $(<$of>)? {
+            const EXPECTED: &'static Expected = &$expected;
+            fn read(written: Written<'_>) -> Option<Self> {
+                Some(Self(Scalar::read(written)?, PhantomData))
             }
         }
-        impl From<Scalar> for $name {
-            fn from(scalar: Scalar) -> Self {
-                Self(scalar)
-            }
-        }
-    };
+    )+ };
 }
 
-scalar_wrapper! {
+scalars! {
     /// A quantity of kind `K`.
-    Given<K>
-}
-scalar_wrapper! {
+    Given<K: Kind> => Expected::Quantity(K::NAME, K::KIND);
     /// A word out of the table `C`.
-    Choice<C>
-}
-scalar_wrapper! {
+    Choice<C: Choices> => Expected::Words(Words { name: C::NAME, what: C::WHAT, words: C::words });
     /// A whole number, zero or above.
-    Count
-}
-scalar_wrapper! {
-    /// A quantity in the unit of a field named elsewhere.
-    FieldLevel
-}
-scalar_wrapper! {
+    Count => Expected::Count;
     /// Free text or a name.
-    Word
-}
-scalar_wrapper! {
+    Word => Expected::Text;
     /// True or false.
-    Flag
+    Flag => Expected::Flag;
+}
+
+/// A velocity, or the word `free`.
+pub(crate) struct VelocityOrFree(pub(crate) Scalar);
+
+impl Read for VelocityOrFree {
+    const EXPECTED: &'static Expected = &Expected::Either(Given::<Velocity>::EXPECTED, &Expected::Word("free"));
+    fn read(written: Written<'_>) -> Option<Self> {
+        Scalar::read(written).map(Self)
+    }
 }
 
 impl<K: Kind> Given<K> {
@@ -275,10 +222,6 @@ impl Count {
 }
 
 impl Word {
-    pub(crate) fn span(&self) -> Range<usize> {
-        self.0.span.clone()
-    }
-
     pub(crate) fn text(&self, problems: &mut Problems) -> Option<&str> {
         if let Literal::Text(text) = &self.0.literal {
             return Some(text);
@@ -319,46 +262,59 @@ pub(crate) trait Choices {
     }
     /// Word, value, meaning.
     fn table() -> Vec<(&'static str, Self::Value, &'static str)>;
+    /// Word, meaning.
+    fn words() -> Vec<(&'static str, &'static str)> {
+        Self::table().into_iter().map(|(word, _, meaning)| (word, meaning)).collect()
+    }
 }
 
 impl<C: Choices> Choice<C> {
     pub(crate) fn get(&self, problems: &mut Problems) -> Option<C::Value> {
-        let table = C::table();
-        let words = || table.iter().map(|entry| entry.0);
-        if let Literal::Text(text) = &self.0.literal {
-            if let Some(entry) = table.iter().find(|entry| entry.0 == text) {
-                return Some(entry.1.clone());
-            }
-            let near = C::meant(text)
-                .or_else(|| nearest(text, words()))
-                .map(|n| format!("did you mean `{n}`? "))
-                .unwrap_or_default();
-            let fault = Fault::new("unknown-choice", format!("unknown {} `{text}`", C::WHAT), self.span(), "not known");
-            problems.push(fault.help(format!("{near}Choose {}.", listed(words(), "or"))));
-            return None;
-        }
-        let fault = self.0.fault("wrong-type", format!("expected the name of a {}", C::WHAT));
-        problems.push(fault.help(format!("Choose {}.", listed(words(), "or"))));
-        None
+        let mut table = C::table();
+        let words: Vec<&str> = table.iter().map(|entry| entry.0).collect();
+        let index = chosen(&self.0, C::WHAT, &words, C::meant, problems)?;
+        Some(table.swap_remove(index).1)
     }
 }
 
+/// The index of the word that is written.
+fn chosen(
+    scalar: &Scalar,
+    what: &str,
+    words: &[&str],
+    meant: fn(&str) -> Option<&'static str>,
+    problems: &mut Problems,
+) -> Option<usize> {
+    let choose = format!("Choose {}.", listed(words.iter().copied(), "or"));
+    let Literal::Text(text) = &scalar.literal else {
+        let fault = scalar.fault("wrong-type", format!("expected the name of a {what}"));
+        problems.push(fault.help(choose));
+        return None;
+    };
+    let index = words.iter().position(|word| word == text);
+    if index.is_none() {
+        let near = meant(text).or_else(|| nearest(text, words.iter().copied()));
+        let near = near.map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
+        let fault = Fault::new("unknown-choice", format!("unknown {what} `{text}`"), scalar.span.clone(), "not known");
+        problems.push(fault.help(near + &choose));
+    }
+    index
+}
+
 /// A vector of one to three components.
-#[derive(Clone, Debug)]
 pub(crate) struct VectorOf<K> {
     pub(crate) components: Vec<Given<K>>,
     pub(crate) span: Range<usize>,
 }
 
-impl<'de, K> Deserialize<'de> for VectorOf<K> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let spanned = Spanned::<Vec<Given<K>>>::deserialize(deserializer)?;
-        Ok(Self { span: spanned.span(), components: spanned.into_inner() })
+impl<K: Kind> Read for VectorOf<K> {
+    const EXPECTED: &'static Expected = &Expected::Vector(Given::<K>::EXPECTED);
+    fn read(written: Written<'_>) -> Option<Self> {
+        Some(Self { components: Vec::read(written)?, span: written.span() })
     }
 }
 
 /// Either a single value or something composed, told apart by what stands in the text.
-#[derive(Clone, Debug)]
 pub(crate) enum ScalarOr<S, T> {
     Scalar(S),
     Composed(T, Range<usize>),
@@ -374,111 +330,12 @@ impl<W, T> ScalarOr<Choice<W>, T> {
     }
 }
 
-impl<'de, S: From<Scalar>, T: Deserialize<'de>> Deserialize<'de> for ScalarOr<S, T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        enum Form<T> {
-            Scalar(Literal),
-            Composed(T),
-        }
-        struct Either<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Either<T> {
-            type Value = Form<T>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a value, a list or a table")
-            }
-            visit_scalars!(Form::Scalar);
-            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Form<T>, A::Error> {
-                T::deserialize(SeqAccessDeserializer::new(seq)).map(Form::Composed)
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Form<T>, A::Error> {
-                T::deserialize(MapAccessDeserializer::new(map)).map(Form::Composed)
-            }
-        }
-        impl<'de, T: Deserialize<'de>> Deserialize<'de> for Form<T> {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                deserializer.deserialize_any(Either(PhantomData))
-            }
-        }
-        let spanned = Spanned::<Form<T>>::deserialize(deserializer)?;
-        let span = spanned.span();
-        Ok(match spanned.into_inner() {
-            Form::Scalar(literal) => Self::Scalar(S::from(Scalar { literal, span })),
-            Form::Composed(value) => Self::Composed(value, span),
+impl<S: Read, T: Read> Read for ScalarOr<S, T> {
+    const EXPECTED: &'static Expected = &Expected::Either(S::EXPECTED, T::EXPECTED);
+    fn read(written: Written<'_>) -> Option<Self> {
+        Some(match written.content() {
+            Content::Scalar(_) => Self::Scalar(S::read(written)?),
+            _ => Self::Composed(T::read(written)?, written.span()),
         })
-    }
-}
-
-impl<K: Kind> JsonSchema for Given<K> {
-    fn schema_name() -> Cow<'static, str> {
-        K::NAME.into()
-    }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let kind = K::KIND;
-        json_schema!({
-            "description": format!("{} {}: {}, or a plain number in SI", kind.article(), kind.name, kind.examples),
-            "type": ["number", "string"],
-            "x-unit": kind.si_unit,
-        })
-    }
-}
-
-impl<K: Kind> JsonSchema for VectorOf<K> {
-    fn schema_name() -> Cow<'static, str> {
-        format!("{}Vector", K::NAME).into()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let component = generator.subschema_for::<Given<K>>();
-        json_schema!({
-            "description": format!("one {} per axis of the deck", K::KIND.name),
-            "type": "array", "items": component, "minItems": 1, "maxItems": 3, "x-unit": K::KIND.si_unit,
-        })
-    }
-}
-
-impl<C: Choices> JsonSchema for Choice<C> {
-    fn schema_name() -> Cow<'static, str> {
-        C::NAME.into()
-    }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let options: Vec<Schema> = C::table()
-            .into_iter()
-            .map(|(word, _, meaning)| json_schema!({ "const": word, "description": meaning }))
-            .collect();
-        json_schema!({ "description": C::WHAT, "oneOf": options })
-    }
-}
-
-macro_rules! inline_schema {
-    ($($name:ident => $schema:tt,)+) => { $(
-        impl JsonSchema for $name {
-            fn inline_schema() -> bool {
-                true
-            }
-            fn schema_name() -> Cow<'static, str> {
-                stringify!($name).into()
-            }
-            fn json_schema(_: &mut SchemaGenerator) -> Schema {
-                json_schema!($schema)
-            }
-        }
-    )+ };
-}
-inline_schema! {
-    Word => { "type": "string" },
-    Flag => { "type": "boolean" },
-    FieldLevel => { "type": ["number", "string"] },
-    Count => { "type": "integer", "minimum": 0 },
-}
-
-impl<S: JsonSchema, T: JsonSchema> JsonSchema for ScalarOr<S, T> {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        format!("{}Or{}", S::schema_name(), T::schema_name()).into()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let (scalar, composed) = (generator.subschema_for::<S>(), generator.subschema_for::<T>());
-        json_schema!({ "anyOf": [scalar, composed] })
     }
 }

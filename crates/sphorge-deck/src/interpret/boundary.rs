@@ -1,11 +1,12 @@
 //! Walls, symmetry planes, periodic axes, prescribed motion.
 
 use super::{Names, check_axis, described, exactly_one, vector, wrong_length};
-use crate::choice::{ContactWord, VelocityOrFree};
+use crate::choice::ContactWord;
 use crate::defaults;
 use crate::raw::{RawContact, RawMotion, RawPeriodic, RawPlane, RawSegment, RawSymmetry, RawWall, Rows};
 use crate::report::{Fault, Problems};
-use crate::value::{Choice, Given, Kind, Literal, ScalarOr, Velocity};
+use crate::value::{Choice, Given, Kind, ScalarOr, Velocity, VelocityOrFree};
+use crate::written::Literal;
 use sphorge_engine::model::{
     Dimensions, MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface,
 };

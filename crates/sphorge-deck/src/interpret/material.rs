@@ -1,86 +1,12 @@
 //! Materials: a deck's own, changed ones, and those of the catalogue.
 
-use crate::material::{Constants, ElasticConstants, Incomplete, LawConstants, build, entries, entry};
-use crate::raw::{LawTable, RawLaw, RawMaterial};
-use crate::report::{Fault, Problems, listed, nearest};
-use crate::value::{Choice, Given, Kind, ScalarOr, Word};
+use crate::declare::Named;
+use crate::material::{Constants, Incomplete, build, constants, entries, entry};
+use crate::raw::RawMaterial;
+use crate::report::{Fault, Problems, nearest};
+use crate::value::Word;
 use sphorge_engine::model::Material;
-use sphorge_physics::parameter::Bound;
 use std::{collections::BTreeMap, ops::Range};
-use toml::Spanned;
-
-/// Constants in SI units; faults leave their key out.
-pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants {
-    fn read<K: Kind>(given: &Option<Given<K>>, bound: Bound, problems: &mut Problems) -> Option<f64> {
-        given.as_ref().and_then(|g| g.within(bound, problems))
-    }
-    fn text(given: &Option<Word>, problems: &mut Problems) -> Option<String> {
-        given.as_ref().and_then(|w| w.text(problems)).map(str::to_owned)
-    }
-    Constants {
-        description: text(&raw.description, problems),
-        reference: text(&raw.reference, problems),
-        note: text(&raw.note, problems),
-        density: read(&raw.density, Bound::Positive, problems),
-        elastic: ElasticConstants {
-            shear: read(&raw.shear_modulus, Bound::Positive, problems),
-            young: read(&raw.young_modulus, Bound::Positive, problems),
-            poisson: read(&raw.poisson_ratio, Bound::Between(-0.999, 0.4999), problems),
-            bulk: read(&raw.bulk_modulus, Bound::Positive, problems),
-        },
-        equation_of_state: raw.equation_of_state.as_ref().and_then(|l| law(l, problems)),
-        strength: raw.strength.as_ref().and_then(|l| law(l, problems)),
-        return_rule: raw.return_rule.as_ref().and_then(|r| r.get(problems)),
-        specific_heat: read(&raw.specific_heat, Bound::Positive, problems),
-        conductivity: read(&raw.conductivity, Bound::NonNegative, problems),
-        taylor_quinney: read(&raw.taylor_quinney, Bound::Between(0.0, 1.0), problems),
-        spall_pressure: read(&raw.spall_pressure, Bound::Positive, problems),
-        reference_temperature: read(&raw.reference_temperature, Bound::NonNegative, problems),
-    }
-}
-
-fn law<C: LawTable>(raw: &RawLaw<C>, problems: &mut Problems) -> Option<LawConstants> {
-    let (table, at) = match raw {
-        ScalarOr::Scalar(word) => {
-            return Choice::get(word, problems).map(|law| LawConstants { law, values: Vec::new() });
-        }
-        ScalarOr::Composed(table, at) => (&table.0, at.clone()),
-    };
-    let names = || C::table().into_iter().map(|entry| entry.0);
-    let mut laws = table.iter();
-    let (Some((key, given)), None) = (laws.next(), laws.next()) else {
-        let message = format!("expected one {}", C::WHAT);
-        let found = if table.is_empty() { "none here".to_owned() } else { format!("{} here", table.len()) };
-        problems.push(Fault::new("exactly-one", message, at, found).help(format!("choose {}", listed(names(), "or"))));
-        return None;
-    };
-    let Some(law) = C::ENTRIES.iter().position(|entry| entry.key == key.get_ref()) else {
-        problems.push(unknown_key(&format!("{} `{}`", C::WHAT, key.get_ref()), key, names()));
-        return None;
-    };
-    let parameters = C::ENTRIES[law].parameters;
-    let mut values = Vec::with_capacity(given.len());
-    for (key, value) in given {
-        match parameters.iter().find(|p| p.key == key.get_ref()) {
-            Some(p) => {
-                if let Some(number) = value.bounded(p.quantity.into(), p.bound, problems) {
-                    values.push((p.key, number));
-                }
-            }
-            None => {
-                let what = format!("constant `{}` of {}", key.get_ref(), C::ENTRIES[law].key);
-                problems.push(unknown_key(&what, key, parameters.iter().map(|p| p.key)));
-            }
-        }
-    }
-    Some(LawConstants { law, values })
-}
-
-fn unknown_key<'a>(what: &str, key: &Spanned<String>, options: impl Iterator<Item = &'a str> + Clone) -> Fault {
-    let near = nearest(key.get_ref(), options.clone()).map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
-    Fault::new("unknown-key", format!("unknown {what}"), key.span(), "not known")
-        .help(format!("{near}There are {}.", listed(options, "and")))
-}
 
 /// A material of the deck.
 struct Own {
@@ -97,9 +23,9 @@ pub(crate) struct Library {
 
 impl Library {
     /// Reads the deck's materials, used or not.
-    pub(crate) fn new(raw: &BTreeMap<Spanned<String>, RawMaterial>, problems: &mut Problems) -> Self {
+    pub(crate) fn new(raw: &Named<RawMaterial>, problems: &mut Problems) -> Self {
         let mut own = BTreeMap::new();
-        for (name, material) in raw {
+        for (name, material) in &raw.0 {
             let base = material.base.as_ref().and_then(|b| b.text(problems)).map(str::to_owned);
             let base_at = material.base.as_ref().map_or(name.span(), |b| b.span());
             let constants = constants(material, problems);

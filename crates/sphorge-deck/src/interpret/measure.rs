@@ -183,7 +183,7 @@ fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) 
         },
     };
     let (field, component) = field?;
-    let level = raw.level.0.quantity(unit_of(field), problems);
+    let level = raw.level.quantity(unit_of(field), problems);
     Some(MeasureKind::FrontSpeed {
         selection: probe?,
         field: field.name.to_owned(),

@@ -4,7 +4,7 @@ mod body;
 mod boundary;
 mod cloud;
 mod contact;
-pub(crate) mod material;
+mod material;
 mod measure;
 mod numerics;
 mod observed;
@@ -14,6 +14,7 @@ mod velocity;
 
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
+use super::strategy::Strategy;
 use super::value::{Kind, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Integrator, Model, Numerics, Region, Search};
 use std::ops::Range;
@@ -172,17 +173,26 @@ pub(crate) fn exactly_one<T>(
     None
 }
 
+/// What a deck means.
+pub(crate) struct Interpreted {
+    pub(crate) model: Model,
+    pub(crate) places: Places,
+    /// What the user should know: what the choices of the deck leave out.
+    pub(crate) notes: Vec<String>,
+}
+
 /// Interprets a deck; `None` only with faults in `problems`.
-pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> Option<(Model, Places)> {
+pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> Option<Interpreted> {
     let dimensions = raw.dimensions.get(problems);
     let spacing = raw.particles.spacing.positive(problems);
-    let numerics = numerics::numerics(&raw.numerics, problems);
-    let search = numerics::search(raw.search.as_ref(), problems);
+    let mut numerics = numerics::numerics(&raw.numerics, problems);
+    let strategy = numerics::search(raw.search.as_ref(), problems);
+    let search = strategy.map(|strategy| strategy.search);
     let audit = match &raw.audit {
         None => Some(None),
         Some(steps) => steps.positive(problems).map(Some),
     };
-    numerics::check_smoothing(&raw.numerics, numerics.as_ref(), search, problems);
+    numerics::check_smoothing(&raw.numerics, numerics.as_ref(), strategy, problems);
     let time = numerics::time(&raw.time, problems);
     let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), search, problems);
     let library = material::Library::new(&raw.material, problems);
@@ -219,7 +229,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let tracers = observed::tracers(&raw.tracer, &scene, problems);
     let sections = observed::sections(&raw.section, &scene, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
-    check_together(raw, search, numerics.as_ref(), contact, problems);
+    check_together(raw, strategy, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
     if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
         let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
@@ -242,12 +252,19 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         motions: raw.motion.iter().map(|m| m.region.span()).collect(),
         tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
     };
+    let dropped = strategy.zip(numerics.as_mut()).map_or_else(Vec::new, |(strategy, n)| strategy.normalise(n));
+    let dropped: Vec<String> = dropped.iter().map(|key| format!("`numerics.{key}`")).collect();
+    let mut notes = Vec::new();
+    if !dropped.is_empty() {
+        notes.push(format!("the total Lagrangian form runs without {}", dropped.join(", ")));
+    }
     let model = Model {
         title: title?,
         name: name.to_owned(),
         dimensions,
         spacing: spacing?,
         numerics: numerics?,
+        formulation: strategy?.formulation,
         search: search?,
         audit: audit?,
         time: time?,
@@ -266,18 +283,19 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         tracers: tracers?,
         sections: sections?,
     };
-    Some((model, places))
+    Some(Interpreted { model, places, notes })
 }
 
 /// Choices that exclude each other.
 fn check_together(
     raw: &RawDeck,
-    search: Option<Search>,
+    strategy: Option<Strategy>,
     numerics: Option<&Numerics>,
     contact: Option<BodyContact>,
     problems: &mut Problems,
 ) {
-    if let (Some(Search::TotalLagrangian(_)), Some(n), Some(key)) = (search, numerics, &raw.numerics.integrator)
+    let total = strategy.is_some_and(|strategy| strategy.search == Search::Initial);
+    if let (true, Some(n), Some(key)) = (total, numerics, &raw.numerics.integrator)
         && n.integrator == Integrator::PredictorCorrector
     {
         let message = "the total Lagrangian form is integrated by leapfrog";
@@ -287,8 +305,8 @@ fn check_together(
         );
     }
     // A contact lives on pairs of different bodies, which these two strategies do not look for.
-    let (message, help) = match search {
-        Some(Search::TotalLagrangian(_)) => (
+    let (message, help) = match strategy.map(|strategy| strategy.search) {
+        Some(Search::Initial) => (
             "the total Lagrangian form sees no other body, so bodies cannot meet in a contact",
             "choose another `search`, or leave `contact` out",
         ),

@@ -4,9 +4,10 @@ use crate::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord}
 use crate::defaults;
 use crate::raw::{RawAdaptive, RawNumerics, RawOutput, RawSearch, RawSmoothingLength, RawTime, RawTotalLagrangian};
 use crate::report::{Fault, Problems};
+use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
 use sphorge_engine::model::{
-    AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, SmoothingLength, TimeControl, TotalLagrangian,
+    AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, SmoothingLength, TimeControl,
 };
 use sphorge_engine::particles::FIELDS;
 use sphorge_physics::parameter::Bound;
@@ -66,12 +67,12 @@ pub(crate) fn numerics(raw: &RawNumerics, problems: &mut Problems) -> Option<Num
 pub(crate) fn check_smoothing(
     raw: &RawNumerics,
     numerics: Option<&Numerics>,
-    search: Option<Search>,
+    strategy: Option<Strategy>,
     problems: &mut Problems,
 ) {
     let follows = numerics.is_some_and(|n| n.smoothing_length != SmoothingLength::Constant);
     let Some(given) = raw.smoothing_length.as_ref().filter(|_| follows) else { return };
-    if matches!(search, Some(Search::Adaptive(_) | Search::TotalLagrangian(_))) {
+    if strategy.is_some_and(|s| matches!(s.search, Search::Adaptive(_) | Search::Initial)) {
         let message = "smoothing lengths that follow the density need lists that follow the positions";
         let fault = Fault::new("wrong-search", message, given.span(), "with this `search`");
         problems.push(fault.help("set `search` to \"skin\" or \"every-step\", or leave the smoothing length constant"));
@@ -125,7 +126,7 @@ fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Optio
         Some(count) => match count.positive(problems) {
             Some(n) if n > LARGEST_EXPONENT => {
                 let message = format!("the exponent must be between 1 and {LARGEST_EXPONENT}");
-                problems.push(Fault::new("out-of-range", message, count.0.span.clone(), format!("found {n}")));
+                problems.push(Fault::new("out-of-range", message, count.span(), format!("found {n}")));
                 None
             }
             n => n.and_then(|n| u32::try_from(n).ok()),
@@ -134,10 +135,10 @@ fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Optio
     Some(Some(ArtificialStress { epsilon: epsilon?, exponent: exponent? }))
 }
 
-/// Neighbour search strategy.
-pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, problems: &mut Problems) -> Option<Search> {
+/// Neighbour search strategy and formulation.
+pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, problems: &mut Problems) -> Option<Strategy> {
     match raw {
-        None => Some(defaults::SKIN),
+        None => Some(Strategy::updated(defaults::SKIN)),
         Some(ScalarOr::Scalar(word)) => word.get(problems),
         Some(ScalarOr::Composed(RawSearch { skin, adaptive, total_lagrangian }, at)) => {
             let given = vec![
@@ -148,12 +149,12 @@ pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, prob
             super::exactly_one(given, "the search", at.clone(), problems)?;
             if let Some(skin) = skin {
                 let fraction = or_default!(skin.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
-                return Some(Search::Skin { fraction: fraction? });
+                return Some(Strategy::updated(Search::Skin { fraction: fraction? }));
             }
             if let Some(total) = total_lagrangian {
-                return total_lagrangian_search(total, problems).map(Search::TotalLagrangian);
+                return total_lagrangian_form(total, problems);
             }
-            adaptive_search(adaptive.as_ref()?, problems).map(Search::Adaptive)
+            adaptive_search(adaptive.as_ref()?, problems).map(|adaptive| Strategy::updated(Search::Adaptive(adaptive)))
         }
     }
 }
@@ -174,16 +175,16 @@ fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<Adaptiv
     Some(AdaptiveSearch { plastic_strain_threshold: threshold?, accumulate: accumulate?, guard: guard?.map(|_| bound) })
 }
 
-fn total_lagrangian_search(raw: &RawTotalLagrangian, problems: &mut Problems) -> Option<TotalLagrangian> {
-    let default = defaults::TOTAL_LAGRANGIAN;
-    let corrected = or_default!(raw.form, default.corrected, |f: &Choice<FormulationWord>| f.get(problems));
+fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> Option<Strategy> {
+    let corrected = or_default!(raw.form, true, |f: &Choice<FormulationWord>| f.get(problems));
     let hourglass =
-        or_default!(raw.hourglass, default.hourglass, |h: &Given<Number>| { h.within(Bound::NonNegative, problems) });
+        or_default!(raw.hourglass, defaults::HOURGLASS, |h: &Given<Number>| h.within(Bound::NonNegative, problems));
     if let (Some(false), Some(given)) = (corrected, &raw.hourglass) {
         let fault = Fault::new("not-together", "the frozen form has no hourglass control", given.span(), "not used");
         problems.push(fault.help("leave `hourglass` or `form = \"frozen\"` out"));
     }
-    Some(TotalLagrangian { corrected: corrected?, hourglass: hourglass? })
+    let hourglass = hourglass?;
+    Some(if corrected? { Strategy::total(hourglass) } else { Strategy::updated(Search::Initial) })
 }
 
 /// Between 0 and 1, both allowed.
@@ -230,7 +231,7 @@ pub(crate) fn output(
     if let (Some(count), Some(interval)) = (&raw.frames, &raw.frame_interval) {
         let fault =
             Fault::new("exactly-one", "`frames` and `frame-interval` say the same", interval.span(), "and here");
-        problems.push(fault.also(count.0.span.clone(), "here").help("keep one of them"));
+        problems.push(fault.also(count.span(), "here").help("keep one of them"));
     }
     let fields = match &raw.fields {
         None => {
@@ -246,7 +247,7 @@ pub(crate) fn output(
     let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);
     let history_interval = history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64);
     let place = |given: &Option<Given<crate::value::Time>>| given.as_ref().map_or(0..0, |g| g.span());
-    let frames_at = raw.frames.as_ref().map_or_else(|| place(&raw.frame_interval), |f| f.0.span.clone());
+    let frames_at = raw.frames.as_ref().map_or_else(|| place(&raw.frame_interval), |f| f.span());
     for (what, interval, most, at) in [
         ("frames", frame_interval, MOST_FRAMES, frames_at),
         ("rows of the history", history_interval, MOST_ROWS, place(&raw.history_interval)),

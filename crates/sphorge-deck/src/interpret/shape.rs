@@ -3,11 +3,10 @@
 use super::{cloud::cloud, described, exactly_one, vector};
 use crate::raw::{RawBall, RawBox, RawCylinder, RawOgive, RawPolygon, RawRevolution, RawRotate, RawShape, RawTable};
 use crate::report::{Fault, Problems};
-use crate::value::{Given as GivenValue, Length, Number, VectorOf};
+use crate::value::{Given as GivenValue, Length, Number, Spanned, VectorOf};
 use sphorge_engine::model::{Dimensions, Operation, Shape, Solid, Transform};
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;
-use toml::Spanned;
 
 /// What a shape is made of.
 enum Given<'a> {

@@ -2,15 +2,31 @@
 
 use super::constants::Constants;
 use super::listing::{MaterialListing, listing};
+use super::read::constants;
+use crate::declare::Named;
+use crate::keys;
+use crate::raw::RawMaterial;
+use crate::report::{DeckReport, Problems, nearest};
+use crate::value::Spanned;
 use std::sync::LazyLock;
 
 const TEXT: &str = include_str!("catalogue.toml");
 
-static ENTRIES: LazyLock<Vec<(String, Constants)>> = LazyLock::new(|| match crate::read_materials("catalogue", TEXT) {
+static ENTRIES: LazyLock<Vec<(String, Constants)>> = LazyLock::new(|| match read(TEXT) {
     Ok(entries) => entries,
     // The text is part of the program; a test reads it.
     Err(report) => panic!("the material catalogue cannot be read: {report}"),
 });
+
+/// Reads `[NAME]` tables of materials, as a deck has them below `material`.
+fn read(text: &str) -> Result<Vec<(String, Constants)>, DeckReport> {
+    let mut problems = Problems::new("catalogue", text);
+    let raw: Named<RawMaterial> = keys::read(&mut problems).unwrap_or_default();
+    let entry = |(name, material): &(Spanned<String>, _)| (name.get_ref().clone(), constants(material, &mut problems));
+    let entries = raw.0.iter().map(entry).collect();
+    problems.check()?;
+    Ok(entries)
+}
 
 /// Every material of the catalogue, by name.
 pub(crate) fn entries() -> &'static [(String, Constants)] {
@@ -34,7 +50,7 @@ pub fn catalogue() -> Vec<MaterialListing> {
 pub fn find(name: &str) -> Result<MaterialListing, Option<&'static str>> {
     match entry(name) {
         Some(constants) => Ok(listing(name, constants)),
-        None => Err(crate::nearest(name, entries().iter().map(|(n, _)| n.as_str()))),
+        None => Err(nearest(name, entries().iter().map(|(n, _)| n.as_str()))),
     }
 }
 

@@ -4,6 +4,7 @@
 mod body;
 mod boundary;
 mod contact;
+mod law;
 mod material;
 mod measure;
 mod numerics;
@@ -14,6 +15,7 @@ mod thermal;
 pub(crate) use body::*;
 pub(crate) use boundary::*;
 pub(crate) use contact::*;
+pub(crate) use law::*;
 pub(crate) use material::*;
 pub(crate) use measure::*;
 pub(crate) use numerics::*;
@@ -22,137 +24,95 @@ pub(crate) use shape::*;
 pub(crate) use thermal::*;
 
 use super::choice::*;
+use super::declare::{Named, tables};
 use super::value::*;
-use schemars::JsonSchema;
-use serde::Deserialize;
-use std::collections::BTreeMap;
-use toml::Spanned;
 
-/// A Sphorge deck.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-#[schemars(title = "Sphorge deck")]
-pub(crate) struct RawDeck {
-    /// One line for people.
-    #[schemars(extend("examples" = ["Taylor impact of an Armco iron plate"], "default" = ""))]
-    pub(crate) title: Option<Word>,
-    /// Space dimensions; they set the number of components of every vector in the deck.
-    #[schemars(extend("examples" = ["plane-strain"]))]
-    pub(crate) dimensions: Choice<DimensionsWord>,
-    /// Neighbour search strategy.
-    #[schemars(extend("examples" = ["every-step"], "default" = "skin"))]
-    pub(crate) search: Option<ScalarOr<Choice<SearchWord>, RawSearch>>,
-    /// How bodies meet.
-    #[schemars(extend("examples" = [{ "penalty": { "friction": 0.1 } }], "default" = "kernel-sum"))]
-    pub(crate) contact: Option<RawContactChoice>,
-    /// Compare the neighbour lists with an exact search every so many steps; what they miss goes into `history.csv` and
-    /// `summary.json`.
-    #[schemars(extend("examples" = [100], "x-default" = "never"))]
-    pub(crate) audit: Option<Count>,
-    /// Acceleration of every particle.
-    #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2"]], "x-default" = "none"))]
-    pub(crate) gravity: Option<VectorOf<Acceleration>>,
+tables! {
+    /// A Sphorge deck.
+    RawDeck {
+        /// One line for people.
+        title: Option<Word>, example "Taylor impact of an Armco iron plate", default "";
+        /// Space dimensions; they set the number of components of every vector in the deck.
+        dimensions: Choice<DimensionsWord>, example "plane-strain";
+        /// Neighbour search strategy.
+        search: Option<ScalarOr<Choice<SearchWord>, RawSearch>>, example "every-step", default "skin";
+        /// How bodies meet.
+        contact: Option<RawContactChoice>, example { "penalty": { "friction": 0.1 } }, default "kernel-sum";
+        /// Compare the neighbour lists with an exact search every so many steps; what they miss goes into `history.csv` and
+        /// `summary.json`.
+        audit: Option<Count>, example 100, otherwise "never";
+        /// Acceleration of every particle.
+        gravity: Option<VectorOf<Acceleration>>, example ["0 m/s^2", "-9.81 m/s^2"], otherwise "none";
+        /// Particles: resolution and smoothing.
+        particles: RawParticles;
+        /// Choices of the discretisation.
+        numerics: RawNumerics, or empty;
+        /// End of the run and time step.
+        time: RawTime;
+        /// Bodies of particles; at least one.
+        body: Vec<RawBody>, or empty;
+        /// Named sets of particles, chosen in the initial configuration; at most 32.
+        region: Vec<RawRegion>, or empty;
+        /// Rigid walls.
+        wall: Vec<RawWall>, or empty;
+        /// Planes of symmetry.
+        symmetry: Vec<RawSymmetry>, or empty;
+        /// Periodic axes.
+        periodic: RawPeriodic, or empty;
+        /// Held or driven particles.
+        motion: Vec<RawMotion>, or empty;
+        /// Heat that flows; no heat flows without this table.
+        thermal: Option<RawThermal>;
+        /// What to write and when.
+        output: RawOutput, or empty;
+        /// Numbers to report: columns of `history.csv`, entries of `summary.json`.
+        measure: Vec<RawMeasure>, or empty;
+        /// Particles to follow and points to watch: columns of `history.csv`.
+        tracer: Vec<RawTracer>, or empty;
+        /// Planes the force through which is written: columns of `history.csv`.
+        section: Vec<RawSection>, or empty;
+        /// Own materials, or changes to those of the catalogue, by name.
+        material: Named<RawMaterial>, or empty;
+    }
+
     /// Particles: resolution and smoothing.
-    pub(crate) particles: RawParticles,
-    /// Choices of the discretisation.
-    #[serde(default)]
-    pub(crate) numerics: RawNumerics,
+    RawParticles {
+        /// Distance of neighbouring lattice particles; the key for resolution.
+        spacing: Given<Length>, example "0.3 mm";
+        /// Smoothing length over spacing, h / spacing.
+        smoothing: Option<Given<Number>>, example 1.2, default 1.2;
+        /// How particles are arranged.
+        lattice: Option<Choice<ArrangementWord>>, example "hexagonal", default "square";
+        /// Where a square or cubic lattice sits in a shape.
+        placement: Option<Choice<PlacementWord>>, example "on-faces", default "cell-centres";
+    }
+
     /// End of the run and time step.
-    pub(crate) time: RawTime,
-    /// Bodies of particles; at least one.
-    #[serde(default)]
-    pub(crate) body: Vec<RawBody>,
-    /// Named sets of particles, chosen in the initial configuration; at most 32.
-    #[serde(default)]
-    pub(crate) region: Vec<RawRegion>,
-    /// Rigid walls.
-    #[serde(default)]
-    pub(crate) wall: Vec<RawWall>,
-    /// Planes of symmetry.
-    #[serde(default)]
-    pub(crate) symmetry: Vec<RawSymmetry>,
-    /// Periodic axes.
-    #[serde(default)]
-    pub(crate) periodic: RawPeriodic,
-    /// Held or driven particles.
-    #[serde(default)]
-    pub(crate) motion: Vec<RawMotion>,
-    /// Heat that flows; no heat flows without this table.
-    pub(crate) thermal: Option<RawThermal>,
+    RawTime {
+        /// Time at which the run ends.
+        end: Given<Time>, example "60 us";
+        /// Courant number, on the longitudinal sound speed plus |mu|; above 0, at most 1.
+        courant: Option<Given<Number>>, example 0.3, default 0.3;
+        /// Upper bound of the time step.
+        max_step: Option<Given<Time>>, example "10 ns", otherwise "none";
+        /// Time step to use instead of the stable one; larger than the stable one stops the run.
+        fixed_step: Option<Given<Time>>, example "5 ns", otherwise "none";
+        /// Stop when the kinetic energy has fallen below this share of its initial value.
+        stop_kinetic_fraction: Option<Given<Number>>, example 0.01, otherwise "none";
+        /// Stop after this many steps.
+        max_steps: Option<Count>, example 1000, otherwise "none";
+    }
+
     /// What to write and when.
-    #[serde(default)]
-    pub(crate) output: RawOutput,
-    /// Numbers to report: columns of `history.csv`, entries of `summary.json`.
-    #[serde(default)]
-    pub(crate) measure: Vec<RawMeasure>,
-    /// Particles to follow and points to watch: columns of `history.csv`.
-    #[serde(default)]
-    pub(crate) tracer: Vec<RawTracer>,
-    /// Planes the force through which is written: columns of `history.csv`.
-    #[serde(default)]
-    pub(crate) section: Vec<RawSection>,
-    /// Own materials, or changes to those of the catalogue, by name.
-    #[serde(default)]
-    #[schemars(with = "BTreeMap<String, RawMaterial>")]
-    pub(crate) material: BTreeMap<Spanned<String>, RawMaterial>,
-}
-
-/// Particles: resolution and smoothing.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub(crate) struct RawParticles {
-    /// Distance of neighbouring lattice particles; the key for resolution.
-    #[schemars(extend("examples" = ["0.3 mm"]))]
-    pub(crate) spacing: Given<Length>,
-    /// Smoothing length over spacing, h / spacing.
-    #[schemars(extend("examples" = [1.2], "default" = 1.2))]
-    pub(crate) smoothing: Option<Given<Number>>,
-    /// How particles are arranged.
-    #[schemars(extend("examples" = ["hexagonal"], "default" = "square"))]
-    pub(crate) lattice: Option<Choice<ArrangementWord>>,
-    /// Where a square or cubic lattice sits in a shape.
-    #[schemars(extend("examples" = ["on-faces"], "default" = "cell-centres"))]
-    pub(crate) placement: Option<Choice<PlacementWord>>,
-}
-
-/// End of the run and time step.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub(crate) struct RawTime {
-    /// Time at which the run ends.
-    #[schemars(extend("examples" = ["60 us"]))]
-    pub(crate) end: Given<Time>,
-    /// Courant number, on the longitudinal sound speed plus |mu|; above 0, at most 1.
-    #[schemars(extend("examples" = [0.3], "default" = 0.3))]
-    pub(crate) courant: Option<Given<Number>>,
-    /// Upper bound of the time step.
-    #[schemars(extend("examples" = ["10 ns"], "x-default" = "none"))]
-    pub(crate) max_step: Option<Given<Time>>,
-    /// Time step to use instead of the stable one; larger than the stable one stops the run.
-    #[schemars(extend("examples" = ["5 ns"], "x-default" = "none"))]
-    pub(crate) fixed_step: Option<Given<Time>>,
-    /// Stop when the kinetic energy has fallen below this share of its initial value.
-    #[schemars(extend("examples" = [0.01], "x-default" = "none"))]
-    pub(crate) stop_kinetic_fraction: Option<Given<Number>>,
-    /// Stop after this many steps.
-    #[schemars(extend("examples" = [1000], "x-default" = "none"))]
-    pub(crate) max_steps: Option<Count>,
-}
-
-/// What to write and when.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub(crate) struct RawOutput {
-    /// Number of frames over the run, beside the initial one.
-    #[schemars(extend("examples" = [50], "default" = 50))]
-    pub(crate) frames: Option<Count>,
-    /// Time between frames, instead of `frames`.
-    #[schemars(extend("examples" = ["1 us"], "x-default" = "end / frames"))]
-    pub(crate) frame_interval: Option<Given<Time>>,
-    /// Time between rows of `history.csv`. A row is that of the first step past its time: steps are not cut for it.
-    #[schemars(extend("examples" = ["0.1 us"], "x-default" = "end / 500"))]
-    pub(crate) history_interval: Option<Given<Time>>,
-    /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: who was searched in the last step.
-    #[schemars(extend("examples" = [["velocity", "plastic_strain"]], "x-default" = "the usual ones"))]
-    pub(crate) fields: Option<Vec<Choice<FieldWord>>>,
+    #[derive(Default)]
+    RawOutput {
+        /// Number of frames over the run, beside the initial one.
+        frames: Option<Count>, example 50, default 50;
+        /// Time between frames, instead of `frames`.
+        frame_interval: Option<Given<Time>>, example "1 us", otherwise "end / frames";
+        /// Time between rows of `history.csv`. A row is that of the first step past its time: steps are not cut for it.
+        history_interval: Option<Given<Time>>, example "0.1 us", otherwise "end / 500";
+        /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: who was searched in the last step.
+        fields: Option<Vec<Choice<FieldWord>>>, example ["velocity", "plastic_strain"], otherwise "the usual ones";
+    }
 }

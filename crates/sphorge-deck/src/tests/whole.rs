@@ -3,9 +3,8 @@
 use super::super::*;
 use super::{FLAVOUR, changed};
 use crate::decks::DECKS;
-use crate::keys::toml_text;
+use crate::keys::{DECK, toml_text};
 use crate::report::Problems;
-use crate::schema::Node;
 use proptest::prelude::*;
 
 /// A deck in which every table that has defaults stands.
@@ -89,14 +88,15 @@ fn model(deck: &str, overrides: &[(String, String)]) -> String {
 
 /// Every default stated for the keys of a table, as overrides.
 fn stated(path: &str) -> Vec<(String, String)> {
-    let mut node = Node::deck();
+    let mut expected = DECK;
     for segment in path.split('.').filter(|s| !s.is_empty()) {
-        node = if segment.parse::<usize>().is_ok() { node.item(0).unwrap() } else { node.key(segment).unwrap() };
+        let entry = segment.parse().ok().map(|index| expected.item(index).unwrap());
+        expected = entry.unwrap_or_else(|| expected.key(segment).unwrap().0);
     }
     let named = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    let plain = |value: &&serde_json::Value| !value.is_null() && !value.is_array() && !value.is_object();
+    let plain = |value: &serde_json::Value| !value.is_null() && !value.is_array() && !value.is_object();
     let defaults =
-        node.keys().into_iter().filter_map(|(key, n)| Some((named(key), toml_text(n.own("default").filter(plain)?))));
+        expected.keys().iter().filter_map(|key| Some((named(key.name), toml_text(&key.default().filter(plain)?))));
     defaults.collect()
 }
 

@@ -1,0 +1,47 @@
+//! What the key `search` chooses, a neighbour search and a formulation, and what the formulation leaves out of the model.
+
+use sphorge_engine::model::{Formulation, Numerics, Search};
+use sphorge_physics::pair::PairForm;
+
+/// Neighbour search and formulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Strategy {
+    pub(crate) search: Search,
+    pub(crate) formulation: Formulation,
+}
+
+impl Strategy {
+    /// The updated Lagrangian form with a search.
+    pub(crate) const fn updated(search: Search) -> Self {
+        Self { search, formulation: Formulation::UpdatedLagrangian }
+    }
+
+    /// The total Lagrangian form, whose lists are those of the start.
+    pub(crate) const fn total(hourglass: f64) -> Self {
+        Self { search: Search::Initial, formulation: Formulation::TotalLagrangian { hourglass } }
+    }
+
+    /// Takes out of the choices what the formulation does without; the names of the keys that had asked for it.
+    pub(crate) fn normalise(self, numerics: &mut Numerics) -> Vec<&'static str> {
+        if self.formulation == Formulation::UpdatedLagrangian {
+            return Vec::new();
+        }
+        let mut dropped = Vec::new();
+        if numerics.artificial_stress.take().is_some() {
+            dropped.push("artificial-stress");
+        }
+        if std::mem::take(&mut numerics.xsph) != 0.0 {
+            dropped.push("xsph");
+        }
+        if std::mem::take(&mut numerics.balsara) {
+            dropped.push("viscosity.balsara");
+        }
+        if numerics.mls_interval.take().is_some() {
+            dropped.push("mls-interval");
+        }
+        if std::mem::replace(&mut numerics.pair_form, PairForm::VolumeWeighted) != PairForm::VolumeWeighted {
+            dropped.push("pair-form");
+        }
+        dropped
+    }
+}
