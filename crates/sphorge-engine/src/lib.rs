@@ -23,7 +23,7 @@ pub use engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use model::Model;
 pub use particles::{Column, Particles};
-pub use reduction::Reduction;
+pub use reduction::{FieldSource, ParticleSource, Quantity, Reduction};
 pub use report::{
     Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, StageSeconds, StepReport,
 };

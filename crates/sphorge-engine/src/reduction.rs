@@ -2,6 +2,7 @@
 //!
 //! An engine evaluates them where its columns are; [`evaluate`] does so for columns in memory.
 
+use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
 use crate::particles::{Column, Particles};
 use sphorge_physics::Vector;
@@ -87,6 +88,63 @@ pub enum Reduction<'a> {
         /// Of what.
         quantity: Quantity<'a>,
     },
+}
+
+/// Particles whose fields can be read: those of a running engine, or columns in memory.
+pub trait FieldSource {
+    /// Number of particles.
+    fn count(&self) -> usize;
+    /// A field of all particles.
+    ///
+    /// # Errors
+    /// There is no such field, or the engine is lost.
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure>;
+
+    /// Particles with the named stored fields, all others at their initial values.
+    ///
+    /// # Errors
+    /// There is no such field, or the engine is lost.
+    fn with_fields(&self, fields: &[&str]) -> Result<Particles, RunFailure> {
+        let mut particles = Particles::new(self.count());
+        for field in fields {
+            particles.set_column(field, &self.read(field)?);
+        }
+        Ok(particles)
+    }
+}
+
+/// Particles that can be asked for sums, too.
+pub trait ParticleSource: FieldSource {
+    /// A sum, mean or extremum.
+    ///
+    /// # Errors
+    /// The engine is lost.
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure>;
+}
+
+/// Columns in memory, in their order.
+impl FieldSource for Particles {
+    fn count(&self) -> usize {
+        self.len()
+    }
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.column(field).ok_or_else(|| RunFailure::of_engine(format!("there is no field `{field}`")))
+    }
+}
+
+impl FieldSource for (&Model, &Particles) {
+    fn count(&self) -> usize {
+        self.1.len()
+    }
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.1.read(field)
+    }
+}
+
+impl ParticleSource for (&Model, &Particles) {
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        Ok(evaluate(reduction, self.0, self.1))
+    }
 }
 
 /// Evaluates a reduction over columns in memory, in their order.

@@ -2,9 +2,9 @@
 
 use crate::engine::{Engine, EngineKind, TimeStepLimit};
 use crate::model::Model;
-use crate::particles::{Column, Particles};
+use crate::particles::{Column, FIELDS, Particles};
 use crate::persist::{Archive, ArchiveError, Persist};
-use crate::reduction::Reduction;
+use crate::reduction::{FieldSource, ParticleSource, Reduction};
 use crate::step::advance;
 use crate::{ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
 use std::sync::Arc;
@@ -40,6 +40,21 @@ impl Persist for RunClock {
             None => None,
         };
         Ok(())
+    }
+}
+
+impl FieldSource for Simulation {
+    fn count(&self) -> usize {
+        self.engine.count()
+    }
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.engine.read(field)
+    }
+}
+
+impl ParticleSource for Simulation {
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        self.engine.reduce(reduction)
     }
 }
 
@@ -109,34 +124,14 @@ impl Simulation {
         self.name
     }
 
-    /// Number of particles.
-    pub fn count(&self) -> usize {
-        self.engine.count()
-    }
-
-    /// A field of all particles, in the order of their `id`; see [`Engine::read`].
-    ///
-    /// # Errors
-    /// There is no such field, or the engine is lost.
-    pub fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
-        self.engine.read(field)
-    }
-
-    /// A sum, mean or extremum over particles; see [`Reduction`].
-    ///
-    /// # Errors
-    /// The engine is lost.
-    pub fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        self.engine.reduce(reduction)
-    }
-
     /// A copy of every field a user can name, in the order of `id`.
     ///
     /// # Errors
     /// The engine is lost.
     pub fn particles(&self) -> Result<Particles, RunFailure> {
         let mut particles = Particles::new(self.count());
-        for field in crate::particles::FIELDS.iter() {
+        particles.add_histories(&self.model);
+        for field in FIELDS.iter() {
             particles.set_column(field.name, &self.engine.read(field.name)?);
         }
         Ok(particles)

@@ -8,13 +8,12 @@
 //!   with layers along the plane the weights add up to one over the spacing wherever the plane stands between them, so a uniform
 //!   stress gives exactly stress times area.
 
-use super::measures::{Quantity, SelectedParticles, shepard};
 use crate::{
-    model::{Model, ParticleSelection, Section, Tracer},
+    engine::{ParticleSource, Quantity, Reduction, RunFailure},
+    model::{Model, ParticleSelection, Tracer},
     output::HistoryColumn,
-    particles::{ColumnKind, Particles, find_field},
+    particles::{ColumnKind, find_field},
 };
-use sphorge_physics::kernel::{CubicSpline, KernelShape};
 
 /// What tracers and sections say of one moment.
 #[derive(Clone, Debug)]
@@ -76,30 +75,34 @@ impl Observed {
     }
 
     /// Takes the state; the first one is the initial configuration.
-    pub(crate) fn sample(&mut self, model: &Model, particles: &Particles) {
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub(crate) fn sample(&mut self, model: &Model, source: &dyn ParticleSource) -> Result<(), RunFailure> {
         self.values.clear();
         for (tracer, followed) in model.tracers.iter().zip(&mut self.followed) {
-            if tracer.is_fixed {
-                let selection = ParticleSelection { body: tracer.body, ..ParticleSelection::default() };
-                let selection = SelectedParticles::new(model, particles, &selection);
-                self.values.extend(quantities(tracer, model).map(|(field, _, k, _)| {
-                    shepard(&selection, &Quantity::new(particles, field, Some(k))?, tracer.point)
-                }));
-                continue;
+            let Tracer { point, body, is_fixed, .. } = *tracer;
+            if followed.is_none() && !is_fixed {
+                *followed = source.reduce(&Reduction::Nearest { point, body })?.first().map(|id| *id as u32);
             }
-            if followed.is_none() {
-                *followed = particles.nearest(tracer.point, tracer.body).map(|(i, _)| particles.id[i]);
+            let of = ParticleSelection { body, ..ParticleSelection::default() };
+            for (field, _, k, _) in quantities(tracer, model) {
+                let quantity = Quantity { field, component: Some(k) };
+                let found = match *followed {
+                    _ if is_fixed => source.reduce(&Reduction::Interpolation { of: &of, quantity, point })?,
+                    Some(id) => source.reduce(&Reduction::OfParticle { id, quantity })?,
+                    None => Vec::new(),
+                };
+                self.values.push(found.first().copied());
             }
-            let place = followed.and_then(|id| particles.id.iter().position(|&other| other == id));
-            self.values.extend(
-                quantities(tracer, model).map(|(field, _, k, _)| Some(particles.column(field)?.component(place?, k))),
-            );
         }
         for section in &model.sections {
-            let force = force_through(section, model, particles);
-            let normal = (0..3).map(|a| force[a] * section.normal[a]).sum();
-            self.values.extend([Some(normal), Some(force[0]), Some(force[1]), Some(force[2])]);
+            let force = source.reduce(&Reduction::SectionForce(section))?;
+            let normal = force.iter().zip(section.normal).map(|(f, n)| f * n).sum();
+            self.values.push(Some(normal));
+            self.values.extend(force.into_iter().map(Some));
         }
+        Ok(())
     }
 
     /// The columns, always the same.
@@ -113,34 +116,14 @@ impl Observed {
     }
 }
 
-/// Force through a plane, N.
-fn force_through(section: &Section, model: &Model, particles: &Particles) -> [f64; 3] {
-    let mut force = [0.0; 3];
-    for i in 0..particles.len() {
-        let body = particles.body[i] as usize;
-        if section.body.is_some_and(|wanted| wanted != body) {
-            continue;
-        }
-        let spacing = model.bodies[body].spacing;
-        let x = particles.position[i];
-        let distance = (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum::<f64>().abs();
-        let weight = CubicSpline::w(distance / spacing) / spacing;
-        if weight > 0.0 {
-            let volume = particles.mass[i] / particles.density[i];
-            let stress = particles.deviator[i].to_tensor();
-            for a in 0..3 {
-                let shear = (0..3).map(|b| stress[a][b] * section.normal[b]).sum::<f64>();
-                force[a] += volume * weight * (shear - particles.pressure[i] * section.normal[a]);
-            }
-        }
-    }
-    force
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{model::Dimensions, output::testing};
+    use crate::{
+        model::{Dimensions, Section},
+        output::testing,
+        particles::Particles,
+    };
 
     /// A plane-strain block of 20 by 5 at spacing 0.1, of density 200, under the stress xx = 3, xy = 2.
     fn block() -> Particles {
@@ -167,7 +150,7 @@ mod tests {
         model.sections =
             vec![section(1.0, [1.0, 0.0, 0.0]), section(0.937, [1.0, 0.0, 0.0]), section(1.0, [-1.0, 0.0, 0.0])];
         let mut observed = Observed::new(&model);
-        observed.sample(&model, &block());
+        observed.sample(&model, &(&model, &block())).unwrap();
         let names: Vec<&str> = observed.columns().iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names[..3], ["section.s.normal_force", "section.s.force_x", "section.s.force_y"]);
         assert_eq!(observed.columns()[0].unit, "N/m");
@@ -188,7 +171,7 @@ mod tests {
         model.tracers = vec![tracer, fixed];
         let mut observed = Observed::new(&model);
         let mut particles = block();
-        observed.sample(&model, &particles);
+        observed.sample(&model, &(&model, &particles)).unwrap();
         assert_eq!(observed.columns()[0].name, "tracer.t.position_x");
         assert_eq!(observed.columns().len(), 2 + 1 + 6 + 1);
         let value = |observed: &Observed, k: usize| observed.values()[k].unwrap();
@@ -204,7 +187,7 @@ mod tests {
         let mut permutation = crate::particles::Permutation::default();
         permutation.set(&order);
         particles.reorder(&permutation);
-        observed.sample(&model, &particles);
+        observed.sample(&model, &(&model, &particles)).unwrap();
         assert_eq!((value(&observed, 0), value(&observed, 2)), (1.5, 300.5));
         assert_eq!(observed.values()[9], None);
         model.dimensions = Dimensions::Three;

@@ -6,11 +6,12 @@ use crate::{
     progress::ProgressDisplay,
     readable, signals, table, terminal,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 use sphorge::{
+    engine::{ENGINES, EngineKind},
     output::{EndReason, RunDirectory, Status, Summary},
-    run::{RunError, RunOptions},
+    run::RunOptions,
 };
 use std::path::{Path, PathBuf};
 
@@ -32,21 +33,12 @@ pub(crate) struct RunArguments {
     /// Number of threads [default: all of the machine]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
-    /// What computes
-    #[arg(long, value_name = "ENGINE", default_value = "cpu")]
-    engine: EngineArgument,
+    /// What computes: `cpu`, the processor
+    #[arg(long, value_name = "ENGINE", default_value_t = ENGINES[0].name().to_owned())]
+    engine: String,
     /// Replace the run that is in the folder
     #[arg(long)]
     overwrite: bool,
-}
-
-/// What computes.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum EngineArgument {
-    /// The processor
-    Cpu,
-    /// A graphics card
-    Gpu,
 }
 
 /// A number of threads: at least one.
@@ -57,16 +49,26 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// The engine of that name.
+fn find_engine(name: &str) -> Result<&'static dyn EngineKind, Failure> {
+    let known: Vec<String> = ENGINES.iter().map(|engine| format!("`{}`", engine.name())).collect();
+    ENGINES.iter().copied().find(|engine| engine.name() == name).ok_or_else(|| {
+        let message = match name {
+            "gpu" => "this build of sphorge has no engine for graphics cards".to_owned(),
+            _ => format!("there is no engine `{name}`"),
+        };
+        Failure::bad_input(message, format!("choose from {}: `--engine {}`", known.join(", "), ENGINES[0].name()))
+    })
+}
+
 pub(crate) fn execute(arguments: RunArguments) -> Ending {
-    if let EngineArgument::Gpu = arguments.engine {
-        let help = "run it with `--engine cpu`, the default";
-        return Err(Failure::bad_input("this build of sphorge has no engine for graphics cards", help));
-    }
+    let engine = find_engine(&arguments.engine)?;
     let deck = arguments.deck.find()?;
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
     RunDirectory::check(&directory, arguments.overwrite).map_err(|error| Failure::BadInput(error.into()))?;
     let setup = deck.load()?;
+    setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
 
     let mut display = ProgressDisplay::new();
     let lines = display.lines();
@@ -78,7 +80,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     .map_err(Failure::Failed)?;
     let options =
         RunOptions { directory: directory.clone(), overwrite: arguments.overwrite, threads: arguments.threads };
-    let result = sphorge::run::execute(setup, &options, &stop, &mut display);
+    let result = sphorge::run::execute(setup, engine, &options, &stop, &mut display);
     drop(display);
 
     match result {
@@ -86,7 +88,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
             terminal::print(&report(&summary, &directory))?;
             Ok(if summary.status == Status::Stopped { Outcome::Stopped } else { Outcome::Done })
         }
-        Err(error @ (RunError::Directory(_) | RunError::Threads { .. })) => Err(Failure::BadInput(error.into())),
+        Err(error) if error.exit_code() == 2 => Err(Failure::BadInput(error.into())),
         Err(error) => Err(Failure::Failed(error.into())),
     }
 }

@@ -257,7 +257,7 @@ fn reference() -> String {
     }
     text.push_str("\n## Fields\n\nNames for `output.fields` and for measures. *usual*: written to frames unless `output.fields` says otherwise.\n\n");
     text.push_str("| field | unit | usual | meaning |\n| --- | --- | --- | --- |\n");
-    for field in FIELDS {
+    for field in FIELDS.iter() {
         let usual = if field.default_output { "yes" } else { "" };
         let _ = writeln!(text, "| `{}` | {} | {usual} | {} |", field.name, field.unit, cell(field.meaning));
     }

@@ -185,7 +185,7 @@ fn overrides_are_part_of_the_deck_as_run() {
 /// Reads a deck, and fills it if it is small.
 fn survive(text: &str) {
     let mut problems = Problems::new("deck", text);
-    if let Ok((model, _)) = load::read_model("deck", &mut problems)
+    if let Ok(interpret::Interpreted { model, .. }) = load::read_model("deck", &mut problems)
         && sphorge_engine::geometry::estimated_count(&model).iter().sum::<f64>() < 2e4
     {
         let _ = sphorge_engine::geometry::fill(&model, 2e4);

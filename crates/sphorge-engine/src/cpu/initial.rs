@@ -3,7 +3,7 @@
 use super::conduction::hold;
 use super::integrate::Motions;
 use crate::model::{BodyContact, Formulation, Integrator, Model, Search, TemperatureSource};
-use crate::particles::{HistoryColumn, Owner, Particles};
+use crate::particles::{Owner, Particles};
 
 /// Completes the state of particles that have position, velocity, density and temperature.
 pub(super) fn state(model: &Model, particles: &mut Particles) {
@@ -42,9 +42,5 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
     if matches!(model.search, Search::Adaptive(_)) {
         particles.origin.clone_from(&particles.position);
     }
-    for variable in model.materials.iter().flat_map(|material| material.flow_law.history()) {
-        if particles.history.iter().all(|column| column.variable.name != variable.name) {
-            particles.history.push(HistoryColumn::new(variable, particles.len()));
-        }
-    }
+    particles.add_histories(model);
 }

@@ -1,7 +1,5 @@
 //! Speed of a front; the definition is in [`super`].
 
-use super::selection::{Quantity, SelectedParticles};
-
 /// Position of a front over time.
 #[derive(Clone, Debug)]
 pub(super) struct FrontSpeed {
@@ -13,14 +11,6 @@ pub(super) struct FrontSpeed {
     ahead_is_above: Option<bool>,
     has_left: bool,
     samples: Vec<(f64, f64)>,
-}
-
-/// Mean position and field of the particles in a slab.
-#[derive(Clone, Copy, Default)]
-struct Slab {
-    count: f64,
-    x: f64,
-    f: f64,
 }
 
 impl FrontSpeed {
@@ -35,10 +25,16 @@ impl FrontSpeed {
         }
     }
 
-    pub(super) fn sample(&mut self, time: f64, selection: &SelectedParticles, quantity: &Quantity, axis: usize) {
-        let slabs = self.slabs(selection, quantity, axis);
+    /// Sign of the coordinate the front runs along.
+    pub(super) fn direction(&self) -> f64 {
+        self.direction
+    }
+
+    /// Takes the means of slabs in the order of the front's path: coordinate and field of each, one after the other.
+    pub(super) fn sample(&mut self, time: f64, slabs: &[f64]) {
+        let (slabs, _) = slabs.as_chunks::<2>();
         let Some(end) = slabs.last() else { return };
-        let above = |slab: &Slab| slab.f >= self.level;
+        let above = |[_, field]: &[f64; 2]| *field >= self.level;
         let ahead = *self.ahead_is_above.get_or_insert(above(end));
         self.has_left |= above(end) != ahead;
         if self.has_left || !(self.window.0..=self.window.1).contains(&time) {
@@ -46,33 +42,9 @@ impl FrontSpeed {
         }
         let crossing = slabs.windows(2).rev().find(|pair| above(&pair[0]) != ahead);
         if let Some([behind, before]) = crossing {
-            let share = (self.level - behind.f) / (before.f - behind.f);
-            self.samples.push((time, behind.x + share * (before.x - behind.x)));
+            let share = (self.level - behind[1]) / (before[1] - behind[1]);
+            self.samples.push((time, behind[0] + share * (before[0] - behind[0])));
         }
-    }
-
-    /// Slabs in the order of the front's path.
-    fn slabs(&self, selection: &SelectedParticles, quantity: &Quantity, axis: usize) -> Vec<Slab> {
-        let x = |i: usize| self.direction * selection.particles.position[i][axis];
-        let Some((low, high)) = selection.indices().map(|i| (x(i), x(i))).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-        else {
-            return Vec::new();
-        };
-        // Particles of a lattice fall in the middle of a slab. A flung-off particle must not ask for endless slabs.
-        let width = selection.model.spacing.max((high - low) / 1e6);
-        let mut slabs = vec![Slab::default(); ((high - low) / width + 0.5) as usize + 1];
-        for i in selection.indices() {
-            let slab = &mut slabs[((x(i) - low) / width + 0.5) as usize];
-            slab.count += 1.0;
-            slab.x += x(i);
-            slab.f += quantity.of(i);
-        }
-        slabs.retain(|slab| slab.count > 0.0);
-        for slab in &mut slabs {
-            slab.x /= slab.count;
-            slab.f /= slab.count;
-        }
-        slabs
     }
 
     /// Slope of the least-squares line.

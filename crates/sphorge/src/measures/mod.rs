@@ -38,11 +38,9 @@ mod perforation;
 mod period;
 mod remains;
 mod reversal;
-mod selection;
-mod shape;
-mod value;
 
 use crate::{
+    engine::{ParticleSource, Quantity, Reduction, RunFailure},
     model::{Extremum, MeasureKind, Model, Perforation},
     particles::Particles,
 };
@@ -52,8 +50,6 @@ pub(crate) use perforation::Span;
 use period::Period;
 use remains::remains;
 use reversal::Reversal;
-pub(super) use selection::{Quantity, SelectedParticles};
-pub(super) use value::shepard;
 
 /// The measures of a run with what they remember of its past.
 #[derive(Clone, Debug)]
@@ -100,11 +96,18 @@ impl Measures {
     }
 
     /// Takes the state at `time` (s, later than any before) into account.
-    pub fn sample(&mut self, model: &Model, time: f64, particles: &Particles) {
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub fn sample(&mut self, model: &Model, time: f64, source: &dyn ParticleSource) -> Result<(), RunFailure> {
+        let drawn = self.evaluators.iter().any(|evaluator| evaluator.kind.is_drawn());
+        let positions = if drawn { source.with_fields(&["position", "mass", "body"])? } else { Particles::default() };
         let mut shared = Shared::default();
         for (evaluator, value) in self.evaluators.iter_mut().zip(&mut self.values) {
-            *value = evaluator.sample(model, time, particles, &mut shared).filter(|value| value.is_finite());
+            let now = evaluator.sample(model, time, source, &positions, &mut shared)?;
+            *value = now.filter(|value| value.is_finite());
         }
+        Ok(())
     }
 
     /// Value of each measure in the order of the deck, SI; `None` for one that has none (yet).
@@ -152,62 +155,67 @@ pub(crate) fn span(kind: &MeasureKind, model: &Model, particles: &Particles) -> 
 }
 
 impl Evaluator {
-    fn sample(&mut self, model: &Model, time: f64, particles: &Particles, shared: &mut Shared) -> Option<f64> {
-        match &self.kind {
-            MeasureKind::Extent { selection, axis } => {
-                shape::extent(&SelectedParticles::new(model, particles, selection), *axis)
-            }
-            MeasureKind::Diameter { selection, axis } => {
-                shape::diameter(&SelectedParticles::new(model, particles, selection), *axis)
-            }
+    fn sample(
+        &mut self,
+        model: &Model,
+        time: f64,
+        source: &dyn ParticleSource,
+        positions: &Particles,
+        shared: &mut Shared,
+    ) -> Result<Option<f64>, RunFailure> {
+        let one = |reduction: Reduction<'_>| Ok::<_, RunFailure>(source.reduce(&reduction)?.first().copied());
+        Ok(match &self.kind {
+            MeasureKind::Extent { selection, axis } => one(Reduction::Extent { of: selection, axis: *axis })?,
+            MeasureKind::Diameter { selection, axis } => one(Reduction::Diameter { of: selection, axis: *axis })?,
             MeasureKind::Extreme { selection, field, component, extremum, .. } => {
-                let quantity = Quantity::new(particles, field, *component)?;
+                let quantity = Quantity { field, component: *component };
+                let now = one(Reduction::Extremum { of: selection, quantity, extremum: *extremum })?;
+                let Memory::Best(best) = &mut self.memory else { return Ok(now) };
                 let better = match extremum {
                     Extremum::Maximum => f64::max,
                     Extremum::Minimum => f64::min,
                 };
-                let selected = SelectedParticles::new(model, particles, selection);
-                let now = selected.indices().map(|i| quantity.of(i)).reduce(better);
-                let Memory::Best(best) = &mut self.memory else { return now };
                 *best = now.into_iter().chain(*best).reduce(better);
                 *best
             }
             MeasureKind::Mean { selection, field, component } => {
-                SelectedParticles::new(model, particles, selection).mean(&Quantity::new(particles, field, *component)?)
+                let quantity = Quantity { field, component: *component };
+                one(Reduction::Mean { of: selection, quantity })?
             }
             MeasureKind::Value { selection, field, component, point } => {
-                let quantity = Quantity::new(particles, field, *component)?;
-                value::shepard(&SelectedParticles::new(model, particles, selection), &quantity, *point)
+                let quantity = Quantity { field, component: *component };
+                one(Reduction::Interpolation { of: selection, quantity, point: *point })?
             }
             MeasureKind::FrontSpeed { selection, field, component, axis, .. } => {
-                let Memory::Front(front) = &mut self.memory else { return None };
-                let quantity = Quantity::new(particles, field, *component)?;
-                front.sample(time, &SelectedParticles::new(model, particles, selection), &quantity, *axis);
+                let Memory::Front(front) = &mut self.memory else { return Ok(None) };
+                let (quantity, direction) = (Quantity { field, component: *component }, front.direction());
+                let slabs = Reduction::Slabs { of: selection, quantity, axis: *axis, direction };
+                front.sample(time, &source.reduce(&slabs)?);
                 front.speed()
             }
             MeasureKind::Period { selection, field, component } => {
-                let Memory::Period(period) = &mut self.memory else { return None };
-                let quantity = Quantity::new(particles, field, *component)?;
-                if let Some(mean) = SelectedParticles::new(model, particles, selection).mean(&quantity) {
+                let Memory::Period(period) = &mut self.memory else { return Ok(None) };
+                let quantity = Quantity { field, component: *component };
+                if let Some(mean) = one(Reduction::Mean { of: selection, quantity })? {
                     period.sample(time, mean);
                 }
                 period.period()
             }
             MeasureKind::ReversalTime { selection, axis } => {
-                let Memory::Reversal(reversal) = &mut self.memory else { return None };
-                let quantity = Quantity::new(particles, "velocity", Some(*axis))?;
-                if let Some(mean) = SelectedParticles::new(model, particles, selection).mean(&quantity) {
+                let Memory::Reversal(reversal) = &mut self.memory else { return Ok(None) };
+                let quantity = Quantity { field: "velocity", component: Some(*axis) };
+                if let Some(mean) = one(Reduction::Mean { of: selection, quantity })? {
                     reversal.sample(time, mean);
                 }
                 reversal.time()
             }
             MeasureKind::CraterDiameter { perforation, edge } => {
-                shared.flight(model, particles, perforation).crater(*edge).map(|span| span.length)
+                shared.flight(model, positions, perforation).crater(*edge).map(|span| span.length)
             }
             MeasureKind::Cloud { perforation, extent, leave_out } => {
-                shared.flight(model, particles, perforation).cloud(*extent, *leave_out).map(|span| span.length)
+                shared.flight(model, positions, perforation).cloud(*extent, *leave_out).map(|span| span.length)
             }
-        }
+        })
     }
 }
 

@@ -21,7 +21,7 @@ fn lattice(nx: usize, ny: usize) -> Particles {
 fn once(kind: MeasureKind, particles: &Particles) -> Option<f64> {
     let model = measuring(kind);
     let mut measures = Measures::new(&model);
-    measures.sample(&model, 0.0, particles);
+    measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
     measures.values()[0]
 }
 
@@ -52,7 +52,7 @@ fn extent_takes_half_the_spacing_of_each_end() {
     let mut model = measuring(MeasureKind::Extent { selection: ParticleSelection::default(), axis: 1 });
     model.bodies[1].spacing = 0.3;
     let mut measures = Measures::new(&model);
-    measures.sample(&model, 0.0, &particles);
+    measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
     close(measures.values()[0], 0.4 + 0.05 + 0.15);
 }
 
@@ -64,7 +64,7 @@ fn diameter_is_about_the_mean_or_the_symmetry_plane() {
     let mut model = measuring(kind);
     model.symmetry = vec![SymmetryPlane { axis: 0, position: -0.05, side: 1.0 }];
     let mut measures = Measures::new(&model);
-    measures.sample(&model, 0.0, &particles);
+    measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
     close(measures.values()[0], 1.2);
 }
 
@@ -86,10 +86,10 @@ fn extremes_now_and_over_time() {
     for (over_time, expected) in [(true, 3.0), (false, 2.0)] {
         let model = measuring(kind(Extremum::Maximum, over_time, Some(0)));
         let mut measures = Measures::new(&model);
-        measures.sample(&model, 0.0, &particles);
+        measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
         let mut later = particles.clone();
         later.velocity[0] = [-9.0; 3];
-        measures.sample(&model, 1.0, &later);
+        measures.sample(&model, 1.0, &(&model, &later)).unwrap();
         close(measures.values()[0], expected);
     }
 }
@@ -165,7 +165,7 @@ fn front_speed(direction: f64, window: (f64, f64), level: f64, until: f64) -> Op
             let plateau = (behind / 0.2).clamp(0.0, 1.0);
             particles.pressure[i] = if behind > 1.5 { 0.0 } else { 100.0 * plateau };
         }
-        measures.sample(&model, t, &particles);
+        measures.sample(&model, t, &(&model, &particles)).unwrap();
         t += 0.05;
     }
     measures.values()[0]
@@ -201,7 +201,7 @@ fn period_and_reversal_of_a_swinging_body() {
                 particles.position[i][0] = 0.1 * i as f64 + 0.02 * phase.sin();
                 particles.velocity[i][0] = phase.cos();
             }
-            measures.sample(&model, t, &particles);
+            measures.sample(&model, t, &(&model, &particles)).unwrap();
         }
         let value = measures.values()[0].unwrap();
         assert!((value - expected).abs() < 2e-3, "{value} {expected}");
@@ -242,7 +242,7 @@ fn of_perforated(kind: impl Fn(Perforation) -> MeasureKind) -> Option<f64> {
     let (mut model, particles, perforation) = perforated();
     model.measures[0].kind = kind(perforation);
     let mut measures = Measures::new(&model);
-    measures.sample(&model, 0.0, &particles);
+    measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
     measures.values()[0]
 }
 

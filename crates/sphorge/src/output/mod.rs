@@ -27,14 +27,14 @@ pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use series::write_series;
 pub(crate) use sync::DiskSync;
 
-use crate::particles::Particles;
+use crate::engine::FieldSource;
 use std::path::Path;
 
 /// Writes a frame to a file.
 pub(crate) fn write_frame_file(
     path: &Path,
     header: &FrameHeader,
-    particles: &Particles,
+    particles: &dyn FieldSource,
     fields: &[String],
 ) -> Result<(), OutputError> {
     write_file(path, Durability::Process, |out| write_frame(out, header, particles, fields))

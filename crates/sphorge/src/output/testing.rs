@@ -1,7 +1,7 @@
 //! A small model for tests of output and analysis.
 
 use crate::model::{
-    Body, Dimensions, Lattice, Measure, MeasureKind, Model, Numerics, OutputControl, Search, Shape, Solid, TimeControl,
+    Body, Dimensions, Formulation, Lattice, Measure, MeasureKind, Model, Numerics, OutputControl, Search, Shape, Solid, TimeControl,
     Transform,
 };
 
@@ -47,6 +47,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             temperature: Default::default(),
         },
         audit: None,
+        formulation: Formulation::UpdatedLagrangian,
         search: Search::EveryStep,
         time: TimeControl {
             end: 1.0,

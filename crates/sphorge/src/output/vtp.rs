@@ -6,7 +6,8 @@
 //! carry what a reader needs beside the particles: `TimeValue` (s), `Step`, `Dimensions`, `BodySpacing` (m, one value a
 //! body).
 
-use crate::particles::{Column, ColumnKind, FieldInfo, Particles, find_field};
+use crate::engine::FieldSource;
+use crate::particles::{Column, ColumnKind, FieldInfo, find_field};
 use std::io::{self, Write};
 
 /// What a frame states beside its particles.
@@ -35,7 +36,7 @@ pub(super) fn component_names(kind: ColumnKind) -> &'static [&'static str] {
 /// Number of particles a file can hold: VTK's connectivity is written as `Int32`.
 const MAX_PARTICLES: usize = i32::MAX as usize;
 
-/// Writes a frame with the named fields. The position is written as the points, wherever it stands among `fields`.
+/// Writes a frame with the named fields, particles in the order they are read in. The position is written as the points, wherever it stands among `fields`.
 ///
 /// # Errors
 /// [`io::ErrorKind::InvalidInput`] for a name that is not in [`crate::particles::FIELDS`] or more than 2³¹ - 1 particles;
@@ -43,10 +44,10 @@ const MAX_PARTICLES: usize = i32::MAX as usize;
 pub fn write_frame(
     out: &mut dyn Write,
     header: &FrameHeader,
-    particles: &Particles,
+    particles: &dyn FieldSource,
     fields: &[String],
 ) -> io::Result<()> {
-    let count = particles.len();
+    let count = particles.count();
     if count > MAX_PARTICLES {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{count} particles do not fit a frame")));
     }
@@ -59,15 +60,18 @@ pub fn write_frame(
         }
     }
 
+    let read = |field: &str| particles.read(field).map_err(io::Error::other);
     write_header(out, header, count, &written)?;
-    write_block(out, 24 * count, particles.position.iter().flatten().map(|x| x.to_le_bytes()))?;
+    let Column::Vector(positions) = read("position")? else {
+        return Err(io::Error::other("positions are no vectors"));
+    };
+    write_block(out, 24 * count, positions.iter().flatten().map(|x| x.to_le_bytes()))?;
+    drop(positions);
     write_block(out, 4 * count, (0..count).map(|i| (i as i32).to_le_bytes()))?;
     write_block(out, 4 * count, (1..=count).map(|i| (i as i32).to_le_bytes()))?;
     for field in &written {
-        let column = particles
-            .column(field.name)
-            .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, format!("no column `{}`", field.name)))?;
-        write_column(out, &column)?;
+        // One field at a time: a copy of all would double the memory of a run.
+        write_column(out, &read(field.name)?)?;
     }
     out.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
 }

@@ -1,17 +1,16 @@
 //! The loop over time.
 
 use super::{
-    error::RunError,
+    error::{RunError, Trouble, failure_record},
     progress::{Observer, Pace, Progress, RunStart},
     record::Recorder,
     schedule::{Schedule, arrived},
-    stepper::Stepper,
 };
 use crate::{
     deck::Setup,
-    engine::{Simulation, StepReport},
+    engine::{EngineKind, FieldSource, Simulation, StepReport},
     model::TimeControl,
-    output::{Durability, EndReason, FailureRecord, OutputError, RunDirectory, Summary, write_file},
+    output::{Durability, EndReason, FailureRecord, RunDirectory, Summary, write_file},
 };
 use std::{
     path::PathBuf,
@@ -29,37 +28,27 @@ pub struct RunOptions {
     pub threads: Option<usize>,
 }
 
-/// Runs a deck from its start to its end time, a stop rule of the deck, or until `stop` becomes true, and writes
+/// Runs a deck on an engine from its start to its end time, a stop rule of the deck, or until `stop` becomes true, and writes
 /// everything a run writes.
 ///
 /// # Errors
 /// See [`RunError`]. A stop by the user is no error: the summary says so.
 pub fn execute(
     setup: Setup,
+    kind: &dyn EngineKind,
     options: &RunOptions,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Summary, RunError> {
-    let Setup { model, particles, deck_text } = setup;
-    drive(&deck_text, options, stop, observer, || Simulation::new(model, particles))
-}
-
-/// Runs what `engine` builds, which is called inside the pool of threads that the run uses.
-pub(super) fn drive<S: Stepper>(
-    deck_text: &str,
-    options: &RunOptions,
-    stop: &AtomicBool,
-    observer: &mut dyn Observer,
-    engine: impl FnOnce() -> S + Send,
-) -> Result<Summary, RunError> {
+    kind.supports(&setup.model).map_err(|unsupported| RunError::Unsupported { engine: kind.name(), unsupported })?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|source| RunError::Threads { threads: options.threads, source })?;
     let directory = RunDirectory::create(&options.directory, options.overwrite).map_err(RunError::Directory)?;
-    let deck = directory.deck();
-    write_file(&deck, Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(RunError::Directory)?;
-    pool.install(|| run(directory, stop, observer, engine))
+    let (deck, text) = (directory.deck(), &setup.deck_text);
+    write_file(&deck, Durability::Disk, |out| out.write_all(text.as_bytes())).map_err(RunError::Directory)?;
+    pool.install(|| run(directory, setup, kind, stop, observer))
 }
 
 /// What ends the loop.
@@ -68,25 +57,32 @@ enum Ending {
     Failed(Box<FailureRecord>),
 }
 
-fn run<S: Stepper>(
+fn run(
     directory: RunDirectory,
+    setup: Setup,
+    kind: &dyn EngineKind,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
-    engine: impl FnOnce() -> S,
 ) -> Result<Summary, RunError> {
     let mut pace = Pace::new();
     let path = directory.path().to_owned();
-    let mut engine = engine();
+    let mut engine = Simulation::start(kind, setup.model, setup.particles)
+        .map_err(|failure| RunError::Start { engine: kind.name(), failure })?;
     observer.started(&RunStart {
         directory: path.clone(),
         title: engine.model().title.clone(),
-        particles: engine.particles().len(),
+        particles: engine.count(),
         threads: rayon::current_num_threads(),
         end: engine.model().time.end,
     });
     let mut recorder = Recorder::new(directory, engine.model()).map_err(|source| RunError::Output { source })?;
 
-    match steps(&mut engine, &mut recorder, stop, observer, &mut pace) {
+    let ended = match steps(&mut engine, &mut recorder, stop, observer, &mut pace) {
+        Err(Trouble::Engine(failure)) => Ok(Ending::Failed(failure_record(engine.model(), *failure))),
+        Err(Trouble::Output(source)) => Err(source),
+        Ok(reason) => Ok(Ending::Reached(reason)),
+    };
+    match ended {
         Ok(Ending::Reached(reason)) => {
             let (summary, written) =
                 recorder.summary(&engine, reason, None, pace.seconds(), observer.peak_memory_bytes());
@@ -119,17 +115,15 @@ fn run<S: Stepper>(
     }
 }
 
-fn steps<S: Stepper>(
-    engine: &mut S,
+fn steps(
+    engine: &mut Simulation,
     recorder: &mut Recorder,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
     pace: &mut Pace,
-) -> Result<Ending, OutputError> {
-    match engine.prepare() {
-        Ok((dt, reason)) => recorder.prepared(dt, reason),
-        Err(failure) => return Ok(Ending::Failed(failure)),
-    }
+) -> Result<EndReason, Trouble> {
+    let (dt, reason) = engine.next_step_estimate()?;
+    recorder.prepared(dt, reason);
     let initial_kinetic = recorder.row(engine)?;
     let mut kinetic = initial_kinetic;
     observer.frame_written(recorder.frame(engine)?, engine.time());
@@ -143,10 +137,7 @@ fn steps<S: Stepper>(
             break reason;
         }
         // Steps end at frames. Rows come after the first step that has passed them, so that asking for more changes nothing.
-        let report = match engine.step(frames.next()) {
-            Ok(report) => report,
-            Err(failure) => return Ok(Ending::Failed(failure)),
-        };
+        let report = engine.step(Some(frames.next()))?;
         recorder.stepped(&report);
         if rows.reached(report.time) {
             kinetic = recorder.row(engine)?;
@@ -169,12 +160,12 @@ fn steps<S: Stepper>(
     if let Some(report) = last_report {
         progress(&time, engine, recorder, &report, observer, pace, true);
     }
-    Ok(Ending::Reached(reason))
+    Ok(reason)
 }
 
 fn end_reason(
     time: &TimeControl,
-    engine: &impl Stepper,
+    engine: &Simulation,
     kinetic: f64,
     initial_kinetic: f64,
     stop: &AtomicBool,
@@ -194,7 +185,7 @@ fn end_reason(
 
 fn progress(
     time: &TimeControl,
-    engine: &impl Stepper,
+    engine: &Simulation,
     recorder: &Recorder,
     report: &StepReport,
     observer: &mut dyn Observer,
@@ -212,7 +203,7 @@ fn progress(
             step: report.step,
             dt: report.dt,
             reason: report.reason,
-            particle_steps_per_second: steps_per_second * engine.particles().len() as f64,
+            particle_steps_per_second: steps_per_second * engine.count() as f64,
             seconds: pace.seconds(),
             seconds_left,
             frames: recorder.frames(),

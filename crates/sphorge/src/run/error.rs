@@ -1,6 +1,10 @@
 //! How a run can fail.
 
-use crate::output::{FailureRecord, OutputError, Summary};
+use crate::{
+    engine::{RunFailure, Unsupported},
+    model::Model,
+    output::{FailureRecord, OutputError, Summary},
+};
 use std::path::PathBuf;
 
 /// Why [`super::execute`] did not return a summary.
@@ -18,6 +22,24 @@ pub enum RunError {
         threads: Option<usize>,
         /// What the thread pool said.
         source: rayon::ThreadPoolBuildError,
+    },
+    /// The engine does not run such a model; nothing was written or computed.
+    #[error("the engine `{engine}` does not run this deck: {unsupported}")]
+    #[diagnostic(code(sphorge::run::engine), help("{}", unsupported.help))]
+    Unsupported {
+        /// Name of the engine.
+        engine: &'static str,
+        /// What it cannot do.
+        unsupported: Unsupported,
+    },
+    /// The engine did not start; nothing was computed.
+    #[error("the engine `{engine}` did not start: {failure}")]
+    #[diagnostic(code(sphorge::run::engine))]
+    Start {
+        /// Name of the engine.
+        engine: &'static str,
+        /// Why.
+        failure: RunFailure,
     },
     /// The solution broke down. All frames and rows up to then are on the disk, `summary.json` says `failed`.
     #[error("the run failed in {failure}")]
@@ -48,8 +70,44 @@ impl RunError {
     /// Exit code for a program: 2 if nothing was begun, 1 if a run was under way.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Directory(_) | Self::Threads { .. } => 2,
-            Self::Failed { .. } | Self::Output { .. } => 1,
+            Self::Directory(_) | Self::Threads { .. } | Self::Unsupported { .. } => 2,
+            Self::Start { .. } | Self::Failed { .. } | Self::Output { .. } => 1,
         }
     }
+}
+
+/// What ends the loop over time before its end.
+#[derive(Debug)]
+pub(super) enum Trouble {
+    /// The solution broke down, or the engine is lost.
+    Engine(Box<RunFailure>),
+    /// Files cannot be written.
+    Output(OutputError),
+}
+
+impl From<RunFailure> for Trouble {
+    fn from(failure: RunFailure) -> Self {
+        Self::Engine(Box::new(failure))
+    }
+}
+
+impl From<OutputError> for Trouble {
+    fn from(error: OutputError) -> Self {
+        Self::Output(error)
+    }
+}
+
+/// A failure with names for numbers.
+pub(super) fn failure_record(model: &Model, failure: RunFailure) -> Box<FailureRecord> {
+    let body = failure.body.and_then(|body| model.bodies.get(body as usize));
+    Box::new(FailureRecord {
+        message: failure.message,
+        step: failure.step,
+        time: failure.time,
+        field: Some(failure.field.to_owned()),
+        particle: failure.particle,
+        body: body.map(|body| body.name.clone()),
+        // JSON has no words for what is not finite.
+        position: failure.position.filter(|position| position.iter().all(|x| x.is_finite())),
+    })
 }

@@ -17,7 +17,6 @@ mod error;
 mod progress;
 mod record;
 mod schedule;
-mod stepper;
 
 pub use drive::{RunOptions, execute};
 pub use error::RunError;

@@ -1,8 +1,8 @@
 //! Writes frames, rows and the summary of a run under way.
 
-use super::{conservation::Conservation, stepper::Stepper};
+use super::{conservation::Conservation, error::Trouble};
 use crate::{
-    engine::{Audit, Energies, LimitReason, StepReport},
+    engine::{Audit, Energies, FieldSource, LimitReason, Simulation, StepReport},
     measures::Measures,
     model::{Model, Precision},
     observed::Observed,
@@ -100,12 +100,12 @@ impl Recorder {
     }
 
     /// Writes a row and returns the kinetic energy.
-    pub(super) fn row(&mut self, engine: &impl Stepper) -> Result<f64, OutputError> {
+    pub(super) fn row(&mut self, engine: &Simulation) -> Result<f64, Trouble> {
         let start = Instant::now();
-        let ledger = engine.ledger();
+        let ledger = engine.ledger()?;
         let drift = self.conservation.sample(&ledger);
-        self.measures.sample(engine.model(), engine.time(), engine.particles());
-        self.observed.sample(engine.model(), engine.particles());
+        self.measures.sample(engine.model(), engine.time(), engine)?;
+        self.observed.sample(engine.model(), engine)?;
         let since = self.steps.count - self.steps_at_last_row.count;
         let searched = self.steps.searched - self.steps_at_last_row.searched;
         let sample = HistorySample {
@@ -134,7 +134,7 @@ impl Recorder {
     }
 
     /// Writes a frame, then the list of frames, then the rows so far.
-    pub(super) fn frame(&mut self, engine: &impl Stepper) -> Result<usize, OutputError> {
+    pub(super) fn frame(&mut self, engine: &Simulation) -> Result<usize, OutputError> {
         let start = Instant::now();
         let model = engine.model();
         let index = self.frames.len();
@@ -146,7 +146,7 @@ impl Recorder {
         };
         let file = RunDirectory::frame_name(index);
         let path = self.directory.path().join(&file);
-        write_frame_file(&path, &header, engine.particles(), &model.output.fields)?;
+        write_frame_file(&path, &header, engine, &model.output.fields)?;
         self.frames.push(SeriesEntry { time: engine.time(), file });
         write_series(&self.directory.series(), &self.frames)?;
         self.history.flush()?;
@@ -180,7 +180,7 @@ impl Recorder {
     /// Writes the summary.
     pub(super) fn summary(
         &self,
-        engine: &impl Stepper,
+        engine: &Simulation,
         end_reason: EndReason,
         failure: Option<Box<FailureRecord>>,
         seconds: f64,
@@ -203,19 +203,19 @@ impl Recorder {
             title: model.title.clone(),
             deck: model.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            particles: engine.particles().len() as u64,
+            particles: engine.count() as u64,
             steps,
             simulated_time: engine.time(),
             wall_seconds: seconds,
             threads: rayon::current_num_threads(),
-            engine: "cpu".to_owned(),
+            engine: engine.engine_name().to_owned(),
             precision: match model.numerics.precision {
                 Precision::Mixed => "mixed".to_owned(),
                 Precision::Double => "double".to_owned(),
             },
             stage_seconds: stage_seconds.into(),
             mean_neighbors: engine.mean_neighbors(),
-            particle_steps_per_second: per_second(engine.particles().len() as f64 * steps as f64),
+            particle_steps_per_second: per_second(engine.count() as f64 * steps as f64),
             pairs_per_second: per_second(self.steps.pairs),
             searched_fraction: if steps > 0 { self.steps.searched / steps as f64 } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes.unwrap_or(self.engine_bytes),

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     deck, decks,
+    engine::ENGINES,
     output::{HistoryTable, RunDirectory, Status},
     run::{RunError, RunOptions, execute},
 };
@@ -52,7 +53,7 @@ fn run_variant(
     };
     let spacing = setup.model.spacing;
     let run_options = RunOptions { directory: directory.clone(), overwrite: true, threads: options.threads };
-    let outcome = match execute(setup, &run_options, stop, watcher) {
+    let outcome = match execute(setup, ENGINES[0], &run_options, stop, watcher) {
         Ok(summary) if summary.status == Status::Stopped => {
             return Err(ValidateError::Stopped { directory: options.directory.clone() });
         }
