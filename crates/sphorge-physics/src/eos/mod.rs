@@ -199,7 +199,7 @@ macro_rules! equations_of_state {
                 match self { $(Self::$law(law) => isentropic_energy(law, density),)* }
             }
 
-            /// The same law in another precision, or with every constant in all lanes of a bundle.
+            /// The same law in another precision, or with every constant in all lanes of a SIMD vector.
             #[inline(always)]
             pub fn cast<U: Real>(&self) -> EquationOfState<U> {
                 match self { $(Self::$law(law) => EquationOfState::$law(law.cast()),)* }
