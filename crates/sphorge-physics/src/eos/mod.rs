@@ -42,7 +42,7 @@ impl<T: Real> PressureState<T> {
     }
 
     /// Of a law that needs more than the arithmetic of lanes, such as a table or an exponential: `state` is asked for one density
-    /// and energy after the other.
+    /// and energy after the other. It must bear any: lanes without a particle hold what they happen to, NaN among it.
     #[inline(always)]
     pub fn lane_by_lane(density: T, energy: T, state: impl Fn(f64, f64) -> PressureState<f64>) -> Self {
         let [pressure, sound_speed] = T::lane_by_lane(density, energy, |density, energy| {
