@@ -72,6 +72,12 @@ impl From<PhysicalQuantity> for QuantityKind {
             PhysicalQuantity::Conductivity => Self::CONDUCTIVITY,
             PhysicalQuantity::StrainRate => Self::RATE,
             PhysicalQuantity::SpecificEnergy => Self::SPECIFIC_ENERGY,
+            PhysicalQuantity::Unit(si_unit) => Self {
+                name: "quantity",
+                si_unit,
+                dimension: parse_unit(si_unit).map_or(Self::NUMBER.dimension, |unit| unit.dimension),
+                examples: "a number and a unit",
+            },
         }
     }
 }
@@ -227,6 +233,26 @@ mod tests {
         assert_eq!(error.message, "expected a velocity (m/s), found a length in `mm`");
         assert_eq!(error.at, 4..6);
         assert!(error.help.unwrap().contains("200 m/s"));
+    }
+
+    #[test]
+    fn a_law_may_ask_for_any_unit() {
+        let kind = QuantityKind::from(PhysicalQuantity::Unit("1/Pa"));
+        assert!((parse_quantity("20 /GPa", kind).unwrap() / 2e-8 - 1.0).abs() < 1e-15);
+        let error = parse_quantity("20 GPa", kind).unwrap_err();
+        assert_eq!(error.message, "expected a quantity (1/Pa), found a stress in `GPa`");
+        let kind = QuantityKind::from(PhysicalQuantity::Unit("Pa/K"));
+        assert_eq!(parse_quantity("-23 MPa/K", kind).unwrap(), -23e6);
+    }
+
+    #[test]
+    fn every_constant_of_a_law_has_a_unit_that_can_be_read() {
+        use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS};
+        let flow = FLOW_LAWS.iter().flat_map(|law| law.parameters);
+        for parameter in flow.chain(EQUATIONS_OF_STATE.iter().flat_map(|law| law.parameters)) {
+            let unit = parameter.quantity.si_unit();
+            assert!(unit.is_empty() || parse_unit(unit).is_ok(), "{}: {unit}", parameter.key);
+        }
     }
 
     #[test]

@@ -44,26 +44,7 @@ pub enum PairForm {
     Mixed,
 }
 
-impl PairForm {
-    /// Every form.
-    pub const ALL: &'static [Self] = &[Self::VolumeWeighted, Self::DensityWeighted, Self::Mixed];
-
-    /// Name in a deck.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::VolumeWeighted => "volume-weighted",
-            Self::DensityWeighted => "density-weighted",
-            Self::Mixed => "mixed",
-        }
-    }
-
-    /// The form of that name in a deck.
-    pub fn from_key(key: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|form| form.key() == key)
-    }
-}
-
-/// `w_j`, kg m^d/kg = m^d or kg: the weight of a neighbour of that mass (kg) and density (kg/m^3) in the velocity gradient.
+/// `w_j`, m^d or kg: the weight of a neighbour of that mass (kg) and density (kg/m^3) in the velocity gradient.
 #[inline(always)]
 pub fn gradient_weight<T: Real>(form: PairForm, mass: T, density: T) -> T {
     match form {
@@ -136,7 +117,7 @@ mod tests {
     use super::*;
     use crate::kernel::{Kernel, PairScale};
     use crate::tensor::dot;
-    use crate::test_cloud::{Cloud, DIMENSIONS, Noise};
+    use crate::test_cloud::{Cloud, DIMENSIONS, FORMS, Noise};
     use crate::{Dimension, SymmetricTensor, Vector};
 
     /// Sums over a cloud with noise for all its fields.
@@ -213,7 +194,7 @@ mod tests {
     fn adjoint_forms_do_exactly_the_work_of_the_stress() {
         for dimension in DIMENSIONS {
             let cloud = Cloud::few(dimension);
-            for &form in PairForm::ALL {
+            for form in FORMS {
                 let sums = totals(form, EnergySplit::OwnStress, 0.0, &cloud);
                 let gap = (sums.force_power + sums.stress_power).abs() / sums.stress_power.abs();
                 match form {
@@ -230,7 +211,7 @@ mod tests {
     fn energy_gains_what_forces_do_whatever_the_form_and_the_split() {
         for dimension in DIMENSIONS {
             let cloud = Cloud::few(dimension);
-            for (&form, split) in PairForm::ALL.iter().flat_map(|form| SPLITS.map(|split| (form, split))) {
+            for (form, split) in FORMS.into_iter().flat_map(|form| SPLITS.map(|split| (form, split))) {
                 for artificial in [0.0, 2.0] {
                     let sums = totals(form, split, artificial, &cloud);
                     let gap = (sums.force_power + sums.energy_rate).abs() / sums.energy_rate.abs();
@@ -243,7 +224,7 @@ mod tests {
     #[test]
     fn linear_momentum_is_conserved_by_every_form() {
         for dimension in DIMENSIONS {
-            for &form in PairForm::ALL {
+            for form in FORMS {
                 let sums = totals(form, EnergySplit::OwnStress, 2.0, &Cloud::few(dimension));
                 let size = 1.0 + sums.stress_power.abs();
                 assert!(dot(sums.force, sums.force).sqrt() < 1e-13 * size, "{form:?} {dimension:?}: {:?}", sums.force);
@@ -270,8 +251,5 @@ mod tests {
         }
         assert_eq!(scaled_pressure(VolumeWeighted, 3.0, 2.0, 4.0), 24.0);
         assert_eq!((mean(2.0, 5.0), inverse_density_mean(2.0, 6.0)), (3.5, 0.25));
-        for &form in PairForm::ALL {
-            assert_eq!(PairForm::from_key(form.key()), Some(form));
-        }
     }
 }

@@ -23,6 +23,8 @@ pub enum PhysicalQuantity {
     StrainRate,
     /// Energy per mass.
     SpecificEnergy,
+    /// What this SI unit measures, such as `1/Pa`.
+    Unit(&'static str),
 }
 
 impl PhysicalQuantity {
@@ -38,6 +40,7 @@ impl PhysicalQuantity {
             Self::Conductivity => "W/(m K)",
             Self::StrainRate => "1/s",
             Self::SpecificEnergy => "J/kg",
+            Self::Unit(unit) => unit,
         }
     }
 }

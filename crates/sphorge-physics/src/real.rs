@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// Arithmetic shared by one number and by a bundle of SIMD lanes: no comparison, choices are made by [`Real::select_lt`].
+/// Arithmetic shared by one number and by a SIMD vector: no comparison, choices are made by [`Real::select_lt`].
 pub trait Real:
     Copy
     + Debug
@@ -24,7 +24,7 @@ pub trait Real:
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Inverse of the square root, to a few units of round-off, for normal positive numbers; at zero a bundle may give
+    /// Inverse of the square root, to a few units of round-off, for normal positive numbers; at zero a SIMD vector may give
     /// anything.
     #[inline(always)]
     fn inverse_sqrt(self) -> Self {

@@ -1,8 +1,11 @@
 //! Small irregular particle clouds for the tests of pair sums.
 
-use crate::kernel::{CubicSpline, KernelShape};
+use crate::kernel::Kernel;
+use crate::pair::PairForm;
 use crate::tensor::dot;
 use crate::{Dimension, Vector};
+
+pub(crate) const FORMS: [PairForm; 3] = [PairForm::VolumeWeighted, PairForm::DensityWeighted, PairForm::Mixed];
 
 pub(crate) const DIMENSIONS: [Dimension; 3] = [Dimension::One, Dimension::Two, Dimension::Three];
 
@@ -67,19 +70,18 @@ impl Cloud {
         core::array::from_fn(|a| self.x[i][a] - self.x[j][a])
     }
 
-    fn q(&self, i: usize, j: usize) -> f64 {
+    fn r(&self, i: usize, j: usize) -> f64 {
         let x_ij = self.x_ij(i, j);
-        dot(x_ij, x_ij).sqrt() / self.h
+        dot(x_ij, x_ij).sqrt()
     }
 
     pub(crate) fn w(&self, i: usize, j: usize) -> f64 {
-        let scale = CubicSpline::normalisation(self.dimension) / self.h.powi(self.dimension.count() as i32);
-        scale * CubicSpline::w(self.q(i, j))
+        Kernel::CubicSpline.value(self.dimension, self.r(i, j), self.h)
     }
 
     /// `grad_i W_ij`.
     pub(crate) fn grad_w(&self, i: usize, j: usize) -> Vector<f64> {
-        let scale = CubicSpline::normalisation(self.dimension) / self.h.powi(self.dimension.count() as i32 + 2);
-        self.x_ij(i, j).map(|x| scale * CubicSpline::dw_over_q(self.q(i, j)) * x)
+        let slope = Kernel::CubicSpline.slope(self.dimension, self.r(i, j), self.h);
+        self.x_ij(i, j).map(|x| -slope * x)
     }
 }

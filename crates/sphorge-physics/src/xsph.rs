@@ -29,11 +29,12 @@ pub fn add_xsph<T: Real, const D: usize>(smoothing: &mut Vector<T>, v_ij: &Vecto
 mod tests {
     use super::*;
     use crate::pair::{inverse_density_mean, momentum_weight};
+    use crate::test_cloud::FORMS;
 
     #[test]
     fn the_weight_is_that_of_the_mass_in_every_form() {
         // m_j W/rho_ij: 3 0.5/6, 0.7 9/3.5.
-        for &form in PairForm::ALL {
+        for form in FORMS {
             for (mass, rho_i, rho_j, w, want) in [(3.0, 4.0, 8.0, 0.5, 0.25), (0.7, 2.0, 5.0, 9.0, 1.8f64)] {
                 let weighted_w = w * momentum_weight(form, mass, rho_j);
                 let got = xsph_weight(form, weighted_w, inverse_density_mean(rho_i, rho_j), rho_j);

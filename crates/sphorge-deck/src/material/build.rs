@@ -99,7 +99,11 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         let known = |key: &str| if key == "density" { density.or(Some(1.0)) } else { derived(key) };
         values(state_entry, "equation-of-state", state, &known, &mut missing)
     };
-    let equation_of_state = state_values.filter(|_| density.is_some()).map(|v| (state_entry.build)(&v));
+    let state_values = state_values.filter(|_| density.is_some());
+    if let Some(message) = state_values.as_ref().and_then(|v| (state_entry.check)(v)) {
+        return inconsistent(format!("{}: {message}", state_entry.key));
+    }
+    let equation_of_state = state_values.map(|v| (state_entry.build)(&v));
 
     // With one elastic constant given, the bulk modulus of the pressure law is the second.
     let elastic = elastic.or_else(|| with_bulk_modulus(constants.elastic, equation_of_state.as_ref(), density));

@@ -42,7 +42,7 @@ impl<T: Real> PressureState<T> {
     }
 
     /// Of a law that needs more than the arithmetic of lanes, such as a table or an exponential: `state` is asked for one density
-    /// and energy after the other.
+    /// and energy after the other. It must bear any: lanes without a particle hold what they happen to, NaN among it.
     #[inline(always)]
     pub fn lane_by_lane(density: T, energy: T, state: impl Fn(f64, f64) -> PressureState<f64>) -> Self {
         let [pressure, sound_speed] = T::lane_by_lane(density, energy, |density, energy| {
@@ -219,7 +219,7 @@ macro_rules! equations_of_state {
                 match self { $(Self::$law(law) => law.cold_energy(density, reference_temperature, specific_heat),)* }
             }
 
-            /// The same law in another precision, or with every constant in all lanes of a bundle.
+            /// The same law in another precision, or with every constant in all lanes of a SIMD vector.
             #[inline(always)]
             pub fn cast<U: Real>(&self) -> EquationOfState<U> {
                 match self { $(Self::$law(law) => EquationOfState::$law(law.cast()),)* }

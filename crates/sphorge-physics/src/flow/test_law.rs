@@ -43,7 +43,7 @@ impl<T: Scalar> YieldLaw<T> for PressureAndDamage<T> {
         YIELD_STRESS,
         Parameter::required("H", "H", PhysicalQuantity::Pressure, Bound::NonNegative, "hardening"),
         Parameter::required("k", "k", PhysicalQuantity::Dimensionless, Bound::NonNegative, "friction"),
-        Parameter::required("A", "A", PhysicalQuantity::Dimensionless, Bound::NonNegative, "stiffening"),
+        Parameter::required("A", "A", PhysicalQuantity::Unit("1/Pa"), Bound::NonNegative, "stiffening"),
         Parameter::required("W", "W", PhysicalQuantity::Pressure, Bound::Positive, "work to failure"),
     ];
     const HAS_SHEAR: bool = true;

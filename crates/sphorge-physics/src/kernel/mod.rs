@@ -116,11 +116,6 @@ kernels! {
 }
 
 impl Kernel {
-    /// The kernel of that name in a deck.
-    pub fn from_key(key: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|kernel| kernel.key() == key)
-    }
-
     /// `W`, m^-d, at a distance `r` (m) with the smoothing length `h` (m).
     #[inline(always)]
     pub fn value<T: Real>(self, dimension: Dimension, r: T, h: T) -> T {
@@ -215,14 +210,5 @@ mod tests {
                 assert!((by - kernel.dw_over_q(q)).abs() <= 1e-14 * scale, "{q}: {by}");
             }
         }
-    }
-
-    #[test]
-    fn keys_are_found_again() {
-        for &kernel in Kernel::ALL {
-            assert_eq!(Kernel::from_key(kernel.key()), Some(kernel));
-        }
-        assert_eq!(Kernel::from_key("gaussian"), None);
-        assert_eq!(Kernel::default(), Kernel::CubicSpline);
     }
 }
