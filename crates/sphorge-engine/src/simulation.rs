@@ -2,7 +2,7 @@
 
 use crate::engine::{Engine, EngineKind, TimeStepLimit};
 use crate::model::Model;
-use crate::particles::{Column, FIELDS, Particles};
+use crate::particles::{Column, FIELDS, History, Particles};
 use crate::persist::{Archive, ArchiveError, Persist};
 use crate::reduction::{FieldSource, ParticleSource, Reduction};
 use crate::step::advance;
@@ -130,7 +130,7 @@ impl Simulation {
     /// The engine is lost.
     pub fn particles(&self) -> Result<Particles, RunFailure> {
         let mut particles = Particles::new(self.count());
-        particles.add_histories(&self.model);
+        particles.history = History::new(&self.model, particles.len());
         for field in FIELDS.iter() {
             particles.set_column(field.name, &self.engine.read(field.name)?);
         }

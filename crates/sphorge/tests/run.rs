@@ -2,6 +2,7 @@
 
 use sphorge::{
     deck::load_text,
+    engine::ENGINES,
     output::{FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series},
     plot::{FieldPicture, plot_field, plot_run},
     run::{RunError, RunOptions, Silent, execute},
@@ -37,7 +38,7 @@ extent = { body = "bar", axis = "y" }
 fn run(folder: &Path, threads: usize) -> Result<(RunDirectory, Summary), RunError> {
     let setup = load_text("plate", DECK, &[]).expect("the deck is right");
     let options = RunOptions { directory: folder.join(threads.to_string()), overwrite: false, threads: Some(threads) };
-    let summary = execute(setup, &options, &AtomicBool::new(false), &mut Silent)?;
+    let summary = execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent)?;
     Ok((RunDirectory::open(&options.directory).expect("the folder is there"), summary))
 }
 

@@ -136,7 +136,10 @@ fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Optio
 }
 
 /// Neighbour search strategy and formulation.
-pub(crate) fn search(raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>, problems: &mut Problems) -> Option<Strategy> {
+pub(crate) fn search(
+    raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>,
+    problems: &mut Problems,
+) -> Option<Strategy> {
     match raw {
         None => Some(Strategy::updated(defaults::SKIN)),
         Some(ScalarOr::Scalar(word)) => word.get(problems),

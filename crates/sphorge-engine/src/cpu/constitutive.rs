@@ -20,10 +20,15 @@ struct FlowColumns<'a> {
     yield_stress: &'a mut [f64],
     plastic_work: &'a mut [f64],
     temperature: &'a mut [f64],
+    /// History variables, particle by particle.
+    history: &'a mut [f64],
 }
 
 /// Chunks of the columns of a [`FlowColumns`], in its order.
-type FlowChunks<'a> = (&'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64]);
+type FlowChunks<'a> = (&'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut Vec<f64>);
+
+/// History variables a law can have.
+const MOST_HISTORY: usize = 16;
 
 /// What a step of the stress is the same in for all particles.
 #[derive(Clone, Copy)]
@@ -35,12 +40,16 @@ struct StressStep<'a> {
     instructions: Instructions,
     /// Whether plastic strain and heat are those of the end of the step, else only the stress is.
     commit: bool,
+    /// For each material the places of its law's history variables among those of a particle.
+    slots: &'a [Vec<usize>],
+    /// History variables of a particle.
+    history_width: usize,
 }
 
 impl<'a> FlowColumns<'a> {
     fn new(chunks: FlowChunks<'a>) -> Self {
-        let (plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature) = chunks;
-        Self { plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature }
+        let (plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature, history) = chunks;
+        Self { plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature, history }
     }
 
     /// Takes stress through a step; `columns` know density and energy after it.
@@ -54,8 +63,15 @@ impl<'a> FlowColumns<'a> {
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            // No law of the table has a history yet, so there are no columns of it.
-            self.return_to_yield(k, step, columns, particles, &mut []);
+            let slots = &step.slots[particles.material[k] as usize];
+            let (mut values, first) = ([0.0; MOST_HISTORY], k * step.history_width);
+            for (value, slot) in values.iter_mut().zip(slots) {
+                *value = self.history[first + slot];
+            }
+            self.return_to_yield(k, step, columns, particles, &mut values[..slots.len()]);
+            for (value, slot) in values.iter().zip(slots) {
+                self.history[first + slot] = *value;
+            }
         }
     }
 
@@ -167,13 +183,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let commit = numerics.integrator == Integrator::Leapfrog;
         let half = 0.5 * self.step.dt;
         let model: &Model = &self.model;
-        let step = StressStep {
-            materials: &model.materials,
-            temperature: numerics.temperature,
-            only_flow_heats: self.only_flow_heats(),
-            instructions: self.instructions,
-            commit,
-        };
+        let only_flow_heats = self.only_flow_heats();
+        let instructions = self.instructions;
         let dt = self.step.dt_to_evaluation(numerics.integrator);
         let corrected = self.corrected();
         let formulation = self.formulation;
@@ -203,8 +214,19 @@ impl<T: PairScalar> CpuEngine<T> {
             temperature,
             pressure,
             sound_speed,
+            history,
             ..
         } = &mut self.particles;
+        let (history, slots, history_width) = history.parts();
+        let step = StressStep {
+            materials: &model.materials,
+            temperature: numerics.temperature,
+            only_flow_heats,
+            instructions,
+            commit,
+            slots,
+            history_width,
+        };
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
         let evaluated_velocity = &*evaluated_velocity;
@@ -222,6 +244,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 yield_stress.par_chunks_mut(BLOCK),
                 plastic_work.par_chunks_mut(BLOCK),
                 temperature.par_chunks_mut(BLOCK),
+                history.par_iter_mut(),
             )
                 .into_par_iter(),
             pressure.par_chunks_mut(BLOCK),
@@ -320,13 +343,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Takes the stress through the whole step with the gradient of mid-step, for good.
     pub(super) fn commit_stress(&mut self) {
         let model: &Model = &self.model;
-        let step = StressStep {
-            materials: &model.materials,
-            temperature: model.numerics.temperature,
-            only_flow_heats: self.only_flow_heats(),
-            instructions: self.instructions,
-            commit: true,
-        };
+        let only_flow_heats = self.only_flow_heats();
         let dt = self.step.dt;
         let Particles {
             material,
@@ -342,8 +359,19 @@ impl<T: PairScalar> CpuEngine<T> {
             temperature,
             pressure,
             sound_speed,
+            history,
             ..
         } = &mut self.particles;
+        let (history, slots, history_width) = history.parts();
+        let step = StressStep {
+            materials: &model.materials,
+            temperature: model.numerics.temperature,
+            only_flow_heats,
+            instructions: self.instructions,
+            commit: true,
+            slots,
+            history_width,
+        };
         let (material, energy, velocity_gradient) = (&*material, &*energy, &*velocity_gradient);
         let base_density = &*base_density;
         (
@@ -354,6 +382,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 yield_stress.par_chunks_mut(BLOCK),
                 plastic_work.par_chunks_mut(BLOCK),
                 temperature.par_chunks_mut(BLOCK),
+                history.par_iter_mut(),
             )
                 .into_par_iter(),
             pressure.par_chunks_mut(BLOCK),

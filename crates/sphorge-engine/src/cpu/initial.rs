@@ -3,7 +3,7 @@
 use super::conduction::hold;
 use super::integrate::Motions;
 use crate::model::{BodyContact, Formulation, Integrator, Model, Search, TemperatureSource};
-use crate::particles::{Owner, Particles};
+use crate::particles::{History, Owner, Particles};
 
 /// Completes the state of particles that have position, velocity, density and temperature.
 pub(super) fn state(model: &Model, particles: &mut Particles) {
@@ -42,5 +42,5 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
     if matches!(model.search, Search::Adaptive(_)) {
         particles.origin.clone_from(&particles.position);
     }
-    particles.add_histories(model);
+    particles.history = History::new(model, particles.len());
 }

@@ -9,6 +9,6 @@ mod value;
 
 pub use column::{Column, ColumnKind};
 pub use fields::{FIELDS, FieldInfo, find_field};
-pub use history::HistoryColumn;
+pub use history::History;
 pub use permutation::Permutation;
 pub use table::{Access, COLUMNS, Check, ColumnInfo, Owner, Particles};

@@ -4,7 +4,7 @@
 //! the laws themselves declare ([`sphorge_physics::history::HistoryVariable`]).
 
 use super::value::Value;
-use super::{Column, HistoryColumn, Permutation};
+use super::{Column, History, Permutation};
 use crate::halo::{FieldSet, Halo, Mirror};
 use crate::persist::{Archive, ArchiveError, Persist};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
@@ -83,7 +83,7 @@ macro_rules! columns {
         pub struct Particles {
             $( #[doc = concat!($meaning, "; unit: ", $unit, ".")] $visibility $name: Vec<$type>, )+
             /// History variables of the material laws in use.
-            pub history: Vec<HistoryColumn>,
+            pub(crate) history: History,
         }
 
         /// The rows of the table, without the histories of laws.
@@ -128,20 +128,19 @@ macro_rules! columns {
             /// Moves every column the same way; see [`Permutation`].
             pub fn reorder(&mut self, permutation: &Permutation) {
                 $( permutation.apply(&mut self.$name); )+
-                self.history.iter_mut().for_each(|column| permutation.apply(&mut column.values));
+                self.history.reorder(permutation);
             }
 
             /// Bytes held.
             pub fn bytes(&self) -> usize {
-                let history: usize = self.history.iter().map(|column| 8 * column.values.capacity()).sum();
-                history $( + size_of::<$type>() * self.$name.capacity() )+
+                self.history.bytes() $( + size_of::<$type>() * self.$name.capacity() )+
             }
 
             /// A stored column by its name; `None` for an unknown one.
             pub(crate) fn stored(&self, name: &str) -> Option<Column<'_>> {
                 match name {
                     $( stringify!($name) => Some(Value::borrowed(self.$name.as_slice())), )+
-                    _ => self.history.iter().find(|column| column.variable.name == name).map(|c| Value::borrowed(&c.values)),
+                    _ => self.history.column(name).map(|values| Column::Scalar(std::borrow::Cow::Owned(values))),
                 }
             }
 
@@ -150,8 +149,8 @@ macro_rules! columns {
                 match name {
                     $( stringify!($name) => Value::copy_from(values, &mut self.$name), )+
                     _ => {
-                        if let Some(column) = self.history.iter_mut().find(|column| column.variable.name == name) {
-                            Value::copy_from(values, &mut column.values);
+                        if let Column::Scalar(values) = values {
+                            self.history.set_column(name, values);
                         }
                     }
                 }
@@ -174,17 +173,14 @@ macro_rules! columns {
                     Check::Positive if self.$name[i].is_above_zero() => {}
                     Check::Finite | Check::Positive => return Some(stringify!($name)),
                 } )+
-                let wrong = |column: &&HistoryColumn| !column.is_valid(i);
-                self.history.iter().find(wrong).map(|column| column.variable.name)
+                self.history.first_fault(i)
             }
         }
 
         impl Persist for Particles {
             fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
                 $( self.$name.persist(&format!("{name}.{}", stringify!($name)), archive)?; )+
-                for column in &mut self.history {
-                    column.values.persist(&format!("{name}.history.{}", column.variable.name), archive)?;
-                }
+                self.history.persist(&format!("{name}.history"), archive)?;
                 Ok(())
             }
         }

@@ -21,7 +21,7 @@ fn lattice(nx: usize, ny: usize) -> Particles {
 fn once(kind: MeasureKind, particles: &Particles) -> Option<f64> {
     let model = measuring(kind);
     let mut measures = Measures::new(&model);
-    measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
+    measures.sample(&model, 0.0, &(&model, particles)).unwrap();
     measures.values()[0]
 }
 

@@ -1,8 +1,8 @@
 //! A small model for tests of output and analysis.
 
 use crate::model::{
-    Body, Dimensions, Formulation, Lattice, Measure, MeasureKind, Model, Numerics, OutputControl, Search, Shape, Solid, TimeControl,
-    Transform,
+    Body, Dimensions, Formulation, Lattice, Measure, MeasureKind, Model, Numerics, OutputControl, Search, Shape, Solid,
+    TimeControl, Transform,
 };
 
 /// Plane-strain model of the given bodies, spacing 0.1 m, h 0.12 m, one second with ten frames and hundred rows.

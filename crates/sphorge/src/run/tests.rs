@@ -1,87 +1,127 @@
 //! Whole runs with an engine that only counts time.
 
-use super::{drive::drive, stepper::Stepper, *};
+use super::{drive::execute, *};
 use crate::{
-    engine::{BodyLedger, Energies, Ledger, LimitReason, StageSeconds, StepReport},
+    deck::Setup,
+    engine::{
+        Audit, BodyLedger, Column, Energies, Engine, EngineKind, FieldSource, Ledger, LimitReason, Reduction,
+        RunFailure, SearchReport, TimeStepLimit, Unsupported,
+        halo::FieldSet,
+        persist::{Archive, ArchiveError},
+        reduction,
+    },
     model::{Measure, MeasureKind, Model, ParticleSelection},
-    output::{EndReason, FailureRecord, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
+    output::{EndReason, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
     particles::Particles,
 };
 use std::{
     fs,
     path::Path,
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
-/// Two particles; the second flies off at 3 m/s; kinetic energy decays to `exp(-5 t)`.
+/// An engine that only counts time: two particles, the second of which flies off at 3 m/s; kinetic energy decays to `exp(-5 t)`.
 struct Clockwork {
-    model: Model,
+    model: Arc<Model>,
     particles: Particles,
     time: f64,
     steps: u64,
     fail_at: Option<f64>,
 }
 
+/// Starts [`Clockwork`]; with a time, fails there.
+struct ClockworkKind(Option<f64>);
+
 const DT: f64 = 0.0037;
 
-impl Clockwork {
-    fn new(model: Model) -> Self {
-        let mut particles = Particles::new(2);
-        particles.velocity[1][0] = 3.0;
-        particles.id[1] = 1;
-        Self { model, particles, time: 0.0, steps: 0, fail_at: None }
+impl EngineKind for ClockworkKind {
+    fn name(&self) -> &'static str {
+        "clockwork"
+    }
+    fn supports(&self, model: &Model) -> Result<(), Unsupported> {
+        let what = || Unsupported { what: "gravity".into(), help: "leave `gravity` out".into() };
+        if model.gravity == [0.0; 3] { Ok(()) } else { Err(what()) }
+    }
+    fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        Ok(Box::new(Clockwork { model, particles, time: 0.0, steps: 0, fail_at: self.0 }))
     }
 }
 
-impl Stepper for Clockwork {
-    fn prepare(&mut self) -> Result<(f64, LimitReason), Box<FailureRecord>> {
-        Ok((DT, LimitReason::SoundSpeed))
-    }
-    fn step(&mut self, land_on: f64) -> Result<StepReport, Box<FailureRecord>> {
-        if self.fail_at.is_some_and(|t| self.time >= t) {
-            self.particles.velocity[0][0] = f64::NAN;
-            return Err(Box::new(FailureRecord {
-                message: "velocity is not a number".into(),
-                step: self.steps + 1,
-                time: self.time,
-                field: Some("velocity".into()),
-                particle: Some(0),
-                body: Some("bar".into()),
-                position: Some([0.0; 3]),
-            }));
-        }
-        let landing = self.time + DT >= land_on;
-        let (dt, reason) =
-            if landing { (land_on - self.time, LimitReason::Output) } else { (DT, LimitReason::SoundSpeed) };
-        self.time = if landing { land_on } else { self.time + dt };
-        self.steps += 1;
+impl Engine for Clockwork {
+    fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
+        self.time += dt;
+        self.steps += u64::from(dt > 0.0);
         self.particles.position[1][0] = 3.0 * self.time;
-        let searched_fraction = if self.steps.is_multiple_of(2) { 1.0 } else { 0.0 };
-        Ok(StepReport { step: self.steps, time: self.time, dt, reason, searched_fraction, pairs: 2, audit: None })
+        Ok(())
     }
-    fn model(&self) -> &Model {
-        &self.model
+    fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
+        Ok(SearchReport { searched_fraction: if self.steps.is_multiple_of(2) { 1.0 } else { 0.0 } })
     }
-    fn particles(&self) -> &Particles {
-        &self.particles
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        Ok(None)
     }
-    fn time(&self) -> f64 {
-        self.time
+    fn exchange(&mut self, _: FieldSet) -> Result<(), RunFailure> {
+        Ok(())
     }
-    fn steps(&self) -> u64 {
-        self.steps
+    fn kinematics(&mut self) -> Result<(), RunFailure> {
+        Ok(())
     }
-    fn ledger(&self) -> Ledger {
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn forces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn finish(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn guard(&self) -> Result<(), RunFailure> {
+        if self.fail_at.is_none_or(|t| self.time < t + DT) {
+            return Ok(());
+        }
+        Err(RunFailure {
+            field: "velocity",
+            particle: Some(0),
+            body: Some(0),
+            position: Some([0.0; 3]),
+            ..RunFailure::of_engine("velocity is not a number".into())
+        })
+    }
+    fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
+        Ok(TimeStepLimit { dt: DT, reason: LimitReason::SoundSpeed })
+    }
+    fn count(&self) -> usize {
+        self.particles.len()
+    }
+    fn pairs(&self) -> u64 {
+        2
+    }
+    fn ledger(&self) -> Result<Ledger, RunFailure> {
         let kinetic = (-5.0 * self.time).exp();
         let energies = Energies { kinetic, internal: 1.0 - kinetic, elastic: 0.0, plastic_work: 0.5 };
         let total = BodyLedger { energies, momentum_scale: 2.0, momentum: [1.0, 0.0, 0.0], ..BodyLedger::default() };
-        Ledger { bodies: vec![total], total, ..Ledger::default() }
+        Ok(Ledger { bodies: vec![total], total, ..Ledger::default() })
     }
-    fn stage_seconds(&self) -> StageSeconds {
-        StageSeconds { search: 1.0, ..StageSeconds::default() }
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        Ok(reduction::evaluate(reduction, &self.model, &self.particles))
     }
-    fn mean_neighbors(&self) -> f64 {
-        1.0
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.particles.read(field)
+    }
+    fn persist(&mut self, _: &mut dyn Archive) -> Result<(), ArchiveError> {
+        Err(ArchiveError::Unsupported("a clockwork saves nothing".into()))
     }
     fn memory_bytes(&self) -> u64 {
         7
@@ -98,9 +138,17 @@ fn model() -> Model {
     model
 }
 
-fn run(folder: &Path, engine: Clockwork) -> Result<Summary, RunError> {
+/// What a run of [`Clockwork`] starts from.
+fn setup(model: Model) -> Setup {
+    let mut particles = Particles::new(2);
+    particles.velocity[1][0] = 3.0;
+    particles.id[1] = 1;
+    Setup { model, particles, deck_text: "title = \"A test\"\n".into(), notes: Vec::new() }
+}
+
+fn run(folder: &Path, model: Model, fail_at: Option<f64>) -> Result<Summary, RunError> {
     let options = RunOptions { directory: folder.join("run"), overwrite: false, threads: Some(2) };
-    drive("title = \"A test\"\n", &options, &AtomicBool::new(false), &mut Silent, move || engine)
+    execute(setup(model), &ClockworkKind(fail_at), &options, &AtomicBool::new(false), &mut Silent)
 }
 
 fn times(run: &RunDirectory) -> (Vec<f64>, Vec<f64>) {
@@ -112,16 +160,17 @@ fn times(run: &RunDirectory) -> (Vec<f64>, Vec<f64>) {
 #[test]
 fn a_run_lands_on_its_output_times_and_says_what_it_did() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = run(folder.path(), Clockwork::new(model())).unwrap();
+    let summary = run(folder.path(), model(), None).unwrap();
     let directory = RunDirectory::open(&folder.path().join("run")).unwrap();
     assert_eq!(Summary::read(&directory).unwrap(), summary);
     assert_eq!((summary.status, summary.end_reason), (Status::Completed, EndReason::EndTime));
     assert_eq!((summary.particles, summary.threads, summary.simulated_time), (2, 2, 1.0));
+    assert_eq!(summary.engine, "clockwork");
     assert!((summary.measures["length"].unwrap() - 3.1).abs() < 1e-12);
     assert_eq!(summary.measure_units["length"], "m");
     assert_eq!((summary.energy.kinetic, summary.momentum_drift), ((-5.0f64).exp(), 0.0));
     assert!((summary.searched_fraction - 0.5).abs() < 0.01);
-    assert!(summary.stage_seconds.output > 0.0 && summary.peak_memory_bytes > 0);
+    assert!(summary.stage_seconds.output > 0.0 && summary.peak_memory_bytes == 7);
 
     let (frames, rows) = times(&directory);
     assert_eq!(frames, [0.0, 0.25, 0.5, 0.75, 1.0]);
@@ -146,16 +195,16 @@ fn a_run_lands_on_its_output_times_and_says_what_it_did() {
 #[test]
 fn rules_of_the_deck_end_a_run() {
     let folder = tempfile::tempdir().unwrap();
-    let mut by_energy = Clockwork::new(model());
-    by_energy.model.time.stop_kinetic_fraction = Some(0.1);
-    let summary = run(folder.path(), by_energy).unwrap();
+    let mut by_energy = model();
+    by_energy.time.stop_kinetic_fraction = Some(0.1);
+    let summary = run(folder.path(), by_energy, None).unwrap();
     // exp(-5 t) < 0.1 from t = 0.4605 on, seen at the row of 0.5.
     assert_eq!((summary.end_reason, summary.simulated_time), (EndReason::KineticEnergy, 0.5));
 
     let folder = tempfile::tempdir().unwrap();
-    let mut by_steps = Clockwork::new(model());
-    by_steps.model.time.max_steps = Some(10);
-    let summary = run(folder.path(), by_steps).unwrap();
+    let mut by_steps = model();
+    by_steps.time.max_steps = Some(10);
+    let summary = run(folder.path(), by_steps, None).unwrap();
     assert_eq!((summary.status, summary.end_reason, summary.steps), (Status::Completed, EndReason::MaxSteps, 10));
     let (frames, rows) = times(&RunDirectory::open(&folder.path().join("run")).unwrap());
     assert_eq!((frames.len(), rows.len()), (2, 2));
@@ -181,7 +230,7 @@ fn a_stopped_run_is_complete_up_to_where_it_was_stopped() {
     let options = RunOptions { directory: folder.path().join("run"), ..RunOptions::default() };
     let stop = AtomicBool::new(false);
     let mut observer = Impatient(&stop, 0);
-    let summary = drive("", &options, &stop, &mut observer, || Clockwork::new(model())).unwrap();
+    let summary = execute(setup(model()), &ClockworkKind(None), &options, &stop, &mut observer).unwrap();
     assert_eq!((summary.status, summary.simulated_time), (Status::Stopped, 0.25));
     assert_eq!(observer.1, summary.steps);
     let (frames, rows) = times(&RunDirectory::open(&options.directory).unwrap());
@@ -191,9 +240,7 @@ fn a_stopped_run_is_complete_up_to_where_it_was_stopped() {
 #[test]
 fn a_failed_run_keeps_the_last_good_frame_and_says_why() {
     let folder = tempfile::tempdir().unwrap();
-    let mut engine = Clockwork::new(model());
-    engine.fail_at = Some(0.6);
-    let error = run(folder.path(), engine).unwrap_err();
+    let error = run(folder.path(), model(), Some(0.6)).unwrap_err();
     assert_eq!(error.exit_code(), 1);
     let RunError::Failed { failure, .. } = error else { panic!("{error}") };
     let directory = RunDirectory::open(&folder.path().join("run")).unwrap();
@@ -205,10 +252,23 @@ fn a_failed_run_keeps_the_last_good_frame_and_says_why() {
 }
 
 #[test]
+fn what_an_engine_cannot_do_is_refused_before_anything_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut heavy = model();
+    heavy.gravity = [0.0, -9.81, 0.0];
+    let error = run(folder.path(), heavy, None).unwrap_err();
+    assert_eq!(
+        (error.exit_code(), error.to_string()),
+        (2, "the engine `clockwork` does not run this deck: gravity".into())
+    );
+    assert!(!folder.path().join("run").exists());
+}
+
+#[test]
 fn an_existing_folder_is_refused_before_anything_is_done() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("run")).unwrap();
-    let error = run(folder.path(), Clockwork::new(model())).unwrap_err();
+    let error = run(folder.path(), model(), None).unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert_eq!(fs::read_dir(folder.path().join("run")).unwrap().count(), 0);
 }
@@ -226,7 +286,8 @@ fn a_folder_that_vanishes_ends_the_run_with_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: folder.path().join("run"), ..RunOptions::default() };
     let mut observer = Vandal(options.directory.clone());
-    let error = drive("", &options, &AtomicBool::new(false), &mut observer, || Clockwork::new(model())).unwrap_err();
+    let stop = AtomicBool::new(false);
+    let error = execute(setup(model()), &ClockworkKind(None), &options, &stop, &mut observer).unwrap_err();
     assert!(matches!(error, RunError::Output { .. }), "{error}");
     assert_eq!(error.exit_code(), 1);
 }

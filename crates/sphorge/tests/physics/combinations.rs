@@ -70,7 +70,7 @@ fn run(deck: &str, search: &str, choices: &[(&str, &str)]) -> (Simulation, bool)
     let mut partial = false;
     while simulation.time() < end {
         simulation.step(Some(end)).unwrap_or_else(|failure| panic!("{search} {choices:?}: {failure}"));
-        let adapted = &simulation.particles().adapted;
+        let adapted = &simulation.particles().unwrap().adapted;
         partial |= adapted.contains(&0) && adapted.contains(&1);
     }
     (simulation, partial)
@@ -78,9 +78,10 @@ fn run(deck: &str, search: &str, choices: &[(&str, &str)]) -> (Simulation, bool)
 
 /// Largest distance of particles of the same id over the longest way of any.
 fn apart(a: &Simulation, b: &Simulation, start: &Simulation) -> f64 {
-    let (order_a, order_b, order_start) = (by_id(a.particles()), by_id(b.particles()), by_id(start.particles()));
+    let (order_a, order_b, order_start) =
+        (by_id(a.particles().unwrap()), by_id(b.particles().unwrap()), by_id(start.particles().unwrap()));
     let between = |p: &Simulation, i: usize, q: &Simulation, j: usize| {
-        let (x, y) = (p.particles().position[i], q.particles().position[j]);
+        let (x, y) = (p.particles().unwrap().position[i], q.particles().unwrap().position[j]);
         norm([0, 1, 2].map(|k| x[k] - y[k]))
     };
     let ids = || 0..order_a.len();
@@ -105,7 +106,7 @@ fn skins_and_adaptive_search_give_the_answer_of_every_step_with_every_other_choi
     ] {
         let (reference, _) = run(deck, "every-step", choices);
         let start = simulation(deck, choices);
-        let strained = reference.particles().plastic_strain.iter().fold(0.0, |m: f64, &e| m.max(e));
+        let strained = reference.particles().unwrap().plastic_strain.iter().fold(0.0, |m: f64, &e| m.max(e));
         assert!(strained > 0.01, "{choices:?}: {strained}");
         for search in ["skin", "adaptive"] {
             let (other, partial) = run(deck, search, choices);
@@ -149,7 +150,8 @@ fn an_audit_does_not_change_a_bit_of_the_run() {
     for search in ["every-step", "skin", "adaptive", "total-lagrangian"] {
         let (audited, _) = run(SQUEEZE, search, &[("audit", "1")]);
         let (alone, _) = run(SQUEEZE, search, PLAIN);
-        let [audited, alone] = [&audited, &alone].map(|s| (s.particles().id.clone(), s.particles().position.clone()));
+        let [audited, alone] =
+            [&audited, &alone].map(|s| (s.particles().unwrap().id.clone(), s.particles().unwrap().position.clone()));
         assert!(audited == alone, "{search}");
     }
 }

@@ -57,7 +57,7 @@ fn a_flux_that_takes_more_heat_than_there_is_ends_the_run() {
         if let Err(failure) = simulation.step(None) {
             break failure;
         }
-        assert!(simulation.particles().temperature.iter().all(|&t| t >= 0.0));
+        assert!(simulation.particles().unwrap().temperature.iter().all(|&t| t >= 0.0));
     };
     assert_eq!(failure.field, "temperature");
     assert!(failure.particle.is_some() && failure.step == simulation.steps() + 1 && failure.time > 0.0);

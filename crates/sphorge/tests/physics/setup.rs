@@ -1,6 +1,7 @@
 //! Simulations from deck text.
 
 use sphorge::{Particles, deck, engine::Simulation};
+use std::borrow::Borrow;
 
 /// A deck's simulation, with some values changed.
 pub(crate) fn simulation(text: &str, overrides: &[(&str, &str)]) -> Simulation {
@@ -24,7 +25,8 @@ pub(crate) fn run_steps(simulation: &mut Simulation, steps: u64) {
 }
 
 /// Places of the particles in the columns, in the order of their ids.
-pub(crate) fn by_id(particles: &Particles) -> Vec<usize> {
+pub(crate) fn by_id(particles: impl Borrow<Particles>) -> Vec<usize> {
+    let particles = particles.borrow();
     let mut order: Vec<usize> = (0..particles.len()).collect();
     order.sort_by_key(|&i| particles.id[i]);
     order

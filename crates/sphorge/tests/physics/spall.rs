@@ -33,7 +33,7 @@ fn impact(overrides: &[(&str, &str)]) -> (f64, f64, f64) {
     let (mut lowest, mut arrived, mut least) = (f64::INFINITY, 0.0f64, f64::INFINITY);
     while simulation.time() < 2.2e-6 {
         simulation.step(None).unwrap_or_else(|failure| panic!("{failure}"));
-        let p = simulation.particles();
+        let p = &simulation.particles().unwrap();
         let target = || (0..p.len()).filter(|&i| p.body[i] == 1);
         lowest = target().map(|i| p.pressure[i]).fold(lowest, f64::min);
         let face = target().max_by(|&a, &b| p.position[a][0].total_cmp(&p.position[b][0])).unwrap();

@@ -35,7 +35,7 @@ fn starts(particles: &Particles) -> HashMap<u32, [i64; 2]> {
 
 /// State of the particle that started at a place.
 fn states(simulation: &Simulation, starts: &HashMap<u32, [i64; 2]>) -> HashMap<[i64; 2], ([f64; 3], f64, f64)> {
-    let p = simulation.particles();
+    let p = &simulation.particles().unwrap();
     (0..p.len()).map(|i| (starts[&p.id[i]], (p.position[i], p.plastic_strain[i], p.energy[i]))).collect()
 }
 
@@ -49,8 +49,9 @@ fn a_quarter_between_symmetry_planes_is_the_whole_block() {
             "[[symmetry]]\naxis = \"x\"\n\n[[symmetry]]\naxis = \"y\"\n\n[[wall]]\nname = \"left\"",
         );
         let mut quarter = simulation(&quarter, &overrides);
-        let (whole_starts, quarter_starts) = (starts(whole.particles()), starts(quarter.particles()));
-        assert_eq!(whole.particles().len(), 4 * quarter.particles().len());
+        let (whole_starts, quarter_starts) =
+            (starts(&whole.particles().unwrap()), starts(&quarter.particles().unwrap()));
+        assert_eq!(whole.particles().unwrap().len(), 4 * quarter.particles().unwrap().len());
         run_to(&mut whole, 10e-6);
         run_to(&mut quarter, 10e-6);
         let (whole, quarter) = (states(&whole, &whole_starts), states(&quarter, &quarter_starts));
@@ -98,10 +99,13 @@ side = "negative"
     let periodic = "[periodic]\ny = [\"0 mm\", \"6 mm\"]\n";
     let [periodic, planes] = [periodic, planes].map(|sides| {
         let mut simulation = simulation(&format!("{STRIP}\n{sides}"), &[]);
-        let starts = starts(simulation.particles());
+        let starts = starts(&simulation.particles().unwrap());
         run_to(&mut simulation, 3e-6);
-        assert!(simulation.particles().velocity.iter().all(|v| v[1].abs() < 1e-6));
-        assert!(simulation.particles().velocity.iter().any(|v| v[0].abs() < 50.0), "the wave has not left the plane");
+        assert!(simulation.particles().unwrap().velocity.iter().all(|v| v[1].abs() < 1e-6));
+        assert!(
+            simulation.particles().unwrap().velocity.iter().any(|v| v[0].abs() < 50.0),
+            "the wave has not left the plane"
+        );
         states(&simulation, &starts)
     });
     for (start, (x, ..)) in &periodic {

@@ -3,7 +3,7 @@ use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::EQUATIONS_OF_STATE;
 use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::return_mapping::ReturnRule;
-use sphorge_physics::viscosity::bulk_viscosity;
+use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity};
 use sphorge_physics::{Dimension, Tensor, tensor};
 
 /// Not a multiple of any bundle.
@@ -100,7 +100,15 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
     let particles: Vec<Particle> = (0..COUNT).map(|k| particle(&materials, mixed, k)).collect();
     let column = |of: &dyn Fn(&Particle) -> f64| -> Vec<f64> { particles.iter().map(of).collect() };
     let source = if only_flow_heats { TemperatureSource::PlasticWork } else { TemperatureSource::Energy };
-    let step = StressStep { materials: &materials, temperature: source, only_flow_heats, instructions, commit: true };
+    let step = StressStep {
+        materials: &materials,
+        temperature: source,
+        only_flow_heats,
+        instructions,
+        commit: true,
+        slots: &vec![Vec::new(); materials.len()],
+        history_width: 0,
+    };
 
     let mut columns = StressColumns::new();
     columns.density[..COUNT].copy_from_slice(&column(&|p| p.density));
@@ -114,7 +122,7 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         velocity_gradient: &particles.iter().map(|p| p.l).collect::<Vec<_>>(),
         dt: DT,
     };
-    FlowColumns::new((ep, dep, y, wp, t)).take_step(&step, &mut columns, &inputs);
+    FlowColumns::new((ep, dep, y, wp, t, &mut Vec::new())).take_step(&step, &mut columns, &inputs);
     let mut records = vec![[0.0; force::LEN]; COUNT];
     let mut singles = vec![[0.0f32; force::LEN]; COUNT];
     let mut extras = vec![[0.0; extra::LEN]; COUNT];
@@ -135,7 +143,7 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         elastic += usize::from(update.plastic_strain_increment == 0.0);
         let mut want: [Vec<f64>; 5] = p.flow.map(|v| vec![v]);
         let [ep, dep, y, wp, t] = &mut want;
-        FlowColumns::new((ep, dep, y, wp, t)).commit(0, &update, m, g, source, p.density, p.energy);
+        FlowColumns::new((ep, dep, y, wp, t, &mut Vec::new())).commit(0, &update, m, g, source, p.density, p.energy);
         for (c, name) in ["strain", "increment", "yield stress", "work", "temperature"].into_iter().enumerate() {
             // A step known to be elastic leaves the work alone whatever the density.
             if k != 50 {
@@ -213,6 +221,8 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
         only_flow_heats: true,
         instructions: Instructions::best(),
         commit: true,
+        slots: &vec![Vec::new(); materials.len()],
+        history_width: 0,
     };
     let mut columns = StressColumns::new();
     columns.density = [2710.0; BLOCK];
@@ -225,7 +235,7 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
     };
     let mut flow = [[0.0], [0.0], [f64::INFINITY], [0.0], [300.0]];
     let [ep, dep, y, wp, t] = &mut flow;
-    FlowColumns::new((ep, dep, y, wp, t)).take_step(&step, &mut columns, &inputs);
+    FlowColumns::new((ep, dep, y, wp, t, &mut Vec::new())).take_step(&step, &mut columns, &inputs);
     let turned = columns.deviator_of(0);
     let want = SymmetricTensor::<f64>::diagonal(-3.0e6, 2.0e6, 1.0e6);
     for (got, want) in turned.to_array().into_iter().zip(want.to_array()) {
