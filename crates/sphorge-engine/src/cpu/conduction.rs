@@ -6,9 +6,9 @@
 
 use super::CpuEngine;
 use super::conduction_table::Table;
+use super::ghosts::WithGhosts;
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
 use crate::HeatLedger;
-use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;

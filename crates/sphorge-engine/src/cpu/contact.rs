@@ -5,8 +5,8 @@
 //! the energy account, what damping and friction take heats both particles by halves.
 
 use super::CpuEngine;
+use super::ghosts::WithGhosts;
 use crate::ContactLedger;
-use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignList, NeighborList};

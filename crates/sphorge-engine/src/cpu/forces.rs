@@ -5,7 +5,7 @@
 use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
 use super::records::{CORRECTED_LEN, Records, extra, force};
-use super::search::StoredBlock;
+use super::stored::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::kernel::{Kernel, PairScale};
@@ -32,7 +32,7 @@ pub(super) struct ForceTerms<T> {
 impl<T: PairScalar> ForceTerms<T> {
     /// Whether these are the terms most decks ask for, those of both papers; sweeps of them are compiled on their own, without
     /// any of the questions.
-    pub(super) fn usual(&self, kernel: Kernel) -> bool {
+    pub(super) fn are_default(&self, kernel: Kernel) -> bool {
         kernel == Kernel::CubicSpline
             && self.artificial_stress.is_some()
             && self.xsph
@@ -41,10 +41,10 @@ impl<T: PairScalar> ForceTerms<T> {
             && self.energy_split == EnergySplit::OwnStress
     }
 
-    /// The same terms; if `USUAL`, in a form the compiler knows.
+    /// The same terms; if `DEFAULT`, in a form the compiler knows.
     #[inline(always)]
-    fn known<const USUAL: bool>(self) -> Self {
-        if !USUAL {
+    fn known<const DEFAULT: bool>(self) -> Self {
+        if !DEFAULT {
             return self;
         }
         Self {
@@ -94,10 +94,10 @@ fn splat_corrected<L: Lanes>(record: &[L::Element; CORRECTED_LEN]) -> Tensor<L> 
     [[a, b, c], [d, e, f], [g, h, i]]
 }
 
-/// Bundles of a row worked on together.
+/// SIMD vectors of a row worked on together.
 const BATCH: usize = 8;
 
-/// Geometry of a bundle of pairs, between the passes over a row.
+/// Geometry of a SIMD vector of pairs, between the passes over a row.
 #[derive(Clone, Copy)]
 struct Pairs<L> {
     /// `x_i - x_j`, m.
@@ -139,7 +139,7 @@ struct Own<L: Lanes> {
 
 impl<L: Lanes> Own<L> {
     #[inline(always)]
-    fn of<const D: usize, const CORRECTED: bool, const USUAL: bool>(
+    fn of<const D: usize, const CORRECTED: bool, const DEFAULT: bool>(
         records: &Records<L::Element>,
         own: usize,
         constants: &PairConstants<L::Element>,
@@ -155,12 +155,12 @@ impl<L: Lanes> Own<L> {
                 alpha: L::splat(terms.viscosity.alpha),
                 beta: L::splat(terms.viscosity.beta),
             },
-            kernel: if USUAL { Kernel::CubicSpline } else { constants.kernel },
+            kernel: if DEFAULT { Kernel::CubicSpline } else { constants.kernel },
         }
     }
 }
 
-/// First pass over a bundle: who the neighbours are. `stored` gives the distances and where in it those of the bundle start.
+/// First pass over a SIMD vector of pairs: who the neighbours are. `stored` gives the distances and where in it those of the vector start.
 #[inline(always)]
 fn locate<L: Lanes, const D: usize>(
     own: &Own<L>,
@@ -177,7 +177,7 @@ fn locate<L: Lanes, const D: usize>(
     for a in 0..D {
         let x = match stored {
             None => L::difference(own.record[X + a], record_j[X + a], unit),
-            Some((stored, at)) => stored.bundle(at, a),
+            Some((stored, at)) => stored.vector(at, a),
         };
         let v = own.record[V + a] - record_j[V + a];
         r2 = x.mul_add(x, r2);
@@ -191,7 +191,7 @@ fn locate<L: Lanes, const D: usize>(
     pair.h = record_j[H];
 }
 
-/// Second pass over a bundle: kernel, its gradient, and `mu`, the largest of which so far is `mu_max`.
+/// Second pass over a SIMD vector of pairs: kernel, its gradient, and `mu`, the largest of which so far is `mu_max`.
 #[inline(always)]
 fn weigh<L: Lanes, const D: usize>(
     own: &Own<L>,
@@ -228,7 +228,7 @@ impl<L: Lanes> Sums<L> {
         Self { forces: ForceSums::zero(), xsph: [L::zero(); 3] }
     }
 
-    /// Third pass over a bundle: the forces.
+    /// Third pass over a SIMD vector of pairs: the forces.
     #[inline(always)]
     fn add<const D: usize, const CORRECTED: bool>(
         &mut self,
@@ -285,7 +285,7 @@ impl<L: Lanes> Sums<L> {
 ///
 /// A pair's arithmetic is one long chain. In three short passes over the row, many pairs are in the processor at a time.
 #[inline(always)]
-fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const USUAL: bool>(
+fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const DEFAULT: bool>(
     records: &Records<L::Element>,
     own: usize,
     block: &Block,
@@ -295,22 +295,22 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const USUAL: bool>
     terms: &ForceTerms<L::Element>,
     pairs: &mut [Pairs<L>; BATCH],
 ) -> ForceSum<L::Element> {
-    let terms = &terms.known::<USUAL>();
-    let own = Own::<L>::of::<D, CORRECTED, USUAL>(records, own, constants, terms);
+    let terms = &terms.known::<DEFAULT>();
+    let own = Own::<L>::of::<D, CORRECTED, DEFAULT>(records, own, constants, terms);
     let mut sums = Sums::<L>::zero();
     let mut mu = L::zero();
     let mut at = block.start(k);
     for indices in block.padded_row(k, L::WIDTH).chunks(BATCH * L::WIDTH) {
-        let bundles = indices.chunks_exact(L::WIDTH);
-        let count = bundles.len();
-        for (pair, indices) in pairs.iter_mut().zip(bundles.clone()) {
+        let vectors = indices.chunks_exact(L::WIDTH);
+        let count = vectors.len();
+        for (pair, indices) in pairs.iter_mut().zip(vectors.clone()) {
             locate::<L, D>(&own, records, indices, stored.map(|s| (s, at)), constants, pair);
             at += L::WIDTH;
         }
         for pair in &mut pairs[..count] {
             mu = weigh::<L, D>(&own, constants, terms, pair, mu);
         }
-        for (pair, indices) in pairs.iter().zip(bundles) {
+        for (pair, indices) in pairs.iter().zip(vectors) {
             sums.add::<D, CORRECTED>(&own, records, indices, terms, pair);
         }
     }
@@ -325,8 +325,8 @@ impl<T: PairScalar> ForceSum<T> {
     }
 }
 
-/// The sums of a block of particles; `USUAL` where the terms are [`ForceTerms::usual`].
-pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool, const USUAL: bool> {
+/// The sums of a block of particles; `DEFAULT` where the terms are [`ForceTerms::are_default`].
+pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool, const DEFAULT: bool> {
     pub(super) records: &'a Records<T>,
     /// First particle of the block.
     pub(super) first: usize,
@@ -338,14 +338,14 @@ pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool, const U
     pub(super) sums: &'a mut [ForceSum<T>; BLOCK],
 }
 
-impl<T: PairScalar, const D: usize, const CORRECTED: bool, const USUAL: bool> Job<T>
-    for ForceJob<'_, T, D, CORRECTED, USUAL>
+impl<T: PairScalar, const D: usize, const CORRECTED: bool, const DEFAULT: bool> Job<T>
+    for ForceJob<'_, T, D, CORRECTED, DEFAULT>
 {
     #[inline(always)]
     fn run<L: Lanes<Element = T>>(self) {
         let mut pairs = [Pairs::zero(); BATCH];
         for k in 0..self.block.len() {
-            self.sums[k] = force_row::<L, D, CORRECTED, USUAL>(
+            self.sums[k] = force_row::<L, D, CORRECTED, DEFAULT>(
                 self.records,
                 self.first + k,
                 self.block,

@@ -33,10 +33,10 @@ impl<T: PairScalar, const D: usize> Job<T> for HourglassJob<'_, T, D> {
     }
 }
 
-/// Bundles of a row worked on together.
+/// SIMD vectors of a row worked on together.
 const BATCH: usize = 8;
 
-/// A bundle of springs, between the passes over a row.
+/// A SIMD vector of springs, between the passes over a row.
 #[derive(Clone, Copy)]
 struct Springs<L> {
     /// `x_i - x_j`, m.

@@ -188,7 +188,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     at_end.hold(motion[i], &mut evaluated[k]);
                 }
             });
-        self.lists.odometer.advance(self.external.close());
+        self.lists.displacement.advance(self.external.close());
         std::mem::swap(&mut self.motions, &mut self.motions_at_end);
     }
 
@@ -235,7 +235,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn predict(&mut self) {
         let half = 0.5 * self.step.dt;
         // Of a middle that is left again: who has moved how far is looked at every time.
-        self.lists.odometer.lose_track();
+        self.lists.displacement.lose_track();
         self.motions.set_time(&self.model, self.step.time + half);
         let p = &mut self.particles;
         p.base_position.copy_from_slice(&p.position);

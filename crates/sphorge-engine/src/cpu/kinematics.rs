@@ -4,7 +4,7 @@
 //! symmetric and skew parts; Eq 8 its trace).
 
 use super::records::kinematic::{H, LEN, V, WEIGHT, X};
-use super::search::StoredBlock;
+use super::stored::StoredBlock;
 use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::kernel::{Kernel, PairScale, pair_smoothing_length};
@@ -58,10 +58,10 @@ pub(super) struct GradientSum<T> {
     pub(super) inside: u32,
 }
 
-/// Bundles of a row worked on together.
+/// SIMD vectors of a row worked on together.
 const BATCH: usize = 8;
 
-/// A bundle of pairs, between the passes over a row.
+/// A SIMD vector of pairs, between the passes over a row.
 #[derive(Clone, Copy)]
 struct Pairs<L> {
     /// `x_i - x_j`, m.
@@ -98,7 +98,7 @@ impl<L: Lanes> Own<L> {
     }
 }
 
-/// First pass over a bundle: who the neighbours are. `stored` gives the distances and where in it those of the bundle start.
+/// First pass over a SIMD vector of pairs: who the neighbours are. `stored` gives the distances and where in it those of the vector start.
 #[inline(always)]
 fn locate<L: Lanes, const D: usize>(
     own: &Own<L>,
@@ -114,7 +114,7 @@ fn locate<L: Lanes, const D: usize>(
     for a in 0..D {
         let x = match stored {
             None => L::difference(own.record[X + a], record_j[X + a], unit),
-            Some((stored, at)) => stored.bundle(at, a),
+            Some((stored, at)) => stored.vector(at, a),
         };
         r2 = x.mul_add(x, r2);
         pair.x[a] = x;
@@ -139,7 +139,7 @@ impl<L: Lanes> Sums<L> {
         Self { pairs: GradientSums::zero(), inside: 0 }
     }
 
-    /// Second pass over a bundle.
+    /// Second pass over a SIMD vector of pairs.
     #[inline(always)]
     fn add<const D: usize, const CORRECTED: bool>(
         &mut self,
@@ -192,9 +192,9 @@ fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     let row = block.padded_row(k, L::WIDTH);
     let mut at = block.start(k);
     for indices in row.chunks(BATCH * L::WIDTH) {
-        let bundles = indices.chunks_exact(L::WIDTH);
-        let count = bundles.len();
-        for (pair, indices) in pairs.iter_mut().zip(bundles) {
+        let vectors = indices.chunks_exact(L::WIDTH);
+        let count = vectors.len();
+        for (pair, indices) in pairs.iter_mut().zip(vectors) {
             locate::<L, D>(&own, records, indices, stored.map(|s| (s, at)), constants, pair);
             at += L::WIDTH;
         }

@@ -1,4 +1,4 @@
-//! The engine for processors.
+//! The CPU engine.
 
 mod conduction;
 mod conduction_table;
@@ -7,6 +7,7 @@ mod contact;
 mod external;
 mod forces;
 mod formulation;
+mod ghosts;
 mod guard;
 mod hourglass;
 mod initial;
@@ -21,13 +22,14 @@ mod records;
 mod reference_conduction;
 mod search;
 mod smoothing;
+mod stored;
 mod stress_columns;
 mod sweeps;
-mod votes;
+mod time_step;
 mod walls;
 
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
-use crate::halo::{FieldSet, Ghosts, Halo, Images};
+use crate::halo::{FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Precision};
 use crate::particles::{Column, Particles};
@@ -37,6 +39,7 @@ use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
 use contact::BodyContacts;
 use formulation::Formulation;
+use ghosts::Ghosts;
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
 use records::Records;
@@ -47,7 +50,7 @@ use walls::Walls;
 /// Searches between two sortings of the particles into cell order.
 const SEARCHES_PER_SORTING: u64 = 64;
 
-/// The engine for processors: all threads of the rayon pool it is started in.
+/// The CPU engine: all threads of the rayon pool it is started in.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpu;
 
@@ -69,7 +72,7 @@ impl EngineKind for Cpu {
     }
 }
 
-/// Engine for processors; `T` is the precision of pair sums, everything accumulated is double.
+/// The columns and the stages; `T` is the precision of pair sums, everything accumulated is double.
 struct CpuEngine<T: PairScalar> {
     model: Arc<Model>,
     formulation: &'static dyn Formulation<T>,
@@ -106,7 +109,7 @@ struct StepState {
     /// Ordered pairs at the last kinematics stage.
     pairs: u64,
     /// Some particle is marked as searched.
-    adapted_someone: bool,
+    any_adapted: bool,
 }
 
 impl StepState {
@@ -119,7 +122,7 @@ impl StepState {
     }
 }
 
-crate::persist_fields!(StepState { time, dt, count, mls_energy, pairs, adapted_someone });
+crate::persist_fields!(StepState { time, dt, count, mls_energy, pairs, any_adapted });
 
 impl<T: PairScalar> CpuEngine<T> {
     fn new(model: Arc<Model>, mut particles: Particles, halo: Box<dyn Halo>) -> Self {
@@ -195,7 +198,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
         self.follow_density();
-        Ok(self.renew_lists())
+        Ok(self.refresh_lists())
     }
 
     fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
@@ -297,12 +300,12 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
-        let conduction = votes::conduction_vote(&self.model, self.heat.as_ref().map(HeatFlow::limit));
+        let conduction = time_step::conduction_limit(&self.model, self.heat.as_ref().map(HeatFlow::limit));
         if !self.model.thermal.mechanics {
             return Ok(conduction);
         }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        Ok(votes::vote(&self.model, &self.particles, contact, self.instructions).min(conduction))
+        Ok(time_step::limit(&self.model, &self.particles, contact, self.instructions).min(conduction))
     }
 
     fn count(&self) -> usize {

@@ -1,7 +1,7 @@
 //! Density re-initialisation by first-order moving least squares (Dilts 1999), within each body.
 
 use super::CpuEngine;
-use crate::halo::WithGhosts;
+use super::ghosts::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::model::Integrator;
 use crate::neighbors::BLOCK;

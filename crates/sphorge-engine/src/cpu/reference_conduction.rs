@@ -2,7 +2,7 @@
 //! [`sphorge_physics::conduction`].
 
 use super::conduction_table::Table;
-use crate::halo::WithGhosts;
+use super::ghosts::WithGhosts;
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;

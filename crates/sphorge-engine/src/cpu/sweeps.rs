@@ -5,7 +5,8 @@ use super::forces::{ForceJob, ForceSum, ForceTerms};
 use super::kinematics::PairConstants;
 use super::kinematics::{GradientJob, GradientSum};
 use super::records::{Records, kinematic};
-use super::search::{Lists, StoredPairs};
+use super::search::Lists;
+use super::stored::StoredPairs;
 use crate::lanes::{Instructions, PairScalar, run};
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
@@ -141,7 +142,7 @@ impl<T: PairScalar> CpuEngine<T> {
             pair_form,
             energy_split: numerics.energy_split,
         };
-        let usual = terms.usual(numerics.kernel);
+        let default_terms = terms.are_default(numerics.kernel);
         dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
             let records = &self.records;
             let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
@@ -162,7 +163,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     let block = &lists.list.blocks()[b];
                     let stored = lists.stored.as_ref().map(|s| s.block(b));
                     let terms = &terms;
-                    if usual {
+                    if default_terms {
                         let sums = &mut *sums;
                         let job =
                             ForceJob::<T, D, CORRECTED, true> { records, first, block, stored, constants, terms, sums };

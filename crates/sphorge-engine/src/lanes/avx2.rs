@@ -1,4 +1,4 @@
-//! Bundles in 256-bit registers with fused multiply–add.
+//! SIMD vectors in 256-bit registers with fused multiply–add.
 
 use super::{Lanes, compress_each, each_lane, gather_entries};
 use sphorge_physics::Real;
@@ -13,60 +13,60 @@ pub(crate) struct F32x8(pub(super) __m256);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct F64x4(pub(super) __m256d);
 
-// SAFETY of every `unsafe` below: bundles exist only inside jobs started after the processor has been found to have AVX2 and
+// SAFETY of every `unsafe` below: SIMD vectors exist only inside jobs started after the processor has been found to have AVX2 and
 // FMA (see `Lanes`); loads and stores stay within slices whose length is asserted or checked by indexing.
 
 macro_rules! arithmetic {
-    ($bundle:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
+    ($vector:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
      $min:ident, $max:ident, $andnot:ident, $cmp:ident, $blend:ident, $movemask:ident) => {
-        impl Add for $bundle {
+        impl Add for $vector {
             type Output = Self;
             #[inline(always)]
             fn add(self, b: Self) -> Self {
                 Self(unsafe { $add(self.0, b.0) })
             }
         }
-        impl Sub for $bundle {
+        impl Sub for $vector {
             type Output = Self;
             #[inline(always)]
             fn sub(self, b: Self) -> Self {
                 Self(unsafe { $sub(self.0, b.0) })
             }
         }
-        impl Mul for $bundle {
+        impl Mul for $vector {
             type Output = Self;
             #[inline(always)]
             fn mul(self, b: Self) -> Self {
                 Self(unsafe { $mul(self.0, b.0) })
             }
         }
-        impl Div for $bundle {
+        impl Div for $vector {
             type Output = Self;
             #[inline(always)]
             fn div(self, b: Self) -> Self {
                 Self(unsafe { $div(self.0, b.0) })
             }
         }
-        impl Neg for $bundle {
+        impl Neg for $vector {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
                 Self::zero() - self
             }
         }
-        impl AddAssign for $bundle {
+        impl AddAssign for $vector {
             #[inline(always)]
             fn add_assign(&mut self, b: Self) {
                 *self = *self + b;
             }
         }
-        impl SubAssign for $bundle {
+        impl SubAssign for $vector {
             #[inline(always)]
             fn sub_assign(&mut self, b: Self) {
                 *self = *self - b;
             }
         }
-        impl Real for $bundle {
+        impl Real for $vector {
             #[inline(always)]
             fn of(value: f64) -> Self {
                 Self(unsafe { $set1(value as $element) })
@@ -100,7 +100,7 @@ macro_rules! arithmetic {
                 each_lane(a, b, f)
             }
         }
-        impl $bundle {
+        impl $vector {
             #[inline(always)]
             fn less_mask(a: Self, b: Self) -> u32 {
                 (unsafe { $movemask($cmp::<_CMP_LT_OQ>(a.0, b.0)) }) as u32
@@ -177,21 +177,21 @@ unsafe fn transpose_8x8(r: [__m256; 8]) -> [__m256; 8] {
     }
 }
 
-/// The sums of bundles, some at a time; a single one left over alone. No function that takes another: closures are not compiled
+/// The sums of SIMD vectors, some at a time; a single one left over alone. No function that takes another: closures are not compiled
 /// for the instructions in use.
 macro_rules! sums_in_parts {
-    ($bundles:ident, $n:ident, $at_a_time:literal, $sums_of:ident) => {{
+    ($vectors:ident, $n:ident, $at_a_time:literal, $sums_of:ident) => {{
         let mut sums = [0.0; $n];
         let mut part = 0;
         while part < $n {
             let count = $at_a_time.min($n - part);
             if count == 1 {
-                sums[part] = $bundles[part].sum();
+                sums[part] = $vectors[part].sum();
                 break;
             }
             let mut some = [Self::zero(); $at_a_time];
-            some[..count].copy_from_slice(&$bundles[part..part + count]);
-            // SAFETY: a bundle exists, so that the processor has the instructions.
+            some[..count].copy_from_slice(&$vectors[part..part + count]);
+            // SAFETY: a SIMD vector exists, so that the processor has the instructions.
             let of_some = unsafe { $sums_of(&some) };
             sums[part..part + count].copy_from_slice(&of_some[..count]);
             part += $at_a_time;
@@ -200,7 +200,7 @@ macro_rules! sums_in_parts {
     }};
 }
 
-/// The sums over the lanes of eight bundles.
+/// The sums over the lanes of eight SIMD vectors.
 #[inline(always)]
 unsafe fn sums_of_8(r: &[F32x8; 8]) -> [f32; 8] {
     unsafe {
@@ -270,8 +270,8 @@ impl Lanes for F32x8 {
         }
     }
     #[inline(always)]
-    fn sums<const N: usize>(bundles: [Self; N]) -> [f32; N] {
-        sums_in_parts!(bundles, N, 8usize, sums_of_8)
+    fn sums<const N: usize>(vectors: [Self; N]) -> [f32; N] {
+        sums_in_parts!(vectors, N, 8usize, sums_of_8)
     }
     #[inline(always)]
     fn largest(self) -> f32 {
@@ -297,7 +297,7 @@ impl Lanes for F32x8 {
     }
 }
 
-/// The sums over the lanes of four bundles.
+/// The sums over the lanes of four SIMD vectors.
 #[inline(always)]
 unsafe fn sums_of_4(r: &[F64x4; 4]) -> [f64; 4] {
     unsafe {
@@ -363,8 +363,8 @@ impl Lanes for F64x4 {
         }
     }
     #[inline(always)]
-    fn sums<const N: usize>(bundles: [Self; N]) -> [f64; N] {
-        sums_in_parts!(bundles, N, 4usize, sums_of_4)
+    fn sums<const N: usize>(vectors: [Self; N]) -> [f64; N] {
+        sums_in_parts!(vectors, N, 4usize, sums_of_4)
     }
     #[inline(always)]
     fn largest(self) -> f64 {

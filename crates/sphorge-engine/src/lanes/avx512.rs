@@ -1,4 +1,4 @@
-//! Bundles in 512-bit registers.
+//! SIMD vectors in 512-bit registers.
 
 use super::avx2::{F32x8, F64x4};
 use super::{Lanes, PairScalar, compress_each, each_lane, gather_entries};
@@ -14,7 +14,7 @@ pub(crate) struct F32x16(__m512);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct F64x8(__m512d);
 
-// SAFETY of every `unsafe` below: bundles exist only inside jobs started after the processor has been found to have AVX-512
+// SAFETY of every `unsafe` below: SIMD vectors exist only inside jobs started after the processor has been found to have AVX-512
 // (see `Lanes`); loads and stores stay within slices whose length is asserted or checked by indexing.
 
 /// The estimate of the processor, 14 bits, and a Newton step: a third of the time of root and division.
@@ -26,56 +26,56 @@ fn newton_inverse_sqrt(x: F32x16) -> F32x16 {
 }
 
 macro_rules! arithmetic {
-    ($bundle:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
+    ($vector:ident, $element:ty, $set1:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $sqrt:ident,
      $min:ident, $max:ident, $abs:ident, $cmp:ident, $blend:ident, $inverse_sqrt:expr) => {
-        impl Add for $bundle {
+        impl Add for $vector {
             type Output = Self;
             #[inline(always)]
             fn add(self, b: Self) -> Self {
                 Self(unsafe { $add(self.0, b.0) })
             }
         }
-        impl Sub for $bundle {
+        impl Sub for $vector {
             type Output = Self;
             #[inline(always)]
             fn sub(self, b: Self) -> Self {
                 Self(unsafe { $sub(self.0, b.0) })
             }
         }
-        impl Mul for $bundle {
+        impl Mul for $vector {
             type Output = Self;
             #[inline(always)]
             fn mul(self, b: Self) -> Self {
                 Self(unsafe { $mul(self.0, b.0) })
             }
         }
-        impl Div for $bundle {
+        impl Div for $vector {
             type Output = Self;
             #[inline(always)]
             fn div(self, b: Self) -> Self {
                 Self(unsafe { $div(self.0, b.0) })
             }
         }
-        impl Neg for $bundle {
+        impl Neg for $vector {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
                 Self::zero() - self
             }
         }
-        impl AddAssign for $bundle {
+        impl AddAssign for $vector {
             #[inline(always)]
             fn add_assign(&mut self, b: Self) {
                 *self = *self + b;
             }
         }
-        impl SubAssign for $bundle {
+        impl SubAssign for $vector {
             #[inline(always)]
             fn sub_assign(&mut self, b: Self) {
                 *self = *self - b;
             }
         }
-        impl Real for $bundle {
+        impl Real for $vector {
             #[inline(always)]
             fn of(value: f64) -> Self {
                 Self(unsafe { $set1(value as $element) })
@@ -281,10 +281,10 @@ impl Lanes for F32x16 {
         unsafe { _mm512_reduce_add_ps(self.0) }
     }
     #[inline(always)]
-    fn sums<const N: usize>(bundles: [Self; N]) -> [f32; N] {
+    fn sums<const N: usize>(vectors: [Self; N]) -> [f32; N] {
         let mut halved = [F32x8::zero(); N];
         for k in 0..N {
-            let b = bundles[k].0;
+            let b = vectors[k].0;
             halved[k] = unsafe { F32x8(_mm512_castps512_ps256(b)) + F32x8(_mm512_extractf32x8_ps::<1>(b)) };
         }
         F32x8::sums(halved)
@@ -420,10 +420,10 @@ impl Lanes for F64x8 {
         unsafe { _mm512_reduce_add_pd(self.0) }
     }
     #[inline(always)]
-    fn sums<const N: usize>(bundles: [Self; N]) -> [f64; N] {
+    fn sums<const N: usize>(vectors: [Self; N]) -> [f64; N] {
         let mut halved = [F64x4::zero(); N];
         for k in 0..N {
-            let b = bundles[k].0;
+            let b = vectors[k].0;
             halved[k] = unsafe { F64x4(_mm512_castpd512_pd256(b)) + F64x4(_mm512_extractf64x4_pd::<1>(b)) };
         }
         F64x4::sums(halved)

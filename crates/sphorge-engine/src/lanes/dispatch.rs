@@ -49,14 +49,14 @@ impl Instructions {
     }
 }
 
-/// Work written over a bundle type.
+/// Work written over a SIMD vector type.
 pub(crate) trait Job<T: PairScalar> {
-    /// Does the work on bundles `L`. Implementations must be `#[inline(always)]`, and so must everything they call in their
+    /// Does the work on SIMD vectors `L`. Implementations must be `#[inline(always)]`, and so must everything they call in their
     /// hot part (no closures handed to library functions): only what is inlined is compiled for the instructions chosen.
     fn run<L: Lanes<Element = T>>(self);
 }
 
-/// Runs a job on the bundles of an instruction set, which must come from [`Instructions::available`].
+/// Runs a job on the SIMD vectors of an instruction set, which must come from [`Instructions::available`].
 #[inline]
 pub(crate) fn run<T: PairScalar, J: Job<T>>(instructions: Instructions, job: J) {
     match instructions {

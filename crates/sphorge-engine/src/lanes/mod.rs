@@ -1,6 +1,6 @@
-//! Bundles of neighbours worked on together, from one number to a SIMD register.
+//! SIMD vectors of neighbours worked on together, from one number to a SIMD register.
 //!
-//! Pair sums are written once over [`Lanes`]; which bundle they run on is chosen when the program starts ([`Instructions`]).
+//! Pair sums are written once over [`Lanes`]; which SIMD vector they run on is chosen when the program starts ([`Instructions`]).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -20,13 +20,13 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
     /// Largest magnitude an encoded coordinate may reach, in units.
     const RANGE: f64;
 
-    /// Bundle of a 512-bit register.
+    /// SIMD vector of a 512-bit register.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Lanes<Element = Self>;
-    /// Bundle of a 256-bit register.
+    /// SIMD vector of a 256-bit register.
     #[cfg(target_arch = "x86_64")]
     type Avx2: Lanes<Element = Self>;
-    /// Bundle of a 128-bit register.
+    /// SIMD vector of a 128-bit register.
     #[cfg(target_arch = "aarch64")]
     type Neon: Lanes<Element = Self>;
 
@@ -45,9 +45,9 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
     fn encode(units: f64) -> Self;
 }
 
-/// A bundle of numbers of one element type.
+/// A SIMD vector of numbers of one element type.
 ///
-/// Bundles wider than one use instructions the processor may lack: values of such types are only made inside functions that
+/// SIMD vectors wider than one use instructions the processor may lack: values of such types are only made inside functions that
 /// [`multiversion`] enters after it has checked.
 pub(crate) trait Lanes: Real {
     /// One lane.
@@ -59,14 +59,14 @@ pub(crate) trait Lanes: Real {
     fn splat(value: Self::Element) -> Self;
     /// The first `WIDTH` values of a slice.
     fn load(values: &[Self::Element]) -> Self;
-    /// Takes entries `first` to `first + N` of the records at the first `WIDTH` indices apart into one bundle per entry; panics
+    /// Takes entries `first` to `first + N` of the records at the first `WIDTH` indices apart into one SIMD vector per entry; panics
     /// unless there are such records.
     fn gather_part<const F: usize, const N: usize>(
         records: &[[Self::Element; F]],
         indices: &[u32],
         first: usize,
     ) -> [Self; N];
-    /// Takes the records at `WIDTH` indices apart into one bundle per record entry.
+    /// Takes the records at `WIDTH` indices apart into one SIMD vector per record entry.
     #[inline(always)]
     fn gather<const F: usize>(records: &[[Self::Element; F]], indices: &[u32]) -> [Self; F] {
         Self::gather_part::<F, F>(records, indices, 0)
@@ -80,12 +80,12 @@ pub(crate) trait Lanes: Real {
     fn coordinate_difference(a: Self, b: Self) -> Self;
     /// Sum over the lanes, always in the same order.
     fn sum(self) -> Self::Element;
-    /// The sum of each bundle over its lanes, always in the same order.
+    /// The sum of each SIMD vector over its lanes, always in the same order.
     #[inline(always)]
-    fn sums<const N: usize>(bundles: [Self; N]) -> [Self::Element; N] {
+    fn sums<const N: usize>(vectors: [Self; N]) -> [Self::Element; N] {
         let mut sums = [<Self::Element as Real>::zero(); N];
         for k in 0..N {
-            sums[k] = bundles[k].sum();
+            sums[k] = vectors[k].sum();
         }
         sums
     }
@@ -104,7 +104,7 @@ pub(crate) trait Lanes: Real {
     fn store(self, out: &mut [Self::Element]) {
         self.compress_values(((1u64 << Self::WIDTH) - 1) as u32, out);
     }
-    /// Writes lane k of eight bundles to the entries of record k from `first` on, rounded to the precision of the records, for as
+    /// Writes lane k of eight SIMD vectors to the entries of record k from `first` on, rounded to the precision of the records, for as
     /// many records as there are, at most `WIDTH`: the other way of [`Lanes::gather_part`].
     #[inline(always)]
     fn store_part<T: PairScalar, const F: usize>(columns: [Self; 8], records: &mut [[T; F]], first: usize) {
@@ -147,7 +147,7 @@ fn gather_entries<L: Lanes, const F: usize, const N: usize, const W: usize>(
     lanes
 }
 
-/// [`Real::lane_by_lane`] of a bundle.
+/// [`Real::lane_by_lane`] of a SIMD vector.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 #[inline(always)]
 fn each_lane<L: Lanes>(a: L, b: L, f: impl Fn(f64, f64) -> [f64; 2]) -> [L; 2] {
@@ -293,7 +293,7 @@ mod tests {
         assert!((f64::from(1.4010003f32 - 1.4f32) - 1.0003e-3).abs() > 10.0 * unit);
     }
 
-    /// Every operation of a bundle against the same operation lane by lane.
+    /// Every operation of a SIMD vector against the same operation lane by lane.
     #[inline(always)]
     fn compare<L: Lanes>() {
         let of = |x: f64| L::Element::of(x);
@@ -301,7 +301,7 @@ mod tests {
         let b: Vec<L::Element> =
             (0..L::WIDTH).map(|k| of(if k % 3 == 0 { -2.25 } else { 6.5 } + 0.5 * k as f64)).collect();
         let (x, y) = (L::load(&a), L::load(&b));
-        // The lanes of a bundle, through a dot with unit vectors.
+        // The lanes of a SIMD vector, through a dot with unit vectors.
         let lanes = |v: L| -> Vec<f64> {
             (0..L::WIDTH)
                 .map(|k| {
@@ -379,9 +379,9 @@ mod tests {
             let records: Vec<[L::Element; F]> =
                 (0..40).map(|r| std::array::from_fn(|f| L::Element::of((100 * r + f) as f64))).collect();
             let indices: Vec<u32> = (0..L::WIDTH as u32).map(|k| (7 * k + 3) % 40).collect();
-            for (f, bundle) in L::gather(&records, &indices).into_iter().enumerate() {
+            for (f, vector) in L::gather(&records, &indices).into_iter().enumerate() {
                 assert_eq!(
-                    lanes(bundle),
+                    lanes(vector),
                     indices.iter().map(|&i| (100 * i as usize + f) as f64).collect::<Vec<_>>(),
                     "{F} {f}"
                 );
@@ -395,8 +395,8 @@ mod tests {
         let records: Vec<[L::Element; 16]> =
             (0..20).map(|r| std::array::from_fn(|f| of((100 * r + f) as f64))).collect();
         let indices: Vec<u32> = (0..L::WIDTH as u32).map(|k| (7 * k + 3) % 20).collect();
-        for (f, bundle) in L::gather_part::<16, 8>(&records, &indices, 8).into_iter().enumerate() {
-            assert_eq!(lanes(bundle), indices.iter().map(|&i| f64::from(100 * i) + (8 + f) as f64).collect::<Vec<_>>());
+        for (f, vector) in L::gather_part::<16, 8>(&records, &indices, 8).into_iter().enumerate() {
+            assert_eq!(lanes(vector), indices.iter().map(|&i| f64::from(100 * i) + (8 + f) as f64).collect::<Vec<_>>());
         }
 
         let unit = 1e-3;
@@ -415,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn every_bundle_of_this_machine_computes_what_single_numbers_do() {
+    fn every_vector_of_this_machine_computes_what_single_numbers_do() {
         for instructions in Instructions::available() {
             run::<f32, _>(instructions, Compare);
             run::<f64, _>(instructions, Compare);

@@ -1,4 +1,4 @@
-//! Bundles in the 128-bit registers every 64-bit ARM processor has.
+//! SIMD vectors in the 128-bit registers every 64-bit ARM processor has.
 
 use super::{Lanes, each_lane, gather_entries};
 use sphorge_physics::Real;
@@ -25,56 +25,56 @@ fn newton_inverse_sqrt(x: F32x4) -> F32x4 {
 }
 
 macro_rules! arithmetic {
-    ($bundle:ident, $element:ty, $dup:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $fma:ident,
+    ($vector:ident, $element:ty, $dup:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $fma:ident,
      $sqrt:ident, $min:ident, $max:ident, $abs:ident, $less:ident, $select:ident, $inverse_sqrt:expr) => {
-        impl Add for $bundle {
+        impl Add for $vector {
             type Output = Self;
             #[inline(always)]
             fn add(self, b: Self) -> Self {
                 Self(unsafe { $add(self.0, b.0) })
             }
         }
-        impl Sub for $bundle {
+        impl Sub for $vector {
             type Output = Self;
             #[inline(always)]
             fn sub(self, b: Self) -> Self {
                 Self(unsafe { $sub(self.0, b.0) })
             }
         }
-        impl Mul for $bundle {
+        impl Mul for $vector {
             type Output = Self;
             #[inline(always)]
             fn mul(self, b: Self) -> Self {
                 Self(unsafe { $mul(self.0, b.0) })
             }
         }
-        impl Div for $bundle {
+        impl Div for $vector {
             type Output = Self;
             #[inline(always)]
             fn div(self, b: Self) -> Self {
                 Self(unsafe { $div(self.0, b.0) })
             }
         }
-        impl Neg for $bundle {
+        impl Neg for $vector {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
                 Self(unsafe { $neg(self.0) })
             }
         }
-        impl AddAssign for $bundle {
+        impl AddAssign for $vector {
             #[inline(always)]
             fn add_assign(&mut self, b: Self) {
                 *self = *self + b;
             }
         }
-        impl SubAssign for $bundle {
+        impl SubAssign for $vector {
             #[inline(always)]
             fn sub_assign(&mut self, b: Self) {
                 *self = *self - b;
             }
         }
-        impl Real for $bundle {
+        impl Real for $vector {
             #[inline(always)]
             fn of(value: f64) -> Self {
                 Self(unsafe { $dup(value as $element) })

@@ -150,7 +150,7 @@ pub struct TimeControl {
     pub courant: f64,
     /// Upper bound of the step, s.
     pub max_step: Option<f64>,
-    /// Fixed step, s (votes are still reported; a fixed step above the vote is an error at run time).
+    /// Fixed step, s (the limit is still reported; a fixed step above it is an error at run time).
     pub fixed_step: Option<f64>,
     /// Stop when kinetic energy has fallen below this share of its initial value.
     pub stop_kinetic_fraction: Option<f64>,

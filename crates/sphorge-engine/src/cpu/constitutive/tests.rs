@@ -6,7 +6,7 @@ use sphorge_physics::return_mapping::ReturnRule;
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity};
 use sphorge_physics::{Dimension, Tensor, tensor};
 
-/// Not a multiple of any bundle.
+/// Not a multiple of the width of any SIMD vector.
 const COUNT: usize = 107;
 const DT: f64 = 2e-8;
 const COPPER: [f64; 4] = [8930.0, 3940.0, 1.49, 2.0];

@@ -4,9 +4,9 @@
 //! derives each of its bounds:
 //!
 //! - elastic strain: a particle whose strain since its last search passes a bound is searched;
-//! - strangers: particles near another body, near another piece of their own, or near material that came from afar are
-//!   searched every step ([`super::guard`]);
-//! - one-sidedness: rows of neighbours that a searched particle gains or loses are mended, so that of every pair both rows know
+//! - contact candidates: particles near another body, near another fragment of their own, or near material that came from far away are
+//!   searched every step ([`super::contact_candidates`]);
+//! - one-sidedness: rows of neighbours that a searched particle gains or loses are patched, so that of every pair both rows know
 //!   or none;
 //! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
 
@@ -23,27 +23,27 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// Ghosts are made for particles this much farther away than the kernel reaches, as a share of the reach.
 pub(super) const GHOST_MARGIN: f64 = 0.5;
 
-/// Above this share a search of everyone costs less than one of some and their neighbours.
-const EVERYONE_ABOVE: f64 = 0.5;
+/// Above this share a full search costs less than one of some and their neighbours.
+const ALL_ABOVE: f64 = 0.5;
 
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> SearchReport {
         if self.lists.stale || self.ghosts_used_up() {
-            return self.search_everyone();
+            return self.search_all();
         }
         self.follow_frame();
         if adaptive.guard.is_some() {
             let reach = self.largest_reach();
             let factor = self.model.numerics.kernel.support();
             let lists = &mut self.lists;
-            lists.guard.refresh(&self.particles, &lists.list, lists.odometer, reach, factor);
+            lists.candidates.refresh(&self.particles, &lists.list, lists.displacement, reach, factor);
         }
         let marked = self.mark(adaptive);
         let count = self.particles.len();
-        if adaptive.guard.is_some() && marked as f64 > EVERYONE_ABOVE * count as f64 {
-            return self.search_everyone();
+        if adaptive.guard.is_some() && marked as f64 > ALL_ABOVE * count as f64 {
+            return self.search_all();
         }
-        self.step.adapted_someone = marked > 0;
+        self.step.any_adapted = marked > 0;
         if marked == 0 {
             return SearchReport { searched_fraction: 0.0 };
         }
@@ -52,7 +52,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let factor = self.reach_factor();
         let one_sided = adaptive.guard.is_none();
-        let (odometer, range) = (self.lists.odometer, self.lists.smoothing_lengths);
+        let (displacement, range) = (self.lists.displacement, self.lists.smoothing_lengths);
         let super::Lists { list, searcher, points, smoothing_length, marks, to_search, stored, .. } = &mut self.lists;
         let rows = self.ghosts.halo.rows();
         // Without ghosts the particles are all there is.
@@ -70,24 +70,24 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         }
         let reach = Reach { smoothing_length, factor, range };
-        searcher.rebuild_rows(points, rows, &reach, odometer, self.instructions, list, to_search, marks, one_sided);
+        searcher.rebuild_rows(points, rows, &reach, displacement, self.instructions, list, to_search, marks, one_sided);
         if let Some(stored) = stored {
             let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::REBUILD;
-            stored.renew(list, points, searched);
+            stored.rebuild(list, points, searched);
         }
-        // Every particle that can touch another body is among strangers and was searched: all pairs of bodies are in the rows.
+        // Every particle that can touch another body is among contact candidates and was searched: all pairs of bodies are in the rows.
         self.take_contacts();
         SearchReport { searched_fraction: marked as f64 / count as f64 }
     }
 
-    /// Notes a search of everyone for what is measured from it.
-    pub(super) fn remember_search(&mut self) {
+    /// Notes a full search for what is measured from it.
+    pub(super) fn note_search(&mut self) {
         if self.keeps_distances() {
             let lists = &mut self.lists;
-            lists.stored.get_or_insert_default().renew(&lists.list, &lists.points, |_| true);
+            lists.stored.get_or_insert_default().rebuild(&lists.list, &lists.points, |_| true);
         }
         if matches!(self.model.search, Search::Adaptive(_)) {
-            self.lists.searched_when = self.lists.odometer;
+            self.lists.displacement_at_search = self.lists.displacement;
             let p = &mut self.particles;
             p.searched_at.copy_from_slice(&p.position);
             p.strain_since_search.fill(0.0);
@@ -108,14 +108,14 @@ impl<T: PairScalar> CpuEngine<T> {
     fn ghosts_used_up(&self) -> bool {
         let allowed = GHOST_MARGIN * self.largest_reach();
         !self.ghosts.halo.is_empty()
-            && !self.lists.odometer.is_within(self.lists.searched_when, allowed)
+            && !self.lists.displacement.is_within(self.lists.displacement_at_search, allowed)
             && moved_beyond(&self.particles.position, &self.particles.searched_at, allowed)
     }
 
     /// Marks the particles to be searched, returns how many.
     fn mark(&mut self, adaptive: AdaptiveSearch) -> usize {
         let count = self.particles.len();
-        let super::Lists { marks, to_search, guard, .. } = &mut self.lists;
+        let super::Lists { marks, to_search, candidates, .. } = &mut self.lists;
         marks.resize_with(count.max(marks.len()), AtomicU8::default);
         let step = self.step.count as u32;
         let Particles {
@@ -126,7 +126,7 @@ impl<T: PairScalar> CpuEngine<T> {
             plastic_since_search,
             ..
         } = &mut self.particles;
-        let (plastic_strain_increment, guard) = (&*plastic_strain_increment, &*guard);
+        let (plastic_strain_increment, candidates) = (&*plastic_strain_increment, &*candidates);
         let columns = (
             marks[..count].par_chunks_mut(CHUNK),
             adapted.par_chunks_mut(CHUNK),
@@ -139,7 +139,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 let i = c * CHUNK + k;
                 let flow = if adaptive.accumulate { plastic[k] } else { plastic_strain_increment[i] };
                 let search = flow > adaptive.plastic_strain_threshold
-                    || adaptive.guard.is_some_and(|bound| strain[k] > bound || guard.among_strangers(i));
+                    || adaptive.guard.is_some_and(|bound| strain[k] > bound || candidates.is_candidate(i));
                 *marks[k].get_mut() = if search { mark::REBUILD } else { mark::KEEP };
                 adapted[k] = u32::from(search);
                 if search {

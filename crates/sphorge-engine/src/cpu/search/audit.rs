@@ -1,9 +1,10 @@
-//! What the lists miss: a comparison with an exact search of everyone.
+//! What the lists miss: a comparison with an exact full search.
 
 use super::super::CpuEngine;
-use super::{StoredBlock, place};
+use super::super::ghosts::WithGhosts;
+use super::super::stored::StoredBlock;
+use super::place;
 use crate::Audit;
-use crate::halo::WithGhosts;
 use crate::lanes::PairScalar;
 use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, Searcher, brute_force};
 use rayon::prelude::*;

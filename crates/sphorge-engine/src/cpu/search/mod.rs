@@ -1,21 +1,20 @@
-//! When neighbour lists are renewed, and for whom: the search strategies.
+//! When neighbour lists are rebuilt, and for whom: the search strategies.
 
 mod adaptive;
 mod audit;
-mod guard;
-mod stored;
-
-pub(super) use stored::{StoredBlock, StoredPairs};
+mod contact_candidates;
 
 use super::CpuEngine;
+use super::ghosts::{Ghosts, WithGhosts};
+use super::stored::StoredPairs;
 use crate::engine::SearchReport;
-use crate::halo::{FieldSet, Ghosts, WithGhosts};
+use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds, range_of};
 use crate::particles::{Particles, Permutation};
 use crate::persist::{Archive, ArchiveError, Persist, persist_option};
-use guard::Guard;
+use contact_candidates::ContactCandidates;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::AtomicU8;
@@ -30,7 +29,7 @@ pub(super) struct Lists<T> {
     /// Distances of the last search, where the strategy keeps them.
     pub(super) stored: Option<StoredPairs<T>>,
     pub(super) permutation: Permutation,
-    /// Searches of everyone since particles were sorted.
+    /// Full searches since particles were sorted.
     pub(super) searches: u64,
     /// The list is not of these particles.
     pub(super) stale: bool,
@@ -40,15 +39,15 @@ pub(super) struct Lists<T> {
     pub(super) smoothing_length: Vec<f64>,
     /// Smallest and largest smoothing length, m.
     pub(super) smoothing_lengths: (f64, f64),
-    pub(super) odometer: DisplacementBound,
-    /// Its readings at the last search of everyone, and when the frame was made.
-    searched_when: DisplacementBound,
-    framed_when: DisplacementBound,
+    pub(super) displacement: DisplacementBound,
+    /// Its readings at the last full search, and when the frame was made.
+    displacement_at_search: DisplacementBound,
+    displacement_at_frame: DisplacementBound,
     /// What a partial search does with each row; ghosts as their sources.
     marks: Vec<AtomicU8>,
     /// Points of a partial search.
     to_search: Vec<u32>,
-    guard: Guard,
+    candidates: ContactCandidates,
 }
 
 impl<T: Default> Lists<T> {
@@ -69,10 +68,10 @@ impl<T: PairScalar> Persist for Lists<T> {
         self.points.persist(&of("points"), archive)?;
         self.smoothing_length.persist(&of("smoothing_length"), archive)?;
         self.smoothing_lengths.persist(&of("smoothing_lengths"), archive)?;
-        self.odometer.persist(&of("displacement"), archive)?;
-        self.searched_when.persist(&of("searched_when"), archive)?;
-        self.framed_when.persist(&of("framed_when"), archive)?;
-        self.guard.persist(&of("guard"), archive)
+        self.displacement.persist(&of("displacement"), archive)?;
+        self.displacement_at_search.persist(&of("displacement_at_search"), archive)?;
+        self.displacement_at_frame.persist(&of("displacement_at_frame"), archive)?;
+        self.candidates.persist(&of("guard"), archive)
     }
 }
 
@@ -85,32 +84,32 @@ impl<T> Lists<T> {
             + 32 * self.points.capacity()
             + 5 * self.marks.capacity()
             + 4 * self.to_search.capacity()
-            + self.guard.bytes()
+            + self.candidates.bytes()
     }
 }
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Makes the lists valid for the positions just reached, as the strategy has it.
-    pub(super) fn renew_lists(&mut self) -> SearchReport {
+    pub(super) fn refresh_lists(&mut self) -> SearchReport {
         let stale = self.lists.stale;
         if !(stale || self.model.thermal.mechanics) {
-            return self.search_no_one();
+            return self.keep_lists();
         }
         match self.model.search {
-            Search::EveryStep => self.search_everyone(),
+            Search::EveryStep => self.search_all(),
             Search::Skin { fraction } => {
                 if stale || self.moved_beyond_skin(fraction) {
-                    self.search_everyone()
+                    self.search_all()
                 } else {
                     self.follow_frame();
-                    self.search_no_one()
+                    self.keep_lists()
                 }
             }
             Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
-            Search::Initial if stale => self.search_everyone(),
+            Search::Initial if stale => self.search_all(),
             Search::Initial => {
                 self.follow_frame();
-                self.search_no_one()
+                self.keep_lists()
             }
         }
     }
@@ -143,34 +142,34 @@ impl<T: PairScalar> CpuEngine<T> {
         // Images in symmetry planes go other ways than their sources.
         let ways_differ = || !self.ghosts.halo.is_empty() || differ_beyond(now, then, skin);
         skin <= 0.0
-            || (!self.lists.odometer.is_within(self.lists.searched_when, 0.5 * skin)
+            || (!self.lists.displacement.is_within(self.lists.displacement_at_search, 0.5 * skin)
                 && moved_beyond(now, then, 0.5 * skin)
                 && ways_differ())
     }
 
-    fn search_no_one(&mut self) -> SearchReport {
-        if self.step.adapted_someone {
+    fn keep_lists(&mut self) -> SearchReport {
+        if self.step.any_adapted {
             self.particles.adapted.fill(0);
-            self.step.adapted_someone = false;
+            self.step.any_adapted = false;
         }
         SearchReport { searched_fraction: 0.0 }
     }
 
-    fn search_everyone(&mut self) -> SearchReport {
+    fn search_all(&mut self) -> SearchReport {
         let reach_factor = self.reach_factor();
         let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
         if self.ghosts.halo.wrap(&mut self.particles.position) {
             self.lists.searcher.forget();
-            self.lists.guard.forget();
+            self.lists.candidates.forget();
         }
         if self.ghosts.halo.rebuild(&self.particles.position, ghost_reach) {
             self.lists.searcher.forget();
         }
         self.place_points();
         let count = self.particles.len();
-        let Lists { list, searcher, points, smoothing_length, smoothing_lengths, odometer, .. } = &mut self.lists;
+        let Lists { list, searcher, points, smoothing_length, smoothing_lengths, displacement, .. } = &mut self.lists;
         let reach = Reach { smoothing_length, factor: reach_factor, range: *smoothing_lengths };
-        searcher.search(points, count, &reach, *odometer, self.instructions, list);
+        searcher.search(points, count, &reach, *displacement, self.instructions, list);
         let frame = searcher.frame::<T>();
         if !self.formulation.sees_other_bodies() {
             // Another body's material is no part of the deformation of this one.
@@ -184,13 +183,13 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.set_frame(frame);
         self.take_contacts();
-        self.lists.searched_when = self.lists.odometer;
+        self.lists.displacement_at_search = self.lists.displacement;
         self.lists.searches += 1;
         self.lists.stale = false;
         self.particles.adapted.fill(1);
         self.particles.last_searched.fill(self.step.count as u32);
-        self.step.adapted_someone = true;
-        self.remember_search();
+        self.step.any_adapted = true;
+        self.note_search();
         SearchReport { searched_fraction: 1.0 }
     }
 
@@ -223,7 +222,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// The frame of the records around the positions as they are: lists may outlive it.
     fn follow_frame(&mut self) {
-        if self.lists.odometer.is_within(self.lists.framed_when, self.largest_reach()) {
+        if self.lists.displacement.is_within(self.lists.displacement_at_frame, self.largest_reach()) {
             return;
         }
         let (mut low, mut high) = bounds(&self.particles.position);
@@ -238,11 +237,11 @@ impl<T: PairScalar> CpuEngine<T> {
 
     fn set_frame(&mut self, frame: Frame) {
         self.records.frame = frame;
-        self.lists.framed_when = self.lists.odometer;
+        self.lists.displacement_at_frame = self.lists.displacement;
         self.constants.unit = T::of(frame.unit);
     }
 
-    /// Sorting makes a search of everyone due, which some strategies must not have.
+    /// Sorting makes a full search due, which some strategies must not have.
     pub(super) fn may_sort(&self) -> bool {
         match self.model.search {
             Search::EveryStep | Search::Skin { .. } => true,
@@ -259,7 +258,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.particles.reorder(permutation);
         self.lists.stale = true;
         // It knows particles by their places.
-        self.lists.guard.forget();
+        self.lists.candidates.forget();
     }
 }
 

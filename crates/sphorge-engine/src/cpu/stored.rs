@@ -22,7 +22,7 @@ pub(crate) struct StoredBlock<T> {
 
 impl<T: PairScalar> StoredPairs<T> {
     /// Takes the distances of the rows `searched` says were searched; the others keep theirs.
-    pub(super) fn renew(
+    pub(crate) fn rebuild(
         &mut self,
         list: &NeighborList,
         points: &[Vector<f64>],
@@ -32,7 +32,7 @@ impl<T: PairScalar> StoredPairs<T> {
         self.blocks.par_iter_mut().zip(list.blocks()).enumerate().for_each(|(b, (stored, block))| {
             let first = b * BLOCK;
             if (0..block.len()).any(|k| searched(first + k)) {
-                stored.renew(block, first, points, &searched);
+                stored.rebuild(block, first, points, &searched);
             }
         });
     }
@@ -45,13 +45,13 @@ impl<T: PairScalar> StoredPairs<T> {
 
 impl<T> StoredPairs<T> {
     /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.blocks.iter().map(|b| 4 * b.starts.capacity() + size_of::<T>() * b.x.capacity()).sum()
     }
 }
 
 impl<T: PairScalar> StoredBlock<T> {
-    fn renew(&mut self, block: &Block, first: usize, points: &[Vector<f64>], searched: &impl Fn(usize) -> bool) {
+    fn rebuild(&mut self, block: &Block, first: usize, points: &[Vector<f64>], searched: &impl Fn(usize) -> bool) {
         let mut x = vec![T::zero(); 3 * block.padded_len()];
         for k in 0..block.len() {
             let i = first + k;
@@ -74,14 +74,14 @@ impl<T: PairScalar> StoredBlock<T> {
         self.starts.extend((0..=block.len()).map(|k| block.start(k) as u32));
     }
 
-    /// Component `a` of the bundle that starts at the padded entry `at` of the block.
+    /// Component `a` of the SIMD vector that starts at the padded entry `at` of the block.
     #[inline(always)]
-    pub(crate) fn bundle<L: Lanes<Element = T>>(&self, at: usize, a: usize) -> L {
+    pub(crate) fn vector<L: Lanes<Element = T>>(&self, at: usize, a: usize) -> L {
         L::load(&self.x[at / PAD * 3 * PAD + a * PAD + at % PAD..])
     }
 
     /// The distance of the pair at entry `at` of the block, m.
-    pub(super) fn distance(&self, at: usize) -> Vector<f64> {
+    pub(crate) fn distance(&self, at: usize) -> Vector<f64> {
         [0, 1, 2].map(|a| self.x[at / PAD * 3 * PAD + a * PAD + at % PAD].to_f64())
     }
 }
@@ -118,13 +118,13 @@ mod tests {
         block.push(0);
         block.end_row(1);
         let mut stored = StoredPairs::<f32>::default();
-        stored.renew(&list, &[[0.0; 3], [1.0, 2.0, 3.0]], |_| true);
+        stored.rebuild(&list, &[[0.0; 3], [1.0, 2.0, 3.0]], |_| true);
         // Row 1 grows and row 0 moves on in memory when only row 1 is searched.
-        stored.renew(&list, &[[0.5, 0.0, 0.0], [1.0, 2.0, 4.0]], |i| i == 1);
+        stored.rebuild(&list, &[[0.5, 0.0, 0.0], [1.0, 2.0, 4.0]], |i| i == 1);
         let block = stored.block(0);
         assert_eq!(block.distance(0), [-1.0, -2.0, -3.0]);
         assert_eq!(block.distance(list.blocks()[0].start(1)), [0.5, 2.0, 4.0]);
-        assert_eq!(block.bundle::<f32>(list.blocks()[0].start(1), 2), 4.0);
+        assert_eq!(block.vector::<f32>(list.blocks()[0].start(1), 2), 4.0);
         // Padding is at no distance.
         assert_eq!(block.distance(1), [0.0; 3]);
     }

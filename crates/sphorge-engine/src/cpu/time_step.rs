@@ -9,7 +9,7 @@ use crate::{LimitReason, TimeStepLimit};
 use rayon::prelude::*;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, penalty_limit, sound_limit};
 
-/// What the votes of a block are taken of, a column for each; what is not of a particle votes for a step without end.
+/// What the limits of a block are taken of, a column for each; what is not of a particle limits for a step without end.
 struct Columns {
     smoothing_length: [f64; BLOCK],
     sound_speed: [f64; BLOCK],
@@ -20,14 +20,14 @@ struct Columns {
     acceleration: [f64; BLOCK],
 }
 
-/// The smallest votes of a block by sound speed and by acceleration, s.
-struct VoteJob<'a> {
+/// The smallest limits of a block by sound speed and by acceleration, s.
+struct LimitJob<'a> {
     columns: &'a Columns,
     courant: f64,
-    votes: &'a mut (f64, f64),
+    limits: &'a mut (f64, f64),
 }
 
-impl Job<f64> for VoteJob<'_> {
+impl Job<f64> for LimitJob<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f64>>(self) {
         let columns = self.columns;
@@ -42,12 +42,12 @@ impl Job<f64> for VoteJob<'_> {
             let acceleration = L::load(&columns.acceleration[k..]).sqrt();
             by_acceleration = acceleration_limit(h, acceleration, courant).min(by_acceleration);
         }
-        *self.votes = (-(-by_sound).largest(), -(-by_acceleration).largest());
+        *self.limits = (-(-by_sound).largest(), -(-by_acceleration).largest());
     }
 }
 
-/// The smallest votes of the particles of block `b`, s.
-fn votes_of_block(model: &Model, p: &Particles, instructions: Instructions, b: usize) -> (f64, f64) {
+/// The smallest limits of the particles of block `b`, s.
+fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: usize) -> (f64, f64) {
     let mut columns = Columns {
         smoothing_length: [f64::INFINITY; BLOCK],
         sound_speed: [1.0; BLOCK],
@@ -66,15 +66,15 @@ fn votes_of_block(model: &Model, p: &Particles, instructions: Instructions, b: u
         columns.shear_modulus[k] = shear_modulus_of(&model.materials[*material as usize], p, b * BLOCK + k);
         columns.acceleration[k] = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
     }
-    let mut votes = (f64::INFINITY, f64::INFINITY);
-    run(instructions, VoteJob { columns: &columns, courant: model.time.courant, votes: &mut votes });
-    votes
+    let mut limits = (f64::INFINITY, f64::INFINITY);
+    run(instructions, LimitJob { columns: &columns, courant: model.time.courant, limits: &mut limits });
+    limits
 }
 
-/// The smallest vote of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.
-pub(super) fn vote(model: &Model, p: &Particles, contact: Option<f64>, instructions: Instructions) -> TimeStepLimit {
+/// The smallest limit of all particles, walls and contacts; `contact` is the limit of the contact between bodies, s.
+pub(super) fn limit(model: &Model, p: &Particles, contact: Option<f64>, instructions: Instructions) -> TimeStepLimit {
     let courant = model.time.courant;
-    let of_block = |b| votes_of_block(model, p, instructions, b);
+    let of_block = |b| limits_of_block(model, p, instructions, b);
     // A minimum does not depend on the order it is taken in.
     let (by_sound, by_acceleration) = (0..p.len().div_ceil(BLOCK))
         .into_par_iter()
@@ -83,21 +83,16 @@ pub(super) fn vote(model: &Model, p: &Particles, contact: Option<f64>, instructi
     let particles = TimeStepLimit { dt: by_sound, reason: LimitReason::SoundSpeed }
         .min(TimeStepLimit { dt: by_acceleration, reason: LimitReason::Acceleration });
     let contact = contact.map(|limit| TimeStepLimit { dt: courant * limit, reason: LimitReason::Contact });
-    model
-        .walls
-        .iter()
-        .filter_map(|w| contact_vote(model, &w.contact))
-        .chain(contact)
-        .fold(particles, TimeStepLimit::min)
+    model.walls.iter().filter_map(|w| wall_limit(model, &w.contact)).chain(contact).fold(particles, TimeStepLimit::min)
 }
 
-/// The vote of conduction, whose limit is given, s.
-pub(super) fn conduction_vote(model: &Model, limit: Option<f64>) -> TimeStepLimit {
+/// The limit of conduction, whose limit is given, s.
+pub(super) fn conduction_limit(model: &Model, limit: Option<f64>) -> TimeStepLimit {
     TimeStepLimit { dt: model.time.courant * limit.unwrap_or(f64::INFINITY), reason: LimitReason::Conduction }
 }
 
 /// Step that resolves the contact spring of a penalty wall, for the body with the fastest one.
-fn contact_vote(model: &Model, contact: &WallContact) -> Option<TimeStepLimit> {
+fn wall_limit(model: &Model, contact: &WallContact) -> Option<TimeStepLimit> {
     let WallContact::Penalty { stiffness, .. } = *contact else { return None };
     let fastest = model
         .bodies

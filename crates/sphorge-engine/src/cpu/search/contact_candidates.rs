@@ -1,9 +1,9 @@
-//! Who may meet strangers: material that the strain of a particle says nothing of.
+//! Who may meet contact candidates: material that the strain of a particle says nothing of.
 //!
 //! Space is divided into cells twice as wide as the kernel reaches. Two particles within reach of each other now were in
 //! adjacent cells when they were sorted, as long as none has moved by more than half of the reach since. So every pair of
-//! strangers is found by looking at cells: a particle is among strangers if the cells around it hold another body, another
-//! piece of its own body, or material that came from farther apart than such cells can hold.
+//! contact candidates is found by looking at cells: a particle is among contact candidates if the cells around it hold another body, another
+//! fragment of its own body, or material that came from farther apart than such cells can hold.
 
 use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
 use crate::particles::Particles;
@@ -18,96 +18,96 @@ const CELL_WIDTH: f64 = 2.0;
 /// case it has turned, and a fifth for strain.
 const FARTHEST: f64 = 6.2;
 
-/// Particles that were farther apart at the start than this, in units of the support, do not hold pieces together.
+/// Particles that were farther apart at the start than this, in units of the support, do not hold fragments together.
 const PARTED: f64 = 1.5;
 
 /// Cells, and what is in them.
 #[derive(Debug, Default)]
-pub(super) struct Guard {
+pub(super) struct ContactCandidates {
     cells: CellGrid,
     /// Positions when particles were sorted into cells, m, and the displacement bound then, m.
     sorted_at: Vec<Vector<f64>>,
-    sorted_when: DisplacementBound,
-    pieces: Pieces,
+    displacement_at_sort: DisplacementBound,
+    fragments: Fragments,
     contents: Vec<Content>,
-    strangers_near: Vec<bool>,
-    among_strangers: Vec<bool>,
+    candidates_near: Vec<bool>,
+    is_candidate: Vec<bool>,
 }
 
 /// What is in a cell, or in the cells around one.
 #[derive(Clone, Copy, Debug)]
 struct Content {
-    /// Smallest and largest number of a piece.
-    pieces: (u32, u32),
-    /// Where the material was when everyone was searched, m.
+    /// Smallest and largest number of a fragment.
+    fragments: (u32, u32),
+    /// Where the material was at the last full search, m.
     low: Vector<f64>,
     high: Vector<f64>,
 }
 
 impl Content {
-    const NOTHING: Self = Self { pieces: (u32::MAX, 0), low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    const NOTHING: Self = Self { fragments: (u32::MAX, 0), low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     fn add(&mut self, other: &Self) {
-        self.pieces = (self.pieces.0.min(other.pieces.0), self.pieces.1.max(other.pieces.1));
+        self.fragments = (self.fragments.0.min(other.fragments.0), self.fragments.1.max(other.fragments.1));
         for a in 0..3 {
             self.low[a] = self.low[a].min(other.low[a]);
             self.high[a] = self.high[a].max(other.high[a]);
         }
     }
 
-    fn strange(&self, farthest: f64) -> bool {
-        self.pieces.0 != self.pieces.1 || (0..3).any(|a| self.high[a] - self.low[a] > farthest)
+    fn holds_candidates(&self, farthest: f64) -> bool {
+        self.fragments.0 != self.fragments.1 || (0..3).any(|a| self.high[a] - self.low[a] > farthest)
     }
 }
 
-impl Guard {
-    /// Finds who is among strangers, if particles have moved far enough since it was last found.
+impl ContactCandidates {
+    /// Finds who is among contact candidates, if particles have moved far enough since it was last found.
     pub(super) fn refresh(
         &mut self,
         particles: &Particles,
         list: &NeighborList,
-        odometer: DisplacementBound,
+        displacement: DisplacementBound,
         reach: f64,
         support: f64,
     ) {
         let allowed = 0.5 * (CELL_WIDTH - 1.0) * reach;
         if self.sorted_at.len() == particles.len()
-            && (odometer.is_within(self.sorted_when, allowed)
+            && (displacement.is_within(self.displacement_at_sort, allowed)
                 || !super::moved_beyond(&particles.position, &self.sorted_at, allowed))
         {
             return;
         }
         self.sorted_at.clone_from(&particles.position);
-        self.sorted_when = odometer;
+        self.displacement_at_sort = displacement;
         let size = CELL_WIDTH * reach;
         self.cells.sort(&particles.position, size);
-        self.pieces.find(particles, list, support);
+        self.fragments.find(particles, list, support);
 
-        let (cells, pieces) = (&self.cells, &self.pieces.of);
+        let (cells, fragments) = (&self.cells, &self.fragments.of);
         self.contents.resize(cells.cells(), Content::NOTHING);
         self.contents.par_iter_mut().enumerate().for_each(|(c, content)| {
             *content = Content::NOTHING;
             for &i in cells.members(c) {
-                let (piece, at) = (pieces[i as usize], particles.searched_at[i as usize]);
-                content.add(&Content { pieces: (piece, piece), low: at, high: at });
+                let (fragment, at) = (fragments[i as usize], particles.searched_at[i as usize]);
+                content.add(&Content { fragments: (fragment, fragment), low: at, high: at });
             }
         });
         let contents = &self.contents;
-        self.strangers_near.resize(cells.cells(), false);
-        self.strangers_near.par_iter_mut().enumerate().for_each(|(c, strangers)| {
-            *strangers = !cells.members(c).is_empty() && {
+        self.candidates_near.resize(cells.cells(), false);
+        self.candidates_near.par_iter_mut().enumerate().for_each(|(c, has_candidates)| {
+            *has_candidates = !cells.members(c).is_empty() && {
                 let mut around = Content::NOTHING;
                 cells.cells_around(c).for_each(|other| around.add(&contents[other]));
-                around.strange(FARTHEST * size)
+                around.holds_candidates(FARTHEST * size)
             };
         });
-        self.among_strangers.clear();
-        self.among_strangers.extend((0..particles.len()).map(|i| self.strangers_near[cells.cell_of(i)]));
+        self.is_candidate.clear();
+        self.is_candidate.extend((0..particles.len()).map(|i| self.candidates_near[cells.cell_of(i)]));
     }
 
-    /// Whether the particle may have strangers within reach.
-    pub(super) fn among_strangers(&self, i: usize) -> bool {
-        self.among_strangers[i]
+    /// Whether the particle may have contact candidates within reach.
+    pub(super) fn is_candidate(&self, i: usize) -> bool {
+        self.is_candidate[i]
     }
 
     /// Makes the next [`Self::refresh`] look anew.
@@ -119,23 +119,23 @@ impl Guard {
     pub(super) fn bytes(&self) -> usize {
         self.cells.bytes()
             + 24 * self.sorted_at.capacity()
-            + 4 * self.pieces.of.capacity()
+            + 4 * self.fragments.of.capacity()
             + size_of::<Content>() * self.contents.capacity()
-            + self.strangers_near.capacity()
-            + self.among_strangers.capacity()
+            + self.candidates_near.capacity()
+            + self.is_candidate.capacity()
     }
 }
 
-/// Pieces: particles of a body that neighbours hold together.
+/// Fragments: particles of a body that neighbours hold together.
 #[derive(Debug, Default)]
-struct Pieces {
-    /// Smallest index of a particle of the same piece.
+struct Fragments {
+    /// Smallest index of a particle of the same fragment.
     of: Vec<u32>,
 }
 
-impl Pieces {
+impl Fragments {
     /// Joins particles of one body that are in the list, within the kernel support of each other, and were not much farther apart at
-    /// the start: pieces that meet stay pieces.
+    /// the start: fragments that meet stay fragments.
     fn find(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
         self.of.clear();
         self.of.extend(0..particles.len() as u32);
@@ -175,13 +175,13 @@ impl Pieces {
     }
 }
 
-impl Persist for Guard {
+impl Persist for ContactCandidates {
     /// Cells and what is in them follow from where particles were sorted; fragments are found with the lists of that time and saved.
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.sorted_at.persist(&format!("{name}.sorted_at"), archive)?;
-        self.sorted_when.persist(&format!("{name}.sorted_when"), archive)?;
-        self.pieces.of.persist(&format!("{name}.fragments"), archive)?;
-        self.among_strangers.persist(&format!("{name}.candidates"), archive)
+        self.displacement_at_sort.persist(&format!("{name}.displacement_at_sort"), archive)?;
+        self.fragments.of.persist(&format!("{name}.fragments"), archive)?;
+        self.is_candidate.persist(&format!("{name}.candidates"), archive)
     }
 }
 
@@ -206,20 +206,20 @@ mod tests {
     fn flags(particles: &Particles, searched_at: &[Vector<f64>]) -> Vec<bool> {
         let reach = Reach::new(&particles.smoothing_length, 2.0);
         let list = brute_force(&particles.position, 10, &reach);
-        let mut guard = Guard::default();
+        let mut candidates = ContactCandidates::default();
         let mut particles = particles.clone();
         particles.searched_at = searched_at.to_vec();
         particles.origin = searched_at.to_vec();
-        guard.refresh(&particles, &list, DisplacementBound::default(), 1.2, 2.0);
-        (0..10).map(|i| guard.among_strangers(i)).collect()
+        candidates.refresh(&particles, &list, DisplacementBound::default(), 1.2, 2.0);
+        (0..10).map(|i| candidates.is_candidate(i)).collect()
     }
 
     #[test]
-    fn whole_material_has_no_strangers_and_pieces_and_bodies_have() {
+    fn whole_material_has_no_candidates_and_fragments_and_bodies_have() {
         let whole = broken_row(0.0, 0);
         assert_eq!(flags(&whole, &whole.position), [false; 10]);
-        let pieces = broken_row(1.5, 0);
-        let near = flags(&pieces, &pieces.position);
+        let fragments = broken_row(1.5, 0);
+        let near = flags(&fragments, &fragments.position);
         assert!(near[4] && near[5] && !near[0], "{near:?}");
         let bodies = broken_row(0.0, 1);
         let near = flags(&bodies, &bodies.position);
