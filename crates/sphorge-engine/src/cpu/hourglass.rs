@@ -136,31 +136,26 @@ impl<T: PairScalar> CpuEngine<T> {
         let (kinematic, records, model) = (&self.records.kinematic, &self.records.hourglass, &self.model);
         let Particles { acceleration, energy_rate, mass, reference_volume, .. } = &mut self.particles;
         let (mass, volume) = (&*mass, &*reference_volume);
-        dispatch_dimension!(super::dimension(model), |D| {
-            (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK))
-                .into_par_iter()
-                .enumerate()
-                .for_each(|(b, (acceleration, energy_rate))| {
-                    let mut sums = [SpringSums::zero(); BLOCK];
-                    let job = HourglassJob::<T, D> {
-                        kinematic,
-                        records,
-                        first: b * BLOCK,
-                        block: &list.blocks()[b],
-                        constants,
-                        sums: &mut sums,
-                    };
-                    run(instructions, job);
-                    for k in 0..acceleration.len() {
-                        let i = b * BLOCK + k;
-                        let factor = volume[i] / mass[i];
-                        for a in 0..3 {
-                            acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
-                        }
-                        energy_rate[k] += factor * sums[k].energy_rate.to_f64();
-                    }
+        let dimension = super::dimension(model);
+        (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK)).into_par_iter().enumerate().for_each(
+            |(b, (acceleration, energy_rate))| {
+                let mut sums = [SpringSums::zero(); BLOCK];
+                let block = &list.blocks()[b];
+                dispatch_dimension!(dimension, |D| {
+                    let first = b * BLOCK;
+                    let sums = &mut sums;
+                    run(instructions, HourglassJob::<T, D> { kinematic, records, first, block, constants, sums });
                 });
-        });
+                for k in 0..acceleration.len() {
+                    let i = b * BLOCK + k;
+                    let factor = volume[i] / mass[i];
+                    for a in 0..3 {
+                        acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
+                    }
+                    energy_rate[k] += factor * sums[k].energy_rate.to_f64();
+                }
+            },
+        );
     }
 
     /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation

@@ -14,44 +14,6 @@ use rayon::prelude::*;
 use sphorge_physics::viscosity::ViscosityParameters;
 use sphorge_physics::{Dimension, pair};
 
-/// Runs an expression with the dimension `D` and the choice `CORRECTED` as compile-time constants.
-macro_rules! dispatch_sweep {
-    ($dimension:expr, $corrected:expr, |$d:ident, $c:ident| $body:expr) => {
-        match ($dimension, $corrected) {
-            (Dimension::One, false) => {
-                const $d: usize = 1;
-                const $c: bool = false;
-                $body
-            }
-            (Dimension::Two, false) => {
-                const $d: usize = 2;
-                const $c: bool = false;
-                $body
-            }
-            (Dimension::Three, false) => {
-                const $d: usize = 3;
-                const $c: bool = false;
-                $body
-            }
-            (Dimension::One, true) => {
-                const $d: usize = 1;
-                const $c: bool = true;
-                $body
-            }
-            (Dimension::Two, true) => {
-                const $d: usize = 2;
-                const $c: bool = true;
-                $body
-            }
-            (Dimension::Three, true) => {
-                const $d: usize = 3;
-                const $c: bool = true;
-                $body
-            }
-        }
-    };
-}
-
 /// Runs an expression with the dimension `D` as a compile-time constant.
 macro_rules! dispatch_dimension {
     ($dimension:expr, |$d:ident| $body:expr) => {
@@ -72,15 +34,17 @@ macro_rules! dispatch_dimension {
     };
 }
 
-pub(super) use {dispatch_dimension, dispatch_sweep};
+pub(super) use dispatch_dimension;
 
-/// The sums of the first sweep, block by block, over the records as they are.
+/// The sums of the first sweep, block by block, over the records as they are. The compiled variant is chosen once a block: loops over
+/// blocks are compiled but once.
 pub(super) struct GradientSweep<'a, T> {
     records: &'a [[T; kinematic::LEN]],
     list: &'a NeighborList,
     stored: Option<&'a StoredPairs<T>>,
     constants: &'a PairConstants<T>,
     instructions: Instructions,
+    dimension: Dimension,
 }
 
 impl<'a, T: PairScalar> GradientSweep<'a, T> {
@@ -89,18 +53,66 @@ impl<'a, T: PairScalar> GradientSweep<'a, T> {
         lists: &'a Lists<T>,
         constants: &'a PairConstants<T>,
         instructions: Instructions,
+        dimension: Dimension,
     ) -> Self {
-        Self { records: &records.kinematic, list: &lists.list, stored: lists.stored.as_ref(), constants, instructions }
+        let stored = lists.stored.as_ref();
+        Self { records: &records.kinematic, list: &lists.list, stored, constants, instructions, dimension }
     }
 
-    /// Sums of the particles of block `b`.
-    pub(super) fn block<const D: usize, const CORRECTED: bool>(&self, b: usize, sums: &mut [GradientSum<T>; BLOCK]) {
+    /// Sums of the particles of block `b`; with `moments`, those of the gradient correction too.
+    pub(super) fn block(&self, b: usize, moments: bool, sums: &mut [GradientSum<T>; BLOCK]) {
+        dispatch_dimension!(self.dimension, |D| {
+            if moments { self.variant::<D, true>(b, sums) } else { self.variant::<D, false>(b, sums) }
+        });
+    }
+
+    fn variant<const D: usize, const CORRECTED: bool>(&self, b: usize, sums: &mut [GradientSum<T>; BLOCK]) {
         let job = GradientJob::<T, D, CORRECTED> {
             records: self.records,
             first: b * BLOCK,
             block: &self.list.blocks()[b],
             stored: self.stored.map(|s| s.block(b)),
             constants: self.constants,
+            sums,
+        };
+        run(self.instructions, job);
+    }
+}
+
+/// The sums of the second sweep, block by block.
+struct ForceSweep<'a, T> {
+    records: &'a Records<T>,
+    list: &'a NeighborList,
+    stored: Option<&'a StoredPairs<T>>,
+    constants: &'a PairConstants<T>,
+    instructions: Instructions,
+    dimension: Dimension,
+    corrected: bool,
+    terms: &'a ForceTerms<T>,
+}
+
+impl<T: PairScalar> ForceSweep<'_, T> {
+    /// Sums of the particles of block `b`. Corrected sums have no variant for the default terms: few decks ask for both.
+    fn block(&self, b: usize, default_terms: bool, sums: &mut [ForceSum<T>; BLOCK]) {
+        dispatch_dimension!(self.dimension, |D| match (self.corrected, default_terms) {
+            (true, _) => self.variant::<D, true, false>(b, sums),
+            (false, true) => self.variant::<D, false, true>(b, sums),
+            (false, false) => self.variant::<D, false, false>(b, sums),
+        });
+    }
+
+    fn variant<const D: usize, const CORRECTED: bool, const DEFAULT: bool>(
+        &self,
+        b: usize,
+        sums: &mut [ForceSum<T>; BLOCK],
+    ) {
+        let job = ForceJob::<T, D, CORRECTED, DEFAULT> {
+            records: self.records,
+            first: b * BLOCK,
+            block: &self.list.blocks()[b],
+            stored: self.stored.map(|s| s.block(b)),
+            constants: self.constants,
+            terms: self.terms,
             sums,
         };
         run(self.instructions, job);
@@ -143,57 +155,42 @@ impl<T: PairScalar> CpuEngine<T> {
             energy_split: numerics.energy_split,
         };
         let default_terms = terms.are_default(numerics.kernel);
-        dispatch_sweep!(dimension, self.corrected(), |D, CORRECTED| {
-            let records = &self.records;
-            let (lists, constants, strength) = (&self.lists, &self.constants, numerics.xsph);
-            let instructions = self.instructions;
-            let Particles { acceleration, energy_rate, mass, xsph, mu, .. } = &mut self.particles;
-            let mass = &*mass;
-            let room = || [ForceSum::zero(); BLOCK];
-            (
-                acceleration.par_chunks_mut(BLOCK),
-                energy_rate.par_chunks_mut(BLOCK),
-                xsph.par_chunks_mut(BLOCK),
-                mu.par_chunks_mut(BLOCK),
-            )
-                .into_par_iter()
-                .enumerate()
-                .for_each_init(room, |sums, (b, (a, e, x, mu))| {
-                    let first = b * BLOCK;
-                    let block = &lists.list.blocks()[b];
-                    let stored = lists.stored.as_ref().map(|s| s.block(b));
-                    let terms = &terms;
-                    if default_terms {
-                        let sums = &mut *sums;
-                        let job =
-                            ForceJob::<T, D, CORRECTED, true> { records, first, block, stored, constants, terms, sums };
-                        run(instructions, job);
-                    } else {
-                        let sums = &mut *sums;
-                        let job = ForceJob::<T, D, CORRECTED, false> {
-                            records,
-                            first,
-                            block,
-                            stored,
-                            constants,
-                            terms,
-                            sums,
-                        };
-                        run(instructions, job);
+        let strength = numerics.xsph;
+        let sweep = ForceSweep {
+            records: &self.records,
+            list: &self.lists.list,
+            stored: self.lists.stored.as_ref(),
+            constants: &self.constants,
+            instructions: self.instructions,
+            dimension,
+            corrected: self.corrected(),
+            terms: &terms,
+        };
+        let Particles { acceleration, energy_rate, mass, xsph, mu, .. } = &mut self.particles;
+        let mass = &*mass;
+        let room = || [ForceSum::zero(); BLOCK];
+        (
+            acceleration.par_chunks_mut(BLOCK),
+            energy_rate.par_chunks_mut(BLOCK),
+            xsph.par_chunks_mut(BLOCK),
+            mu.par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each_init(room, |sums, (b, (a, e, x, mu))| {
+                sweep.block(b, default_terms, sums);
+                for (k, sum) in sums.iter().enumerate().take(a.len()) {
+                    let i = b * BLOCK + k;
+                    let weight = sweep.records.force[i][super::records::force::WEIGHT].to_f64();
+                    let outer = pair::momentum_factor(pair_form, mass[i], weight);
+                    a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
+                    e[k] = sum.energy_rate.to_f64() * outer;
+                    x[k] = sum.xsph.map(|v| v.to_f64() * strength);
+                    if mu_of_pairs {
+                        mu[k] = sum.mu.to_f64();
                     }
-                    for (k, sum) in sums.iter().enumerate().take(a.len()) {
-                        let i = b * BLOCK + k;
-                        let weight = records.force[i][super::records::force::WEIGHT].to_f64();
-                        let outer = pair::momentum_factor(pair_form, mass[i], weight);
-                        a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
-                        e[k] = sum.energy_rate.to_f64() * outer;
-                        x[k] = sum.xsph.map(|v| v.to_f64() * strength);
-                        if mu_of_pairs {
-                            mu[k] = sum.mu.to_f64();
-                        }
-                    }
-                });
-        });
+                }
+            });
     }
 
     /// `1 / w(spacing/h)` of the artificial stress: shapes, not kernels, so that bodies of other spacings have the same ratio.

@@ -9,7 +9,7 @@ use super::Formulation;
 use crate::cpu::CpuEngine;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
-use crate::cpu::sweeps::{GradientSweep, dispatch_sweep};
+use crate::cpu::sweeps::GradientSweep;
 use crate::lanes::PairScalar;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
@@ -76,7 +76,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         }
         let dimension = crate::cpu::dimension(&engine.model);
         let dt = engine.step.dt;
-        let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+        let sweep =
+            GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
         let Particles {
             velocity_gradient,
             neighbors,
@@ -90,30 +91,28 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             ..
         } = &mut engine.particles;
         let (mass, volume, h, correction) = (&*mass, &*reference_volume, &*smoothing_length, &*correction);
-        dispatch_sweep!(dimension, false, |D, CORRECTED| {
-            (
-                velocity_gradient.par_chunks_mut(BLOCK),
-                neighbors.par_chunks_mut(BLOCK),
-                density.par_chunks_mut(BLOCK),
-                deformation.par_chunks_mut(BLOCK),
-                mu.par_chunks_mut(BLOCK),
-            )
-                .into_par_iter()
-                .enumerate()
-                .for_each(|(b, (l, n, rho, f, mu))| {
-                    let mut sums = [GradientSum::zero(); BLOCK];
-                    sweep.block::<D, CORRECTED>(b, &mut sums);
-                    for k in 0..l.len() {
-                        let i = b * BLOCK + k;
-                        let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
-                        let rate = tensor::multiply(&sum, &tensor::transpose(&correction[i]));
-                        l[k] = deform(&mut f[k], &rate, dt);
-                        rho[k] = density_of(mass[i], volume[i], &f[k]);
-                        n[k] = sums[k].inside;
-                        mu[k] = bulk_mu(&l[k], h[i]);
-                    }
-                });
-        });
+        (
+            velocity_gradient.par_chunks_mut(BLOCK),
+            neighbors.par_chunks_mut(BLOCK),
+            density.par_chunks_mut(BLOCK),
+            deformation.par_chunks_mut(BLOCK),
+            mu.par_chunks_mut(BLOCK),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, (l, n, rho, f, mu))| {
+                let mut sums = [GradientSum::zero(); BLOCK];
+                sweep.block(b, false, &mut sums);
+                for k in 0..l.len() {
+                    let i = b * BLOCK + k;
+                    let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
+                    let rate = tensor::multiply(&sum, &tensor::transpose(&correction[i]));
+                    l[k] = deform(&mut f[k], &rate, dt);
+                    rho[k] = density_of(mass[i], volume[i], &f[k]);
+                    n[k] = sums[k].inside;
+                    mu[k] = bulk_mu(&l[k], h[i]);
+                }
+            });
         engine.count_pairs();
     }
 
@@ -139,16 +138,14 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
 /// The gradient correction of the initial configuration.
 fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
     let dimension: Dimension = crate::cpu::dimension(&engine.model);
-    let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+    let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
     let correction = &mut engine.particles.correction;
-    dispatch_sweep!(dimension, true, |D, CORRECTED| {
-        correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
-            let mut sums = [GradientSum::zero(); BLOCK];
-            sweep.block::<D, CORRECTED>(b, &mut sums);
-            for (k, b_i) in correction.iter_mut().enumerate() {
-                let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
-                *b_i = gradient_correction::gradient_correction(&moment, dimension);
-            }
-        });
+    correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
+        let mut sums = [GradientSum::zero(); BLOCK];
+        sweep.block(b, true, &mut sums);
+        for (k, b_i) in correction.iter_mut().enumerate() {
+            let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
+            *b_i = gradient_correction::gradient_correction(&moment, dimension);
+        }
     });
 }

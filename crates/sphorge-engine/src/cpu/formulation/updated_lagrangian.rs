@@ -4,14 +4,14 @@ use super::Formulation;
 use crate::cpu::CpuEngine;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
-use crate::cpu::sweeps::{GradientSweep, dispatch_sweep};
+use crate::cpu::sweeps::GradientSweep;
 use crate::lanes::PairScalar;
 use crate::model::{GradientCorrection, Integrator, Model};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector, gradient_correction, pair, stress, tensor};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector, gradient_correction, pair, stress, tensor};
 
 pub(super) struct UpdatedLagrangian;
 
@@ -53,48 +53,44 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         let dimension = crate::cpu::dimension(model);
         let form = model.numerics.pair_form;
         let dt = engine.step.dt_to_evaluation(model.numerics.integrator);
-        let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+        let corrected = self.is_corrected_form(model);
+        let sweep =
+            GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
         let Particles { velocity_gradient, neighbors, density, correction, .. } = &mut engine.particles;
-        dispatch_sweep!(dimension, self.is_corrected_form(model), |D, CORRECTED| {
-            let room = || [GradientSum::zero(); BLOCK];
-            let finish =
-                |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
-                    let scale = pair::gradient_factor(form, stress::predicted_density(*rho, last, half));
-                    let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
-                    if let Some(b_i) = correction {
-                        let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
-                        *b_i = gradient_correction::gradient_correction(&moment, dimension);
-                        l = tensor::multiply(&l, &tensor::transpose(b_i));
-                    }
-                    *rho = stress::density_after(*rho, &l, dt);
-                    l
-                };
-            let columns = (
-                velocity_gradient.par_chunks_mut(BLOCK),
-                neighbors.par_chunks_mut(BLOCK),
-                density.par_chunks_mut(BLOCK),
-            );
-            if CORRECTED {
-                (columns.0, columns.1, columns.2, correction.par_chunks_mut(BLOCK))
-                    .into_par_iter()
-                    .enumerate()
-                    .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
-                        sweep.block::<D, CORRECTED>(b, sums);
-                        for k in 0..l.len() {
-                            l[k] = finish(&sums[k], &mut rho[k], &l[k], Some(&mut correction[k]));
-                            n[k] = sums[k].inside;
-                        }
-                    });
-            } else {
-                columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
-                    sweep.block::<D, CORRECTED>(b, sums);
+        let room = || [GradientSum::zero(); BLOCK];
+        let finish = |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
+            let scale = pair::gradient_factor(form, stress::predicted_density(*rho, last, half));
+            let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
+            if let Some(b_i) = correction {
+                let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
+                *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                l = tensor::multiply(&l, &tensor::transpose(b_i));
+            }
+            *rho = stress::density_after(*rho, &l, dt);
+            l
+        };
+        let columns =
+            (velocity_gradient.par_chunks_mut(BLOCK), neighbors.par_chunks_mut(BLOCK), density.par_chunks_mut(BLOCK));
+        if corrected {
+            (columns.0, columns.1, columns.2, correction.par_chunks_mut(BLOCK))
+                .into_par_iter()
+                .enumerate()
+                .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
+                    sweep.block(b, true, sums);
                     for k in 0..l.len() {
-                        l[k] = finish(&sums[k], &mut rho[k], &l[k], None);
+                        l[k] = finish(&sums[k], &mut rho[k], &l[k], Some(&mut correction[k]));
                         n[k] = sums[k].inside;
                     }
                 });
-            }
-        });
+        } else {
+            columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
+                sweep.block(b, false, sums);
+                for k in 0..l.len() {
+                    l[k] = finish(&sums[k], &mut rho[k], &l[k], None);
+                    n[k] = sums[k].inside;
+                }
+            });
+        }
         engine.count_pairs();
     }
 
@@ -113,18 +109,17 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         let model = &*engine.model;
         let dimension = crate::cpu::dimension(model);
         let form = model.numerics.pair_form;
-        let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions);
+        let sweep =
+            GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
         let Particles { density, correction, .. } = &mut engine.particles;
-        dispatch_sweep!(dimension, true, |D, CORRECTED| {
-            correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
-                let mut sums = [GradientSum::zero(); BLOCK];
-                sweep.block::<D, CORRECTED>(b, &mut sums);
-                for (k, b_i) in correction.iter_mut().enumerate() {
-                    let scale = pair::gradient_factor(form, density[b * BLOCK + k]);
-                    let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
-                    *b_i = gradient_correction::gradient_correction(&moment, dimension);
-                }
-            });
+        correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
+            let mut sums = [GradientSum::zero(); BLOCK];
+            sweep.block(b, true, &mut sums);
+            for (k, b_i) in correction.iter_mut().enumerate() {
+                let scale = pair::gradient_factor(form, density[b * BLOCK + k]);
+                let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
+                *b_i = gradient_correction::gradient_correction(&moment, dimension);
+            }
         });
     }
 
