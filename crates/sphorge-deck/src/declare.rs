@@ -2,8 +2,7 @@
 //! is read, and what the rest of the program knows of the keys ([`TableKeys`]).
 
 use super::expected::{Expected, Key, TableKeys};
-use super::value::Spanned;
-use super::written::{Content, Written, key_span};
+use super::written::{Content, Spanned, Written, key_span};
 use std::slice::Iter;
 use toml_edit::TableLike;
 
@@ -37,7 +36,11 @@ impl<T: Read> Read for Vec<T> {
     const EXPECTED: &'static Expected = &Expected::List(T::EXPECTED);
     fn read(written: Written<'_>) -> Option<Self> {
         let Content::List(entries) = written.content() else { return None };
-        entries.into_iter().map(T::read).collect()
+        let mut values = Self::with_capacity(entries.len());
+        for entry in entries {
+            values.push(T::read(entry)?);
+        }
+        Some(values)
     }
 }
 
@@ -70,10 +73,13 @@ impl<T: Read> Read for Named<T> {
     const EXPECTED: &'static Expected = &Expected::Named(T::EXPECTED);
     fn read(written: Written<'_>) -> Option<Self> {
         let Content::Table(table) = written.content() else { return None };
-        let entry =
-            |(key, item)| Some((Spanned::new(str::to_owned(key), key_span(table, key)), T::read(Written::Item(item))?));
-        let mut entries: Vec<_> = table.iter().map(entry).collect::<Option<_>>()?;
-        entries.sort_by(|one, other| one.0.get_ref().cmp(other.0.get_ref()));
+        let mut names: Vec<&str> = table.iter().map(|(name, _)| name).collect();
+        names.sort_unstable();
+        let mut entries = Vec::with_capacity(names.len());
+        for name in names {
+            let entry = T::read(Written::Item(table.get(name)?))?;
+            entries.push((Spanned::new(name.to_owned(), key_span(table, name)), entry));
+        }
         Some(Self(entries))
     }
 }

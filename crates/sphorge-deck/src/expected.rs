@@ -21,7 +21,9 @@ pub(crate) enum Expected {
     Words(Words),
     /// A quantity; the name of its kind in the schema.
     Quantity(&'static str, QuantityKind),
-    /// A vector of one to three such quantities.
+    /// A quantity that is a constant of a law.
+    Constant(QuantityKind),
+    /// A vector of one to three quantities.
     Vector(&'static Expected),
     /// A list of any length.
     List(&'static Expected),

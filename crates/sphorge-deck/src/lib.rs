@@ -17,6 +17,7 @@ mod placement;
 pub(crate) mod quantity;
 pub(crate) mod raw;
 mod report;
+mod scalar;
 mod schema;
 mod strategy;
 mod unit;

@@ -3,7 +3,7 @@
 use super::expected::{Expected, Key, TableKeys, Words, lines};
 use super::keys::DECK;
 use super::quantity::QuantityKind;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use std::sync::LazyLock;
 
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
@@ -12,7 +12,7 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     root.insert("$schema".to_owned(), "https://json-schema.org/draft/2020-12/schema".into());
     root.insert("title".to_owned(), "Sphorge deck".into());
     if let Some(deck) = DECK.table() {
-        root.extend(definitions.table(deck));
+        root.append(&mut definitions.table(deck));
     }
     root.insert("$defs".to_owned(), Value::Object(definitions.0));
     Value::Object(root)
@@ -29,108 +29,139 @@ pub fn schema() -> &'static Value {
 #[derive(Default)]
 struct Definitions(Map<String, Value>);
 
-fn object(value: Value) -> Map<String, Value> {
-    match value {
-        Value::Object(map) => map,
-        _ => Map::new(),
+fn map<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
+    let mut map = Map::new();
+    add(&mut map, entries);
+    map
+}
+
+fn add<const N: usize>(map: &mut Map<String, Value>, entries: [(&str, Value); N]) {
+    for (keyword, value) in entries {
+        map.insert(keyword.to_owned(), value);
     }
 }
 
+fn number_or_text() -> Map<String, Value> {
+    map([("type", Value::Array(vec!["number".into(), "string".into()]))])
+}
+
 impl Definitions {
-    /// A reference to what `describe` makes of it, once.
-    fn refer(&mut self, name: &str, describe: impl FnOnce(&mut Self) -> Value) -> Value {
+    /// A reference to the description of what is expected, which is written at the first.
+    fn refer(&mut self, name: &str, expected: &Expected) -> Map<String, Value> {
         if !self.0.contains_key(name) {
             // Holds the place: a shape is made of shapes.
             self.0.insert(name.to_owned(), Value::Null);
-            let description = describe(self);
-            self.0.insert(name.to_owned(), description);
+            let description = self.described(expected);
+            self.0.insert(name.to_owned(), Value::Object(description));
         }
-        json!({ "$ref": format!("#/$defs/{name}") })
+        map([("$ref", format!("#/$defs/{name}").into())])
+    }
+
+    /// What is expected, by reference where it has a name.
+    fn named(&mut self, expected: &Expected) -> Map<String, Value> {
+        match expected {
+            Expected::Words(words) => self.refer(words.name, expected),
+            Expected::Quantity(name, _) => self.refer(name, expected),
+            Expected::Vector(Expected::Quantity(name, _)) => self.refer(&format!("{name}Vector"), expected),
+            Expected::Table(table) | Expected::Laws(table) => self.refer(table().name, expected),
+            _ => self.described(expected),
+        }
     }
 
     fn value(&mut self, expected: &Expected) -> Value {
-        match *expected {
-            Expected::Text => json!({ "type": "string" }),
-            Expected::Flag => json!({ "type": "boolean" }),
-            Expected::Count => json!({ "type": "integer", "minimum": 0 }),
-            Expected::Level => json!({ "type": ["number", "string"] }),
-            Expected::Word(word) => json!({ "const": word }),
-            Expected::Words(words) => self.refer(words.name, |_| one_of(words)),
-            Expected::Quantity("", kind) => json!({ "type": ["number", "string"], "x-unit": kind.si_unit }),
-            Expected::Quantity(name, kind) => self.refer(name, |_| quantity(kind)),
-            Expected::Vector(component) => match *component {
-                Expected::Quantity(name, kind) => {
-                    self.refer(&format!("{name}Vector"), |this| vector(kind, this.value(component)))
-                }
-                ref other => json!({ "type": "array", "items": self.value(other) }),
-            },
-            Expected::List(entry) => json!({ "type": "array", "items": self.value(entry) }),
-            Expected::Pair(first, second) => {
-                let entries = [self.value(first), self.value(second)];
-                json!({ "type": "array", "prefixItems": entries, "minItems": 2, "maxItems": 2 })
+        Value::Object(self.named(expected))
+    }
+
+    fn described(&mut self, expected: &Expected) -> Map<String, Value> {
+        match expected {
+            Expected::Text => map([("type", "string".into())]),
+            Expected::Flag => map([("type", "boolean".into())]),
+            Expected::Count => map([("type", "integer".into()), ("minimum", 0.into())]),
+            Expected::Level => number_or_text(),
+            Expected::Word(word) => map([("const", (*word).into())]),
+            Expected::Words(words) => one_of(words),
+            Expected::Constant(kind) => quantity(kind),
+            Expected::Quantity(_, kind) => {
+                let text = format!("{} {}: {}, or a plain number in SI", kind.article(), kind.name, kind.examples);
+                let mut described = quantity(kind);
+                add(&mut described, [("description", text.into())]);
+                described
             }
-            Expected::Table(table) => self.refer(table().name, |this| Value::Object(this.table(table()))),
-            Expected::Law(table) => Value::Object(self.table(table)),
-            Expected::Laws(table) => self.refer(table().name, |this| {
-                let mut table = this.table(table());
-                table.insert("maxProperties".to_owned(), 1.into());
-                Value::Object(table)
-            }),
-            Expected::Named(any) => json!({ "type": "object", "additionalProperties": self.value(any) }),
-            Expected::Either(one, other) => json!({ "anyOf": [self.value(one), self.value(other)] }),
+            Expected::Vector(component) => {
+                let mut vector = map([("type", "array".into()), ("items", self.value(component))]);
+                add(&mut vector, [("minItems", 1.into()), ("maxItems", 3.into())]);
+                if let Expected::Quantity(_, kind) = component {
+                    let text = format!("one {} per axis of the deck", kind.name);
+                    add(&mut vector, [("description", text.into()), ("x-unit", kind.si_unit.into())]);
+                }
+                vector
+            }
+            Expected::List(entry) => map([("type", "array".into()), ("items", self.value(entry))]),
+            Expected::Pair(first, second) => {
+                let entries = vec![self.value(first), self.value(second)];
+                let mut pair = map([("type", "array".into()), ("prefixItems", entries.into())]);
+                add(&mut pair, [("minItems", 2.into()), ("maxItems", 2.into())]);
+                pair
+            }
+            Expected::Table(table) => self.table(table()),
+            Expected::Law(table) => self.table(table),
+            Expected::Laws(table) => {
+                let mut laws = self.table(table());
+                add(&mut laws, [("maxProperties", 1.into())]);
+                laws
+            }
+            Expected::Named(any) => map([("type", "object".into()), ("additionalProperties", self.value(any))]),
+            Expected::Either(one, other) => map([("anyOf", vec![self.value(one), self.value(other)].into())]),
         }
     }
 
     fn table(&mut self, table: &TableKeys) -> Map<String, Value> {
-        let mut map = Map::new();
+        let mut described = Map::new();
         if !table.comment.is_empty() {
-            map.insert("description".to_owned(), lines(&table.comment).into());
+            add(&mut described, [("description", lines(&table.comment).into())]);
         }
-        let keys: Map<String, Value> = table.keys.iter().map(|key| (key.name.to_owned(), self.key(key))).collect();
-        map.extend(object(json!({ "type": "object", "properties": keys, "additionalProperties": false })));
-        let required: Vec<&str> = table.keys.iter().filter(|key| key.required).map(|key| key.name).collect();
+        let mut properties = Map::new();
+        let mut required: Vec<Value> = Vec::new();
+        for key in table.keys.iter() {
+            properties.insert(key.name.to_owned(), Value::Object(self.key(key)));
+            if key.required {
+                required.push(key.name.into());
+            }
+        }
+        let properties = ("properties", properties.into());
+        add(&mut described, [("type", "object".into()), properties, ("additionalProperties", false.into())]);
         if !required.is_empty() {
-            map.insert("required".to_owned(), required.into());
+            add(&mut described, [("required", required.into())]);
         }
-        map
+        described
     }
 
-    fn key(&mut self, key: &Key) -> Value {
-        let mut map = Map::new();
-        map.insert("description".to_owned(), lines(&key.comment).into());
-        map.extend(object(self.value(&key.expected)));
+    fn key(&mut self, key: &Key) -> Map<String, Value> {
+        let mut described = map([("description", lines(&key.comment).into())]);
+        described.append(&mut self.named(&key.expected));
         if let Some(example) = key.example() {
-            map.insert("examples".to_owned(), json!([example]));
+            add(&mut described, [("examples", vec![example].into())]);
         }
         if let Some(default) = key.default() {
-            map.insert("default".to_owned(), default);
+            add(&mut described, [("default", default)]);
         }
         if let Some(otherwise) = key.otherwise {
-            map.insert("x-default".to_owned(), otherwise.into());
+            add(&mut described, [("x-default", otherwise.into())]);
         }
-        Value::Object(map)
+        described
     }
 }
 
-fn quantity(kind: QuantityKind) -> Value {
-    json!({
-        "description": format!("{} {}: {}, or a plain number in SI", kind.article(), kind.name, kind.examples),
-        "type": ["number", "string"],
-        "x-unit": kind.si_unit,
-    })
+fn quantity(kind: &QuantityKind) -> Map<String, Value> {
+    let mut described = number_or_text();
+    add(&mut described, [("x-unit", kind.si_unit.into())]);
+    described
 }
 
-fn vector(kind: QuantityKind, component: Value) -> Value {
-    json!({
-        "description": format!("one {} per axis of the deck", kind.name),
-        "type": "array", "items": component, "minItems": 1, "maxItems": 3, "x-unit": kind.si_unit,
-    })
-}
-
-fn one_of(words: Words) -> Value {
-    let options: Vec<Value> =
-        (words.words)().into_iter().map(|(word, meaning)| json!({ "const": word, "description": meaning })).collect();
-    json!({ "description": words.what, "oneOf": options })
+fn one_of(words: &Words) -> Map<String, Value> {
+    let option = |(word, meaning): (&str, &str)| map([("const", word.into()), ("description", meaning.into())]);
+    let options: Vec<Value> = (words.words)().into_iter().map(|word| Value::Object(option(word))).collect();
+    map([("description", words.what.into()), ("oneOf", options.into())])
 }
 
 #[cfg(test)]
@@ -148,9 +179,43 @@ mod tests {
         assert_eq!(at(&search, "skin").keys()[0].name, "fraction");
         let iron = at(&at(DECK, "material"), "any-name");
         let cook = at(&at(&iron, "strength"), "johnson-cook");
-        let Expected::Quantity(_, kind) = at(&cook, "A") else { panic!("a quantity expected") };
+        let Expected::Constant(kind) = at(&cook, "A") else { panic!("a constant expected") };
         assert_eq!(kind.si_unit, "Pa");
         assert!(cook.key("E").is_none());
+    }
+
+    /// Looks at every key that can be reached, those of a table once.
+    fn each_key(expected: &Expected, seen: &mut Vec<*const TableKeys>, look: &mut dyn FnMut(&Key)) {
+        if let Expected::Either(one, other) | Expected::Pair(one, other) = expected {
+            each_key(one, seen, look);
+            each_key(other, seen, look);
+        } else if let Expected::List(inner) | Expected::Named(inner) = expected {
+            each_key(inner, seen, look);
+        } else if let Some(table) = expected.table().filter(|table| !seen.contains(&std::ptr::from_ref(*table))) {
+            seen.push(table);
+            for key in table.keys.iter() {
+                look(key);
+                each_key(&key.expected, seen, look);
+            }
+        }
+    }
+
+    #[test]
+    fn examples_and_defaults_are_what_is_expected() {
+        let mut values = 0;
+        each_key(DECK, &mut Vec::new(), &mut |key| {
+            let mut definitions = Definitions::default();
+            let mut property = definitions.key(key);
+            property.insert("$defs".to_owned(), Value::Object(definitions.0));
+            let validator = jsonschema::draft202012::new(&Value::Object(property)).unwrap();
+            let declared = [(key.example, key.example()), (key.default.as_deref(), key.default())];
+            for (text, value) in declared.into_iter().filter_map(|(text, value)| Some((text?, value))) {
+                let value = value.unwrap_or_else(|| panic!("`{}`: {text} is no JSON", key.name));
+                assert!(validator.is_valid(&value), "`{}` cannot be {text}", key.name);
+                values += 1;
+            }
+        });
+        assert!(values > 200, "{values}");
     }
 
     #[test]

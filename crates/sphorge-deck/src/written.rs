@@ -15,6 +15,26 @@ pub(crate) enum Literal {
     Date,
 }
 
+/// Something and its place.
+pub(crate) struct Spanned<T> {
+    value: T,
+    span: Range<usize>,
+}
+
+impl<T> Spanned<T> {
+    pub(crate) fn new(value: T, span: Range<usize>) -> Self {
+        Self { value, span }
+    }
+
+    pub(crate) fn get_ref(&self) -> &T {
+        &self.value
+    }
+
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+}
+
 /// Something written: the value of a key, or an entry of a list.
 #[derive(Clone, Copy)]
 pub(crate) enum Written<'a> {

@@ -150,23 +150,30 @@ pub(crate) fn check_axis(
     None
 }
 
-/// Exactly one of several keys: its index and value.
+/// The value of the one of several keys that is given.
 pub(crate) fn exactly_one<T>(
     options: Vec<(&'static str, Option<T>)>,
     what: &str,
     at: Range<usize>,
     problems: &mut Problems,
 ) -> Option<T> {
-    let names: Vec<&str> = options.iter().map(|o| o.0).collect();
-    let mut given: Vec<(&str, T)> = options.into_iter().filter_map(|(name, value)| value.map(|v| (name, v))).collect();
-    if given.len() == 1 {
-        return given.pop().map(|(_, value)| value);
+    let given: Vec<(&str, bool)> = options.iter().map(|(name, value)| (*name, value.is_some())).collect();
+    let index = only_one(&given, what, at, problems)?;
+    options.into_iter().nth(index)?.1
+}
+
+/// The place of the only option that is given.
+fn only_one(options: &[(&str, bool)], what: &str, at: Range<usize>, problems: &mut Problems) -> Option<usize> {
+    let given: Vec<usize> = (0..options.len()).filter(|&k| options[k].1).collect();
+    if let [index] = given.as_slice() {
+        return Some(*index);
     }
     let listed = |words: &[&str]| super::report::listed(words.iter().copied(), "or");
     let (message, label) = if given.is_empty() {
+        let names: Vec<&str> = options.iter().map(|option| option.0).collect();
         (format!("{what} needs one of {}", listed(&names)), "has none")
     } else {
-        let found: Vec<&str> = given.iter().map(|g| g.0).collect();
+        let found: Vec<&str> = given.iter().map(|&k| options[k].0).collect();
         (format!("{what} can have only one of {}", listed(&found)), "has several")
     };
     problems.push(Fault::new("exactly-one", message, at, label));

@@ -3,7 +3,8 @@
 use super::{cloud::cloud, described, exactly_one, vector};
 use crate::raw::{RawBall, RawBox, RawCylinder, RawOgive, RawPolygon, RawRevolution, RawRotate, RawShape, RawTable};
 use crate::report::{Fault, Problems};
-use crate::value::{Given as GivenValue, Length, Number, Spanned, VectorOf};
+use crate::value::{Given as GivenValue, Length, Number, VectorOf};
+use crate::written::Spanned;
 use sphorge_engine::model::{Dimensions, Operation, Shape, Solid, Transform};
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;

@@ -7,7 +7,7 @@ use crate::declare::Named;
 use crate::keys;
 use crate::raw::RawMaterial;
 use crate::report::{DeckReport, Problems, nearest};
-use crate::value::Spanned;
+use crate::written::Spanned;
 use std::sync::LazyLock;
 
 const TEXT: &str = include_str!("catalogue.toml");

@@ -3,7 +3,8 @@
 use super::constants::{Constants, ElasticConstants, LawConstants};
 use crate::raw::{LawTable, RawLaw, RawMaterial};
 use crate::report::{Fault, Problems, listed, nearest};
-use crate::value::{Choice, Given, Kind, ScalarOr, Spanned, Word};
+use crate::value::{Choice, Given, Kind, ScalarOr, Word};
+use crate::written::Spanned;
 use sphorge_physics::parameter::Bound;
 
 /// Constants in SI units; faults leave their key out.

@@ -3,7 +3,8 @@
 use crate::declare::{Named, Read};
 use crate::expected::{Expected, Key, TableKeys};
 use crate::quantity::QuantityKind;
-use crate::value::{Choice, Choices, Scalar, ScalarOr};
+use crate::scalar::Scalar;
+use crate::value::{Choice, Choices, ScalarOr};
 use crate::written::Written;
 use sphorge_physics::{
     eos::EQUATIONS_OF_STATE,
@@ -75,7 +76,7 @@ fn constants(law: &str, parameters: &[Parameter]) -> TableKeys {
     let key = |parameter: &Parameter| Key {
         name: parameter.key,
         comment: Cow::Owned(format!("{} ({})", parameter.meaning, parameter.symbol)),
-        expected: Expected::Quantity("", QuantityKind::from(parameter.quantity)),
+        expected: Expected::Constant(QuantityKind::from(parameter.quantity)),
         required: false,
         example: None,
         default: parameter.default.map(|value| Cow::Owned(format!("{value:?}"))),

@@ -1,7 +1,7 @@
 //! Declared measures.
 
 use super::super::declare::tables;
-use super::super::{choice::*, value::*};
+use super::super::{choice::*, scalar::Scalar, value::*};
 
 tables! {
     /// A number to report: a name and one kind.

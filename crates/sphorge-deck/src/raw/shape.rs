@@ -1,7 +1,7 @@
 //! Shapes.
 
 use super::super::declare::tables;
-use super::super::value::*;
+use super::super::{value::*, written::Spanned};
 
 tables! {
     /// One solid, or several put together by `union`, `difference` or `intersection`; turned and then shifted. Every part is a shape

@@ -1,5 +1,5 @@
 //! `docs/deck-reference.md` is written from the declarations of the keys; the test compares. After a change,
-//! `UPDATE_REFERENCE=1 cargo test -p sphorge --lib reference` writes it anew.
+//! `UPDATE_REFERENCE=1 cargo test -p sphorge-deck --lib reference` writes it anew.
 
 use crate::{keys::toml_text, schema, unit};
 use serde_json::{Map, Value};
@@ -8,7 +8,7 @@ use std::{collections::VecDeque, fmt::Write, path::Path};
 
 const HEAD: &str = r#"# Deck reference
 
-*Written from the declarations in `crates/sphorge/src/deck/raw`; see `crates/sphorge/src/deck/tests/reference.rs`.*
+*Written from the declarations in `crates/sphorge-deck/src/raw`; see `crates/sphorge-deck/src/tests/reference.rs`.*
 
 A deck is a [TOML](https://toml.io) file. The command line can change any key without touching the file:
 `--set particles.spacing="0.6 mm"`; an entry of a list is chosen by its name or its place from 0: `--set
@@ -274,7 +274,7 @@ fn the_reference_page_is_that_of_the_declarations() {
     let found = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         found == wanted,
-        "docs/deck-reference.md is out of date: UPDATE_REFERENCE=1 cargo test -p sphorge --lib reference"
+        "docs/deck-reference.md is out of date: UPDATE_REFERENCE=1 cargo test -p sphorge-deck --lib reference"
     );
 }
 

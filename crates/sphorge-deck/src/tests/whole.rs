@@ -182,6 +182,16 @@ fn overrides_are_part_of_the_deck_as_run() {
     assert_eq!(format!("{:?}", again.model), format!("{:?}", setup.model));
 }
 
+#[test]
+fn overrides_of_a_deck_that_is_no_toml_are_not_lost() {
+    // 2^63 fits no integer of TOML.
+    let deck = changed("smoothing = 1.2", "smoothing = 9223372036854775808");
+    for overrides in [vec![], vec![("particles.spacing".to_owned(), "0.6 mm".to_owned())]] {
+        let report = load_text("deck", &deck, &overrides).err().unwrap();
+        assert_eq!((report.problems()[0].code(), report.problems()[0].line()), ("toml", Some(8)));
+    }
+}
+
 /// Reads a deck, and fills it if it is small.
 fn survive(text: &str) {
     let mut problems = Problems::new("deck", text);

@@ -1,0 +1,95 @@
+//! A single value as written: what it is as a quantity, and what is said of it where it is none.
+
+use super::declare::Read;
+use super::expected::Expected;
+use super::quantity::{QuantityKind, parse_quantity};
+use super::report::{Fault, Problems};
+use super::written::{Content, Literal, Written};
+use sphorge_physics::parameter::Bound;
+use std::ops::Range;
+
+/// A single value and its place.
+pub(crate) struct Scalar {
+    pub(crate) literal: Literal,
+    pub(crate) span: Range<usize>,
+}
+
+/// A quantity of a kind that follows from something else: a constant of a law, a level of a field.
+impl Read for Scalar {
+    const EXPECTED: &'static Expected = &Expected::Level;
+    fn read(written: Written<'_>) -> Option<Self> {
+        match written.content() {
+            Content::Scalar(literal) => Some(Self { literal, span: written.span() }),
+            _ => None,
+        }
+    }
+}
+
+impl Scalar {
+    /// A fault at this value: what was expected is the message, what was found the label.
+    pub(crate) fn fault(&self, code: &'static str, expected: impl Into<String>) -> Fault {
+        Fault::new(code, expected, self.span.clone(), described(&self.literal))
+    }
+
+    /// The value as a quantity, in SI units.
+    pub(crate) fn quantity(&self, kind: QuantityKind, problems: &mut Problems) -> Option<f64> {
+        let value = match &self.literal {
+            Literal::Integer(i) => *i as f64,
+            Literal::Number(x) => *x,
+            Literal::Text(text) => match parse_quantity(text, kind) {
+                Ok(value) => value,
+                Err(error) => {
+                    // A plain string starts one byte after its quote; anything fancier is marked as a whole.
+                    let start = self.span.start + 1;
+                    let plain = problems.text().get(start..start + text.len()) == Some(text.as_str());
+                    let at = if plain { start + error.at.start..start + error.at.end } else { self.span.clone() };
+                    let fault = Fault::new("wrong-quantity", error.message, at, "this");
+                    problems.push(match error.help {
+                        Some(help) => fault.help(help),
+                        None => fault,
+                    });
+                    return None;
+                }
+            },
+            _ => {
+                let fault = self.fault("wrong-type", format!("expected {} {}", kind.article(), kind.name));
+                problems.push(fault.help(format!("write it as {}", kind.examples)));
+                return None;
+            }
+        };
+        if value.is_finite() {
+            return Some(value);
+        }
+        let fault = self.fault("not-finite", format!("expected a finite {}", kind.name));
+        problems.push(fault.help(format!("write it as {}", kind.examples)));
+        None
+    }
+
+    /// The value as a quantity within a bound.
+    pub(crate) fn bounded(&self, kind: QuantityKind, bound: Bound, problems: &mut Problems) -> Option<f64> {
+        let value = self.quantity(kind, problems)?;
+        if bound.allows(value) {
+            return Some(value);
+        }
+        let wanted = match bound {
+            Bound::Any => "finite".to_owned(),
+            Bound::Positive => "above zero".to_owned(),
+            Bound::NonNegative if kind == QuantityKind::TEMPERATURE => "absolute zero or above".to_owned(),
+            Bound::NonNegative => "zero or above".to_owned(),
+            Bound::Between(low, high) => format!("between {low} and {high}"),
+        };
+        let fault = self.fault("out-of-range", format!("the {} must be {wanted}", kind.name));
+        problems.push(fault);
+        None
+    }
+}
+
+fn described(literal: &Literal) -> String {
+    match literal {
+        Literal::Integer(i) => format!("found the number {i}"),
+        Literal::Number(x) => format!("found the number {x}"),
+        Literal::Text(text) => format!("found the text \"{text}\""),
+        Literal::Boolean(b) => format!("found {b}"),
+        Literal::Date => "found a date".to_owned(),
+    }
+}
