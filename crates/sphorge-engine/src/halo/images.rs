@@ -182,10 +182,15 @@ impl Halo for Images {
     }
 
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let mut parts: Vec<(u32, ([f64; 3], [f64; 3]))> =
-            self.images.iter().map(|image| (image.source, (image.sign, image.shift))).collect();
-        parts.persist(name, archive)?;
-        self.images = parts.into_iter().map(|(source, (sign, shift))| Image { source, sign, shift }).collect();
+        let of = |part: &str| format!("{name}.{part}");
+        let mut sources: Vec<u32> = self.images.iter().map(|image| image.source).collect();
+        let mut signs: Vec<Vector<f64>> = self.images.iter().map(|image| image.sign).collect();
+        let mut shifts: Vec<Vector<f64>> = self.images.iter().map(|image| image.shift).collect();
+        sources.persist(&of("sources"), archive)?;
+        signs.persist(&of("signs"), archive)?;
+        shifts.persist(&of("shifts"), archive)?;
+        let parts = sources.into_iter().zip(signs).zip(shifts);
+        self.images = parts.map(|((source, sign), shift)| Image { source, sign, shift }).collect();
         self.sources = self.images.iter().map(|image| image.source).collect();
         Ok(())
     }
