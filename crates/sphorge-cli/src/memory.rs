@@ -14,7 +14,7 @@ fn available_bytes(meminfo: &str) -> Option<f64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? * 1024.0)
 }
 
-/// Lets the high-water mark of the process begin anew, so that a run does not inherit that of the one before it. Systems that cannot do
+/// Lets the high-water mark of the process start again, so that a run does not inherit that of the one before it. Systems that cannot do
 /// this leave it as it is.
 pub(crate) fn reset_peak() {
     let _ = std::fs::write("/proc/self/clear_refs", "5");

@@ -75,10 +75,10 @@ words! {
         "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
         "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";
         "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser), and all a guard finds";
-        "total-lagrangian" => Strategy::total(defaults::HOURGLASS), "no one after the start: sums over the initial neighbours";
+        "total-lagrangian" => Strategy::total(defaults::HOURGLASS), "none after the start: sums over the initial neighbours";
     }
     GuardWord, "guard of the adaptive search", Option<f64> {
-        "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and strangers are searched too, gradients are those of the positions as they are";
+        "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and contact candidates are searched too, gradients are those of the positions as they are";
         "none" => None, "the rule of Fraser as published, kernel values of the last search";
     }
     FormulationWord, "total Lagrangian form", bool {

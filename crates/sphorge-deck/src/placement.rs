@@ -1,6 +1,6 @@
 //! Faults of placement, found when particles exist, told in terms of the deck.
 
-use super::interpret::Places;
+use super::interpret::SourceSpans;
 use super::report::{Fault, Problems};
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES};
@@ -20,7 +20,7 @@ fn point(position: [f64; 3], model: &Model) -> String {
 const TRACER_REACH: f64 = 2.0;
 
 /// Tracers that would follow a particle far from their point.
-pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Places, problems: &mut Problems) {
+pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &SourceSpans, problems: &mut Problems) {
     for (tracer, at) in model.tracers.iter().zip(&places.tracers).filter(|(tracer, _)| !tracer.is_fixed) {
         let Some((i, distance)) = particles.nearest(tracer.point, tracer.body) else { continue };
         if distance > TRACER_REACH * model.bodies[particles.body[i] as usize].spacing {
@@ -34,7 +34,7 @@ pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Place
 }
 
 /// The fault an error of the filling is for the deck.
-pub(crate) fn fault(error: FillError, model: &Model, places: &Places) -> Fault {
+pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fault {
     let name = |body: usize| &model.bodies[body].name;
     let spacing_of = |body: usize| places.body_spacings[body].clone().unwrap_or(places.spacing.clone());
     let axis_name = |axis: usize| ["x", "y", "z"][axis];

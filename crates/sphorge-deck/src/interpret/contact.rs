@@ -13,9 +13,9 @@ use sphorge_physics::parameter::Bound;
 pub(crate) fn contact(raw: Option<&RawContactChoice>, problems: &mut Problems) -> Option<BodyContact> {
     let usual = RawBodyPenalty::default();
     let table = match raw {
-        None => return Some(BodyContact::KernelSum),
+        None => return Some(BodyContact::Sph),
         Some(ScalarOr::Scalar(word)) => match word.get(problems)? {
-            false => return Some(BodyContact::KernelSum),
+            false => return Some(BodyContact::Sph),
             true => &usual,
         },
         Some(ScalarOr::Composed(table, at)) => {

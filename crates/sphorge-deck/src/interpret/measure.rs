@@ -6,7 +6,7 @@ use crate::defaults;
 use crate::quantity::QuantityKind;
 use crate::raw::{
     RawAlongAxis, RawCloud, RawCrater, RawExtreme, RawFieldMeasure, RawFrontSpeed, RawMeasure, RawPerforation,
-    RawProbe, RawValue,
+    RawSelection, RawValue,
 };
 use crate::report::{Fault, Problems, listed};
 use crate::unit::parse_unit;
@@ -62,36 +62,36 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
     ];
     let kind = match exactly_one(options, "a measure", raw.name.span(), problems)? {
         Given::Extent(m) => {
-            let (probe, axis) = along_axis(m, scene, problems);
-            MeasureKind::Extent { selection: probe?, axis: axis? }
+            let (selection, axis) = along_axis(m, scene, problems);
+            MeasureKind::Extent { selection: selection?, axis: axis? }
         }
         Given::Diameter(m) => {
-            let (probe, axis) = along_axis(m, scene, problems);
-            MeasureKind::Diameter { selection: probe?, axis: axis? }
+            let (selection, axis) = along_axis(m, scene, problems);
+            MeasureKind::Diameter { selection: selection?, axis: axis? }
         }
         Given::Maximum(m) => extreme(m, Extremum::Maximum, scene, problems)?,
         Given::Minimum(m) => extreme(m, Extremum::Minimum, scene, problems)?,
         Given::Mean(m) => {
-            let (probe, field) = of_field(m, scene, problems);
+            let (selection, field) = of_field(m, scene, problems);
             let (field, component) = field?;
-            MeasureKind::Mean { selection: probe?, field: field.name.to_owned(), component }
+            MeasureKind::Mean { selection: selection?, field: field.name.to_owned(), component }
         }
         Given::Period(m) => {
-            let (probe, field) = of_field(m, scene, problems);
+            let (selection, field) = of_field(m, scene, problems);
             let (field, component) = field?;
-            MeasureKind::Period { selection: probe?, field: field.name.to_owned(), component }
+            MeasureKind::Period { selection: selection?, field: field.name.to_owned(), component }
         }
         Given::Value(m) => {
-            let probe = read_probe(m.probe(), scene, problems);
+            let selection = read_selection(m.selection(), scene, problems);
             let field = read_field(&m.field, m.component.as_ref(), problems);
             let point = vector(&m.point, scene.dimensions, problems);
             let (field, component) = field?;
-            MeasureKind::Value { selection: probe?, field: field.name.to_owned(), component, point: point? }
+            MeasureKind::Value { selection: selection?, field: field.name.to_owned(), component, point: point? }
         }
         Given::FrontSpeed(m) => front_speed(m, scene, problems)?,
         Given::ReversalTime(m) => {
-            let (probe, axis) = along_axis(m, scene, problems);
-            MeasureKind::ReversalTime { selection: probe?, axis: axis? }
+            let (selection, axis) = along_axis(m, scene, problems);
+            MeasureKind::ReversalTime { selection: selection?, axis: axis? }
         }
         Given::Crater(m) => {
             let perforation = perforation(m.perforation(), scene, problems);
@@ -112,7 +112,7 @@ fn along_axis(
     scene: &Scene<'_>,
     problems: &mut Problems,
 ) -> (Option<ParticleSelection>, Option<usize>) {
-    (read_probe(raw.probe(), scene, problems), read_axis(&raw.axis, scene, problems))
+    (read_selection(raw.selection(), scene, problems), read_axis(&raw.axis, scene, problems))
 }
 
 fn perforation(raw: RawPerforation<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<Perforation> {
@@ -134,16 +134,16 @@ fn of_field(
     scene: &Scene<'_>,
     problems: &mut Problems,
 ) -> (Option<ParticleSelection>, Option<(&'static FieldInfo, Option<usize>)>) {
-    (read_probe(raw.probe(), scene, problems), read_field(&raw.field, raw.component.as_ref(), problems))
+    (read_selection(raw.selection(), scene, problems), read_field(&raw.field, raw.component.as_ref(), problems))
 }
 
 fn extreme(raw: &RawExtreme, extremum: Extremum, scene: &Scene<'_>, problems: &mut Problems) -> Option<MeasureKind> {
-    let probe = read_probe(raw.probe(), scene, problems);
+    let selection = read_selection(raw.selection(), scene, problems);
     let field = read_field(&raw.field, raw.component.as_ref(), problems);
     let over_time = raw.over_time.as_ref().map_or(Some(false), |o| o.get(problems));
     let (field, component) = field?;
     Some(MeasureKind::Extreme {
-        selection: probe?,
+        selection: selection?,
         field: field.name.to_owned(),
         component,
         extremum,
@@ -152,7 +152,7 @@ fn extreme(raw: &RawExtreme, extremum: Extremum, scene: &Scene<'_>, problems: &m
 }
 
 fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) -> Option<MeasureKind> {
-    let probe = read_probe(raw.probe(), scene, problems);
+    let selection = read_selection(raw.selection(), scene, problems);
     let field = read_field(&raw.field, raw.component.as_ref(), problems);
     let axis = read_axis(&raw.axis, scene, problems);
     let direction = raw.side.as_ref().map_or(Some(1.0), |s| s.get(problems));
@@ -185,7 +185,7 @@ fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) 
     let (field, component) = field?;
     let level = raw.level.quantity(unit_of(field), problems);
     Some(MeasureKind::FrontSpeed {
-        selection: probe?,
+        selection: selection?,
         field: field.name.to_owned(),
         component,
         axis: axis?,
@@ -211,7 +211,7 @@ fn read_axis(given: &Choice<AxisWord>, scene: &Scene<'_>, problems: &mut Problem
     check_axis(axis, given.span(), scene.dimensions, problems)
 }
 
-fn read_probe(raw: RawProbe<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<ParticleSelection> {
+fn read_selection(raw: RawSelection<'_>, scene: &Scene<'_>, problems: &mut Problems) -> Option<ParticleSelection> {
     let body = raw.body.map_or(Some(None), |b| scene.bodies.find(b, problems).map(Some));
     let region = raw.region.map_or(Some(None), |r| scene.regions.find(r, problems).map(Some));
     let window = match raw.window {

@@ -21,7 +21,7 @@ use std::ops::Range;
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
 #[derive(Debug, Default)]
-pub(crate) struct Places {
+pub(crate) struct SourceSpans {
     pub(crate) spacing: Range<usize>,
     pub(crate) bodies: Vec<Range<usize>>,
     /// The spacing of its own, where a body has one.
@@ -183,7 +183,7 @@ fn only_one(options: &[(&str, bool)], what: &str, at: Range<usize>, problems: &m
 /// What a deck means.
 pub(crate) struct Interpreted {
     pub(crate) model: Model,
-    pub(crate) places: Places,
+    pub(crate) places: SourceSpans,
     /// What the user should know: what the choices of the deck leave out.
     pub(crate) notes: Vec<String>,
 }
@@ -248,7 +248,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     if !problems.is_empty() {
         return None;
     }
-    let places = Places {
+    let places = SourceSpans {
         spacing: raw.particles.spacing.span(),
         bodies: body_places,
         body_spacings: raw.body.iter().map(|b| b.spacing.as_ref().map(|s| s.span())).collect(),

@@ -48,7 +48,7 @@ fn boundary(raw: &RawHeatBoundary, bodies: &Names, regions: &Names, problems: &m
         ("convection", raw.convection.as_ref().map(Kind::Convection)),
     ];
     let kind = match exactly_one(options, "a heat boundary", raw.name.span(), problems)? {
-        Kind::Hold(temperature) => HeatBoundaryKind::Hold(kelvin(temperature, problems)?),
+        Kind::Hold(temperature) => HeatBoundaryKind::HeldTemperature(kelvin(temperature, problems)?),
         Kind::Surface(temperature) => HeatBoundaryKind::SurfaceTemperature(kelvin(temperature, problems)?),
         Kind::Flux(flux) => HeatBoundaryKind::Flux(flux.si(problems)?),
         Kind::Convection(table) => {

@@ -45,14 +45,14 @@ tables! {
 }
 
 /// Which particles a measure looks at.
-pub(crate) struct RawProbe<'a> {
+pub(crate) struct RawSelection<'a> {
     pub(crate) body: Option<&'a Word>,
     pub(crate) region: Option<&'a Word>,
     pub(crate) window: Option<&'a RawWindow>,
 }
 
 /// Every kind of measure chooses its particles with the same three keys.
-macro_rules! probed {
+macro_rules! selected {
     ($( $(#[doc = $comment:literal])* $name:ident { $($own:tt)* } )+) => { $(
         tables! {
             $(#[doc = $comment])*
@@ -67,14 +67,14 @@ macro_rules! probed {
             }
         }
         impl $name {
-            pub(crate) fn probe(&self) -> RawProbe<'_> {
-                RawProbe { body: self.body.as_ref(), region: self.region.as_ref(), window: self.window.as_ref() }
+            pub(crate) fn selection(&self) -> RawSelection<'_> {
+                RawSelection { body: self.body.as_ref(), region: self.region.as_ref(), window: self.window.as_ref() }
             }
         }
     )+ };
 }
 
-probed! {
+selected! {
     /// A measure along an axis.
     RawAlongAxis {
         /// The axis.

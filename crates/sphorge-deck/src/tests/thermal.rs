@@ -40,11 +40,11 @@ fn contact_and_heat_are_read() {
         [
             ("air", None, None, HeatBoundaryKind::Convection { coefficient: 50.0, ambient: 293.15 }),
             ("lamp", Some(0), None, HeatBoundaryKind::Flux(2000.0)),
-            ("foot", None, Some(0), HeatBoundaryKind::Hold(300.0)),
+            ("foot", None, Some(0), HeatBoundaryKind::HeldTemperature(300.0)),
         ]
     );
     let plain = load_text("deck", &changed("smoothing = 1.2", "smoothing = 1.20"), &[]);
-    assert!(plain.is_ok_and(|s| s.model.contact == BodyContact::KernelSum && s.model.thermal == Thermal::default()));
+    assert!(plain.is_ok_and(|s| s.model.contact == BodyContact::Sph && s.model.thermal == Thermal::default()));
 }
 
 /// Code and text of the first fault of a deck.

@@ -1,7 +1,7 @@
 //! Heat: the flow between particles and through boundaries, and what it does to energy and temperature.
 //!
 //! Forward Euler with the temperatures of the start of the step, in double precision. Conduction in metals is slower than sound by
-//! many orders, so beside mechanics the flow is summed anew only when a tenth of the step that it bears itself has passed, or fifty steps; until
+//! many orders, so beside mechanics the flow is summed again only when a tenth of the step that it bears itself has passed, or fifty steps; until
 //! then the last flow goes on. Each sum is antisymmetric, so heat is conserved either way.
 
 use super::CpuEngine;
@@ -19,10 +19,10 @@ use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Vector, tensor::dot};
 
-/// Share of its own time step after which a flow beside mechanics is summed anew.
+/// Share of its own time step after which a flow beside mechanics is summed again.
 const RENEWAL: f64 = 0.1;
 
-/// Steps beside mechanics after which it is summed anew in any case: work has warmed particles since.
+/// Steps beside mechanics after which it is summed again in any case: work has warmed particles since.
 const RENEWAL_STEPS: u32 = 50;
 
 /// Flow of heat.
@@ -54,7 +54,7 @@ impl HeatFlow {
     /// `None` where no heat flows.
     pub(super) fn new(model: &Model, particles: usize) -> Option<Self> {
         let (blocks, boundaries) = (particles.div_ceil(BLOCK), model.thermal.boundaries.len());
-        let on_surface = |kind| !matches!(kind, HeatBoundaryKind::Hold(_));
+        let on_surface = |kind| !matches!(kind, HeatBoundaryKind::HeldTemperature(_));
         model.thermal.conduction.then(|| Self {
             table: Table::new(model),
             // At least one column, so that a block always has a chunk.
@@ -91,7 +91,7 @@ impl HeatFlow {
 pub(super) fn hold(model: &Model, particles: &mut Particles) {
     for i in 0..particles.len() {
         for boundary in &model.thermal.boundaries {
-            if let HeatBoundaryKind::Hold(held) = boundary.kind
+            if let HeatBoundaryKind::HeldTemperature(held) = boundary.kind
                 && boundary.claims(particles.body[i], particles.regions[i])
             {
                 let cp = model.materials[particles.material[i] as usize].specific_heat;
@@ -157,7 +157,7 @@ impl Table {
         let volume = p.mass[i] / p.density[i];
         let area = surface_area(self.dimension, volume, sum.filled, self.flat[body]);
         let (film, outside) = match kind {
-            HeatBoundaryKind::Hold(_) => return (0.0, 0.0),
+            HeatBoundaryKind::HeldTemperature(_) => return (0.0, 0.0),
             HeatBoundaryKind::Flux(flux) => return (area * flux, 0.0),
             HeatBoundaryKind::SurfaceTemperature(temperature) => (None, temperature),
             HeatBoundaryKind::Convection { coefficient, ambient } => (Some(coefficient), ambient),
@@ -231,7 +231,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.particles.heat_rate = rates;
     }
 
-    /// Lets the heat flow for the step: energy, temperature, account.
+    /// Lets the heat flow for the step: energy, temperature, balance.
     pub(super) fn flow_heat(&mut self) {
         let model = &*self.model;
         let dt = self.step.dt;
@@ -261,7 +261,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     t[k] += inflow / cp;
                     *moved += mass[i] * inflow.abs();
                     for (boundary, total) in boundaries.iter().zip(heats.iter_mut()) {
-                        if let HeatBoundaryKind::Hold(held) = boundary.kind
+                        if let HeatBoundaryKind::HeldTemperature(held) = boundary.kind
                             && boundary.claims(body[i], regions[i])
                         {
                             let supply = cp * (held - t[k]);

@@ -2,7 +2,7 @@
 //!
 //! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
 //! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
-//! the energy account, what damping and friction take heats both particles by halves.
+//! the energy balance, what damping and friction take heats both particles by halves.
 
 use super::CpuEngine;
 use super::ghosts::WithGhosts;

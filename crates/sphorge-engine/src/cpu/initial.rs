@@ -31,7 +31,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::AdaptiveSearch, matches!(model.search, Search::Adaptive(_))),
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
         (Owner::Heat, model.thermal.conduction),
-        (Owner::Contact, model.contact != BodyContact::KernelSum),
+        (Owner::Contact, model.contact != BodyContact::Sph),
         (Owner::Reference, model.formulation != Formulation::UpdatedLagrangian),
     ];
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {

@@ -7,7 +7,7 @@ use sphorge_physics::contact::ContactStrength;
 pub enum BodyContact {
     /// Neighbours like those of their own body: bodies that meet stick where they are pulled apart.
     #[default]
-    KernelSum,
+    Sph,
     /// Sides of a contact that pushes and never pulls; they take no part in each other's kernel sums.
     Penalty(ContactStrength),
 }

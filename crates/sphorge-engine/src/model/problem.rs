@@ -60,7 +60,7 @@ impl Model {
     /// Pairs of bodies that have a contact of their own, the lower index first, in order.
     pub fn contact_pairs(&self) -> Vec<(usize, usize)> {
         let count = match self.contact {
-            BodyContact::KernelSum => 0,
+            BodyContact::Sph => 0,
             BodyContact::Penalty(_) => self.bodies.len(),
         };
         (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect()

@@ -34,7 +34,7 @@ pub struct HeatBoundary {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeatBoundaryKind {
     /// All its particles, not only those on a surface, are kept at this temperature, K.
-    Hold(f64),
+    HeldTemperature(f64),
     /// Free surfaces have this temperature, K.
     SurfaceTemperature(f64),
     /// Heat into free surfaces, W/m².

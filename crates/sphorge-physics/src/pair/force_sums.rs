@@ -2,7 +2,7 @@
 //!
 //! Each pair brings the stress vector `t = a_i sigma_i . x_ij + a_j sigma_j . x_ij + t*` times `w'_j F`, where
 //! `grad_i W_ij = F x_ij` and `t* = R_ij f^n . x_ij - Pi_ij x_ij` holds artificial stress and viscosity (Patiño et al. Eq 9; Fraser
-//! Eq 15 with the sign of the viscosity put right). Energy is the work of exactly these forces:
+//! Eq 15 with the sign of the viscosity corrected). Energy is the work of exactly these forces:
 //!
 //! `de_i/dt = - f_i sum_j w'_j F s . v_ij`,  `s = a_i sigma_i . x_ij + t*/2` or `s = t/2`.
 //!

@@ -209,7 +209,7 @@ pub struct Summary {
     pub searched_fraction: f64,
     /// Largest resident memory of the process during the run; where the system does not tell, that of the engine.
     pub peak_memory_bytes: u64,
-    /// Memory of the engine by its own account: columns, lists and records, the most at any row of the history.
+    /// Memory of the engine as it counts it: columns, lists and records, the most at any row of the history.
     #[serde(default)]
     pub engine_memory_bytes: u64,
     /// Energies.

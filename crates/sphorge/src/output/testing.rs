@@ -58,7 +58,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             max_steps: None,
         },
         materials: Vec::new(),
-        contact: crate::model::BodyContact::KernelSum,
+        contact: crate::model::BodyContact::Sph,
         thermal: crate::model::Thermal::default(),
         bodies: bodies.iter().map(body).collect(),
         regions: Vec::new(),

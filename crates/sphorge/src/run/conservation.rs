@@ -15,7 +15,7 @@ pub(super) struct Drift {
 /// Follows a run from its first ledger on. The definitions are in the documentation of [`crate::run`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Conservation {
-    /// Axes across which a plane of symmetry stands: it takes momentum and keeps no account of it.
+    /// Axes across which a plane of symmetry stands: it takes momentum and keeps no balance of it.
     mirrored: [bool; 3],
     start: Option<Start>,
     energy_scale: f64,

@@ -35,7 +35,7 @@ pub(super) struct Recorder {
     pairs: Option<u64>,
     audit: Option<Audit>,
     audits: AuditRecord,
-    /// The engine's account of its memory, the largest so far.
+    /// What the engine says of its memory, the largest so far.
     engine_bytes: u64,
     seconds: f64,
 }

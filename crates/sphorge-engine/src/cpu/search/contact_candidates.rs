@@ -110,7 +110,7 @@ impl ContactCandidates {
         self.is_candidate[i]
     }
 
-    /// Makes the next [`Self::refresh`] look anew.
+    /// Makes the next [`Self::refresh`] search again.
     pub(super) fn forget(&mut self) {
         self.sorted_at.clear();
     }

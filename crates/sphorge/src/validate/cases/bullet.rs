@@ -163,7 +163,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     }
     if let (Some(search), Some(all)) = (reference.summary().map(|s| s.stage_seconds.search), seconds(reference)) {
         findings.note(format!(
-            "A search of everyone takes {:.0} % of a step here, half in the paper: no strategy can gain more than a factor of {:.2}.",
+            "A full search takes {:.0} % of a step here, half in the paper: no strategy can gain more than a factor of {:.2}.",
             100.0 * search / all,
             all / (all - search),
         ));

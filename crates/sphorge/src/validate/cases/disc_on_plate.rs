@@ -1,4 +1,4 @@
-//! Steel disc through an aluminium plate at 3.1 km/s: PySPH's deck, put right.
+//! Steel disc through an aluminium plate at 3.1 km/s: PySPH's deck, corrected.
 
 use super::super::{
     Bounds, Case, Effort, Finding, Study, Unit, Variant,
@@ -13,7 +13,7 @@ const SPACING: &str = "spacing";
 pub(super) const CASE: Case = Case {
     name: "disc-on-plate",
     title: "Steel disc through an aluminium plate at 3.1 km/s",
-    about: "The example of PySPH with its units put right. Nothing is published of it; the numbers are shown with the spacing, and \
+    about: "The example of PySPH with its units corrected. Nothing is published of it; the numbers are shown with the spacing, and \
             what is conserved is asked for.",
     deck: "disc-on-plate",
     variants,

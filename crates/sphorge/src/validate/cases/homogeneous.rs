@@ -39,7 +39,7 @@ const LAW: [(&str, &str, Strength); 4] = [
     (
         "bilinear",
         "{ bilinear = { yield-stress = \"800 MPa\", tangent-modulus = \"2 GPa\" } }",
-        // E Et / (E - Et) (Fraser Eq 12 put right).
+        // E Et / (E - Et) (Fraser Eq 12 corrected).
         Strength::Hardening(8e8, YOUNG * 2e9 / (YOUNG - 2e9)),
     ),
     (
