@@ -342,11 +342,5 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
 /// Dimension of the kernel.
 fn dimension(model: &Model) -> sphorge_physics::Dimension {
-    use crate::model::Dimensions;
-    use sphorge_physics::Dimension;
-    match model.dimensions {
-        Dimensions::One => Dimension::One,
-        Dimensions::PlaneStrain => Dimension::Two,
-        Dimensions::Three => Dimension::Three,
-    }
+    model.dimensions.into()
 }

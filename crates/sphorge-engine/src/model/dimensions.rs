@@ -21,3 +21,14 @@ impl Dimensions {
         }
     }
 }
+
+/// Dimension of the kernel, and of every law that asks for one.
+impl From<Dimensions> for sphorge_physics::Dimension {
+    fn from(dimensions: Dimensions) -> Self {
+        match dimensions {
+            Dimensions::One => Self::One,
+            Dimensions::PlaneStrain => Self::Two,
+            Dimensions::Three => Self::Three,
+        }
+    }
+}

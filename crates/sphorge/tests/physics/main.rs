@@ -7,6 +7,7 @@ mod contact;
 mod external_forces;
 mod failure;
 mod heat;
+mod oracle;
 mod setup;
 mod spall;
 mod symmetry;

@@ -1,0 +1,412 @@
+//! Small decks that together use every feature.
+
+use super::super::setup::COLLISION;
+
+/// A deck with some values changed, and how far it runs.
+pub(super) struct Case {
+    pub(super) name: &'static str,
+    pub(super) deck: &'static str,
+    pub(super) overrides: &'static [(&'static str, &'static str)],
+    pub(super) steps: u64,
+}
+
+const fn case(
+    name: &'static str,
+    deck: &'static str,
+    overrides: &'static [(&'static str, &'static str)],
+    steps: u64,
+) -> Case {
+    Case { name, deck, overrides, steps }
+}
+
+const EVERY: (&str, &str) = ("search", "every-step");
+const PREDICTOR: (&str, &str) = ("numerics.integrator", "predictor-corrector");
+const CORRECTED: (&str, &str) = ("numerics.gradient-correction", "linear");
+const BY_DENSITY: (&str, &str) = ("numerics.pair-form", "density-weighted");
+const MIXED: (&str, &str) = ("numerics.pair-form", "mixed");
+const SYMMETRIC: (&str, &str) = ("numerics.energy-split", "symmetric");
+const BALSARA: (&str, &str) = ("numerics.viscosity.balsara", "true");
+const RESTORED: (&str, &str) = ("numerics.mls-interval", "3");
+const OF_ENERGY: (&str, &str) = ("numerics.temperature", "energy");
+const NO_XSPH: (&str, &str) = ("numerics.xsph", "0");
+const FOLLOW: (&str, &str) = ("numerics.smoothing-length", "follow-density");
+
+/// Two blocks that strike each other off centre: the kernel sums.
+pub(super) const BARS: &[Case] = &[
+    case("collision", COLLISION, &[EVERY], 30),
+    case("collision, skin", COLLISION, &[("search", "skin")], 30),
+    case("predictor-corrector", COLLISION, &[EVERY, PREDICTOR, NO_XSPH], 30),
+    case("density-weighted, symmetric work", COLLISION, &[EVERY, BY_DENSITY, SYMMETRIC], 30),
+    case("density-weighted, predictor-corrector", COLLISION, &[EVERY, BY_DENSITY, PREDICTOR], 30),
+    case("mixed form, wendland-c2", COLLISION, &[EVERY, MIXED, ("numerics.kernel", "wendland-c2")], 30),
+    case(
+        "symmetric work, quintic, balsara",
+        COLLISION,
+        &[EVERY, SYMMETRIC, BALSARA, ("numerics.kernel", "quintic-spline")],
+        20,
+    ),
+    case("linear correction", COLLISION, &[EVERY, CORRECTED], 30),
+    case("linear correction, predictor-corrector", COLLISION, &[EVERY, CORRECTED, PREDICTOR, NO_XSPH, OF_ENERGY], 30),
+    case("linear correction, density-weighted", COLLISION, &[EVERY, CORRECTED, BY_DENSITY, RESTORED], 30),
+    case("restored density", COLLISION, &[EVERY, RESTORED], 30),
+    case("restored density, predictor-corrector", COLLISION, &[EVERY, RESTORED, PREDICTOR, NO_XSPH], 30),
+    case("temperature of energy, wendland-c4", COLLISION, &[EVERY, OF_ENERGY, ("numerics.kernel", "wendland-c4")], 30),
+    case("following smoothing lengths", COLLISION, &[EVERY, FOLLOW, BALSARA], 30),
+    case("following smoothing lengths, skin", COLLISION, &[("search", "skin"), FOLLOW, PREDICTOR, NO_XSPH], 30),
+    case(
+        "frozen lists",
+        COLLISION,
+        &[("search", "{ total-lagrangian = { form = \"frozen\" } }"), BALSARA, RESTORED],
+        30,
+    ),
+    case(
+        "frozen lists, linear correction",
+        COLLISION,
+        &[("search", "{ total-lagrangian = { form = \"frozen\" } }"), CORRECTED],
+        30,
+    ),
+];
+
+/// A soft block between moving walls of every kind, driven and held at its ends.
+const WALLS: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "10 mm" }
+search = "every-step"
+numerics = { precision = "double", xsph = 0.3 }
+time = { end = "1 s" }
+gravity = ["2 m/s^2", "-10 m/s^2"]
+
+[material.soft]
+density = "1000 kg/m^3"
+young-modulus = "20 MPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = { bilinear = { yield-stress = "0.2 MPa", tangent-modulus = "1 MPa" } }
+return-rule = "benz-asphaug"
+specific-heat = "400 J/(kg K)"
+
+[[body]]
+name = "block"
+material = "soft"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["150 mm", "80 mm"] } }
+velocity = ["3 m/s", "-4 m/s"]
+
+[[region]]
+name = "left"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["20 mm", "80 mm"] } }
+
+[[region]]
+name = "top"
+shape = { box = { min = ["0 mm", "60 mm"], max = ["150 mm", "80 mm"] } }
+
+[[motion]]
+region = "left"
+velocity = [[["0 ms", "0 m/s"], ["2 ms", "6 m/s"]], "free"]
+
+[[motion]]
+region = "top"
+velocity = ["free", "-2 m/s"]
+
+[[wall]]
+name = "floor"
+plane = { point = ["0 mm", "1 mm"], normal = [0, 1] }
+velocity = ["1 m/s", [["0 ms", "0 m/s"], ["9 ms", "3 m/s"]]]
+contact = { penalty = { stiffness = 1.5, damping = 0.3, friction = 0.25 } }
+
+[[wall]]
+name = "end"
+plane = { point = ["152 mm", "0 mm"], normal = [-1, 0.2] }
+velocity = [[["0 ms", "-2 m/s"], ["8 ms", "4 m/s"]], "0 m/s"]
+
+[[wall]]
+name = "edge"
+segment = { from = ["30 mm", "88 mm"], to = ["90 mm", "84 mm"] }
+contact = { monaghan-kos = { range = "12 mm" } }
+
+[[wall]]
+name = "blade"
+segment = { from = ["100 mm", "-9 mm"], to = ["120 mm", "3 mm"] }
+contact = { penalty = { friction = 0.4 } }
+"#;
+
+/// Walls, motion, gravity.
+pub(super) const PRESS: &[Case] = &[
+    case("walls and motion", WALLS, &[], 40),
+    case("walls and motion, predictor-corrector", WALLS, &[PREDICTOR, NO_XSPH], 40),
+    case("walls and motion, total lagrangian", WALLS, &[("search", "total-lagrangian")], 40),
+];
+
+/// A block thrown into a corner of symmetry planes, with another one on top of it.
+const CORNERED: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+search = "every-step"
+numerics = { precision = "double", artificial-stress = true, xsph = 0.5 }
+time = { end = "20 us" }
+
+[[body]]
+name = "block"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["12 mm", "8 mm"] } }
+velocity = ["-150 m/s", "-100 m/s"]
+spin = { rate = "3000 rad/s" }
+
+[[body]]
+name = "lid"
+material = "ofhc-copper"
+shape = { box = { min = ["2 mm", "8 mm"], max = ["14 mm", "13 mm"] } }
+velocity = ["30 m/s", "-80 m/s"]
+
+[[symmetry]]
+axis = "x"
+
+[[symmetry]]
+axis = "y"
+"#;
+
+/// A block that drifts through a periodic cell and strikes a symmetry plane.
+const CELL: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+search = "every-step"
+numerics = { precision = "double", artificial-stress = true, xsph = 0.5 }
+time = { end = "20 us" }
+periodic = { y = ["0 mm", "12 mm"] }
+symmetry = [{ axis = "x", at = "20 mm", side = "negative" }]
+
+[[body]]
+name = "block"
+material = "armco-iron"
+shape = { box = { min = ["4 mm", "0 mm"], max = ["20 mm", "12 mm"] } }
+velocity = ["120 m/s", "2000 m/s"]
+velocity-profile = { along = "y", amplitude = ["80 m/s", "0 m/s"], rows = [["0 mm", 1.0], ["6 mm", -1.0], ["12 mm", 1.0]] }
+"#;
+
+/// Symmetry planes and periodic ends.
+pub(super) const CORNER: &[Case] = &[
+    case("corner of symmetry planes", CORNERED, &[], 30),
+    case("corner, linear correction, restored", CORNERED, &[CORRECTED, RESTORED, BALSARA], 30),
+    case(
+        "corner, penalty contact",
+        CORNERED,
+        &[("contact", "{ penalty = { friction = 0.2 } }"), PREDICTOR, NO_XSPH],
+        30,
+    ),
+    case("periodic cell", CELL, &[], 40),
+    case("periodic cell, predictor-corrector", CELL, &[PREDICTOR, NO_XSPH, RESTORED, CORRECTED], 40),
+];
+
+/// Two blocks of unlike metals and spacings that touch, one sliding over the other.
+const SLIDING: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+search = "every-step"
+numerics = { precision = "double", artificial-stress = true }
+contact = { penalty = { stiffness = 2.0, damping = 0.5, friction = 0.3 } }
+time = { end = "20 us" }
+
+[material.iron]
+base = "armco-iron"
+spall-pressure = "0.4 GPa"
+
+[[body]]
+name = "anvil"
+material = "iron"
+shape = { box = { min = ["-10 mm", "-9 mm"], max = ["10 mm", "0 mm"] } }
+
+[[body]]
+name = "hammer"
+material = "ofhc-copper"
+spacing = "0.8 mm"
+shape = { box = { min = ["-4 mm", "0 mm"], max = ["4.8 mm", "8 mm"] } }
+velocity = ["150 m/s", "-200 m/s"]
+
+[[body]]
+name = "post"
+material = "iron"
+shape = { box = { min = ["6 mm", "0 mm"], max = ["10 mm", "6 mm"] } }
+"#;
+
+/// Contact between bodies.
+pub(super) const BLOCKS: &[Case] = &[
+    case("contact with friction", SLIDING, &[], 40),
+    case("contact, predictor-corrector", SLIDING, &[PREDICTOR, OF_ENERGY], 40),
+];
+
+/// Two plates that conduct so well that heat is summed in every step, under every heat boundary.
+const HEATED: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+search = "every-step"
+numerics = { precision = "double" }
+time = { end = "20 us" }
+
+[material.iron]
+base = "armco-iron"
+conductivity = "3 MW/(m K)"
+
+[material.copper]
+base = "ofhc-copper"
+conductivity = "1 MW/(m K)"
+
+[[body]]
+name = "cold"
+material = "iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "12 mm"] } }
+velocity = ["60 m/s", "0 m/s"]
+
+[[body]]
+name = "warm"
+material = "copper"
+temperature = "500 K"
+shape = { box = { min = ["10 mm", "0 mm"], max = ["20 mm", "12 mm"] } }
+velocity = ["-60 m/s", "20 m/s"]
+
+[[region]]
+name = "end"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["2 mm", "12 mm"] } }
+
+[[region]]
+name = "top"
+shape = { box = { min = ["0 mm", "10 mm"], max = ["10 mm", "12 mm"] } }
+
+[[region]]
+name = "foot"
+shape = { box = { min = ["10 mm", "0 mm"], max = ["20 mm", "2 mm"] } }
+
+[thermal]
+boundary = [
+    { name = "hot", region = "end", hold = "600 K" },
+    { name = "lamp", region = "top", flux = "40 GW/m^2" },
+    { name = "bath", region = "foot", surface-temperature = "400 K" },
+    { name = "air", body = "warm", convection = { coefficient = "1e9 W/(m^2 K)", ambient = "350 K" } },
+]
+"#;
+
+const STILL: (&str, &str) = ("thermal.mechanics", "false");
+const PENALTY: (&str, &str) = ("contact", "{ penalty = { friction = 0.3 } }");
+
+/// Conduction.
+pub(super) const OVEN: &[Case] = &[
+    case("heat and motion", HEATED, &[], 30),
+    case("heat, contact, temperature of energy", HEATED, &[PENALTY, OF_ENERGY, PREDICTOR], 30),
+    case("heat, contact, symmetry", HEATED, &[PENALTY, ("symmetry", "[{ axis = \"y\" }]")], 30),
+    case("heat alone", HEATED, &[STILL], 30),
+    case("heat alone, contact, periodic", HEATED, &[STILL, PENALTY, ("periodic", "{ y = [\"0 mm\", \"12 mm\"] }")], 30),
+];
+
+/// Two blocks in space that strike each other.
+const CUBES: &str = r#"
+dimensions = "3d"
+particles = { spacing = "1 mm" }
+search = "every-step"
+numerics = { precision = "double", artificial-stress = true, xsph = 0.4 }
+time = { end = "20 us" }
+symmetry = [{ axis = "z" }]
+
+[[body]]
+name = "anvil"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm", "0 mm"], max = ["7 mm", "7 mm", "4 mm"] } }
+
+[[body]]
+name = "hammer"
+material = "armco-iron"
+shape = { box = { min = ["2 mm", "7 mm", "0 mm"], max = ["8 mm", "12 mm", "4 mm"] } }
+velocity = ["40 m/s", "-300 m/s", "30 m/s"]
+spin = { rate = ["900 rad/s", "-2000 rad/s", "1500 rad/s"] }
+"#;
+
+/// Three dimensions.
+pub(super) const SPACE: &[Case] = &[
+    case("space", CUBES, &[], 20),
+    case("space, linear correction, restored", CUBES, &[CORRECTED, RESTORED, BALSARA], 20),
+    case("space, contact, predictor-corrector", CUBES, &[PENALTY, PREDICTOR, NO_XSPH], 20),
+    case("space, total lagrangian", CUBES, &[("search", "total-lagrangian")], 20),
+];
+
+/// A plate of copper struck along x.
+const PLATES: &str = r#"
+dimensions = "1d"
+particles = { spacing = "0.2 mm" }
+search = "every-step"
+numerics = { precision = "double", viscosity = { alpha = 0.5, beta = 1.0 }, artificial-stress = true, xsph = 0.5 }
+time = { end = "3 us" }
+symmetry = [{ axis = "x", at = "-12 mm" }]
+
+[[body]]
+name = "flyer"
+material = "ofhc-copper"
+shape = { box = { min = ["-12 mm"], max = ["0 mm"] } }
+velocity = ["300 m/s"]
+
+[[body]]
+name = "target"
+material = "armco-iron"
+shape = { box = { min = ["0 mm"], max = ["12 mm"] } }
+"#;
+
+/// One dimension.
+pub(super) const LINE: &[Case] = &[
+    case("line", PLATES, &[FOLLOW], 60),
+    case("line, linear correction", PLATES, &[CORRECTED, RESTORED, PREDICTOR, NO_XSPH], 60),
+    case("line, contact", PLATES, &[("contact", "penalty"), OF_ENERGY], 60),
+];
+
+/// A block that strikes a plane of symmetry, summed at initial positions, with heat.
+const STRUCK: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+search = "total-lagrangian"
+time = { end = "20 us" }
+symmetry = [{ axis = "y" }]
+
+[material.iron]
+base = "armco-iron"
+conductivity = "2 MW/(m K)"
+
+[[body]]
+name = "block"
+material = "iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "20 mm"] } }
+velocity = ["0 m/s", "-250 m/s"]
+spin = { rate = "1000 rad/s" }
+
+[thermal]
+boundary = [{ name = "air", convection = { coefficient = "1e9 W/(m^2 K)", ambient = "500 K" } }]
+"#;
+
+/// The total Lagrangian form.
+pub(super) const PRESSED: &[Case] = &[
+    case("total lagrangian", STRUCK, &[("thermal.conduction", "false")], 40),
+    case(
+        "total lagrangian, no springs",
+        STRUCK,
+        &[("thermal.conduction", "false"), ("search", "{ total-lagrangian = { hourglass = 0 } }")],
+        40,
+    ),
+    case("total lagrangian, heat", STRUCK, &[], 40),
+    case("total lagrangian, temperature of energy", STRUCK, &[OF_ENERGY, ("numerics.kernel", "wendland-c2")], 40),
+];
+
+/// Two bodies that the form keeps apart, and a periodic cell.
+pub(super) const ROD: &[Case] = &[
+    case("total lagrangian, two bodies", CORNERED, &[("search", "total-lagrangian")], 40),
+    case("total lagrangian, periodic", CELL, &[("search", "total-lagrangian")], 40),
+];
+
+/// What the fast engine does otherwise than the equations say.
+pub(super) const KNOWN: &[Case] = &[
+    // Neighbours are smoothed by the volumes of the predictor times the density since reached, not by their masses.
+    case("predictor-corrector, xsph", COLLISION, &[EVERY, PREDICTOR], 30),
+    // Lists reach as far as kernels that shrink, the contact as far as those of the start.
+    case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
+];
+
+/// Cases for every search: bodies that meet, flow and turn.
+pub(super) const SEARCHED: &[Case] = &[
+    case("collision, searched", COLLISION, &[("search", "{ skin = { fraction = 0.2 } }")], 50),
+    case("contact, searched", SLIDING, &[("search", "{ skin = { fraction = 0.2 } }")], 50),
+    case("periodic cell, searched", CELL, &[("search", "{ skin = { fraction = 0.2 } }"), CORRECTED], 50),
+];

@@ -1,0 +1,373 @@
+//! A second engine: one thread, plain columns, double precision, all pairs tested.
+//!
+//! It shares the laws of `sphorge-physics` with the engine for processors and nothing else: no lists, no lanes, no ghosts in memory,
+//! no shortcuts. What it says of a deck is what the equations say of it.
+
+use super::pairs::{Image, plus};
+use super::sums::uncorrected;
+use super::surroundings::Accounts;
+use sphorge::engine::halo::FieldSet;
+use sphorge::engine::persist::{Archive, ArchiveError};
+use sphorge::engine::reduction::{self, Reduction};
+use sphorge::engine::{
+    Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported,
+};
+use sphorge::model::{Integrator, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource};
+use sphorge::{Particles, engine::LimitReason};
+use sphorge_physics::contact::Overlap;
+use sphorge_physics::{Dimension, Tensor, Vector};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The kind of [`Oracle`].
+pub(super) struct OracleKind;
+
+/// The engine. Columns with a name are those of `p`; the others stand beside it.
+pub(super) struct Oracle {
+    pub(super) model: Arc<Model>,
+    pub(super) dimension: Dimension,
+    pub(super) p: Particles,
+    pub(super) images: Vec<Image>,
+    /// Neighbours of each particle in the kernel sums and in the contact between bodies: number, and which image.
+    pub(super) rows: Vec<Vec<(usize, usize)>>,
+    pub(super) foreign: Vec<Vec<(usize, usize)>>,
+    pub(super) searched_at: Vec<Vector<f64>>,
+    /// Start and size of the step, s, and steps begun.
+    pub(super) time: f64,
+    pub(super) dt: f64,
+    count: u64,
+    /// Velocities the last forces were evaluated with, and what the particles are smoothed by.
+    pub(super) evaluated: Vec<Vector<f64>>,
+    pub(super) xsph: Vec<Vector<f64>>,
+    /// The part of the acceleration that pairs do not make.
+    pub(super) external: Vec<Vector<f64>>,
+    pub(super) mu: Vec<f64>,
+    base_position: Vec<Vector<f64>>,
+    base_velocity: Vec<Vector<f64>>,
+    pub(super) base_density: Vec<f64>,
+    /// Weights of the gradient sum.
+    pub(super) weight: Vec<f64>,
+    pub(super) correction: Vec<Tensor<f64>>,
+    pub(super) deformation: Vec<Tensor<f64>>,
+    pub(super) initial_volume: Vec<f64>,
+    pub(super) history: Vec<Vec<f64>>,
+    /// Scaled stress and artificial stress, and Balsara's switch.
+    pub(super) stress: Vec<Tensor<f64>>,
+    pub(super) repulsion: Vec<Tensor<f64>>,
+    pub(super) switch: Vec<f64>,
+    pub(super) overlap: Vec<Overlap<f64>>,
+    pub(super) friction_heat: Vec<f64>,
+    pub(super) heat_rate: Vec<f64>,
+    pub(super) ledger: Ledger,
+    pub(super) accounts: Accounts,
+}
+
+impl EngineKind for OracleKind {
+    fn name(&self) -> &'static str {
+        "oracle"
+    }
+
+    fn supports(&self, model: &Model) -> Result<(), Unsupported> {
+        let refuse = |what: &str, help: &str| Err(Unsupported { what: what.to_owned(), help: help.to_owned() });
+        match model.search {
+            _ if model.numerics.precision != Precision::Double => {
+                refuse("pair sums in single precision", "set `numerics.precision` to \"double\"")
+            }
+            Search::Adaptive(adaptive) if adaptive.guard.is_none() => {
+                refuse("kernel values of former searches", "give the adaptive search its guard")
+            }
+            _ if model.audit.is_some() => refuse("audits: its lists are exact", "leave `audit` out"),
+            _ => Ok(()),
+        }
+    }
+
+    fn start(&self, model: Arc<Model>, mut p: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        let dimension = model.dimensions.into();
+        let n = p.len();
+        let material = |i: usize| &model.materials[p.material[i] as usize];
+        let history = (0..n).map(|i| material(i).flow_law.history().iter().map(|v| v.initial).collect()).collect();
+        if model.numerics.temperature == TemperatureSource::Energy {
+            let warmth = |i: usize| material(i).specific_heat * (p.temperature[i] - material(i).reference_temperature);
+            let energies: Vec<f64> = (0..n).map(|i| p.energy[i] + warmth(i)).collect();
+            p.energy = energies;
+        }
+        let mut oracle = Oracle {
+            dimension,
+            images: Image::all(&model),
+            rows: Vec::new(),
+            foreign: Vec::new(),
+            searched_at: Vec::new(),
+            time: 0.0,
+            dt: 0.0,
+            count: 0,
+            evaluated: p.velocity.clone(),
+            xsph: vec![[0.0; 3]; n],
+            external: vec![[0.0; 3]; n],
+            mu: vec![0.0; n],
+            base_position: p.position.clone(),
+            base_velocity: p.velocity.clone(),
+            base_density: p.density.clone(),
+            weight: vec![0.0; n],
+            correction: uncorrected(n),
+            deformation: uncorrected(n),
+            initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
+            history,
+            stress: uncorrected(n),
+            repulsion: uncorrected(n),
+            switch: vec![1.0; n],
+            overlap: vec![Overlap::default(); n],
+            friction_heat: vec![0.0; n],
+            heat_rate: vec![0.0; n],
+            ledger: Ledger::default(),
+            accounts: Accounts::new(&model, dimension),
+            model,
+            p,
+        };
+        oracle.hold_temperatures();
+        oracle.ledger.heat.supplied.fill(0.0);
+        Ok(Box::new(oracle))
+    }
+}
+
+impl Oracle {
+    /// Bodies that stand still while heat flows. The initial rates are those of bodies that could move.
+    fn is_idle(&self) -> bool {
+        !self.model.thermal.mechanics && self.dt > 0.0
+    }
+
+    /// From the start of the step to where forces are evaluated, s.
+    pub(super) fn dt_to_evaluation(&self) -> f64 {
+        match self.model.numerics.integrator {
+            Integrator::Leapfrog => self.dt,
+            Integrator::PredictorCorrector => 0.5 * self.dt,
+        }
+    }
+
+    /// Prescribed motion of a particle: of two that claim it the later in the deck.
+    pub(super) fn motion_of(&self, i: usize) -> Option<usize> {
+        self.model.motions.iter().rposition(|m| self.p.regions[i] >> m.region & 1 == 1)
+    }
+
+    /// Velocity `v` at a time with what is prescribed of it.
+    fn held(&self, i: usize, time: f64, mut v: Vector<f64>) -> Vector<f64> {
+        let Some(k) = self.motion_of(i) else { return v };
+        for (v, axis) in v.iter_mut().zip(&self.model.motions[k].axes) {
+            if let MotionAxis::Velocity(table) = axis {
+                *v = table.at(time);
+            }
+        }
+        v
+    }
+
+    /// Velocity the particle is carried with: smoothed, but along prescribed axes.
+    pub(super) fn drift_velocity(&self, i: usize, v: Vector<f64>) -> Vector<f64> {
+        let motion = self.motion_of(i).map(|k| &self.model.motions[k].axes);
+        [0, 1, 2].map(|a| match motion.map(|axes| &axes[a]) {
+            Some(MotionAxis::Velocity(_)) => v[a],
+            _ => v[a] + self.xsph[i][a],
+        })
+    }
+
+    /// Takes the velocity from `before` through `dt` to a time. Pair forces have worked at the velocity they were evaluated with; what
+    /// the mean velocity of the kick differs from that goes to the internal energy.
+    fn kick(&mut self, i: usize, before: Vector<f64>, dt: f64, time: f64) {
+        let (a, external, evaluated) = (self.p.acceleration[i], self.external[i], self.evaluated[i]);
+        let (after, mass) = (self.held(i, time, plus(before, dt, a)), self.p.mass[i]);
+        self.p.velocity[i] = after;
+        self.p.energy[i] += dt * self.p.energy_rate[i];
+        for k in 0..3 {
+            let (pair, mean) = (a[k] - external[k], 0.5 * (before[k] + after[k]));
+            let impulse = mass * (after[k] - before[k] - pair * dt);
+            self.p.energy[i] -= pair * (mean - evaluated[k]) * dt;
+            self.ledger.external_work += mean * impulse;
+            self.ledger.external_impulse[k] += impulse;
+        }
+    }
+}
+
+impl Engine for Oracle {
+    fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
+        (self.dt, self.count) = (dt, self.count + u64::from(dt > 0.0));
+        if self.is_idle() {
+            return Ok(());
+        }
+        let (half, time) = (0.5 * dt, self.time);
+        match self.model.numerics.integrator {
+            Integrator::Leapfrog => {
+                self.book_contacts(half);
+                for i in 0..self.p.len() {
+                    self.kick(i, self.p.velocity[i], half, time + half);
+                    let v = self.p.velocity[i];
+                    self.p.position[i] = plus(self.p.position[i], dt, self.drift_velocity(i, v));
+                    self.evaluated[i] = self.held(i, time + dt, plus(v, half, self.p.acceleration[i]));
+                }
+            }
+            Integrator::PredictorCorrector => {
+                self.base_position.clone_from(&self.p.position);
+                self.base_velocity.clone_from(&self.p.velocity);
+                self.base_density.clone_from(&self.p.density);
+                for i in 0..self.p.len() {
+                    let v = self.p.velocity[i];
+                    let drift = self.drift_velocity(i, self.held(i, time + half, v));
+                    self.p.position[i] = plus(self.p.position[i], half, drift);
+                    self.p.velocity[i] = self.held(i, time + half, plus(v, half, self.p.acceleration[i]));
+                    self.evaluated[i] = self.p.velocity[i];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
+        if let SmoothingLength::FollowDensity { factor } = self.model.numerics.smoothing_length {
+            let model = self.model.clone();
+            let power = 1.0 / self.dimension.count() as f64;
+            self.p.smoothing_length = self.each(|i| {
+                let ratio = (self.material(i).density / self.p.density[i]).powf(power).clamp(1.0 / factor, factor);
+                model.bodies[self.p.body[i] as usize].smoothing_length * ratio
+            });
+        }
+        let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
+        if due {
+            self.search();
+        }
+        Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
+    }
+
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        Ok(None)
+    }
+
+    /// Images are worked out where they are read.
+    fn exchange(&mut self, _: FieldSet) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn kinematics(&mut self) -> Result<(), RunFailure> {
+        if !self.is_idle() {
+            self.sum_gradients();
+        }
+        Ok(())
+    }
+
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        let due = |n: u64| self.dt > 0.0 && self.count.is_multiple_of(n);
+        if !self.is_idle() && self.model.numerics.mls_interval.is_some_and(due) {
+            self.restore();
+        }
+        Ok(())
+    }
+
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        if !self.is_idle() {
+            self.correct_forces();
+        }
+        Ok(())
+    }
+
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        if !self.is_idle() {
+            self.update_stress();
+        }
+        Ok(())
+    }
+
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
+        self.overlap_bodies();
+        Ok(())
+    }
+
+    fn forces(&mut self) -> Result<(), RunFailure> {
+        self.sum_heat();
+        if !self.is_idle() {
+            self.sum_forces();
+            self.resist_hourglass();
+            self.push_bodies();
+            self.add_external();
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), RunFailure> {
+        let (dt, end) = (self.dt, self.time + self.dt);
+        match self.model.numerics.integrator {
+            _ if self.is_idle() => {}
+            Integrator::Leapfrog => {
+                self.book_contacts(0.5 * dt);
+                for i in 0..self.p.len() {
+                    self.kick(i, self.p.velocity[i], 0.5 * dt, end);
+                }
+                self.warm_by_friction();
+            }
+            Integrator::PredictorCorrector => {
+                self.book_contacts(dt);
+                for i in 0..self.p.len() {
+                    let before = self.base_velocity[i];
+                    self.kick(i, before, dt, end);
+                    let mean = plus(before.map(|v| 0.5 * v), 0.5, self.p.velocity[i]);
+                    self.p.position[i] = plus(self.base_position[i], dt, self.drift_velocity(i, mean));
+                }
+                self.commit_stress();
+                self.warm_by_friction();
+            }
+        }
+        self.flow_heat();
+        self.time = end;
+        Ok(())
+    }
+
+    fn guard(&self) -> Result<(), RunFailure> {
+        let is_sound = |i: usize| self.p.density[i] > 0.0 && self.p.velocity[i].iter().all(|v| v.is_finite());
+        match (0..self.p.len()).find(|&i| !is_sound(i)) {
+            Some(i) => Err(RunFailure::of_engine(format!("particle {} is lost", self.p.id[i]))),
+            None => Ok(()),
+        }
+    }
+
+    fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
+        let of_heat = TimeStepLimit { dt: self.conduction_limit(), reason: LimitReason::Conduction };
+        Ok(if self.model.thermal.mechanics { self.mechanical_limit().min(of_heat) } else { of_heat })
+    }
+
+    fn count(&self) -> usize {
+        self.p.len()
+    }
+
+    fn pairs(&self) -> u64 {
+        self.p.neighbors.iter().map(|&n| u64::from(n)).sum()
+    }
+
+    fn ledger(&self) -> Result<Ledger, RunFailure> {
+        Ok(self.conservation())
+    }
+
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        Ok(reduction::evaluate(reduction, &self.model, &self.p))
+    }
+
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        // Particles stay in the order they came in, that of their ids.
+        let of_law = |i: usize| self.material(i).flow_law.history().iter().position(|v| v.name == field);
+        self.p.column(field).map_or_else(
+            || {
+                let values = self.each(|i| of_law(i).map_or(0.0, |k| self.history[i][k]));
+                Ok(Column::Scalar(Cow::Owned(values)))
+            },
+            Ok,
+        )
+    }
+
+    fn persist(&mut self, _: &mut dyn Archive) -> Result<(), ArchiveError> {
+        Err(ArchiveError::Unsupported("the oracle runs in one go".into()))
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        self.p.bytes() as u64
+    }
+}
+
+/// Elastic energy per mass: shear, and volume by `p^2 / (2 rho c^2)`.
+pub(super) fn elastic_energy(p: &Particles, i: usize, shear_modulus: f64) -> f64 {
+    let shear = sphorge_physics::heat::elastic_energy(p.deviator[i], shear_modulus, p.density[i]);
+    shear + 0.5 * (p.pressure[i] / (p.density[i] * p.sound_speed[i])).powi(2)
+}

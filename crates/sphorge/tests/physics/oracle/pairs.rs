@@ -1,0 +1,147 @@
+//! Who is beside whom: every pair of particles and images is tested.
+
+use super::engine::Oracle;
+use sphorge::model::{BodyContact, Formulation, Model, Search};
+use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot};
+
+/// A mirror or a shift by axis, or neither.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Image {
+    sign: Vector<f64>,
+    shift: Vector<f64>,
+}
+
+impl Image {
+    /// The particles themselves, then all their images: every choice of a side on every axis.
+    pub(super) fn all(model: &Model) -> Vec<Self> {
+        let mut images = vec![Self { sign: [1.0; 3], shift: [0.0; 3] }];
+        for axis in 0..3 {
+            let mirrors = model.symmetry.iter().filter(|s| s.axis == axis).map(|s| (-1.0, 2.0 * s.position));
+            let copies = model.periodic[axis].map(|(low, high)| [(1.0, high - low), (1.0, low - high)]);
+            let sides: Vec<_> = mirrors.chain(copies.into_iter().flatten()).collect();
+            for image in images.clone() {
+                images.extend(sides.iter().map(|&(sign, shift)| {
+                    let mut other = image;
+                    (other.sign[axis], other.shift[axis]) = (sign, shift);
+                    other
+                }));
+            }
+        }
+        images
+    }
+
+    /// Whether a particle at `x` has this image: what stands on a symmetry plane or behind it has none.
+    fn is_of(&self, model: &Model, x: Vector<f64>) -> bool {
+        let before = |s: &sphorge::model::SymmetryPlane| s.side * (x[s.axis] - s.position) > 1e-9 * model.spacing;
+        let mirrored =
+            |s: &&sphorge::model::SymmetryPlane| self.sign[s.axis] < 0.0 && self.shift[s.axis] == 2.0 * s.position;
+        model.symmetry.iter().filter(mirrored).all(before)
+    }
+
+    pub(super) fn point(&self, x: Vector<f64>) -> Vector<f64> {
+        [0, 1, 2].map(|a| self.sign[a] * x[a] + self.shift[a])
+    }
+
+    pub(super) fn vector(&self, v: Vector<f64>) -> Vector<f64> {
+        [0, 1, 2].map(|a| self.sign[a] * v[a])
+    }
+
+    pub(super) fn tensor(&self, t: &Tensor<f64>) -> Tensor<f64> {
+        [0, 1, 2].map(|a| [0, 1, 2].map(|b| self.sign[a] * self.sign[b] * t[a][b]))
+    }
+}
+
+/// A particle and a neighbour, or an image of one.
+pub(super) struct Pair {
+    /// Number of the neighbour, and which of its images.
+    pub(super) j: usize,
+    pub(super) image: Image,
+    /// `x_i - x_j`, m, and its length.
+    pub(super) x: Vector<f64>,
+    pub(super) r: f64,
+    /// Mean smoothing length, m.
+    pub(super) h: f64,
+    /// `W_ij`, and the `F` of `grad_i W_ij = F x_ij`.
+    pub(super) w: f64,
+    pub(super) f: f64,
+}
+
+pub(super) fn minus(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a + s b`.
+pub(super) fn plus(a: Vector<f64>, s: f64, b: Vector<f64>) -> Vector<f64> {
+    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
+}
+
+pub(super) fn apply(t: &Tensor<f64>, v: Vector<f64>) -> Vector<f64> {
+    t.map(|row| dot(row, v))
+}
+
+impl Oracle {
+    /// Finds the pairs of the positions just reached. As in every search, a pair that leaves the support in a step is not one of its
+    /// middle; a skin keeps it.
+    pub(super) fn search(&mut self) {
+        let model = self.model.clone();
+        let p = &mut self.p;
+        for (axis, cell) in model.periodic.iter().enumerate() {
+            let Some((low, high)) = *cell else { continue };
+            for x in p.position.iter_mut() {
+                x[axis] = low + (x[axis] - low).rem_euclid(high - low);
+            }
+        }
+        let skin = if let Search::Skin { fraction } = model.search { fraction } else { 0.0 };
+        let support = model.numerics.kernel.support();
+        let body_h = |i: usize| model.bodies[self.p.body[i] as usize].smoothing_length;
+        let apart = model.contact != BodyContact::Sph || model.formulation != Formulation::UpdatedLagrangian;
+        let p = &self.p;
+        let (mut rows, mut foreign) = (vec![Vec::new(); p.len()], vec![Vec::new(); p.len()]);
+        for i in 0..p.len() {
+            for j in 0..p.len() {
+                let is_foreign = apart && p.body[i] != p.body[j];
+                let mut h = pair_smoothing_length(p.smoothing_length[i], p.smoothing_length[j]) * (1.0 + skin);
+                if is_foreign {
+                    // The contact has the kernels of the start.
+                    h = h.max(pair_smoothing_length(body_h(i), body_h(j)));
+                }
+                for (k, image) in self.images.iter().enumerate().filter(|(k, _)| *k > 0 || i != j) {
+                    let x = minus(p.position[i], image.point(p.position[j]));
+                    if dot(x, x) < (support * h).powi(2) && image.is_of(&model, p.position[j]) {
+                        let list = if is_foreign { &mut foreign } else { &mut rows };
+                        list[i].push((j, k));
+                    }
+                }
+            }
+        }
+        if model.formulation != Formulation::UpdatedLagrangian {
+            foreign = vec![Vec::new(); p.len()];
+        }
+        (self.rows, self.foreign) = (rows, foreign);
+        self.searched_at = self.p.position.clone();
+    }
+
+    /// Places the sums are taken at, of particles that are at `now`.
+    pub(super) fn places(&self, now: Vec<Vector<f64>>) -> Vec<Vector<f64>> {
+        if self.model.search == Search::Initial { self.searched_at.clone() } else { now }
+    }
+
+    fn pair(&self, i: usize, (j, k): (usize, usize), at: &[Vector<f64>]) -> Pair {
+        let image = self.images[k];
+        let x = minus(at[i], image.point(at[j]));
+        let h = pair_smoothing_length(self.p.smoothing_length[i], self.p.smoothing_length[j]);
+        let (r, kernel) = (dot(x, x).sqrt(), self.model.numerics.kernel);
+        let (w, f) = (kernel.value(self.dimension, r, h), -kernel.slope(self.dimension, r, h));
+        Pair { j, image, x, r, h, w, f }
+    }
+
+    /// The pairs of a particle in the kernel sums, of particles at these places.
+    pub(super) fn pairs(&self, i: usize, at: &[Vector<f64>]) -> impl Iterator<Item = Pair> {
+        self.rows[i].iter().map(move |&n| self.pair(i, n, at))
+    }
+
+    /// Its pairs with particles of other bodies that it is in contact with, as they are now.
+    pub(super) fn contacts(&self, i: usize) -> impl Iterator<Item = Pair> {
+        self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.p.position))
+    }
+}

@@ -1,0 +1,307 @@
+//! The pair sums of both papers, as they are printed, and the stress between them.
+
+use super::engine::Oracle;
+use super::pairs::{apply, minus, plus};
+use sphorge::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
+use sphorge_physics::gradient_correction::gradient_correction;
+use sphorge_physics::hourglass::Spring;
+use sphorge_physics::moving_least_squares::Moments;
+use sphorge_physics::pair::{
+    EnergySplit, PairForm, gradient_factor, gradient_weight, inverse_density_mean, mean, momentum_weight,
+    scaled_pressure, stress_scale,
+};
+use sphorge_physics::return_mapping::return_mapping;
+use sphorge_physics::stress::{density_after, predicted_density, trial_deviator};
+use sphorge_physics::tensor::{dot, identity, multiply, transpose};
+use sphorge_physics::total_lagrangian::{deform, density, first_piola};
+use sphorge_physics::viscosity::{
+    ViscosityParameters, balsara, bulk_mu, bulk_viscosity, viscosity_mu, viscous_pressure,
+};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector, artificial_stress, heat, tensor};
+
+/// `t += s a ⊗ b`.
+fn add_dyad(t: &mut Tensor<f64>, s: f64, a: Vector<f64>, b: Vector<f64>) {
+    for k in 0..3 {
+        t[k] = plus(t[k], s * a[k], b);
+    }
+}
+
+impl Oracle {
+    /// Strength of the hourglass springs where the sums are those of the total Lagrangian form.
+    fn total_lagrangian(&self) -> Option<f64> {
+        match self.model.formulation {
+            Formulation::UpdatedLagrangian => None,
+            Formulation::TotalLagrangian { hourglass } => Some(hourglass),
+        }
+    }
+
+    fn is_corrected(&self) -> bool {
+        self.total_lagrangian().is_some() || self.model.numerics.gradient_correction == GradientCorrection::Linear
+    }
+
+    /// `B_i`, the inverse of `g_i sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`.
+    fn correction_of(&self, i: usize, g: f64, weight: &[f64], at: &[Vector<f64>]) -> Tensor<f64> {
+        let mut moment = tensor::zero();
+        for n in self.pairs(i, at) {
+            add_dyad(&mut moment, -g * weight[n.j] * n.f, n.x, n.x);
+        }
+        gradient_correction(&moment, self.dimension)
+    }
+
+    /// `L_i = g_i sum_j w_j (v_j - v_i) ⊗ B_i grad_i W_ij` and `drho/dt = -rho tr L`, at the middle of the step.
+    pub(super) fn sum_gradients(&mut self) {
+        let (numerics, half) = (self.model.numerics.clone(), 0.5 * self.dt);
+        let form = numerics.pair_form;
+        let drifted = |i: usize| plus(self.p.position[i], -half, self.drift_velocity(i, self.p.velocity[i]));
+        let at = self.places(match numerics.integrator {
+            Integrator::Leapfrog => (0..self.p.len()).map(drifted).collect(),
+            Integrator::PredictorCorrector => self.p.position.clone(),
+        });
+        let rho: Vec<f64> = self.each(|i| predicted_density(self.p.density[i], &self.p.velocity_gradient[i], half));
+        self.weight = match self.total_lagrangian() {
+            Some(_) => self.initial_volume.clone(),
+            None => self.each(|i| gradient_weight(form, self.p.mass[i], rho[i])),
+        };
+        if self.is_corrected() && (self.total_lagrangian().is_none() || self.dt == 0.0) {
+            self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, rho[i]), &self.weight, &at));
+        }
+        let gradients = self.each(|i| {
+            let mut sum = tensor::zero();
+            for n in self.pairs(i, &at) {
+                let v = minus(n.image.vector(self.p.velocity[n.j]), self.p.velocity[i]);
+                add_dyad(&mut sum, gradient_factor(form, rho[i]) * self.weight[n.j] * n.f, v, n.x);
+            }
+            multiply(&sum, &transpose(&self.correction[i]))
+        });
+        let support = numerics.kernel.support();
+        self.p.neighbors = self.each(|i| self.pairs(i, &at).filter(|n| n.r < support * n.h).count() as u32);
+        let step = self.dt_to_evaluation();
+        for (i, gradient) in gradients.into_iter().enumerate() {
+            if self.total_lagrangian().is_some() {
+                let l = deform(&mut self.deformation[i], &gradient, self.dt);
+                self.p.velocity_gradient[i] = l;
+                self.p.density[i] = density(self.p.mass[i], self.initial_volume[i], &self.deformation[i]);
+                self.mu[i] = bulk_mu(&l, self.p.smoothing_length[i]);
+            } else {
+                self.p.velocity_gradient[i] = gradient;
+                self.p.density[i] = density_after(self.p.density[i], &gradient, step);
+            }
+        }
+    }
+
+    /// `rho_i = sum_j m_j (beta_0 + beta . x_ij) W_ij` over the body of the particle.
+    pub(super) fn restore(&mut self) {
+        let p = &self.p;
+        let restored = self.each(|i| {
+            let own = self.model.numerics.kernel.value(self.dimension, 0.0, p.smoothing_length[i]);
+            let neighbours = || {
+                let same = self.pairs(i, &p.position).filter(|n| p.body[n.j] == p.body[i]);
+                same.map(|n| (n.j, n.x, n.w)).chain([(i, [0.0; 3], own)])
+            };
+            let mut moments = Moments::default();
+            neighbours().for_each(|(j, x, w)| moments.add(x, p.mass[j] / p.density[j] * w));
+            let Some(beta) = moments.solve(p.smoothing_length[i], self.dimension) else { return p.density[i] };
+            let sum: f64 = neighbours().map(|(j, x, w)| p.mass[j] * beta.factor(x) * w).sum();
+            if sum > 0.0 { sum } else { p.density[i] }
+        });
+        for (i, rho) in restored.into_iter().enumerate() {
+            let old = std::mem::replace(&mut self.p.density[i], rho);
+            self.ledger.mls_energy += self.p.mass[i] * self.p.pressure[i] * (rho - old) / (rho * old);
+            self.base_density[i] = density_after(rho, &self.p.velocity_gradient[i], -0.5 * self.dt);
+        }
+    }
+
+    /// The correction where forces are evaluated, if that is not where the velocity gradient was.
+    pub(super) fn correct_forces(&mut self) {
+        let numerics = &self.model.numerics;
+        let moved = numerics.integrator == Integrator::Leapfrog && self.dt > 0.0;
+        if moved && self.is_corrected() && self.total_lagrangian().is_none() {
+            let (form, p) = (numerics.pair_form, &self.p);
+            let weight = self.each(|i| gradient_weight(form, p.mass[i], p.density[i]));
+            let at = self.places(p.position.clone());
+            self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, p.density[i]), &weight, &at));
+        }
+    }
+
+    pub(super) fn material(&self, i: usize) -> &Material {
+        &self.model.materials[self.p.material[i] as usize]
+    }
+
+    /// Shear modulus in the state of the particle at a density and a pressure.
+    pub(super) fn shear_modulus(&self, i: usize, density: f64, pressure: f64) -> f64 {
+        let (m, p) = (self.material(i), &self.p);
+        m.flow_law
+            .shear_modulus(m.shear_modulus, m.flow_state(p.plastic_strain[i], p.temperature[i], density, pressure))
+    }
+
+    /// Trial stress, equation of state, return mapping over a time `dt`; what flows counts only if `commit`. The deviator.
+    fn flow(&mut self, i: usize, energy: f64, dt: f64, commit: bool) -> SymmetricTensor<f64> {
+        let (model, source) = (self.model.clone(), self.model.numerics.temperature);
+        let m = &model.materials[self.p.material[i] as usize];
+        let rho = self.p.density[i];
+        let state = m.pressure(rho, energy);
+        let shear = self.shear_modulus(i, rho, state.pressure);
+        let p = &mut self.p;
+        (p.pressure[i], p.sound_speed[i]) = (state.pressure, state.sound_speed);
+        let trial = trial_deviator(p.deviator[i], &p.velocity_gradient[i], shear, dt);
+        let state = m.flow_state(p.plastic_strain[i], p.temperature[i], rho, state.pressure);
+        let history = &mut self.history[i];
+        let after = return_mapping(m.return_rule, &m.flow_law, shear, trial, state, history, dt);
+        if !commit {
+            return after.deviator;
+        }
+        m.flow_law.evolve(&after.step(state, dt), history);
+        p.deviator[i] = after.deviator;
+        p.plastic_strain[i] += after.plastic_strain_increment;
+        p.plastic_strain_increment[i] = after.plastic_strain_increment;
+        p.yield_stress[i] = after.yield_stress;
+        p.plastic_work[i] += after.plastic_work / rho;
+        let (beta, cp, t0) = (m.taylor_quinney, m.specific_heat, m.reference_temperature);
+        match source {
+            TemperatureSource::PlasticWork => {
+                p.temperature[i] += heat::temperature_rise_from_plastic_work(beta, after.plastic_work, rho, cp);
+            }
+            TemperatureSource::Energy => {
+                let cold = m.equation_of_state.cold_energy(rho, t0, cp);
+                let elastic = heat::elastic_energy(after.deviator, shear, rho);
+                let stored = (1.0 - beta) * p.plastic_work[i];
+                p.temperature[i] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
+            }
+        }
+        after.deviator
+    }
+
+    /// Stress where forces are evaluated, as the momentum sum wants it: `a_i sigma_i B_i`, or `P_i B_i`.
+    pub(super) fn update_stress(&mut self) {
+        let numerics = self.model.numerics.clone();
+        let commit = numerics.integrator == Integrator::Leapfrog;
+        for i in 0..self.p.len() {
+            let energy = self.p.energy[i] + 0.5 * self.dt * self.p.energy_rate[i];
+            let deviator = self.flow(i, energy, self.dt_to_evaluation(), commit);
+            let (rho, c, h) = (self.p.density[i], self.p.sound_speed[i], self.p.smoothing_length[i]);
+            let l = self.p.velocity_gradient[i];
+            let mut pressure = self.p.pressure[i];
+            if self.total_lagrangian().is_some() {
+                pressure += bulk_viscosity(self.viscosity(), l[0][0] + l[1][1] + l[2][2], rho, c, h);
+            }
+            let sigma = (deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
+            self.stress[i] = match self.total_lagrangian() {
+                Some(_) => multiply(&first_piola(sigma, &self.deformation[i]), &self.correction[i]),
+                None => multiply(&sigma.to_tensor(), &self.correction[i]),
+            };
+            if let Some(a) = numerics.artificial_stress {
+                self.repulsion[i] = artificial_stress::artificial_stress(sigma, a.epsilon, self.dimension).to_tensor();
+            }
+            self.switch[i] = if numerics.balsara { balsara(&l, c, h) } else { 1.0 };
+        }
+    }
+
+    /// The stress of the end of the step where forces were those of its middle.
+    pub(super) fn commit_stress(&mut self) {
+        for i in 0..self.p.len() {
+            self.p.density[i] = density_after(self.base_density[i], &self.p.velocity_gradient[i], self.dt);
+            self.flow(i, self.p.energy[i], self.dt, true);
+        }
+    }
+
+    fn viscosity(&self) -> ViscosityParameters<f64> {
+        ViscosityParameters { alpha: self.model.numerics.viscosity_alpha, beta: self.model.numerics.viscosity_beta }
+    }
+
+    /// `dv_i/dt = f_i sum_j w'_j (a_i sigma_i + a_j sigma_j + R_ij f^n - Pi_ij I) . grad_i W_ij`, the energy that goes with it, and
+    /// `eps sum_j m_j/rho_ij (v_j - v_i) W_ij`.
+    pub(super) fn sum_forces(&mut self) {
+        let numerics = self.model.numerics.clone();
+        let form = numerics.pair_form;
+        let p = &self.p;
+        let by_volume = form == PairForm::VolumeWeighted;
+        let of_gradient = self.total_lagrangian().is_some() || numerics.integrator == Integrator::PredictorCorrector;
+        // The volumes of the gradient sum, where that was taken at the same places: the sums are adjoint then.
+        let weight = self.each(|i| match by_volume && of_gradient {
+            true => self.weight[i],
+            false => momentum_weight(form, p.mass[i], p.density[i]),
+        });
+        let at = self.places(p.position.clone());
+        let first = &self.model.bodies[0];
+        let inverse_w = 1.0 / numerics.kernel.w(first.spacing / first.smoothing_length);
+        let support = numerics.kernel.support();
+        let sums = self.each(|i| {
+            let (mut a, mut power, mut xsph, mut mu_max) = ([0.0; 3], 0.0, [0.0; 3], 0.0f64);
+            for n in self.pairs(i, &at) {
+                let j = n.j;
+                let v = minus(self.evaluated[i], n.image.vector(self.evaluated[j]));
+                let mut t_star = [0.0; 3];
+                if self.total_lagrangian().is_none() {
+                    let mu = viscosity_mu(dot(v, n.x), n.r * n.r, n.h);
+                    let inverse_rho = inverse_density_mean(p.density[i], p.density[j]);
+                    let c = mean(p.sound_speed[i], p.sound_speed[j]);
+                    let pi =
+                        viscous_pressure(self.viscosity(), mu, c, inverse_rho) * mean(self.switch[i], self.switch[j]);
+                    t_star = plus(t_star, -scaled_pressure(form, pi, p.density[i], p.density[j]), n.x);
+                    if let Some(stress) = numerics.artificial_stress {
+                        let w = numerics.kernel.w(n.r / n.h);
+                        let f = artificial_stress::pair_factor(w, inverse_w, stress.exponent);
+                        t_star = plus(t_star, f, apply(&self.repulsion[i], n.x));
+                        t_star = plus(t_star, f, apply(&n.image.tensor(&self.repulsion[j]), n.x));
+                    }
+                    xsph = plus(xsph, -numerics.xsph * p.mass[j] * inverse_rho * n.w, v);
+                    if n.r < support * n.h {
+                        mu_max = mu_max.max(-mu);
+                    }
+                }
+                let own = apply(&self.stress[i], n.x);
+                let total = plus(plus(own, 1.0, apply(&n.image.tensor(&self.stress[j]), n.x)), 1.0, t_star);
+                let share = match numerics.energy_split {
+                    EnergySplit::OwnStress => plus(own, 0.5, t_star),
+                    EnergySplit::Symmetric => total.map(|t| 0.5 * t),
+                };
+                a = plus(a, weight[j] * n.f, total);
+                power -= weight[j] * n.f * dot(share, v);
+            }
+            let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
+            (a.map(|a| f * a), f * power, xsph, mu_max)
+        });
+        for (i, (a, power, xsph, mu)) in sums.into_iter().enumerate() {
+            (self.p.acceleration[i], self.p.energy_rate[i], self.xsph[i]) = (a, power, xsph);
+            if self.total_lagrangian().is_none() {
+                self.mu[i] = mu;
+            }
+        }
+    }
+
+    /// Ganzenmüller's springs: `V_i V_j W(X_ij) s_ij x_ij/(|X_ij| |x_ij|)`, half of the work to each.
+    pub(super) fn resist_hourglass(&mut self) {
+        let Some(strength) = self.total_lagrangian() else { return };
+        let p = &self.p;
+        let spring = |i: usize| Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i]);
+        let sums = self.each(|i| {
+            let (mut a, mut power) = ([0.0; 3], 0.0);
+            for n in self.pairs(i, &self.searched_at) {
+                let x = minus(p.position[i], n.image.point(p.position[n.j]));
+                let v = minus(self.evaluated[i], n.image.vector(self.evaluated[n.j]));
+                let linear = [&self.deformation[i], &n.image.tensor(&self.deformation[n.j])].map(|f| apply(f, n.x));
+                let error = dot(plus(plus(linear[0], 1.0, linear[1]), -2.0, x), x);
+                let lengths = n.r * dot(x, x).sqrt();
+                let stress = spring(i).between(spring(n.j)).stress(0.5 * error / lengths);
+                let push = self.initial_volume[i] * self.initial_volume[n.j] * n.w * stress / lengths / p.mass[i];
+                a = plus(a, push, x);
+                power -= 0.5 * push * dot(v, x);
+            }
+            (a, power)
+        });
+        for (i, (a, power)) in sums.into_iter().enumerate() {
+            self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
+            self.p.energy_rate[i] += power;
+        }
+    }
+
+    /// A value of every particle.
+    pub(super) fn each<V>(&self, of: impl Fn(usize) -> V) -> Vec<V> {
+        (0..self.p.len()).map(of).collect()
+    }
+}
+
+/// No correction.
+pub(super) fn uncorrected(count: usize) -> Vec<Tensor<f64>> {
+    vec![identity(); count]
+}

@@ -1,0 +1,424 @@
+//! What is not a kernel sum of stress: contact between bodies, walls, gravity, heat, and the accounts of all of it.
+
+use super::engine::{Oracle, elastic_energy};
+use super::pairs::{minus, plus};
+use sphorge::engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit};
+use sphorge::model::{
+    BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
+    WallContact, WallSurface,
+};
+use sphorge_physics::conduction::{
+    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, lattice, pair_conductivity,
+    surface_area, surface_conductance,
+};
+use sphorge_physics::contact::{
+    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
+};
+use sphorge_physics::kernel::pair_smoothing_length;
+use sphorge_physics::pair::mean;
+use sphorge_physics::tensor::dot;
+use sphorge_physics::time_step::{
+    acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
+};
+use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
+use sphorge_physics::{Dimension, Vector};
+
+/// What the last evaluation of forces left for the accounts, and constants by body.
+#[derive(Default)]
+pub(super) struct Accounts {
+    /// `1/S`, `K` and so on, by ordered pair of bodies.
+    laws: Vec<Vec<ContactLaw<f64>>>,
+    lattices: Vec<Lattice>,
+    /// Powers of the contacts, by pair of bodies, and of the heat boundaries, W.
+    contacts: Vec<ContactLedger>,
+    boundary_power: Vec<f64>,
+    contact_limit: f64,
+    heat_limit: f64,
+    /// Time and steps since the flow of heat was summed.
+    heat_age: f64,
+    heat_steps: u32,
+}
+
+impl Accounts {
+    pub(super) fn new(model: &Model, dimension: Dimension) -> Self {
+        let kernel = model.numerics.kernel;
+        let bodies: Vec<ContactBody> = model
+            .bodies
+            .iter()
+            .map(|b| {
+                let material = &model.materials[b.material];
+                let c = material.equation_of_state.reference_sound_speed();
+                let (spacing, smoothing_length, density) = (b.spacing, b.smoothing_length, material.density);
+                ContactBody { spacing, smoothing_length, density, bulk_modulus: density * c * c }
+            })
+            .collect();
+        // The damping of two bodies is that of the first seen from the second, whichever particle asks.
+        let law = |a: usize, b: usize| match model.contact {
+            BodyContact::Sph => ContactLaw::default(),
+            BodyContact::Penalty(strength) if a <= b => {
+                ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength)
+            }
+            BodyContact::Penalty(strength) => {
+                ContactLaw::new(kernel, dimension, &bodies[b], &bodies[a], strength).turned()
+            }
+        };
+        let all = || 0..bodies.len();
+        Self {
+            laws: all().map(|a| all().map(|b| law(a, b)).collect()).collect(),
+            lattices: bodies.iter().map(|b| lattice(kernel, dimension, b.spacing, b.smoothing_length)).collect(),
+            contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
+            boundary_power: vec![0.0; model.thermal.boundaries.len()],
+            contact_limit: f64::INFINITY,
+            heat_limit: f64::INFINITY,
+            heat_age: f64::INFINITY,
+            heat_steps: 0,
+        }
+    }
+}
+
+/// Integral of a table from time zero to `t`: trapezoids between its points.
+fn integral(table: &TimeTable, t: f64) -> f64 {
+    let inside = table.points.iter().map(|p| p.0).filter(|&corner| corner > 0.0 && corner < t);
+    let corners: Vec<f64> = [0.0].into_iter().chain(inside).chain([t]).collect();
+    corners.windows(2).map(|w| 0.5 * (table.at(w[0]) + table.at(w[1])) * (w[1] - w[0])).sum()
+}
+
+impl Oracle {
+    /// Volume at rest, m^d, that the contact knows.
+    fn rest_volume(&self, i: usize) -> f64 {
+        self.p.mass[i] / self.material(i).density
+    }
+
+    fn contact_law(&self, i: usize, j: usize) -> &ContactLaw<f64> {
+        &self.accounts.laws[self.p.body[i] as usize][self.p.body[j] as usize]
+    }
+
+    /// The contact has the smoothing lengths of the start.
+    fn contact_kernel(&self, i: usize, j: usize, r: f64) -> ContactKernel<f64> {
+        let [h_i, h_j] = [i, j].map(|k| self.model.bodies[self.p.body[k] as usize].smoothing_length);
+        ContactKernel::new(self.model.numerics.kernel, self.dimension, r, pair_smoothing_length(h_i, h_j))
+    }
+
+    /// `s_i = sum_j V_j W_ij / S_ab - 1`.
+    pub(super) fn overlap_bodies(&mut self) {
+        self.overlap = self.each(|i| {
+            let mut sum = Overlap::default();
+            for (count, n) in self.contacts(i).enumerate() {
+                if count == 0 {
+                    sum = Overlap::before_the_first();
+                }
+                let kernel = self.contact_kernel(i, n.j, n.r);
+                sum.add(self.contact_law(i, n.j), &kernel, n.x, self.rest_volume(i), self.rest_volume(n.j));
+            }
+            sum
+        });
+    }
+
+    /// Forces between bodies and their heat.
+    pub(super) fn push_bodies(&mut self) {
+        self.accounts.contacts.fill(ContactLedger::default());
+        self.accounts.contact_limit = f64::INFINITY;
+        let places = self.model.contact_pairs();
+        for i in 0..self.p.len() {
+            let (mut force, mut heat, mut rubbed, mut approach) = ([0.0; 3], 0.0, 0.0, self.mu[i]);
+            let mut stiffness = ContactStiffness::default();
+            let pairs: Vec<_> = self.contacts(i).collect();
+            for n in &pairs {
+                let (j, own, other) = (n.j, self.overlap[i], self.overlap[n.j]);
+                let (masses, volumes) = ((self.p.mass[i], self.p.mass[j]), (self.rest_volume(i), self.rest_volume(j)));
+                let kernel = self.contact_kernel(i, j, n.r);
+                let weight = kernel.weight(volumes.0, volumes.1);
+                let law = *self.contact_law(i, j);
+                let f = contact_force(
+                    &law,
+                    &ContactPair {
+                        x: n.x,
+                        v: minus(self.evaluated[i], n.image.vector(self.evaluated[j])),
+                        weight,
+                        overlaps: (own.overlap, other.overlap),
+                        direction: minus(own.away, n.image.vector(other.away)),
+                        stopping: stopping(masses.0, masses.1, weight, (own.weight, other.weight), self.dt),
+                    },
+                );
+                stiffness.add(&law, &kernel, (own.overlap, other.overlap), volumes.0, volumes.1);
+                force = plus(force, 1.0, f.force);
+                (heat, rubbed, approach) = (heat + f.damped + f.rubbed, rubbed + f.rubbed, approach.max(f.approach));
+                let (a, b) = (self.p.body[i] as usize, self.p.body[j] as usize);
+                let place = places.iter().position(|&pair| pair == (a.min(b), a.max(b)));
+                let account = &mut self.accounts.contacts[place.expect("a pair of bodies")];
+                if a < b {
+                    account.force = plus(account.force, -1.0, f.force);
+                }
+                // The other half is that of the other particle.
+                account.stored_energy += 0.5 * f.stored;
+                account.friction_work += 0.5 * f.rubbed;
+                account.damping_work += 0.5 * f.damped;
+            }
+            let mass = self.p.mass[i];
+            self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0 / mass, force);
+            self.p.energy_rate[i] += 0.5 * heat / mass;
+            (self.friction_heat[i], self.mu[i]) = (0.5 * rubbed / mass, approach);
+            if !pairs.is_empty() {
+                let limit = stiffness.limit(&self.overlap[i], self.rest_volume(i), mass);
+                self.accounts.contact_limit = self.accounts.contact_limit.min(limit);
+            }
+        }
+    }
+
+    /// Adds the powers of the last evaluation over a time, s.
+    pub(super) fn book_contacts(&mut self, dt: f64) {
+        self.ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
+        for (works, now) in self.ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
+            works.stored_energy += dt * now.stored_energy;
+            works.friction_work += dt * now.friction_work;
+            works.damping_work += dt * now.damping_work;
+        }
+    }
+
+    /// Where temperature is not that of the energy, what friction heats is added to it.
+    pub(super) fn warm_by_friction(&mut self) {
+        if self.model.numerics.temperature == TemperatureSource::PlasticWork {
+            for i in 0..self.p.len() {
+                self.p.temperature[i] += self.dt * self.friction_heat[i] / self.material(i).specific_heat;
+            }
+        }
+    }
+
+    /// Acceleration of a particle by a wall as it stands where forces are evaluated, m/s^2.
+    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> Vector<f64> {
+        let shift = [0, 1, 2].map(|a| integral(&wall.velocity[a], time));
+        let x = minus(self.p.position[i], shift);
+        let gap = match wall.surface {
+            WallSurface::Plane { point, normal } => Some(Gap::to_plane(x, point, normal)),
+            WallSurface::Segment { from, to } => Gap::to_segment(x, from, to),
+        };
+        let Some(gap) = gap else { return [0.0; 3] };
+        let body = &self.model.bodies[self.p.body[i] as usize];
+        let c = self.material(i).equation_of_state.reference_sound_speed();
+        let v = minus(self.evaluated[i], [0, 1, 2].map(|a| wall.velocity[a].at(time)));
+        match wall.contact {
+            WallContact::MonaghanKos { range } => monaghan_kos(&gap, v, range, c, body.smoothing_length),
+            WallContact::Penalty { stiffness, damping, friction } => {
+                let parameters = PenaltyParameters::from_sound_speed(c, body.spacing, stiffness, damping, friction);
+                penalty_contact(parameters, &gap, 0.5 * body.spacing, v, self.dt)
+            }
+        }
+    }
+
+    /// Walls and gravity.
+    pub(super) fn add_external(&mut self) {
+        let time = self.time + self.dt_to_evaluation();
+        self.external = self.each(|i| {
+            let pushes = self.model.walls.iter().map(|wall| self.wall_push(wall, time, i));
+            pushes.fold(self.model.gravity, |sum, push| plus(sum, 1.0, push))
+        });
+        for i in 0..self.p.len() {
+            self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, self.external[i]);
+        }
+    }
+
+    pub(super) fn mechanical_limit(&self) -> TimeStepLimit {
+        let (model, p, courant) = (&self.model, &self.p, self.model.time.courant);
+        let limit = |dt, reason| TimeStepLimit { dt, reason };
+        let mut least = limit(f64::INFINITY, LimitReason::SoundSpeed);
+        for i in 0..p.len() {
+            let shear = self.shear_modulus(i, p.density[i], p.pressure[i]);
+            let speed = longitudinal_speed(p.sound_speed[i], shear, p.density[i]);
+            let (h, a) = (p.smoothing_length[i], dot(p.acceleration[i], p.acceleration[i]).sqrt());
+            least = least.min(limit(sound_limit(h, speed, self.mu[i], courant), LimitReason::SoundSpeed));
+            least = least.min(limit(acceleration_limit(h, a, courant), LimitReason::Acceleration));
+        }
+        let rate = |b: &sphorge::model::Body| {
+            model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing
+        };
+        let fastest = model.bodies.iter().map(rate).fold(0.0, f64::max);
+        for wall in &model.walls {
+            if let WallContact::Penalty { stiffness, .. } = wall.contact {
+                least = least.min(limit(penalty_limit(stiffness, fastest, courant), LimitReason::Contact));
+            }
+        }
+        least.min(limit(courant * self.accounts.contact_limit, LimitReason::Contact))
+    }
+
+    pub(super) fn conduction_limit(&self) -> f64 {
+        self.model.time.courant * self.accounts.heat_limit
+    }
+
+    /// Keeps held particles at their temperature.
+    pub(super) fn hold_temperatures(&mut self) {
+        self.ledger.heat.supplied.resize(self.model.thermal.boundaries.len(), 0.0);
+        for i in 0..self.p.len() {
+            let cp = self.material(i).specific_heat;
+            for (k, boundary) in self.model.thermal.boundaries.iter().enumerate() {
+                if let (HeatBoundaryKind::HeldTemperature(held), true) =
+                    (boundary.kind, boundary.claims(self.p.body[i], self.p.regions[i]))
+                {
+                    let supply = cp * (held - self.p.temperature[i]);
+                    self.p.energy[i] += supply;
+                    self.p.temperature[i] = held;
+                    self.ledger.heat.supplied[k] += self.p.mass[i] * supply;
+                }
+            }
+        }
+    }
+
+    /// Heat that flows to every particle (Cleary & Monaghan), from neighbours and through surfaces. Beside mechanics a flow goes on for
+    /// a tenth of the step it bears itself, fifty steps at most.
+    pub(super) fn sum_heat(&mut self) {
+        let accounts = &mut self.accounts;
+        let bears = 0.1 * self.model.time.courant * accounts.heat_limit;
+        let goes_on = self.model.thermal.mechanics && accounts.heat_steps < 50 && accounts.heat_age < bears;
+        if goes_on || !self.model.thermal.conduction {
+            return;
+        }
+        (accounts.heat_age, accounts.heat_steps) = (0.0, 0);
+        let (model, d, p) = (self.model.clone(), self.dimension, &self.p);
+        let initial = model.formulation != Formulation::UpdatedLagrangian;
+        let at = if initial { &self.searched_at } else { &p.position };
+        let volume = self.each(|i| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] });
+        let lattice_of = |i: usize| &self.accounts.lattices[p.body[i] as usize];
+        let added = self.each(|i| {
+            let mut gradient = [0.0; 3];
+            for n in self.pairs(i, at) {
+                let difference = p.temperature[n.j] - p.temperature[i];
+                add_temperature_gradient(&mut gradient, volume[n.j], -n.f, difference, n.x);
+            }
+            added_flow(self.material(i).conductivity, gradient, &self.deformation[i], &self.correction[i])
+        });
+        let mut powers = vec![0.0; model.thermal.boundaries.len()];
+        let mut limit = f64::INFINITY;
+        let rates = self.each(|i| {
+            let mut sum = Inflow::default();
+            for n in self.pairs(i, at).chain(self.contacts(i)) {
+                let j = n.j;
+                let pair = HeatPair {
+                    volumes: (volume[i], volume[j]),
+                    conductivity: pair_conductivity(self.material(i).conductivity, self.material(j).conductivity),
+                    correction: mean(1.0 / lattice_of(i).moment, 1.0 / lattice_of(j).moment),
+                    slope: -n.f,
+                    r2: n.r * n.r,
+                    difference: p.temperature[j] - p.temperature[i],
+                };
+                if initial {
+                    let flow = plus(added[i], 1.0, n.image.vector(added[j]));
+                    sum.add_reference(&pair, n.x, flow, best_flow(&self.deformation[i]), d);
+                } else {
+                    sum.add(&pair, d);
+                }
+            }
+            (sum, self.material(i).conductivity)
+        });
+        self.heat_rate.clear();
+        for (i, (mut sum, conductivity)) in rates.into_iter().enumerate() {
+            let present = p.mass[i] / p.density[i];
+            let flat = lattice_of(i).surface_moment / lattice_of(i).moment;
+            for (boundary, total) in model.thermal.boundaries.iter().zip(&mut powers) {
+                if !boundary.claims(p.body[i], p.regions[i]) {
+                    continue;
+                }
+                let area = surface_area(d, present, sum.filled, flat);
+                let through = |film| area * surface_conductance(film, conductivity, cell_size(d, present));
+                let (power, conductance) = match boundary.kind {
+                    HeatBoundaryKind::HeldTemperature(_) => (0.0, 0.0),
+                    HeatBoundaryKind::Flux(flux) => (area * flux, 0.0),
+                    HeatBoundaryKind::SurfaceTemperature(outside) => {
+                        (through(None) * (outside - p.temperature[i]), through(None))
+                    }
+                    HeatBoundaryKind::Convection { coefficient, ambient } => {
+                        let film = Some(coefficient);
+                        (through(film) * (ambient - p.temperature[i]), through(film))
+                    }
+                };
+                sum.power += power;
+                sum.conductance += conductance;
+                *total += power;
+            }
+            self.heat_rate.push(sum.power / p.mass[i]);
+            limit = limit.min(conduction_limit(p.mass[i] * self.material(i).specific_heat, sum.conductance));
+        }
+        (self.accounts.boundary_power, self.accounts.heat_limit) = (powers, limit);
+    }
+
+    /// Lets the heat flow for the step.
+    pub(super) fn flow_heat(&mut self) {
+        if !self.model.thermal.conduction {
+            return;
+        }
+        for i in 0..self.p.len() {
+            let inflow = self.dt * self.heat_rate[i];
+            self.p.energy[i] += inflow;
+            self.p.temperature[i] += inflow / self.material(i).specific_heat;
+            self.ledger.heat.exchanged += self.p.mass[i] * inflow.abs();
+        }
+        self.accounts.heat_age += self.dt;
+        self.accounts.heat_steps += 1;
+        self.hold_temperatures();
+        for (supplied, power) in self.ledger.heat.supplied.iter_mut().zip(&self.accounts.boundary_power) {
+            *supplied += self.dt * power;
+        }
+    }
+
+    /// Acceleration a prescribed motion imposed in the last step, m/s^2.
+    fn driven(&self, motion: usize) -> [Option<f64>; 3] {
+        let (t, dt) = (self.time, self.dt);
+        [0, 1, 2].map(|a| match &self.model.motions[motion].axes[a] {
+            MotionAxis::Free => None,
+            MotionAxis::Velocity(_) if dt == 0.0 => Some(0.0),
+            MotionAxis::Velocity(table) => Some((table.at(t) - table.at(t - dt)) / dt),
+        })
+    }
+
+    /// Sums over the particles a condition holds for.
+    fn sums(&self, of: impl Fn(usize) -> bool) -> BodyLedger {
+        let (mut sum, p) = (BodyLedger::default(), &self.p);
+        for i in (0..p.len()).filter(|&i| of(i)) {
+            let (m, x, v) = (p.mass[i], p.position[i], p.velocity[i]);
+            let driven = self.motion_of(i).map_or([None; 3], |k| self.driven(k));
+            sum.mass += m;
+            sum.energies.kinetic += 0.5 * m * dot(v, v);
+            sum.energies.internal += m * p.energy[i];
+            let shear = self.shear_modulus(i, p.density[i], p.pressure[i]);
+            sum.energies.elastic += m * elastic_energy(p, i, shear);
+            sum.energies.plastic_work += m * p.plastic_work[i];
+            sum.momentum_scale += m * dot(v, v).sqrt();
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                sum.momentum[a] += m * v[a];
+                sum.angular_momentum[a] += m * (x[b] * v[c] - x[c] * v[b]);
+                sum.centre[a] += m * x[a];
+                sum.force[a] += m * driven[a].unwrap_or(p.acceleration[i][a]);
+            }
+        }
+        sum.centre = sum.centre.map(|c| c / sum.mass);
+        sum
+    }
+
+    /// The ledger as it is now.
+    pub(super) fn conservation(&self) -> Ledger {
+        let (model, p) = (&self.model, &self.p);
+        // Walls stand where forces were evaluated: half a step ago with the predictor–corrector.
+        let back = if model.numerics.integrator == Integrator::Leapfrog { 0.0 } else { 0.5 * self.dt };
+        let of_wall = |wall: &Wall| {
+            let push = |i: usize| self.wall_push(wall, self.time - back, i).map(|a| p.mass[i] * a);
+            (0..p.len()).map(push).fold([0.0; 3], |sum, push| plus(sum, 1.0, push))
+        };
+        let of_motion = |k: usize| {
+            let driven = self.driven(k);
+            let lack = |i: usize| [0, 1, 2].map(|a| driven[a].map_or(0.0, |d| p.mass[i] * (d - p.acceleration[i][a])));
+            (0..p.len()).filter(|&i| self.motion_of(i) == Some(k)).map(lack).fold([0.0; 3], |s, f| plus(s, 1.0, f))
+        };
+        let mut ledger = self.ledger.clone();
+        ledger.bodies = (0..model.bodies.len()).map(|b| self.sums(|i| p.body[i] as usize == b)).collect();
+        ledger.total = self.sums(|_| true);
+        ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
+        for (works, now) in ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
+            works.force = now.force;
+        }
+        if !model.thermal.conduction {
+            ledger.heat.supplied.clear();
+        }
+        ledger.wall_forces = model.walls.iter().map(of_wall).collect();
+        ledger.motion_forces = (0..model.motions.len()).map(of_motion).collect();
+        ledger
+    }
+}
