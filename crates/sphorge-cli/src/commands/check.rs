@@ -30,6 +30,7 @@ pub(crate) struct CheckArguments {
 
 pub(crate) fn execute(arguments: CheckArguments) -> Ending {
     let setup = arguments.deck.find()?.load()?;
+    setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
     let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
     terminal::print(&report(&forecast))?;

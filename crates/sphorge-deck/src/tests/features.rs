@@ -1,6 +1,7 @@
 //! Every part of a deck arrives in the model with its values.
 
 use super::super::*;
+use super::{FLAVOUR, changed};
 use sphorge_engine::model::*;
 use sphorge_physics::{
     kernel::Kernel,
@@ -282,4 +283,24 @@ fn temperature_from_energy_needs_a_specific_heat() {
     let without = deck.replace("\"armco-iron\"", "\"copper-shock\"");
     let Err(report) = load_text("deck", &without, &[]) else { panic!("no specific heat") };
     assert!(report.to_string().contains("has no `specific-heat`"), "{report}");
+}
+
+#[test]
+fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
+    let deck = changed(
+        "search = \"every-step\"",
+        "search = \"total-lagrangian\"\nnumerics = { artificial-stress = true, xsph = 0.5, mls-interval = 20, pair-form = \"mixed\" }\n#",
+    );
+    let setup = load_text("taylor", &deck, &[]).unwrap();
+    let (numerics, plain) = (&setup.model.numerics, load_text("taylor", FLAVOUR, &[]).unwrap().model.numerics);
+    assert_eq!(*numerics, plain);
+    assert_eq!(setup.model.formulation, Formulation::TotalLagrangian { hourglass: 10.0 });
+    assert_eq!(
+        setup.notes,
+        [
+            "the total Lagrangian form runs without `numerics.artificial-stress`, `numerics.xsph`, `numerics.mls-interval`, `numerics.pair-form`"
+        ]
+    );
+    let other = deck.replace("total-lagrangian", "every-step");
+    assert_eq!(load_text("taylor", &other, &[]).unwrap().notes, [String::new(); 0]);
 }
