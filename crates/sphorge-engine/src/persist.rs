@@ -2,6 +2,9 @@
 //!
 //! Every struct that holds such state writes it in one [`Persist::persist`], which serves both directions: what is saved is what is
 //! loaded. How an archive is stored is left to the implementation of [`Archive`].
+//!
+//! State is loaded into what was started with the same model and particles, so sizes are known beforehand: an archive of other sizes is
+//! refused, and so are places of particles that there are not. What follows from the rest in the next step is not saved.
 
 use std::collections::BTreeMap;
 
@@ -151,6 +154,16 @@ impl<V: Fixed> Fixed for Option<V> {
     }
 }
 
+impl Fixed for crate::LimitReason {
+    const SIZE: usize = 1;
+    fn write(&self, out: &mut Vec<u8>) {
+        out.push(*self as u8);
+    }
+    fn read(bytes: &[u8]) -> Option<Self> {
+        Self::from_u8(u8::read(bytes)?)
+    }
+}
+
 impl Fixed for sphorge_physics::SymmetricTensor<f64> {
     const SIZE: usize = 48;
     fn write(&self, out: &mut Vec<u8>) {
@@ -198,6 +211,28 @@ impl<V: Fixed> Persist for Vec<V> {
     }
 }
 
+/// Refuses a value that was loaded unless it fits what it was loaded into.
+///
+/// # Errors
+/// [`ArchiveError::Mismatch`] if it does not.
+pub fn require(fits: bool, name: &str) -> Result<(), ArchiveError> {
+    if fits { Ok(()) } else { Err(ArchiveError::Mismatch(name.to_owned())) }
+}
+
+/// Saves or loads a column that is as long as it is.
+///
+/// # Errors
+/// See [`ArchiveError`]; another length is a mismatch.
+pub fn persist_column<V: Fixed>(
+    values: &mut Vec<V>,
+    name: &str,
+    archive: &mut dyn Archive,
+) -> Result<(), ArchiveError> {
+    let length = values.len();
+    values.persist(name, archive)?;
+    require(values.len() == length, name)
+}
+
 /// Saves or loads parts that are no fixed values, as many as there are.
 ///
 /// # Errors
@@ -209,7 +244,25 @@ pub fn persist_all<P: Persist + Default>(
 ) -> Result<(), ArchiveError> {
     let mut count = parts.len();
     count.persist(&format!("{name}.count"), archive)?;
-    parts.resize_with(count, P::default);
+    parts.truncate(count);
+    // One by one: a count that is wrong ends at the first part that is not there, before it takes memory.
+    for k in 0..count {
+        if k == parts.len() {
+            parts.push(P::default());
+        }
+        parts[k].persist(&format!("{name}.{k}"), archive)?;
+    }
+    Ok(())
+}
+
+/// Saves or loads parts that are as many as they are.
+///
+/// # Errors
+/// See [`ArchiveError`]; another number is a mismatch.
+pub fn persist_each<P: Persist>(parts: &mut [P], name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+    let mut count = parts.len();
+    count.persist(&format!("{name}.count"), archive)?;
+    require(count == parts.len(), &format!("{name}.count"))?;
     for (k, part) in parts.iter_mut().enumerate() {
         part.persist(&format!("{name}.{k}"), archive)?;
     }
@@ -296,6 +349,23 @@ mod tests {
         let mut loaded = State { column: vec![[0.0; 3]; 9], ..State::default() };
         loaded.persist("state", &mut archive.to_load()).unwrap();
         assert_eq!(loaded, state);
+    }
+
+    #[test]
+    fn what_is_of_another_length_or_number_is_named() {
+        let mut archive = MemoryArchive::new();
+        vec![1.0f64, 2.0].persist("column", &mut archive).unwrap();
+        persist_all(&mut vec![1u8, 2], "parts", &mut archive).unwrap();
+        (u64::MAX >> 1).persist("many.count", &mut archive).unwrap();
+        let archive = archive.to_load();
+        let mismatch = |name: &str| Err(ArchiveError::Mismatch(name.into()));
+        assert_eq!(persist_column(&mut vec![0.0f64; 3], "column", &mut archive.clone()), mismatch("column"));
+        assert_eq!(persist_each(&mut [0u8; 3], "parts", &mut archive.clone()), mismatch("parts.count"));
+        let mut parts = vec![0u8; 3];
+        persist_all(&mut parts, "parts", &mut archive.clone()).unwrap();
+        assert_eq!(parts, [1, 2]);
+        let missing = persist_all(&mut parts, "many", &mut archive.clone());
+        assert_eq!(missing, Err(ArchiveError::Missing("many.0".into())));
     }
 
     #[test]

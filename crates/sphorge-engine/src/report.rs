@@ -70,6 +70,9 @@ pub struct Energies {
     pub plastic_work: f64,
 }
 
+crate::persist_fields!(StageSeconds { search, kinematics, stress, forces, integrate, output });
+crate::persist_fields!(Energies { kinetic, internal, elastic, plastic_work });
+
 /// Sums over one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyLedger {
@@ -166,6 +169,16 @@ pub struct Audit {
     /// Sum of the forces between particles over the sum of their magnitudes.
     pub momentum_residual: f64,
 }
+
+crate::persist_fields!(Audit {
+    pairs,
+    missed_pairs,
+    missed_foreign_pairs,
+    stale_pairs,
+    density_rate_error,
+    force_error,
+    momentum_residual,
+});
 
 /// State of the run after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]

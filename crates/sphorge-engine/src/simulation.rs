@@ -32,13 +32,9 @@ impl Persist for RunClock {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
         self.steps.persist(&format!("{name}.steps"), archive)?;
-        let mut limit = self.limit.map(|limit| (limit.dt, limit.reason as u8));
+        let mut limit = self.limit.map(|limit| (limit.dt, limit.reason));
         limit.persist(&format!("{name}.limit"), archive)?;
-        let unknown = || ArchiveError::Mismatch(format!("{name}.limit"));
-        self.limit = match limit {
-            Some((dt, reason)) => Some(TimeStepLimit { dt, reason: LimitReason::from_u8(reason).ok_or_else(unknown)? }),
-            None => None,
-        };
+        self.limit = limit.map(|(dt, reason)| TimeStepLimit { dt, reason });
         Ok(())
     }
 }
@@ -177,6 +173,8 @@ impl Simulation {
     /// The archive holds something else.
     pub fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.clock.persist("clock", archive)?;
+        // Shares of the stages are those of the whole run.
+        self.seconds.persist("seconds", archive)?;
         self.engine.persist(archive)
     }
 

@@ -9,7 +9,10 @@
 //!   stress gives exactly stress times area.
 
 use crate::{
-    engine::{ParticleSource, Quantity, Reduction, RunFailure},
+    engine::{
+        ParticleSource, Quantity, Reduction, RunFailure,
+        persist::{Archive, ArchiveError, Persist, persist_column},
+    },
     model::{Model, ParticleSelection, Tracer},
     output::HistoryColumn,
     particles::{ColumnKind, find_field},
@@ -113,6 +116,13 @@ impl Observed {
     /// The value of each column in the last sample, SI.
     pub(crate) fn values(&self) -> &[Option<f64>] {
         &self.values
+    }
+}
+
+impl Persist for Observed {
+    /// Columns are those of the model, values those of the next sample.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_column(&mut self.followed, &format!("{name}.followed"), archive)
     }
 }
 

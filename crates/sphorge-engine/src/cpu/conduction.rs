@@ -13,6 +13,7 @@ use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
+use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use rayon::prelude::*;
 use sphorge_physics::conduction::{Inflow, cell_size, surface_area, surface_conductance};
 use sphorge_physics::kernel::pair_smoothing_length;
@@ -297,4 +298,13 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-crate::persist_fields!(HeatFlow { partial, limits, power, supplied, exchanged, age, steps });
+impl Persist for HeatFlow {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_column(&mut self.limits, &format!("{name}.limits"), archive)?;
+        persist_column(&mut self.power, &format!("{name}.power"), archive)?;
+        persist_column(&mut self.supplied, &format!("{name}.supplied"), archive)?;
+        self.exchanged.persist(&format!("{name}.exchanged"), archive)?;
+        self.age.persist(&format!("{name}.age"), archive)?;
+        self.steps.persist(&format!("{name}.steps"), archive)
+    }
+}

@@ -11,7 +11,7 @@ use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignList, NeighborList};
 use crate::particles::Particles;
-use crate::persist::{Archive, ArchiveError, Persist, persist_all};
+use crate::persist::{Archive, ArchiveError, Persist, persist_each};
 use rayon::prelude::*;
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -376,9 +376,8 @@ crate::persist_fields!(Works { stored, friction, damped });
 impl Persist for BodyContacts {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.foreign.persist(&format!("{name}.foreign"), archive)?;
-        self.limits.persist(&format!("{name}.limits"), archive)?;
-        persist_all(&mut self.now, &format!("{name}.now"), archive)?;
-        persist_all(&mut self.works, &format!("{name}.works"), archive)
+        persist_each(&mut self.now, &format!("{name}.now"), archive)?;
+        persist_each(&mut self.works, &format!("{name}.works"), archive)
     }
 }
 

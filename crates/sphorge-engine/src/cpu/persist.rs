@@ -1,11 +1,21 @@
 //! What a run must survive with: everything the steps to come depend on.
 
 use super::CpuEngine;
+use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, require};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Saves or loads the state of the engine. Motions, records and scratch follow from it in the next step.
+    /// Saves or loads the state of the engine:
+    ///
+    /// - columns of the particles in their present order, with rates, base values and the marks of searches;
+    /// - who the ghosts are; their columns follow;
+    /// - where walls stand; what prescribed motions are is in their tables and the time;
+    /// - work, impulse, energy of density restorations, steps begun, pairs;
+    /// - contacts: pairs, powers and works; heat: the last flow, its age, its accounts and limits;
+    /// - lists with their kept distances, the displacement bounds and positions that say when they are renewed, who is among strangers,
+    ///   and the order of the cells, which is that of the rows;
+    /// - the frame of the records. Records and scratch are made anew in every step.
     pub(super) fn persist_all(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.particles.persist("particles", archive)?;
         self.ghosts.halo.persist("halo", archive)?;
@@ -21,6 +31,29 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.records.frame.persist("frame", archive)?;
         self.constants.unit = T::of(self.records.frame.unit);
-        self.lists.persist("lists", archive)
+        self.lists.persist("lists", archive)?;
+        if !archive.is_saving() {
+            self.check_places("particles", "halo")?;
+            self.check_lists("lists")?;
+            // Ghosts take what does not change between searches with each search, and the next one may be far.
+            self.ghosts.exchange(FieldSet::Search, &self.particles);
+        }
+        Ok(())
+    }
+
+    /// Refuses particles that were loaded and say of themselves what there is not.
+    fn check_places(&self, particles: &str, halo: &str) -> Result<(), ArchiveError> {
+        let (model, p) = (&*self.model, &self.particles);
+        let below = |column: &[u32], end: usize, name: &str| {
+            require(column.iter().all(|&k| (k as usize) < end), &format!("{particles}.{name}"))
+        };
+        below(&p.body, model.bodies.len(), "body")?;
+        below(&p.material, model.materials.len(), "material")?;
+        below(&p.motion, model.motions.len() + 1, "motion")?;
+        below(&p.id, p.len(), "id")?;
+        let mut seen = vec![false; p.len()];
+        p.id.iter().for_each(|&id| seen[id as usize] = true);
+        require(seen.into_iter().all(|seen| seen), &format!("{particles}.id"))?;
+        require(self.ghosts.halo.rows().iter().all(|&row| (row as usize) < p.len()), halo)
     }
 }

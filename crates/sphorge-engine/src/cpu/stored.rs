@@ -37,6 +37,17 @@ impl<T: PairScalar> StoredPairs<T> {
         });
     }
 
+    /// The first block whose distances are not those of the pairs of a list; for distances that were loaded.
+    pub(super) fn first_unfit(&self, list: &NeighborList) -> Option<usize> {
+        let fits = |stored: &StoredBlock<T>, block: &Block| {
+            stored.starts.len() == block.len() + 1
+                && stored.starts.iter().enumerate().all(|(k, &start)| start as usize == block.start(k))
+                && stored.x.len() == 3 * block.padded_len()
+        };
+        let of_both = |b: usize| self.blocks.get(b).zip(list.blocks().get(b)).is_some_and(|(s, block)| fits(s, block));
+        (0..self.blocks.len().max(list.blocks().len())).find(|&b| !of_both(b))
+    }
+
     /// Distances of a block.
     pub(crate) fn block(&self, b: usize) -> &StoredBlock<T> {
         &self.blocks[b]

@@ -1,7 +1,7 @@
 //! Rigid walls: where they stand, and how they push particles away.
 
 use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, persist_each};
 use sphorge_physics::Vector;
 use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
 
@@ -68,14 +68,12 @@ impl Walls {
     }
 }
 
+crate::persist_fields!(WallState { displacement, velocity });
+
 impl Persist for Walls {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
-        for (k, state) in self.states.iter_mut().enumerate() {
-            state.displacement.persist(&format!("{name}.{k}.displacement"), archive)?;
-            state.velocity.persist(&format!("{name}.{k}.velocity"), archive)?;
-        }
-        Ok(())
+        persist_each(&mut self.states, name, archive)
     }
 }
 

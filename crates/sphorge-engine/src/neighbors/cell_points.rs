@@ -6,7 +6,7 @@
 use super::cells::{CHUNK, bounds};
 use super::{CellGrid, DisplacementBound, Frame, PAD, Reach};
 use crate::lanes::PairScalar;
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, require};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -115,6 +115,11 @@ impl CellPoints {
     /// the reach.
     pub(super) fn frame<T: PairScalar>(&self) -> Frame {
         Frame::around::<T>(self.bounds.0, self.bounds.1, 2.0 * self.sorted_for)
+    }
+
+    /// Whether `count` points are sorted into the cells, or none.
+    pub(super) fn fits(&self, count: usize) -> bool {
+        self.sorted_at.is_empty() || self.sorted_at.len() == count
     }
 
     /// Bytes held.
@@ -227,7 +232,10 @@ impl Persist for CellPoints {
         self.sorted_when.persist(&format!("{name}.sorted_when"), archive)?;
         self.sorted_for.persist(&format!("{name}.sorted_for"), archive)?;
         if !archive.is_saving() && !self.sorted_at.is_empty() {
+            // Cells of no size, or as many as reach to infinity, cannot be made.
+            require(self.sorted_for.is_finite() && self.sorted_for > 0.0, &format!("{name}.sorted_for"))?;
             let points = std::mem::take(&mut self.sorted_at);
+            require(points.as_flattened().iter().all(|x| x.is_finite()), &format!("{name}.sorted_at"))?;
             self.sort(&points, self.sorted_for, self.sorted_when);
         }
         Ok(())

@@ -75,6 +75,27 @@ impl ForeignBlock {
     }
 }
 
+impl ForeignList {
+    /// The first block that is not as [`Self::take_from`] leaves it for `rows` particles among `points`; for lists that were loaded.
+    pub(crate) fn first_unfit(&self, rows: usize, points: usize) -> Option<usize> {
+        let blocks = rows.div_ceil(BLOCK);
+        let fits =
+            |b: usize| self.blocks.get(b).is_some_and(|block| block.fits(b * BLOCK..rows.min((b + 1) * BLOCK), points));
+        (0..blocks.max(self.blocks.len())).find(|&b| b >= blocks || !fits(b))
+    }
+}
+
+impl ForeignBlock {
+    fn fits(&self, own: std::ops::Range<usize>, points: usize) -> bool {
+        self.owners.len() == self.ends.len()
+            && self.owners.iter().all(|&i| own.contains(&(i as usize)))
+            && self.owners.is_sorted()
+            && self.ends.is_sorted()
+            && self.ends.last().copied().unwrap_or(0) as usize == self.indices.len()
+            && self.indices.iter().all(|&j| (j as usize) < points)
+    }
+}
+
 impl Persist for ForeignList {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         persist_all(&mut self.blocks, name, archive)

@@ -202,13 +202,46 @@ impl Block {
     }
 }
 
+impl NeighborList {
+    /// The first block that is not as a search of `rows` particles among `points` leaves it; for lists that were loaded.
+    pub(crate) fn first_unfit(&self, rows: usize, points: usize) -> Option<usize> {
+        let blocks = rows.div_ceil(BLOCK);
+        let fits = |b: usize| self.blocks.get(b).is_some_and(|block| block.fits(BLOCK.min(rows - b * BLOCK), points));
+        (0..blocks.max(self.blocks.len())).find(|&b| b >= blocks || !fits(b))
+    }
+}
+
+impl Block {
+    fn fits(&self, rows: usize, points: usize) -> bool {
+        let (starts, indices) = (&self.starts, &self.indices);
+        let room = |k: usize| starts[k + 1].checked_sub(starts[k]).filter(|room| *room as usize % PAD == 0);
+        self.lengths.len() == rows
+            && starts.len() == rows + 1
+            && starts[0] == 0
+            && (0..rows).all(|k| room(k).is_some_and(|room| self.lengths[k] <= room))
+            && starts[rows] as usize == self.used
+            && self.used <= indices.len()
+            && indices[..self.used].iter().all(|&j| (j as usize) < points)
+    }
+}
+
 impl Persist for NeighborList {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         persist_all(&mut self.blocks, name, archive)
     }
 }
 
-crate::persist_fields!(Block { starts, lengths, indices, used });
+impl Persist for Block {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.starts.persist(&format!("{name}.starts"), archive)?;
+        self.lengths.persist(&format!("{name}.lengths"), archive)?;
+        // What lies behind the rows is room: it holds leftovers of other rows, whose they are is chance.
+        self.indices.truncate(self.used);
+        self.indices.persist(&format!("{name}.indices"), archive)?;
+        self.used = self.indices.len();
+        Ok(())
+    }
+}
 
 #[cfg(test)]
 mod tests {

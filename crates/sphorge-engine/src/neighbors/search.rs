@@ -149,6 +149,11 @@ impl Searcher {
         self.points.frame::<T>()
     }
 
+    /// Whether what was loaded is of `count` points; of none where they are to be sorted anew.
+    pub(crate) fn fits(&self, count: usize) -> bool {
+        self.points.fits(count)
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let of = |s: &Mutex<Scratch>| s.lock().map_or(0, |scratch| scratch.candidates.bytes());

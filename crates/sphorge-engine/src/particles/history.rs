@@ -3,7 +3,7 @@
 use super::Permutation;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use sphorge_physics::history::HistoryVariable;
 
 /// History variables of all particles. Every particle has all of them, at the initial value where its law has no use for one.
@@ -86,7 +86,7 @@ impl Persist for History {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         for variable in self.variables.clone() {
             let mut values = self.column(variable.name).unwrap_or_default();
-            values.persist(&format!("{name}.{}", variable.name), archive)?;
+            persist_column(&mut values, &format!("{name}.{}", variable.name), archive)?;
             self.set_column(variable.name, &values);
         }
         Ok(())

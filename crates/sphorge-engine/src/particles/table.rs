@@ -6,7 +6,7 @@
 use super::value::Value;
 use super::{Column, History, Permutation};
 use crate::halo::{FieldSet, Halo, Mirror};
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
 /// What a column is kept for; columns of parts that a run does not use take no memory.
@@ -179,7 +179,7 @@ macro_rules! columns {
 
         impl Persist for Particles {
             fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-                $( self.$name.persist(&format!("{name}.{}", stringify!($name)), archive)?; )+
+                $( persist_column(&mut self.$name, &format!("{name}.{}", stringify!($name)), archive)?; )+
                 self.history.persist(&format!("{name}.history"), archive)?;
                 Ok(())
             }

@@ -1,5 +1,7 @@
 //! Speed of a front; the definition is in [`super`].
 
+use crate::engine::persist_fields;
+
 /// Position of a front over time.
 #[derive(Clone, Debug)]
 pub(super) struct FrontSpeed {
@@ -59,3 +61,6 @@ impl FrontSpeed {
         (tt > 0.0).then(|| tx / tt)
     }
 }
+
+// Level, direction and window are those of the model.
+persist_fields!(FrontSpeed { ahead_is_above, has_left, samples });

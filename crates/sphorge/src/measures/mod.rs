@@ -40,7 +40,10 @@ mod remains;
 mod reversal;
 
 use crate::{
-    engine::{ParticleSource, Quantity, Reduction, RunFailure},
+    engine::{
+        ParticleSource, Quantity, Reduction, RunFailure,
+        persist::{Archive, ArchiveError, Persist, persist_column},
+    },
     model::{Extremum, MeasureKind, Model, Perforation},
     particles::Particles,
 };
@@ -216,6 +219,29 @@ impl Evaluator {
                 shared.flight(model, positions, perforation).cloud(*extent, *leave_out).map(|span| span.length)
             }
         })
+    }
+}
+
+impl Persist for Measures {
+    /// What every measure remembers, by its place in the deck, and the values of the last sample.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_column(&mut self.values, &format!("{name}.values"), archive)?;
+        for (k, evaluator) in self.evaluators.iter_mut().enumerate() {
+            evaluator.memory.persist(&format!("{name}.{k}"), archive)?;
+        }
+        Ok(())
+    }
+}
+
+impl Persist for Memory {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        match self {
+            Self::Nothing => Ok(()),
+            Self::Best(best) => best.persist(&format!("{name}.best"), archive),
+            Self::Front(front) => front.persist(&format!("{name}.front"), archive),
+            Self::Period(period) => period.persist(&format!("{name}.period"), archive),
+            Self::Reversal(reversal) => reversal.persist(&format!("{name}.reversal"), archive),
+        }
     }
 }
 

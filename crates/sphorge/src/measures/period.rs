@@ -3,6 +3,8 @@
 //! The time of a noisy crossing is the mean of the first and last crossing on the way, each on the straight line between
 //! two samples.
 
+use crate::engine::persist_fields;
+
 /// A signal over time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Period {
@@ -52,6 +54,8 @@ impl Period {
         crossings
     }
 }
+
+persist_fields!(Period { samples });
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,7 @@
 //! Time of a reversal; the definition is in [`super`].
 
+use crate::engine::persist_fields;
+
 /// A velocity over time, until it changes sign.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reversal {
@@ -25,3 +27,5 @@ impl Reversal {
         self.time
     }
 }
+
+persist_fields!(Reversal { last, time });

@@ -19,7 +19,10 @@ use super::{
     sync::Pacing,
 };
 use crate::{
-    engine::{Audit, ContactLedger, Energies, HeatLedger, Ledger, LimitReason},
+    engine::{
+        Audit, ContactLedger, Energies, HeatLedger, Ledger, LimitReason,
+        persist::{Archive, ArchiveError, Persist, require},
+    },
     model::{Dimensions, MeasureKind, Model},
     particles::find_field,
 };
@@ -318,5 +321,20 @@ impl History {
         self.pacing.run(|| write_file(&self.path, Durability::Process, |out| out.write_all(&self.text)))?;
         self.written = self.text.len();
         Ok(())
+    }
+}
+
+impl Persist for History {
+    /// The rows so far. Those that a killed run wrote after it was saved are not among them, and leave the file with its next
+    /// replacement.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let name = format!("{name}.text");
+        let end = self.text.iter().position(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        let columns = self.text[..end].to_vec();
+        self.text.persist(&name, archive)?;
+        if !archive.is_saving() {
+            self.written = 0;
+        }
+        require(self.text.starts_with(&columns) && self.text.ends_with(b"\n"), &name)
     }
 }

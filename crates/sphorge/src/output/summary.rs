@@ -5,7 +5,7 @@ use super::{
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
 };
-use crate::engine::{Audit, StageSeconds};
+use crate::engine::{Audit, StageSeconds, persist_fields};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, fmt, fs};
 
@@ -166,6 +166,17 @@ impl AuditRecord {
         self.momentum_residual = self.momentum_residual.max(audit.momentum_residual);
     }
 }
+
+persist_fields!(AuditRecord {
+    audits,
+    missed_pairs,
+    missed_share,
+    missed_foreign_pairs,
+    stale_pairs,
+    density_rate_error,
+    force_error,
+    momentum_residual,
+});
 
 /// All of `summary.json`. Units are SI throughout.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

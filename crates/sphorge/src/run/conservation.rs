@@ -1,6 +1,10 @@
 //! Drift of what ought to be conserved, from ledger to ledger.
 
-use crate::engine::Ledger;
+use crate::engine::{
+    Ledger,
+    persist::{Archive, ArchiveError, Persist, persist_option},
+    persist_fields,
+};
 use std::array;
 
 /// Drift at one time.
@@ -27,7 +31,7 @@ pub(super) struct Conservation {
 }
 
 /// The first ledger, less the work and impulse it already holds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Start {
     energy: f64,
     momentum: [f64; 3],
@@ -65,6 +69,19 @@ impl Conservation {
         self.largest.energy = self.largest.energy.max(self.last.energy.abs());
         self.largest.momentum = self.largest.momentum.max(self.last.momentum);
         self.last
+    }
+}
+
+persist_fields!(Drift { energy, momentum });
+persist_fields!(Start { energy, momentum });
+
+impl Persist for Conservation {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_option(&mut self.start, &format!("{name}.start"), archive)?;
+        self.energy_scale.persist(&format!("{name}.energy_scale"), archive)?;
+        self.momentum_scale.persist(&format!("{name}.momentum_scale"), archive)?;
+        self.last.persist(&format!("{name}.last"), archive)?;
+        self.largest.persist(&format!("{name}.largest"), archive)
     }
 }
 

@@ -17,6 +17,7 @@ mod error;
 mod progress;
 mod record;
 mod schedule;
+mod state;
 
 pub use drive::{RunOptions, execute};
 pub use error::RunError;

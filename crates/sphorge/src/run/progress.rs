@@ -1,6 +1,9 @@
 //! How far a run is, for whoever watches.
 
-use crate::engine::LimitReason;
+use crate::engine::{
+    LimitReason,
+    persist::{Archive, ArchiveError, Persist},
+};
 use std::{path::PathBuf, time::Instant};
 
 /// A run about to start.
@@ -72,6 +75,8 @@ const MEMORY: f64 = 10.0;
 #[derive(Debug)]
 pub(super) struct Pace {
     start: Instant,
+    /// Seconds of the run before `start`.
+    before: f64,
     last_seconds: f64,
     last_step: u64,
     last_fraction: f64,
@@ -81,11 +86,11 @@ pub(super) struct Pace {
 
 impl Pace {
     pub(super) fn new() -> Self {
-        Self { start: Instant::now(), last_seconds: 0.0, last_step: 0, last_fraction: 0.0, rate: None }
+        Self { start: Instant::now(), before: 0.0, last_seconds: 0.0, last_step: 0, last_fraction: 0.0, rate: None }
     }
 
     pub(super) fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.before + self.start.elapsed().as_secs_f64()
     }
 
     /// Steps per second since the last report and seconds left, if it is time to report (or `now`).
@@ -101,5 +106,21 @@ impl Pace {
         let steps_per_second = (step - self.last_step) as f64 / since;
         (self.last_seconds, self.last_step, self.last_fraction, self.rate) = (seconds, step, fraction, Some(rate));
         Some((steps_per_second, (rate > 0.0).then(|| (1.0 - fraction) / rate)))
+    }
+}
+
+impl Persist for Pace {
+    /// Seconds are those of the whole run, as steps are: the time between saving and loading is none of them.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let mut seconds = self.seconds();
+        seconds.persist(&format!("{name}.seconds"), archive)?;
+        self.last_seconds.persist(&format!("{name}.last_seconds"), archive)?;
+        self.last_step.persist(&format!("{name}.last_step"), archive)?;
+        self.last_fraction.persist(&format!("{name}.last_fraction"), archive)?;
+        self.rate.persist(&format!("{name}.rate"), archive)?;
+        if !archive.is_saving() {
+            (self.before, self.start) = (seconds, Instant::now());
+        }
+        Ok(())
     }
 }

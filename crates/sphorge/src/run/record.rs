@@ -2,7 +2,11 @@
 
 use super::{conservation::Conservation, error::Trouble};
 use crate::{
-    engine::{Audit, Energies, FieldSource, LimitReason, Simulation, StepReport},
+    engine::{
+        Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
+        persist::{Archive, ArchiveError, Persist, persist_option},
+        persist_fields,
+    },
     measures::Measures,
     model::{Model, Precision},
     observed::Observed,
@@ -239,5 +243,35 @@ impl Recorder {
         };
         let written = summary.write(&self.directory);
         (summary, written)
+    }
+}
+
+persist_fields!(StepSums { count, searched, pairs });
+
+impl Persist for Recorder {
+    /// Everything but where it is written to. Frames are named by their numbers, so their times tell all of them.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let of = |field: &str| format!("{name}.{field}");
+        self.history.persist(&of("history"), archive)?;
+        self.measures.persist(&of("measures"), archive)?;
+        self.observed.persist(&of("observed"), archive)?;
+        self.conservation.persist(&of("conservation"), archive)?;
+        let mut times: Vec<f64> = self.frames.iter().map(|frame| frame.time).collect();
+        times.persist(&of("frame_times"), archive)?;
+        let entry = |(index, time)| SeriesEntry { time, file: RunDirectory::frame_name(index) };
+        self.frames = times.into_iter().enumerate().map(entry).collect();
+        self.last_frame_step.persist(&of("last_frame_step"), archive)?;
+        self.last_row_step.persist(&of("last_row_step"), archive)?;
+        self.energies.persist(&of("energies"), archive)?;
+        self.external_work.persist(&of("external_work"), archive)?;
+        self.steps.persist(&of("steps"), archive)?;
+        self.steps_at_last_row.persist(&of("steps_at_last_row"), archive)?;
+        self.step_size.persist(&of("step_size"), archive)?;
+        self.landing_since_row.persist(&of("landing_since_row"), archive)?;
+        self.pairs.persist(&of("pairs"), archive)?;
+        persist_option(&mut self.audit, &of("audit"), archive)?;
+        self.audits.persist(&of("audits"), archive)?;
+        self.engine_bytes.persist(&of("engine_bytes"), archive)?;
+        self.seconds.persist(&of("seconds"), archive)
     }
 }

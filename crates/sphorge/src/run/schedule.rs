@@ -1,5 +1,7 @@
 //! Output times: of frames, where steps end, and of rows, which come after the first step past theirs.
 
+use crate::engine::persist::{Archive, ArchiveError, Persist};
+
 /// The times `k * interval` after zero, and the end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
@@ -31,6 +33,13 @@ impl Schedule {
         // A step without landing may have passed several.
         self.next = self.next.max((time / self.interval * (1.0 + 1e-12)) as u64) + 1;
         true
+    }
+}
+
+impl Persist for Schedule {
+    /// Interval and end are those of the model.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.next.persist(&format!("{name}.next"), archive)
     }
 }
 

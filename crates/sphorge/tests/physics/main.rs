@@ -8,6 +8,7 @@ mod external_forces;
 mod failure;
 mod heat;
 mod oracle;
+mod persist;
 mod setup;
 mod spall;
 mod symmetry;

@@ -96,7 +96,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Whether sums are taken with the distances of the last search.
-    fn keeps_distances(&self) -> bool {
+    pub(super) fn keeps_distances(&self) -> bool {
         match self.model.search {
             Search::Adaptive(adaptive) => adaptive.guard.is_none(),
             Search::Initial => self.model.formulation == model::Formulation::UpdatedLagrangian,

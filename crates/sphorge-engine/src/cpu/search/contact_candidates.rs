@@ -115,6 +115,16 @@ impl ContactCandidates {
         self.sorted_at.clear();
     }
 
+    /// Whether what was loaded is of `count` particles.
+    pub(super) fn fits(&self, count: usize) -> bool {
+        let flags = self.is_candidate.len();
+        match self.sorted_at.len() {
+            // Nothing was sorted yet, or it was forgotten.
+            0 => flags == 0 || flags == count,
+            sorted => sorted == count && flags == count,
+        }
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.cells.bytes()
@@ -176,12 +186,11 @@ impl Fragments {
 }
 
 impl Persist for ContactCandidates {
-    /// Cells and what is in them follow from where particles were sorted; fragments are found with the lists of that time and saved.
+    /// Cells, fragments and what is in them are found again whenever particles are sorted; who is a candidate holds until then.
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.sorted_at.persist(&format!("{name}.sorted_at"), archive)?;
         self.displacement_at_sort.persist(&format!("{name}.displacement_at_sort"), archive)?;
-        self.fragments.of.persist(&format!("{name}.fragments"), archive)?;
-        self.is_candidate.persist(&format!("{name}.candidates"), archive)
+        self.is_candidate.persist(&format!("{name}.is_candidate"), archive)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds, range_of};
 use crate::particles::{Particles, Permutation};
-use crate::persist::{Archive, ArchiveError, Persist, persist_option};
+use crate::persist::{Archive, ArchiveError, Persist, persist_option, require};
 use contact_candidates::ContactCandidates;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
@@ -72,6 +72,32 @@ impl<T: PairScalar> Persist for Lists<T> {
         self.displacement_at_search.persist(&of("displacement_at_search"), archive)?;
         self.displacement_at_frame.persist(&of("displacement_at_frame"), archive)?;
         self.candidates.persist(&of("guard"), archive)
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Refuses lists that were loaded and do not fit the particles and ghosts that are there.
+    pub(super) fn check_lists(&self, name: &str) -> Result<(), ArchiveError> {
+        let Lists { list, stored, searcher, points, smoothing_length, candidates, stale, .. } = &self.lists;
+        let count = self.particles.len();
+        let all = count + self.ghosts.count();
+        let in_place = |part: &str, unfit: Option<usize>| match unfit {
+            Some(block) => require(false, &format!("{name}.{part}.{block}")),
+            None => Ok(()),
+        };
+        require(candidates.fits(count), &format!("{name}.candidates.is_candidate"))?;
+        let kept = stored.is_some() == self.keeps_distances() || *stale && stored.is_none();
+        require(kept, &format!("{name}.stored.is_there"))?;
+        if *stale {
+            // Searched before they are read.
+            return Ok(());
+        }
+        in_place("list", list.first_unfit(count, all))?;
+        in_place("stored", stored.as_ref().and_then(|stored| stored.first_unfit(list)))?;
+        in_place("foreign", self.contacts.as_ref().and_then(|contacts| contacts.foreign().first_unfit(count, all)))?;
+        require(searcher.fits(all), &format!("{name}.searcher.sorted_at"))?;
+        require(points.len() == all, &format!("{name}.points"))?;
+        require(smoothing_length.len() == all, &format!("{name}.smoothing_length"))
     }
 }
 

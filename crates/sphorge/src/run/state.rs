@@ -1,0 +1,148 @@
+//! A run between two of its steps: all that goes on from one to the next.
+
+use super::{
+    error::Trouble,
+    progress::{Observer, Pace, Progress},
+    record::Recorder,
+    schedule::{Schedule, arrived},
+};
+use crate::{
+    engine::{
+        FieldSource, Simulation, StepReport,
+        persist::{Archive, ArchiveError, Persist},
+    },
+    model::TimeControl,
+    output::{EndReason, OutputError, RunDirectory},
+};
+
+/// A run under way.
+///
+/// What a run must survive with is here, and each part saves and loads its own:
+///
+/// - the simulation: state of the engine, time, steps, the limit of the next step, seconds by stage;
+/// - the recorder: rows of the history, memories of the measures, particles that tracers follow, the start and the extremes of what is
+///   conserved, times of the frames, sums over the steps, the last audit and the worst, energies of the last row;
+/// - what the loop itself keeps: which frame and which row come next, the kinetic energies of the stop rule;
+/// - what is told to whoever watches: seconds so far, the recent speed.
+///
+/// Deck, engine, folder and threads are given anew when a run is loaded; only threads and folder may be others.
+pub(super) struct RunState {
+    pub(super) simulation: Simulation,
+    pub(super) recorder: Recorder,
+    pub(super) pace: Pace,
+    time: TimeControl,
+    frames: Schedule,
+    rows: Schedule,
+    /// Of the first row, and of the last.
+    initial_kinetic: f64,
+    kinetic: f64,
+}
+
+impl RunState {
+    /// A run that has not begun.
+    pub(super) fn new(directory: RunDirectory, simulation: Simulation, pace: Pace) -> Result<Self, OutputError> {
+        let model = simulation.model();
+        let (time, output) = (model.time.clone(), &model.output);
+        Ok(Self {
+            recorder: Recorder::new(directory, model)?,
+            frames: Schedule::new(output.frame_interval, time.end),
+            rows: Schedule::new(output.history_interval, time.end),
+            initial_kinetic: 0.0,
+            kinetic: 0.0,
+            time,
+            simulation,
+            pace,
+        })
+    }
+
+    /// Writes the first row and the first frame.
+    pub(super) fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        let (dt, reason) = self.simulation.next_step_estimate()?;
+        self.recorder.prepared(dt, reason);
+        self.initial_kinetic = self.recorder.row(&self.simulation)?;
+        self.kinetic = self.initial_kinetic;
+        self.frame(observer)
+    }
+
+    /// Takes a step and writes what is due after it.
+    pub(super) fn step(&mut self, observer: &mut dyn Observer) -> Result<StepReport, Trouble> {
+        // Steps end at frames. Rows come after the first step that has passed them, so that asking for more changes nothing.
+        let report = self.simulation.step(Some(self.frames.next()))?;
+        self.recorder.stepped(&report);
+        if self.rows.reached(report.time) {
+            self.kinetic = self.recorder.row(&self.simulation)?;
+        }
+        if self.frames.reached(report.time) {
+            self.frame(observer)?;
+        }
+        Ok(report)
+    }
+
+    /// Writes the last row and the last frame where the present state has none yet.
+    pub(super) fn close(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        let (owes_row, owes_frame) = self.recorder.owes(self.simulation.steps());
+        if owes_row {
+            self.recorder.row(&self.simulation)?;
+        }
+        if owes_frame {
+            self.frame(observer)?;
+        }
+        Ok(self.recorder.flush()?)
+    }
+
+    /// Why the run is to end now, by the rules of the deck.
+    pub(super) fn end_reason(&self) -> Option<EndReason> {
+        let TimeControl { end, stop_kinetic_fraction, max_steps, .. } = self.time;
+        if arrived(self.simulation.time(), end) {
+            Some(EndReason::EndTime)
+        } else if stop_kinetic_fraction.is_some_and(|share| self.kinetic < share * self.initial_kinetic) {
+            Some(EndReason::KineticEnergy)
+        } else if max_steps.is_some_and(|most| self.simulation.steps() >= most) {
+            Some(EndReason::MaxSteps)
+        } else {
+            None
+        }
+    }
+
+    /// Tells how far the run is, if it is time to or `now`.
+    pub(super) fn tell(&mut self, report: &StepReport, observer: &mut dyn Observer, now: bool) {
+        let by_time = report.time / self.time.end;
+        let by_steps = self.time.max_steps.map_or(0.0, |most| report.step as f64 / most as f64);
+        let fraction = by_time.max(by_steps).clamp(0.0, 1.0);
+        if let Some((steps_per_second, seconds_left)) = self.pace.report(report.step, fraction, now) {
+            observer.progressed(&Progress {
+                fraction,
+                time: report.time,
+                end: self.time.end,
+                step: report.step,
+                dt: report.dt,
+                reason: report.reason,
+                particle_steps_per_second: steps_per_second * self.simulation.count() as f64,
+                seconds: self.pace.seconds(),
+                seconds_left,
+                frames: self.recorder.frames(),
+            });
+        }
+    }
+
+    fn frame(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        observer.frame_written(self.recorder.frame(&self.simulation)?, self.simulation.time());
+        Ok(())
+    }
+}
+
+impl Persist for RunState {
+    /// Loading needs a run that was made with the same setup and engine; it may have begun or not.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.simulation.persist(archive)?;
+        self.recorder.persist(&format!("{name}.recorder"), archive)?;
+        self.pace.persist(&format!("{name}.pace"), archive)?;
+        self.frames.persist(&format!("{name}.frames"), archive)?;
+        self.rows.persist(&format!("{name}.rows"), archive)?;
+        self.initial_kinetic.persist(&format!("{name}.initial_kinetic"), archive)?;
+        self.kinetic.persist(&format!("{name}.kinetic"), archive)
+    }
+}
+
+#[cfg(test)]
+mod tests;
