@@ -4,7 +4,7 @@ use super::{conservation::Conservation, error::Trouble};
 use crate::{
     engine::{
         Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
-        persist::{Archive, ArchiveError, Persist, persist_option},
+        persist::{Archive, ArchiveError, Persist, persist_option, require},
         persist_fields,
     },
     measures::Measures,
@@ -266,6 +266,7 @@ impl Persist for Recorder {
         self.external_work.persist(&of("external_work"), archive)?;
         self.steps.persist(&of("steps"), archive)?;
         self.steps_at_last_row.persist(&of("steps_at_last_row"), archive)?;
+        require(self.steps_at_last_row.count <= self.steps.count, &of("steps_at_last_row.count"))?;
         self.step_size.persist(&of("step_size"), archive)?;
         self.landing_since_row.persist(&of("landing_since_row"), archive)?;
         self.pairs.persist(&of("pairs"), archive)?;

@@ -17,6 +17,7 @@ audit = 7
 
 [time]
 end = "3 us"
+stop-kinetic-fraction = 0.6
 
 [output]
 frame-interval = "0.7 us"
@@ -35,13 +36,13 @@ velocity = ["0 m/s", "-200 m/s"]
 [[body]]
 name = "block"
 material = "tough"
-shape = { box = { min = ["10 mm", "0 mm"], max = ["13 mm", "3 mm"] } }
-velocity-profile = { along = "x", amplitude = ["20 m/s", "0 m/s"], rows = [["10 mm", -1.0], ["13 mm", 1.0]] }
+shape = { box = { min = ["10 mm", "0 mm"], max = ["12 mm", "2 mm"] } }
+velocity-profile = { along = "x", amplitude = ["20 m/s", "0 m/s"], rows = [["10 mm", -1.0], ["12 mm", 1.0]] }
 
 [[region]]
 name = "half"
 body = "block"
-shape = { box = { min = ["11.5 mm", "0 mm"], max = ["13 mm", "3 mm"] } }
+shape = { box = { min = ["11 mm", "0 mm"], max = ["12 mm", "2 mm"] } }
 
 [[wall]]
 name = "anvil"
@@ -129,7 +130,8 @@ fn a_run_resumed_anywhere_tells_the_same_story() {
         archives.push((stop.to_string(), saved(&mut whole)));
     }
     let (history, frames, summary) = story(whole, &folder("whole"));
-    assert!(summary.steps > 80 && frames.matches("DataSet").count() == 6, "{summary:?}");
+    assert!(summary.steps > 70 && frames.matches("DataSet").count() > 4, "{summary:?}");
+    assert_eq!(summary.end_reason, EndReason::KineticEnergy);
     assert!(summary.measures.values().all(Option::is_some), "{summary:?}");
     assert!(summary.audit.is_some_and(|audit| audit.audits > 10));
 
@@ -203,6 +205,12 @@ impl Archive for Values {
     }
 }
 
+fn values_of(state: &mut RunState) -> BTreeMap<String, Vec<u8>> {
+    let mut values = Values::default();
+    state.persist("run", &mut values).unwrap();
+    values.0
+}
+
 #[test]
 fn what_an_archive_lacks_or_has_in_another_size_is_named() {
     let root = tempfile::tempdir().unwrap();
@@ -211,9 +219,7 @@ fn what_an_archive_lacks_or_has_in_another_size_is_named() {
     for _ in 0..8 {
         state.step(&mut Silent).unwrap();
     }
-    let mut values = Values::default();
-    state.persist("run", &mut values).unwrap();
-    let values = values.0;
+    let values = values_of(&mut state);
     let of_the_run: Vec<&String> = values.keys().filter(|name| name.starts_with("run.")).collect();
     assert!(of_the_run.len() > 50, "{of_the_run:?}");
     for (k, name) in of_the_run.into_iter().enumerate() {
@@ -227,35 +233,6 @@ fn what_an_archive_lacks_or_has_in_another_size_is_named() {
             };
             let mut archive = Spoiled { values: &values, name, value };
             assert_eq!(state.persist("run", &mut archive), Err(expected));
-        }
-    }
-}
-
-#[test]
-fn explore() {
-    let root = tempfile::tempdir().unwrap();
-    let mut whole = new(&root.path().join("whole"));
-    let mut fresh = Values::default();
-    whole.persist("run", &mut fresh).unwrap();
-    whole.begin(&mut Silent).unwrap();
-    let mut at = Vec::new();
-    for stop in [3, 20, 60] {
-        while whole.simulation.steps() < stop {
-            whole.step(&mut Silent).unwrap();
-        }
-        let mut values = Values::default();
-        whole.persist("run", &mut values).unwrap();
-        at.push(values.0);
-    }
-    let expected = story(whole, &root.path().join("whole"));
-    for (k, values) in at.iter().enumerate() {
-        for (n, name) in values.keys().filter(|n| n.starts_with("run.")).enumerate() {
-            let folder = root.path().join(format!("{k}-{n}"));
-            let mut state = new(&folder);
-            let mut archive = Spoiled { values, name, value: fresh.0.get(name).cloned() };
-            let loaded = state.persist("run", &mut archive);
-            let same = loaded.is_ok() && story(state, &folder) == expected;
-            println!("FORGET {k} {name} {loaded:?} noticed {}", !same);
         }
     }
 }

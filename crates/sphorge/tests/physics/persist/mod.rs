@@ -1,6 +1,5 @@
 //! A simulation that is saved and loaded goes on as if nothing had happened, to the last bit.
 
-mod forgotten;
 mod resumed;
 mod spoiled;
 
@@ -134,7 +133,7 @@ const FEATURES: &[Feature] = &[
 
 const EVERY_STEP: &str = "every-step";
 const SKIN: &str = "{ skin = { fraction = 0.1 } }";
-const GUARDED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5 } }";
+const GUARDED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5, strain-bound = 5e-4 } }";
 const ACCUMULATING: &str = "{ adaptive = { plastic-strain-threshold = 1e-4, accumulate = true } }";
 const PUBLISHED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5, guard = \"none\" } }";
 const LAGRANGIAN: &str = "total-lagrangian";

@@ -53,7 +53,7 @@ fn resumes(what: &str, new: impl Fn() -> Simulation + Sync, stops: &[u64], end: 
 }
 
 /// Whether a deck may have all of these.
-pub(super) fn go_together(search: &str, integrator: &str, feature: &Feature) -> bool {
+fn go_together(search: &str, integrator: &str, feature: &Feature) -> bool {
     let initial = [LAGRANGIAN, FROZEN].contains(&search);
     let refused = initial && integrator == "predictor-corrector"
         || (initial || search == PUBLISHED) && feature.name.contains("penalty")
