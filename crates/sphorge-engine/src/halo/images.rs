@@ -2,7 +2,7 @@
 
 use super::{GhostColumn, Halo, Packed};
 use crate::model::{Model, SymmetryPlane};
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, require};
 use sphorge_physics::{Real, SymmetricTensor, Vector};
 
 /// An image: its source with a sign and a shift per axis.
@@ -189,6 +189,8 @@ impl Halo for Images {
         sources.persist(&of("sources"), archive)?;
         signs.persist(&of("signs"), archive)?;
         shifts.persist(&of("shifts"), archive)?;
+        require(signs.len() == sources.len(), &of("signs"))?;
+        require(shifts.len() == sources.len(), &of("shifts"))?;
         let parts = sources.into_iter().zip(signs).zip(shifts);
         self.images = parts.map(|((source, sign), shift)| Image { source, sign, shift }).collect();
         self.sources = self.images.iter().map(|image| image.source).collect();

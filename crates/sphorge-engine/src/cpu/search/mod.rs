@@ -71,7 +71,7 @@ impl<T: PairScalar> Persist for Lists<T> {
         self.displacement.persist(&of("displacement"), archive)?;
         self.displacement_at_search.persist(&of("displacement_at_search"), archive)?;
         self.displacement_at_frame.persist(&of("displacement_at_frame"), archive)?;
-        self.candidates.persist(&of("guard"), archive)
+        self.candidates.persist(&of("candidates"), archive)
     }
 }
 
