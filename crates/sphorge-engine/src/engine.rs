@@ -1,7 +1,7 @@
 //! The contract of an engine: what takes particles through a step, and what can be asked of it.
 //!
 //! An engine owns the columns of the particles, wherever they are: in memory, on a card, on many ranks. [`crate::Simulation`] calls the
-//! stages in the order of [`crate::step`]; the rest of the program asks for sums ([`Engine::reduce`], [`Engine::ledger`]) and copies
+//! stages in the order of the papers; the rest of the program asks for sums ([`Engine::reduce`], [`Engine::ledger`]) and copies
 //! of fields ([`Engine::read`]), never for the columns themselves.
 
 use crate::halo::FieldSet;

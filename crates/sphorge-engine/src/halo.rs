@@ -11,7 +11,7 @@ pub use images::Images;
 use crate::persist::{Archive, ArchiveError};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
-/// What is exchanged at a named point of the step ([`crate::step`]); the table of fields says which columns that is.
+/// What is exchanged at a named point of the step; the table of fields says which columns that is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldSet {
     /// With every search: what does not change between searches, and positions.

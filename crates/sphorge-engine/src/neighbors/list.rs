@@ -214,7 +214,7 @@ impl NeighborList {
 impl Block {
     fn fits(&self, rows: usize, points: usize) -> bool {
         let (starts, indices) = (&self.starts, &self.indices);
-        let room = |k: usize| starts[k + 1].checked_sub(starts[k]).filter(|room| *room as usize % PAD == 0);
+        let room = |k: usize| starts[k + 1].checked_sub(starts[k]).filter(|room| (*room as usize).is_multiple_of(PAD));
         self.lengths.len() == rows
             && starts.len() == rows + 1
             && starts[0] == 0
