@@ -3,27 +3,64 @@
 use signal_hook::{consts::TERM_SIGNALS, flag, iterator::Signals};
 use std::{
     io,
-    sync::{Arc, atomic::AtomicBool},
+    sync::{
+        Arc, Once,
+        atomic::{AtomicBool, Ordering},
+    },
     thread,
 };
 
-/// A flag that signals raise; `on_first` is called when the first one has.
-///
-/// # Errors
-/// The system refuses the handlers.
-pub(crate) fn stop_flag(on_first: impl FnOnce() + Send + 'static) -> io::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for &signal in TERM_SIGNALS {
-        // In this order: the first signal finds the flag down and raises it, the second finds it up and ends the program.
-        // Every file of a run is complete or absent at any moment, so nothing is lost by that but the work since.
-        flag::register_conditional_shutdown(signal, 130, Arc::clone(&stop))?;
-        flag::register(signal, Arc::clone(&stop))?;
+/// A flag that signals raise, and what is said when the first one has.
+pub(crate) struct StopFlag {
+    raised: Arc<AtomicBool>,
+    said: Arc<Said>,
+}
+
+/// Said once, by whoever comes first: the thread that waits for signals, or a run that ended before that thread got its turn.
+struct Said {
+    once: Once,
+    say: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Said {
+    fn say(&self) {
+        self.once.call_once(|| (self.say)());
     }
-    let mut signals = Signals::new(TERM_SIGNALS)?;
-    thread::spawn(move || {
-        if signals.forever().next().is_some() {
-            on_first();
+}
+
+impl StopFlag {
+    /// Catches the signals; `on_first` is called once, after the first one.
+    ///
+    /// # Errors
+    /// The system refuses the handlers.
+    pub(crate) fn new(on_first: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
+        let raised = Arc::new(AtomicBool::new(false));
+        for &signal in TERM_SIGNALS {
+            // In this order: the first signal finds the flag down and raises it, the second finds it up and ends the program.
+            // Every file of a run is complete or absent at any moment, so nothing is lost by that but the work since.
+            flag::register_conditional_shutdown(signal, 130, Arc::clone(&raised))?;
+            flag::register(signal, Arc::clone(&raised))?;
         }
-    });
-    Ok(stop)
+        let said = Arc::new(Said { once: Once::new(), say: Box::new(on_first) });
+        let mut signals = Signals::new(TERM_SIGNALS)?;
+        let by_thread = Arc::clone(&said);
+        thread::spawn(move || {
+            if signals.forever().next().is_some() {
+                by_thread.say();
+            }
+        });
+        Ok(Self { raised, said })
+    }
+
+    /// The flag a run looks at once a step.
+    pub(crate) fn flag(&self) -> &AtomicBool {
+        &self.raised
+    }
+
+    /// To be called when the run has ended, so that the message never comes after its report or not at all.
+    pub(crate) fn finish(&self) {
+        if self.raised.load(Ordering::Relaxed) {
+            self.said.say();
+        }
+    }
 }

@@ -4,7 +4,9 @@ use crate::{
     deck_arguments::DeckArguments,
     failure::{Ending, Failure, Outcome},
     progress::ProgressDisplay,
-    readable, signals, table, terminal,
+    readable,
+    signals::StopFlag,
+    table, terminal,
 };
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
@@ -72,7 +74,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
 
     let mut display = ProgressDisplay::new();
     let lines = display.lines();
-    let stop = signals::stop_flag(move || {
+    let stop = StopFlag::new(move || {
         lines.print("stopping: writing what there is (once more ends the program at once)");
     })
     .into_diagnostic()
@@ -80,7 +82,8 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     .map_err(Failure::Failed)?;
     let options =
         RunOptions { directory: directory.clone(), overwrite: arguments.overwrite, threads: arguments.threads };
-    let result = sphorge::run::execute(setup, engine, &options, &stop, &mut display);
+    let result = sphorge::run::execute(setup, engine, &options, stop.flag(), &mut display);
+    stop.finish();
     drop(display);
 
     match result {

@@ -3,7 +3,8 @@
 use super::run::parse_threads;
 use crate::{
     failure::{Ending, Failure, Outcome},
-    signals, terminal,
+    signals::StopFlag,
+    terminal,
 };
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
@@ -42,11 +43,13 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
         effort: if arguments.quick { Effort::Quick } else { Effort::Full },
         threads: arguments.threads,
     };
-    let stop = signals::stop_flag(|| terminal::note("stopping after this step (once more ends the program at once)"))
+    let stop = StopFlag::new(|| terminal::note("stopping after this step (once more ends the program at once)"))
         .into_diagnostic()
         .wrap_err("cannot catch Ctrl-C")
         .map_err(Failure::Failed)?;
-    match validate(&options, &stop, &mut Lines) {
+    let result = validate(&options, stop.flag(), &mut Lines);
+    stop.finish();
+    match result {
         Ok(report) => {
             terminal::print(&format!("{report}report      {}\n", options.directory.join("report.md").display()))?;
             if report.passed { Ok(Outcome::Done) } else { Err(Failure::Told) }
