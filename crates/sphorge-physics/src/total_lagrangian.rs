@@ -7,6 +7,9 @@
 //! `m_i dv_i/dt = sum_j V_i V_j (P_i B_i + P_j B_j) grad_0 W_ij`,  `P = det F sigma F^-T`.
 //!
 //! Both sums are adjoint, so energy is conserved.
+//!
+//! Waves of the initial lattice are as short in the current configuration as the material is compressed: the shortest length there
+//! is the smoothing length times the smallest principal stretch. It stands for `h` in the time-step limits and in the bulk viscosity.
 
 use crate::tensor::{determinant, inverse, multiply, transpose};
 use crate::{Real, SymmetricTensor, Tensor};
@@ -25,6 +28,36 @@ pub fn deform<T: Real>(f: &mut Tensor<T>, rate: &Tensor<T>, dt: T) -> Tensor<T> 
 pub fn density<T: Real>(mass: T, initial_volume: T, f: &Tensor<T>) -> T {
     mass / (initial_volume * determinant(f))
 }
+
+/// Iterations of Laguerre's method: convergence is cubic, and direct where the three stretches are equal.
+const LAGUERRE_STEPS: u32 = 5;
+
+/// Smallest principal stretch: the square root of the smallest eigenvalue `x` of `C = F^T F`, found by Laguerre's method from zero,
+/// left of all roots of `det(C - x I)`, from where it rises to the smallest without passing it. Without branches, for SIMD vectors.
+#[inline(always)]
+pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
+    let c = multiply(&transpose(f), f);
+    let first = c[0][0] + c[1][1] + c[2][2];
+    let second = c[0][0] * c[1][1] - c[0][1] * c[0][1] + c[1][1] * c[2][2] - c[1][2] * c[1][2] + c[0][0] * c[2][2]
+        - c[0][2] * c[0][2];
+    let third = determinant(&c).max(T::zero());
+    let mut x = T::zero();
+    for _ in 0..LAGUERRE_STEPS {
+        // Of the polynomial with its sign turned, which rises from the left: -det(C - x I).
+        let value = ((x - first) * x + second) * x - third;
+        let slope = (T::of(3.0) * x - T::of(2.0) * first) * x + second;
+        let curvature = T::of(6.0) * x - T::of(2.0) * first;
+        let root = (T::of(4.0) * slope * slope - T::of(6.0) * value * curvature).max(T::zero()).sqrt();
+        // Where the roots are one, value and slope are round-off: the smallest is never above the mean.
+        let step =
+            T::of(-3.0) * value.min(T::zero()) / (slope.max(T::zero()) + root).max(T::of(LEAST_SLOPE) * first * first);
+        x = (x + step).min(first * T::of(1.0 / 3.0));
+    }
+    x.max(T::zero()).sqrt()
+}
+
+/// Keeps zero over zero a number, as a share of the square of the trace of `C`.
+const LEAST_SLOPE: f64 = 1e-30;
 
 /// `P = det F sigma F^-T`, the first Piola–Kirchhoff stress of a Cauchy stress: force on the area as it was, Pa.
 #[inline(always)]
@@ -60,6 +93,40 @@ fn plus<T: Real>(a: &Tensor<T>, s: T, b: &Tensor<T>) -> Tensor<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_smallest_stretch_is_the_smallest_singular_value() {
+        let diagonal = |a: f64, b: f64, c: f64| [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]];
+        // A rotation by 0.7 about z, then one by -0.4 about x.
+        let (s, c, t, d) = (0.7f64.sin(), 0.7f64.cos(), (-0.4f64).sin(), 0.4f64.cos());
+        let q = multiply(&[[1.0, 0.0, 0.0], [0.0, d, -t], [0.0, t, d]], &[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]);
+        let cases =
+            [(1.0, 1.0, 1.0), (0.2, 2.1, 2.4), (0.1, 1.0, 9.0), (0.5, 0.5, 4.0), (3.0, 3.0, 2.0), (1.0, 1.0, 1.000001)];
+        for (a, b, c) in cases {
+            let smallest = a.min(b).min(c);
+            for f in [
+                diagonal(a, b, c),
+                diagonal(c, a, b),
+                multiply(&q, &diagonal(b, c, a)),
+                multiply(&diagonal(a, b, c), &q),
+            ] {
+                let found = smallest_stretch(&f);
+                // Two equal ones are approached from below.
+                assert!(found < smallest * (1.0 + 1e-5) && found > smallest * (1.0 - 1e-3), "{a} {b} {c}: {found}");
+            }
+        }
+        // Round-off about no deformation at all must not matter.
+        for k in 0..1000 {
+            let noise = |l: i32| 1e-15 * f64::from((k * 7919 + l * 104_729) % 17 - 8);
+            let f =
+                [[1.0 + noise(0), noise(1), noise(2)], [noise(3), 1.0 + noise(4), noise(5)], [noise(6), noise(7), 1.0]];
+            assert!((smallest_stretch(&f) - 1.0).abs() < 1e-4);
+        }
+        // Simple shear by 2: 1/(1 + sqrt 2).
+        let shear = [[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert!((smallest_stretch(&shear) - (2.0f64.sqrt() - 1.0)).abs() < 1e-9);
+        assert_eq!(smallest_stretch(&diagonal(0.0, 1.0, 1.0)), 0.0);
+    }
     use crate::tensor::identity;
 
     #[test]

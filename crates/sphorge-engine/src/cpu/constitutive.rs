@@ -205,6 +205,7 @@ impl<T: PairScalar> CpuEngine<T> {
             energy_rate,
             velocity_gradient,
             smoothing_length,
+            smallest_stretch: stretch,
             mass,
             deviator,
             plastic_strain,
@@ -229,6 +230,7 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
+        let stretch = &*stretch;
         let evaluated_velocity = &*evaluated_velocity;
         // Forces of the total Lagrangian form are summed at initial positions.
         let position = if formulation.is_initial() { &*reference_position } else { &*position };
@@ -270,7 +272,10 @@ impl<T: PairScalar> CpuEngine<T> {
                 *here = energy + half * rate;
             }
             if form.bulk_viscosity.is_some() {
-                columns.smoothing_length[..s.len()].copy_from_slice(&smoothing_length[particles.clone()]);
+                let lengths = smoothing_length[particles.clone()].iter().zip(&stretch[particles.clone()]);
+                for (here, (h, stretch)) in columns.smoothing_length.iter_mut().zip(lengths) {
+                    *here = h * stretch;
+                }
             }
             let inputs = ElasticInputs {
                 material: &material[particles.clone()],

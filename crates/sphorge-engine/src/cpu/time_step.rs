@@ -59,6 +59,11 @@ fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: 
     let particles = b * BLOCK..((b + 1) * BLOCK).min(p.len());
     let count = particles.len();
     columns.smoothing_length[..count].copy_from_slice(&p.smoothing_length[particles.clone()]);
+    for (h, stretch) in
+        columns.smoothing_length.iter_mut().zip(p.smallest_stretch.get(particles.clone()).unwrap_or(&[]))
+    {
+        *h *= stretch;
+    }
     columns.sound_speed[..count].copy_from_slice(&p.sound_speed[particles.clone()]);
     columns.density[..count].copy_from_slice(&p.density[particles.clone()]);
     columns.mu[..count].copy_from_slice(&p.mu[particles.clone()]);

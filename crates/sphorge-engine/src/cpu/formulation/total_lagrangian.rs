@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::total_lagrangian::{deform, density as density_of, first_piola};
+use sphorge_physics::total_lagrangian::{deform, density as density_of, first_piola, smallest_stretch};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, gradient_correction, tensor};
 
@@ -83,6 +83,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             neighbors,
             density,
             deformation,
+            smallest_stretch: stretch,
             mu,
             mass,
             smoothing_length,
@@ -96,11 +97,12 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             neighbors.par_chunks_mut(BLOCK),
             density.par_chunks_mut(BLOCK),
             deformation.par_chunks_mut(BLOCK),
+            stretch.par_chunks_mut(BLOCK),
             mu.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
             .enumerate()
-            .for_each(|(b, (l, n, rho, f, mu))| {
+            .for_each(|(b, (l, n, rho, f, stretch, mu))| {
                 let mut sums = [GradientSum::zero(); BLOCK];
                 sweep.block(b, false, &mut sums);
                 for k in 0..l.len() {
@@ -110,7 +112,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);
                     n[k] = sums[k].inside;
-                    mu[k] = bulk_mu(&l[k], h[i]);
+                    stretch[k] = smallest_stretch(&f[k]);
+                    mu[k] = bulk_mu(&l[k], h[i] * stretch[k]);
                 }
             });
         engine.count_pairs();

@@ -13,7 +13,7 @@ use sphorge_physics::pair::{
 use sphorge_physics::return_mapping::return_mapping;
 use sphorge_physics::stress::{density_after, predicted_density, trial_deviator};
 use sphorge_physics::tensor::{dot, identity, multiply, transpose};
-use sphorge_physics::total_lagrangian::{deform, density, first_piola};
+use sphorge_physics::total_lagrangian::{deform, density, first_piola, smallest_stretch};
 use sphorge_physics::viscosity::{
     ViscosityParameters, balsara, bulk_mu, bulk_viscosity, viscosity_mu, viscous_pressure,
 };
@@ -81,7 +81,7 @@ impl Oracle {
                 let l = deform(&mut self.deformation[i], &gradient, self.dt);
                 self.p.velocity_gradient[i] = l;
                 self.p.density[i] = density(self.p.mass[i], self.initial_volume[i], &self.deformation[i]);
-                self.mu[i] = bulk_mu(&l, self.p.smoothing_length[i]);
+                self.mu[i] = bulk_mu(&l, self.p.smoothing_length[i] * smallest_stretch(&self.deformation[i]));
             } else {
                 self.p.velocity_gradient[i] = gradient;
                 self.p.density[i] = density_after(self.p.density[i], &gradient, step);
@@ -182,6 +182,7 @@ impl Oracle {
             let l = self.p.velocity_gradient[i];
             let mut pressure = self.p.pressure[i];
             if self.total_lagrangian().is_some() {
+                let h = h * smallest_stretch(&self.deformation[i]);
                 pressure += bulk_viscosity(self.viscosity(), l[0][0] + l[1][1] + l[2][2], rho, c, h);
             }
             let sigma = (deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
