@@ -17,6 +17,7 @@ use super::report::{Fault, Problems, suggest};
 use super::strategy::Strategy;
 use super::value::{Kind, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Integrator, Model, Numerics, Region, Search};
+use sphorge_engine::particles::is_kept;
 use std::ops::Range;
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
@@ -265,6 +266,10 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     if !dropped.is_empty() {
         notes.push(format!("the total Lagrangian form runs without {}", dropped.join(", ")));
     }
+    let (materials, mut output) = (materials.into_materials(), output?);
+    if raw.output.fields.is_none() {
+        output.fields.retain(|field| is_kept(field, &materials));
+    }
     let model = Model {
         title: title?,
         name: name.to_owned(),
@@ -275,7 +280,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         search: search?,
         audit: audit?,
         time: time?,
-        materials: materials.into_materials(),
+        materials,
         bodies: bodies.into_iter().collect::<Option<_>>()?,
         contact: contact?,
         thermal: thermal?,
@@ -285,7 +290,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         periodic,
         motions: motions.into_iter().collect::<Option<_>>()?,
         gravity: gravity?,
-        output: output?,
+        output,
         measures: measures?,
         tracers: tracers?,
         sections: sections?,

@@ -1,7 +1,9 @@
 //! The fields a user can name: stored columns, histories of material laws, and quantities derived from columns.
 
+use super::history::declared;
 use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
+use crate::model::Material;
 use sphorge_physics::SymmetricTensor;
 use sphorge_physics::flow::FLOW_LAWS;
 use std::borrow::Cow;
@@ -83,6 +85,12 @@ pub static FIELDS: LazyLock<Vec<FieldInfo>> = LazyLock::new(|| {
     fields
 });
 
+/// Whether a field is more than its initial value for bodies of these materials: all are but histories that none of their laws keeps.
+pub fn is_kept(field: &str, materials: &[Material]) -> bool {
+    let keeps = |material: &Material| material.flow_law.history().iter().any(|variable| variable.name == field);
+    declared(field).is_none() || materials.iter().any(keeps)
+}
+
 /// The field of this name.
 pub fn find_field(name: &str) -> Option<&'static FieldInfo> {
     FIELDS.iter().find(|f| f.name == name)
@@ -98,7 +106,8 @@ impl Particles {
             "stress" => Some(Column::Symmetric(Cow::Owned(
                 (0..self.len()).map(|i| self.deviator[i] - SymmetricTensor::isotropic(self.pressure[i])).collect(),
             ))),
-            _ => self.stored(name),
+            // What no law of the model keeps stays as it would start.
+            _ => self.stored(name).or_else(|| declared(name).and_then(|variable| scalar(&|_| variable.initial))),
         }
     }
 }

@@ -4,6 +4,7 @@ use super::Permutation;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
+use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::history::HistoryVariable;
 
 /// History variables of all particles. Every particle has all of them, at the initial value where its law has no use for one.
@@ -15,6 +16,11 @@ pub struct History {
     slots: Vec<Vec<usize>>,
     /// Values of a block of particles, particle by particle.
     blocks: Vec<Vec<f64>>,
+}
+
+/// The variable of that name, if some law declares one.
+pub(super) fn declared(name: &str) -> Option<&'static HistoryVariable> {
+    FLOW_LAWS.iter().flat_map(|law| law.history).find(|variable| variable.name == name)
 }
 
 impl History {
@@ -31,6 +37,10 @@ impl History {
             });
             slots.push(of_law.collect());
         }
+        Self::at_start(variables, slots, count)
+    }
+
+    fn at_start(variables: Vec<&'static HistoryVariable>, slots: Vec<Vec<usize>>, count: usize) -> Self {
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
         let block = |b: usize| initial.repeat(BLOCK.min(count - b * BLOCK));
         let blocks = (0..count.div_ceil(BLOCK)).map(block).collect();
@@ -49,12 +59,27 @@ impl History {
         Some(self.blocks.iter().flat_map(|block| block.iter().skip(k).step_by(width).copied()).collect())
     }
 
-    /// Sets the variable of that name, if there is one.
+    /// Sets the variable of that name; one that some law declares and that is not kept yet is kept from now on.
     pub(super) fn set_column(&mut self, name: &str, values: &[f64]) {
         let width = self.variables.len();
-        let Some(k) = self.variables.iter().position(|variable| variable.name == name) else { return };
+        let Some(k) = self.variables.iter().position(|variable| variable.name == name) else {
+            if let Some(variable) = declared(name) {
+                self.add(variable, values);
+            }
+            return;
+        };
         let places = self.blocks.iter_mut().flat_map(|block| block.iter_mut().skip(k).step_by(width));
         places.zip(values).for_each(|(place, value)| *place = *value);
+    }
+
+    fn add(&mut self, variable: &'static HistoryVariable, values: &[f64]) {
+        let width = self.variables.len();
+        self.variables.push(variable);
+        self.blocks.resize(values.len().div_ceil(BLOCK), Vec::new());
+        for (block, values) in self.blocks.iter_mut().zip(values.chunks(BLOCK)) {
+            let longer = |(i, value): (usize, &f64)| [&block[i * width..][..width], &[*value]].concat();
+            *block = values.iter().enumerate().flat_map(longer).collect();
+        }
     }
 
     pub(super) fn reorder(&mut self, permutation: &Permutation) {
@@ -90,5 +115,61 @@ impl Persist for History {
             self.set_column(variable.name, &values);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::{Column, Particles};
+    use sphorge_physics::parameter::Bound;
+
+    const fn variable(name: &'static str, initial: f64, bound: Bound) -> HistoryVariable {
+        HistoryVariable { name, unit: "", initial, bound, meaning: "for a test" }
+    }
+    static DAMAGE: HistoryVariable = variable("damage", 0.0, Bound::Between(0.0, 1.0));
+    static POROSITY: HistoryVariable = variable("porosity", 0.5, Bound::Any);
+
+    /// More particles than a block holds, damage by place.
+    fn damaged() -> Particles {
+        let count = BLOCK + 3;
+        let mut particles = Particles::new(count);
+        particles.density.fill(1.0);
+        particles.history = History::at_start(vec![&DAMAGE], vec![vec![0]], count);
+        let damage: Vec<f64> = (0..count).map(|i| i as f64 / count as f64).collect();
+        particles.set_column("damage", &Column::Scalar(damage.into()));
+        particles
+    }
+
+    #[test]
+    fn a_variable_is_a_column_that_moves_with_its_particles() {
+        let mut particles = damaged();
+        let count = particles.len();
+        let mut backwards = Permutation::default();
+        backwards.set(&(0..count as u32).rev().collect::<Vec<_>>());
+        particles.reorder(&backwards);
+        let damage = particles.column("damage").unwrap();
+        assert_eq!((damage.component(0, 0), damage.component(count - 1, 0)), ((count - 1) as f64 / count as f64, 0.0));
+    }
+
+    #[test]
+    fn a_variable_that_comes_later_leaves_the_others_as_they_are() {
+        let mut history = damaged().history;
+        let (damage, porosity) = (history.column("damage").unwrap(), vec![0.25; BLOCK + 3]);
+        history.add(&POROSITY, &porosity);
+        assert_eq!((history.column("damage").unwrap(), history.column("porosity").unwrap()), (damage, porosity));
+    }
+
+    #[test]
+    fn what_its_law_does_not_allow_is_named() {
+        let mut particles = damaged();
+        assert!((0..particles.len()).all(|i| particles.first_fault(i).is_none()));
+        for wrong in [f64::NAN, -0.1, 1.1] {
+            let mut damage = vec![0.0; BLOCK + 3];
+            damage[BLOCK + 1] = wrong;
+            particles.set_column("damage", &Column::Scalar(damage.into()));
+            assert_eq!(particles.first_fault(BLOCK + 1), Some("damage"));
+            assert_eq!(particles.first_fault(BLOCK), None);
+        }
     }
 }

@@ -348,13 +348,11 @@ impl Engine for Oracle {
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         // Particles stay in the order they came in, that of their ids.
         let of_law = |i: usize| self.material(i).flow_law.history().iter().position(|v| v.name == field);
-        self.p.column(field).map_or_else(
-            || {
-                let values = self.each(|i| of_law(i).map_or(0.0, |k| self.history[i][k]));
-                Ok(Column::Scalar(Cow::Owned(values)))
-            },
-            Ok,
-        )
+        if (0..self.p.len()).any(|i| of_law(i).is_some()) {
+            let values = self.each(|i| of_law(i).map_or(0.0, |k| self.history[i][k]));
+            return Ok(Column::Scalar(Cow::Owned(values)));
+        }
+        self.p.column(field).ok_or_else(|| RunFailure::of_engine(format!("no field `{field}`")))
     }
 
     fn persist(&mut self, _: &mut dyn Archive) -> Result<(), ArchiveError> {
