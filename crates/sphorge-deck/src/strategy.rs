@@ -21,10 +21,11 @@ impl Strategy {
         Self { search: Search::Initial, formulation: Formulation::TotalLagrangian { hourglass } }
     }
 
-    /// Takes out of the choices what the formulation does without; the names of the keys that had asked for it.
-    pub(crate) fn normalise(self, numerics: &mut Numerics) -> Vec<&'static str> {
-        if self.formulation == Formulation::UpdatedLagrangian {
-            return Vec::new();
+    /// Takes out of the choices what the formulation does without; what to tell the user whose keys had asked for it.
+    pub(crate) fn normalise(self, numerics: &mut Numerics) -> Option<String> {
+        match self.formulation {
+            Formulation::UpdatedLagrangian => return None,
+            Formulation::TotalLagrangian { .. } => {}
         }
         let mut dropped = Vec::new();
         if numerics.artificial_stress.take().is_some() {
@@ -42,6 +43,7 @@ impl Strategy {
         if std::mem::replace(&mut numerics.pair_form, PairForm::VolumeWeighted) != PairForm::VolumeWeighted {
             dropped.push("pair-form");
         }
-        dropped
+        let keys: Vec<String> = dropped.iter().map(|key| format!("`numerics.{key}`")).collect();
+        (!keys.is_empty()).then(|| format!("the total Lagrangian form runs without {}", keys.join(", ")))
     }
 }

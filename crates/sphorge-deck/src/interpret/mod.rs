@@ -260,12 +260,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         motions: raw.motion.iter().map(|m| m.region.span()).collect(),
         tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
     };
-    let dropped = strategy.zip(numerics.as_mut()).map_or_else(Vec::new, |(strategy, n)| strategy.normalise(n));
-    let dropped: Vec<String> = dropped.iter().map(|key| format!("`numerics.{key}`")).collect();
-    let mut notes = Vec::new();
-    if !dropped.is_empty() {
-        notes.push(format!("the total Lagrangian form runs without {}", dropped.join(", ")));
-    }
+    let notes = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n)).into_iter().collect();
     let (materials, mut output) = (materials.into_materials(), output?);
     if raw.output.fields.is_none() {
         output.fields.retain(|field| is_kept(field, &materials));
@@ -326,7 +321,7 @@ fn check_together(
             "the adaptive search without its guard misses bodies that arrive, so they cannot meet in a contact",
             "leave `guard` out, choose another `search`, or leave `contact` out",
         ),
-        _ => return,
+        Some(Search::EveryStep | Search::Skin { .. } | Search::Adaptive(_)) | None => return,
     };
     if let (Some(BodyContact::Penalty(_)), Some(contact), Some(search)) = (contact, &raw.contact, &raw.search) {
         let fault = Fault::new("not-together", message, contact.span(), "this contact");

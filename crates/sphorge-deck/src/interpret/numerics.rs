@@ -2,7 +2,9 @@
 
 use crate::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
 use crate::defaults;
-use crate::raw::{RawAdaptive, RawNumerics, RawOutput, RawSearch, RawSmoothingLength, RawTime, RawTotalLagrangian};
+use crate::raw::{
+    RawAdaptive, RawNumerics, RawOutput, RawSearch, RawSkin, RawSmoothingLength, RawTime, RawTotalLagrangian,
+};
 use crate::report::{Fault, Problems};
 use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
@@ -72,7 +74,11 @@ pub(crate) fn check_smoothing(
 ) {
     let follows = numerics.is_some_and(|n| n.smoothing_length != SmoothingLength::Constant);
     let Some(given) = raw.smoothing_length.as_ref().filter(|_| follows) else { return };
-    if strategy.is_some_and(|s| matches!(s.search, Search::Adaptive(_) | Search::Initial)) {
+    let outlive = match strategy.map(|s| s.search) {
+        Some(Search::Adaptive(_) | Search::Initial) => true,
+        Some(Search::EveryStep | Search::Skin { .. }) | None => false,
+    };
+    if outlive {
         let message = "smoothing lengths that follow the density need lists that follow the positions";
         let fault = Fault::new("wrong-search", message, given.span(), "with this `search`");
         problems.push(fault.help("set `search` to \"skin\" or \"every-step\", or leave the smoothing length constant"));
@@ -144,20 +150,26 @@ pub(crate) fn search(
         None => Some(Strategy::updated(defaults::SKIN)),
         Some(ScalarOr::Scalar(word)) => word.get(problems),
         Some(ScalarOr::Composed(RawSearch { skin, adaptive, total_lagrangian }, at)) => {
-            let given = vec![
-                ("skin", skin.as_ref().map(|_| "skin")),
-                ("adaptive", adaptive.as_ref().map(|_| "adaptive")),
-                ("total-lagrangian", total_lagrangian.as_ref().map(|_| "total-lagrangian")),
+            enum Chosen<'a> {
+                Skin(&'a RawSkin),
+                Adaptive(&'a RawAdaptive),
+                Total(&'a RawTotalLagrangian),
+            }
+            let options = vec![
+                ("skin", skin.as_ref().map(Chosen::Skin)),
+                ("adaptive", adaptive.as_ref().map(Chosen::Adaptive)),
+                ("total-lagrangian", total_lagrangian.as_ref().map(Chosen::Total)),
             ];
-            super::exactly_one(given, "the search", at.clone(), problems)?;
-            if let Some(skin) = skin {
-                let fraction = or_default!(skin.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
-                return Some(Strategy::updated(Search::Skin { fraction: fraction? }));
+            match super::exactly_one(options, "the search", at.clone(), problems)? {
+                Chosen::Skin(skin) => {
+                    let fraction = or_default!(skin.fraction, defaults::SKIN_FRACTION, |f| share(f, problems));
+                    Some(Strategy::updated(Search::Skin { fraction: fraction? }))
+                }
+                Chosen::Adaptive(adaptive) => {
+                    Some(Strategy::updated(Search::Adaptive(adaptive_search(adaptive, problems)?)))
+                }
+                Chosen::Total(total) => total_lagrangian_form(total, problems),
             }
-            if let Some(total) = total_lagrangian {
-                return total_lagrangian_form(total, problems);
-            }
-            adaptive_search(adaptive.as_ref()?, problems).map(|adaptive| Strategy::updated(Search::Adaptive(adaptive)))
         }
     }
 }

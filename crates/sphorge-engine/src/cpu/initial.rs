@@ -2,7 +2,7 @@
 
 use super::conduction::hold;
 use super::integrate::Motions;
-use crate::model::{BodyContact, Formulation, Integrator, Model, Search, TemperatureSource};
+use crate::model::{BodyContact, Integrator, Model, Search, TemperatureSource};
 use crate::particles::{History, Owner, Particles};
 
 /// Completes the state of particles that have position, velocity, density and temperature.
@@ -24,7 +24,7 @@ pub(super) fn state(model: &Model, particles: &mut Particles) {
 }
 
 /// Adds the columns that the choices of a model need, and fills those that do not start at the value of the table.
-pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bool) {
+pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bool, is_initial: bool) {
     let wanted = [
         (Owner::Step, true),
         (Owner::Correction, is_corrected),
@@ -32,7 +32,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
         (Owner::Heat, model.thermal.conduction),
         (Owner::Contact, model.contact != BodyContact::Sph),
-        (Owner::Reference, model.formulation != Formulation::UpdatedLagrangian),
+        (Owner::Reference, is_initial),
     ];
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {
         particles.allocate(owner);

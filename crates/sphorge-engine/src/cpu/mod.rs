@@ -130,7 +130,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let count = particles.len();
         let numerics = &model.numerics;
         let formulation = formulation::of::<T>(&model);
-        initial::columns(&model, &mut particles, formulation.is_corrected(&model));
+        initial::columns(&model, &mut particles, formulation.is_corrected(&model), formulation.is_initial());
         let constants = PairConstants {
             unit: T::one(),
             kernel: numerics.kernel,

@@ -135,11 +135,15 @@ const TOO_NEAR: f64 = 0.25 * (1.0 - 1e-6);
 
 fn check_surroundings(particles: &Particles, model: &Model, errors: &mut Vec<FillError>) {
     for (index, wall) in model.walls.iter().enumerate() {
-        if let WallSurface::Plane { point, normal } = wall.surface {
-            let distance = |x: [f64; 3]| (0..3).map(|k| (x[k] - point[k]) * normal[k]).sum::<f64>();
-            for (body, depth) in worst(particles, model, 1e-6, distance) {
-                errors.push(FillError::BehindWall { wall: index, body, depth: -depth });
+        match wall.surface {
+            WallSurface::Plane { point, normal } => {
+                let distance = |x: [f64; 3]| (0..3).map(|k| (x[k] - point[k]) * normal[k]).sum::<f64>();
+                for (body, depth) in worst(particles, model, 1e-6, distance) {
+                    errors.push(FillError::BehindWall { wall: index, body, depth: -depth });
+                }
             }
+            // It pushes to both sides: nothing is behind it.
+            WallSurface::Segment { .. } => {}
         }
     }
     for (index, plane) in model.symmetry.iter().enumerate() {

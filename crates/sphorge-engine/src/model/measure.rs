@@ -170,6 +170,16 @@ pub enum MeasureKind {
 impl MeasureKind {
     /// Whether pictures can show it as a line on the particles.
     pub fn is_drawn(&self) -> bool {
-        matches!(self, Self::CraterDiameter { .. } | Self::Cloud { .. })
+        match self {
+            Self::CraterDiameter { .. } | Self::Cloud { .. } => true,
+            Self::Extent { .. }
+            | Self::Diameter { .. }
+            | Self::Extreme { .. }
+            | Self::Mean { .. }
+            | Self::Value { .. }
+            | Self::FrontSpeed { .. }
+            | Self::Period { .. }
+            | Self::ReversalTime { .. } => false,
+        }
     }
 }

@@ -89,7 +89,13 @@ impl Measures {
                 }
                 MeasureKind::Period { .. } => Memory::Period(Period::default()),
                 MeasureKind::ReversalTime { .. } => Memory::Reversal(Reversal::default()),
-                _ => Memory::Nothing,
+                MeasureKind::Extreme { over_time: false, .. }
+                | MeasureKind::Extent { .. }
+                | MeasureKind::Diameter { .. }
+                | MeasureKind::Mean { .. }
+                | MeasureKind::Value { .. }
+                | MeasureKind::CraterDiameter { .. }
+                | MeasureKind::Cloud { .. } => Memory::Nothing,
             },
         };
         Self {
@@ -153,7 +159,14 @@ pub(crate) fn span(kind: &MeasureKind, model: &Model, particles: &Particles) -> 
         MeasureKind::Cloud { perforation, extent, leave_out } => {
             shared.flight(model, particles, perforation).cloud(*extent, *leave_out)
         }
-        _ => None,
+        MeasureKind::Extent { .. }
+        | MeasureKind::Diameter { .. }
+        | MeasureKind::Extreme { .. }
+        | MeasureKind::Mean { .. }
+        | MeasureKind::Value { .. }
+        | MeasureKind::FrontSpeed { .. }
+        | MeasureKind::Period { .. }
+        | MeasureKind::ReversalTime { .. } => None,
     }
 }
 

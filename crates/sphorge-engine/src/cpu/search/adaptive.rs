@@ -14,7 +14,7 @@ use super::super::CpuEngine;
 use super::{CHUNK, moved_beyond};
 use crate::engine::SearchReport;
 use crate::lanes::PairScalar;
-use crate::model::{self, AdaptiveSearch, Search};
+use crate::model::{AdaptiveSearch, Search};
 use crate::neighbors::{Reach, mark};
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -98,9 +98,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Whether sums are taken with the distances of the last search.
     pub(super) fn keeps_distances(&self) -> bool {
         match self.model.search {
+            Search::EveryStep | Search::Skin { .. } => false,
             Search::Adaptive(adaptive) => adaptive.guard.is_none(),
-            Search::Initial => self.model.formulation == model::Formulation::UpdatedLagrangian,
-            _ => false,
+            Search::Initial => !self.formulation.is_initial(),
         }
     }
 

@@ -144,7 +144,7 @@ impl<T: PairScalar> CpuEngine<T> {
     fn reach_factor(&self) -> f64 {
         let skin = match self.model.search {
             Search::Skin { fraction } => fraction,
-            _ => 0.0,
+            Search::EveryStep | Search::Adaptive(_) | Search::Initial => 0.0,
         };
         self.model.numerics.kernel.support() * (1.0 + skin)
     }
@@ -235,7 +235,7 @@ impl<T: PairScalar> CpuEngine<T> {
     fn ghost_reach_factor(&self) -> f64 {
         match self.model.search {
             Search::Adaptive(_) => 1.0 + adaptive::GHOST_MARGIN,
-            _ => 1.0,
+            Search::EveryStep | Search::Skin { .. } | Search::Initial => 1.0,
         }
     }
 
