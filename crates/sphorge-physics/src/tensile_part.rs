@@ -46,29 +46,63 @@ fn in_plane<T: Real>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
     }
 }
 
+/// A symmetric tensor taken apart: the principal value that stands apart and the two others, each as an excess over the mean.
+struct Principal<T> {
+    mean: T,
+    /// Half the square of the deviator as it is, and at least what counts as none.
+    j2_here: T,
+    /// All principal values lie within `mean +- reach`.
+    reach: T,
+    /// The one that stands apart, and the projection on its direction.
+    x: T,
+    apart: SymmetricTensor<T>,
+    /// The other two are `middle +- radius`, in the plane across; `difference` is the deviator there without its mean.
+    middle: T,
+    radius: T,
+    across: SymmetricTensor<T>,
+    difference: SymmetricTensor<T>,
+}
+
+impl<T: Real> Principal<T> {
+    #[inline(always)]
+    fn of(sigma: SymmetricTensor<T>) -> Self {
+        let zero = T::zero();
+        let half = T::of(0.5);
+        let mean = (sigma.xx + sigma.yy + sigma.zz) * T::of(1.0 / 3.0);
+        let s = sigma - SymmetricTensor::isotropic(mean);
+        let j2_here = half * s.double_dot(s);
+        let j2 = j2_here.max(T::of(NO_SHEAR));
+        let reach = T::of(2.0) * (j2 * T::of(1.0 / 3.0)).sqrt();
+
+        // The principal value that stands apart, from outside all of them.
+        let j3 = determinant(s);
+        let mut x = T::select_lt(j3, zero, -reach, reach);
+        for _ in 0..STEPS {
+            x -= ((x * x - j2) * x - j3) / (T::of(3.0) * x * x - j2);
+        }
+        let apart =
+            (square(s) + s * x + SymmetricTensor::isotropic(x * x - j2)) * (T::one() / (T::of(3.0) * x * x - j2));
+        let across = SymmetricTensor::isotropic(T::one()) - apart;
+        let middle = T::of(-0.5) * x;
+        let difference = s - apart * x - across * middle;
+        let radius = (half * difference.double_dot(difference)).sqrt();
+        Self { mean, j2_here, reach, x, apart, middle, radius, across, difference }
+    }
+}
+
+/// The smallest principal value in space, to round-off of the largest, also where principal values coincide.
+#[inline(always)]
+pub(crate) fn smallest_principal_value<T: Real>(sigma: SymmetricTensor<T>) -> T {
+    let p = Principal::of(sigma);
+    let smallest = p.mean + p.x.min(p.middle - p.radius);
+    T::select_lt(p.j2_here, T::of(NO_SHEAR), p.mean, smallest)
+}
+
 #[inline(always)]
 fn in_space<T: Real>(sigma: SymmetricTensor<T>) -> SymmetricTensor<T> {
     let zero = T::zero();
     let half = T::of(0.5);
-    let mean = (sigma.xx + sigma.yy + sigma.zz) * T::of(1.0 / 3.0);
-    let s = sigma - SymmetricTensor::isotropic(mean);
-    let j2_here = half * s.double_dot(s);
-    let j2 = j2_here.max(T::of(NO_SHEAR));
-    // All principal values lie within mean +- 2 sqrt(J2/3).
-    let reach = T::of(2.0) * (j2 * T::of(1.0 / 3.0)).sqrt();
-
-    // The principal value that stands apart, from outside all of them.
-    let j3 = determinant(s);
-    let mut x = T::select_lt(j3, zero, -reach, reach);
-    for _ in 0..STEPS {
-        x -= ((x * x - j2) * x - j3) / (T::of(3.0) * x * x - j2);
-    }
-    let apart = (square(s) + s * x + SymmetricTensor::isotropic(x * x - j2)) * (T::one() / (T::of(3.0) * x * x - j2));
-    // The other two: `middle +- radius`, in the plane across.
-    let across = SymmetricTensor::isotropic(T::one()) - apart;
-    let middle = T::of(-0.5) * x;
-    let difference = s - apart * x - across * middle;
-    let radius = (half * difference.double_dot(difference)).sqrt();
+    let Principal { mean, j2_here, reach, x, apart, middle, radius, across, difference } = Principal::of(sigma);
     let high = (mean + middle + radius).max(zero);
     let low = (mean + middle - radius).max(zero);
     let mixed = apart * (mean + x).max(zero)

@@ -11,6 +11,7 @@
 //! Waves of the initial lattice are as short in the current configuration as the material is compressed: the shortest length there
 //! is the smoothing length times the smallest principal stretch. It stands for `h` in the time-step limits and in the bulk viscosity.
 
+use crate::tensile_part::smallest_principal_value;
 use crate::tensor::{determinant, inverse, multiply, transpose};
 use crate::{Real, SymmetricTensor, Tensor};
 
@@ -29,35 +30,21 @@ pub fn density<T: Real>(mass: T, initial_volume: T, f: &Tensor<T>) -> T {
     mass / (initial_volume * determinant(f))
 }
 
-/// Iterations of Laguerre's method: convergence is cubic, and direct where the three stretches are equal.
-const LAGUERRE_STEPS: u32 = 5;
-
-/// Smallest principal stretch: the square root of the smallest eigenvalue `x` of `C = F^T F`, found by Laguerre's method from zero,
-/// left of all roots of `det(C - x I)`, from where it rises to the smallest without passing it. Without branches, for SIMD vectors.
+/// Smallest principal stretch: the square root of the smallest principal value of `C = F^T F`.
 #[inline(always)]
 pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
-    let c = multiply(&transpose(f), f);
-    let first = c[0][0] + c[1][1] + c[2][2];
-    let second = c[0][0] * c[1][1] - c[0][1] * c[0][1] + c[1][1] * c[2][2] - c[1][2] * c[1][2] + c[0][0] * c[2][2]
-        - c[0][2] * c[0][2];
-    let third = determinant(&c).max(T::zero());
-    let mut x = T::zero();
-    for _ in 0..LAGUERRE_STEPS {
-        // Of the polynomial with its sign turned, which rises from the left: -det(C - x I).
-        let value = ((x - first) * x + second) * x - third;
-        let slope = (T::of(3.0) * x - T::of(2.0) * first) * x + second;
-        let curvature = T::of(6.0) * x - T::of(2.0) * first;
-        let root = (T::of(4.0) * slope * slope - T::of(6.0) * value * curvature).max(T::zero()).sqrt();
-        // Where the roots are one, value and slope are round-off: the smallest is never above the mean.
-        let step =
-            T::of(-3.0) * value.min(T::zero()) / (slope.max(T::zero()) + root).max(T::of(LEAST_SLOPE) * first * first);
-        x = (x + step).min(first * T::of(1.0 / 3.0));
-    }
-    x.max(T::zero()).sqrt()
+    let c = SymmetricTensor::symmetric_part(&multiply(&transpose(f), f));
+    smallest_principal_value(c).max(T::zero()).sqrt()
 }
 
-/// Keeps zero over zero a number, as a share of the square of the trace of `C`.
-const LEAST_SLOPE: f64 = 1e-30;
+/// The length of the time-step limits of a particle of that smoothing length (m) and smallest principal stretch, m.
+///
+/// Limits of the form `courant h/c` leave room: copper bars up to 250 m/s, their foot at a tenth of its height, are the same to four
+/// digits up to `0.9 h stretch/c`, and at the usual Courant number of 0.3 that room is spent on compression down to one half before the step falls.
+#[inline(always)]
+pub fn limiting_length<T: Real>(h: T, smallest_stretch: T) -> T {
+    h * (T::of(2.0) * smallest_stretch).min(T::one())
+}
 
 /// `P = det F sigma F^-T`, the first Piola–Kirchhoff stress of a Cauchy stress: force on the area as it was, Pa.
 #[inline(always)]
@@ -111,8 +98,7 @@ mod tests {
                 multiply(&diagonal(a, b, c), &q),
             ] {
                 let found = smallest_stretch(&f);
-                // Two equal ones are approached from below.
-                assert!(found < smallest * (1.0 + 1e-5) && found > smallest * (1.0 - 1e-3), "{a} {b} {c}: {found}");
+                assert!((found - smallest).abs() < 1e-12 * c.max(b) * c.max(b) / smallest, "{a} {b} {c}: {found}");
             }
         }
         // Round-off about no deformation at all must not matter.
@@ -120,12 +106,16 @@ mod tests {
             let noise = |l: i32| 1e-15 * f64::from((k * 7919 + l * 104_729) % 17 - 8);
             let f =
                 [[1.0 + noise(0), noise(1), noise(2)], [noise(3), 1.0 + noise(4), noise(5)], [noise(6), noise(7), 1.0]];
-            assert!((smallest_stretch(&f) - 1.0).abs() < 1e-4);
+            assert!((smallest_stretch(&f) - 1.0).abs() < 1e-13);
         }
         // Simple shear by 2: 1/(1 + sqrt 2).
         let shear = [[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert!((smallest_stretch(&shear) - (2.0f64.sqrt() - 1.0)).abs() < 1e-9);
         assert_eq!(smallest_stretch(&diagonal(0.0, 1.0, 1.0)), 0.0);
+        assert_eq!(
+            (limiting_length(3.0, 0.25), limiting_length(3.0, 0.75), limiting_length(3.0, 1.5)),
+            (1.5, 3.0, 3.0)
+        );
     }
     use crate::tensor::identity;
 

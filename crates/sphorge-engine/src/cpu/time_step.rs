@@ -8,6 +8,7 @@ use crate::particles::Particles;
 use crate::{LimitReason, TimeStepLimit};
 use rayon::prelude::*;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, penalty_limit, sound_limit};
+use sphorge_physics::total_lagrangian::limiting_length;
 
 /// What the limits of a block are taken of, a column for each; what is not of a particle limits for a step without end.
 struct Columns {
@@ -62,7 +63,7 @@ fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: 
     for (h, stretch) in
         columns.smoothing_length.iter_mut().zip(p.smallest_stretch.get(particles.clone()).unwrap_or(&[]))
     {
-        *h *= stretch;
+        *h = limiting_length(*h, *stretch);
     }
     columns.sound_speed[..count].copy_from_slice(&p.sound_speed[particles.clone()]);
     columns.density[..count].copy_from_slice(&p.density[particles.clone()]);

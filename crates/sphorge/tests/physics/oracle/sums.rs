@@ -28,7 +28,7 @@ fn add_dyad(t: &mut Tensor<f64>, s: f64, a: Vector<f64>, b: Vector<f64>) {
 
 impl Oracle {
     /// Strength of the hourglass springs where the sums are those of the total Lagrangian form.
-    fn total_lagrangian(&self) -> Option<f64> {
+    pub(super) fn total_lagrangian(&self) -> Option<f64> {
         match self.model.formulation {
             Formulation::UpdatedLagrangian => None,
             Formulation::TotalLagrangian { hourglass } => Some(hourglass),

@@ -20,7 +20,7 @@ use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
 };
-use sphorge_physics::total_lagrangian::smallest_stretch;
+use sphorge_physics::total_lagrangian::{limiting_length, smallest_stretch};
 use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
 use sphorge_physics::{Dimension, Vector};
 
@@ -225,8 +225,10 @@ impl Oracle {
         for i in 0..p.len() {
             let shear = self.shear_modulus(i, p.density[i], p.pressure[i]);
             let speed = longitudinal_speed(p.sound_speed[i], shear, p.density[i]);
-            let stretch = if self.total_lagrangian().is_some() { smallest_stretch(&self.deformation[i]) } else { 1.0 };
-            let (h, a) = (p.smoothing_length[i] * stretch, dot(p.acceleration[i], p.acceleration[i]).sqrt());
+            let (mut h, a) = (p.smoothing_length[i], dot(p.acceleration[i], p.acceleration[i]).sqrt());
+            if self.total_lagrangian().is_some() {
+                h = limiting_length(h, smallest_stretch(&self.deformation[i]));
+            }
             least = least.min(limit(sound_limit(h, speed, self.mu[i], courant), LimitReason::SoundSpeed));
             least = least.min(limit(acceleration_limit(h, a, courant), LimitReason::Acceleration));
         }
