@@ -11,6 +11,7 @@ mod elastic;
 mod johnson_cook;
 mod none;
 mod perfectly_plastic;
+mod strain_power;
 #[cfg(test)]
 mod test_law;
 
