@@ -111,6 +111,7 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     ];
     const HAS_SHEAR: bool = true;
     const YIELDS: bool = true;
+    const DEPENDS_ON_TEMPERATURE: bool = true;
 
     fn check(values: &[f64]) -> Option<&'static str> {
         (values[7] <= values[6]).then_some("melting-temperature must be above reference-temperature")
