@@ -184,7 +184,7 @@ fn only_one(options: &[(&str, bool)], what: &str, at: Range<usize>, problems: &m
 pub(crate) struct Interpreted {
     pub(crate) model: Model,
     pub(crate) places: SourceSpans,
-    /// What the user should know: what the choices of the deck leave out.
+    /// What the user should know: what the choices of the deck leave out, what is doubtful in a material.
     pub(crate) notes: Vec<String>,
 }
 
@@ -261,7 +261,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     };
     let dropped = strategy.zip(numerics.as_mut()).map_or_else(Vec::new, |(strategy, n)| strategy.normalise(n));
     let dropped: Vec<String> = dropped.iter().map(|key| format!("`numerics.{key}`")).collect();
-    let mut notes = Vec::new();
+    let mut notes = materials.notes().to_vec();
     if !dropped.is_empty() {
         notes.push(format!("the total Lagrangian form runs without {}", dropped.join(", ")));
     }
