@@ -19,7 +19,8 @@ pub struct Setup {
     pub particles: Particles,
     /// The deck as run, overrides worked in.
     pub deck_text: String,
-    /// What the user should know before the run, such as keys that the chosen form does without.
+    /// What the user should know before the run, such as keys that the chosen form does without, or a material that is
+    /// probably not meant.
     pub notes: Vec<String>,
 }
 

@@ -1,7 +1,7 @@
 //! Materials: a deck's own, changed ones, and those of the catalogue.
 
 use crate::declare::Named;
-use crate::material::{Constants, Incomplete, build, constants, entries, entry};
+use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry};
 use crate::raw::RawMaterial;
 use crate::report::{Fault, Problems, nearest};
 use crate::value::Word;
@@ -101,11 +101,13 @@ impl Library {
 pub(crate) struct Chosen<'a> {
     library: &'a Library,
     chosen: Vec<(String, Option<Material>, Range<usize>)>,
+    /// What the user should know of them.
+    notes: Vec<String>,
 }
 
 impl<'a> Chosen<'a> {
     pub(crate) fn new(library: &'a Library) -> Self {
-        Self { library, chosen: Vec::new() }
+        Self { library, chosen: Vec::new(), notes: Vec::new() }
     }
 
     /// The index of the material a body names.
@@ -122,6 +124,7 @@ impl<'a> Chosen<'a> {
         let constants = self.library.constants(name)?;
         let own = self.library.own.get(name);
         let material = build(name, &constants).map_err(|incomplete| report(name, incomplete, word, own, problems)).ok();
+        self.notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
         self.chosen.push((name.to_owned(), material, word.span()));
         Some(self.chosen.len() - 1)
     }
@@ -154,6 +157,11 @@ impl<'a> Chosen<'a> {
             let fault = Fault::new("missing-constant", "no material conducts, so no heat flows", at, "asked for here");
             problems.push(fault.help("add `conductivity = \"80 W/(m K)\"` with the right value to a material"));
         }
+    }
+
+    /// What the user should know of the materials.
+    pub(crate) fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// All of them; those with faults are left out.

@@ -185,7 +185,7 @@ fn only_one(options: &[(&str, bool)], what: &str, at: Range<usize>, problems: &m
 pub(crate) struct Interpreted {
     pub(crate) model: Model,
     pub(crate) places: SourceSpans,
-    /// What the user should know: what the choices of the deck leave out.
+    /// What the user should know: what the choices of the deck leave out, what is doubtful in a material.
     pub(crate) notes: Vec<String>,
 }
 
@@ -260,7 +260,9 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         motions: raw.motion.iter().map(|m| m.region.span()).collect(),
         tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
     };
-    let notes = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n)).into_iter().collect();
+    let dropped = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n));
+    let mut notes = materials.notes().to_vec();
+    notes.extend(dropped);
     let (materials, mut output) = (materials.into_materials(), output?);
     if raw.output.fields.is_none() {
         output.fields.retain(|field| is_kept(field, &materials));

@@ -128,10 +128,6 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
         let meaning = "shear modulus (G), in Pa; or two elastic constants";
         missing.push(missing_key("shear-modulus", meaning, Some(flow_entry.key)));
     }
-    let softens = flow_law.as_ref().is_some_and(|law| law.melting_temperature().is_some());
-    if softens && constants.specific_heat.is_none() {
-        missing.push(missing_key("specific-heat", "specific heat (Cp), in J/(kg K)", Some(flow_entry.key)));
-    }
     match (density, shear_modulus, equation_of_state, flow_law) {
         (Some(density), Some(shear_modulus), Some(equation_of_state), Some(flow_law)) if missing.is_empty() => {
             Ok(Material {
@@ -236,6 +232,20 @@ mod tests {
         assert_eq!(keys[0], ("m", "strength.johnson-cook", Some("johnson-cook")));
         assert_eq!(keys[1], ("melting-temperature", "strength.johnson-cook", Some("johnson-cook")));
         assert_eq!(keys.len(), 2);
+    }
+
+    #[test]
+    fn a_law_that_softens_needs_no_specific_heat_where_nothing_heats() {
+        let iron = [("A", 175e6), ("B", 380e6), ("n", 0.32), ("C", 0.06), ("m", 0.55), ("melting-temperature", 1811.0)];
+        for (strength, reference_temperature) in
+            [(law("johnson-cook", &iron), None), (law("johnson-cook", &iron), Some(600.0))]
+        {
+            let material = build("iron", &Constants { strength, reference_temperature, ..steel() }).unwrap();
+            assert!(!material.heats() && material.flow_law.depends_on_temperature());
+            // Bodies start at the reference temperature and stay there: no softening.
+            let state = material.flow_state(0.0, material.reference_temperature, 7850.0, 0.0);
+            assert_eq!(material.flow_law.yield_stress(state, &[]).value, 175e6);
+        }
     }
 
     #[test]

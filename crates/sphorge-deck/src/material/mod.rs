@@ -1,5 +1,6 @@
 //! Materials: published constants shipped with the program, and what makes a complete material of constants.
 
+mod advice;
 mod build;
 mod catalogue;
 mod constants;
@@ -9,6 +10,7 @@ mod read;
 pub use catalogue::{catalogue, find};
 pub use listing::{ConstantLine, LawListing, MaterialListing};
 
+pub(crate) use advice::advice;
 pub(crate) use build::{Incomplete, build};
 pub(crate) use catalogue::{entries, entry};
 pub(crate) use constants::Constants;

@@ -22,7 +22,8 @@ tables! {
         shear_modulus: Option<Given<Stress>>, example "80 GPa", otherwise "from two of them";
         /// Young's modulus E.
         young_modulus: Option<Given<Stress>>, example "210 GPa", otherwise "from two of them";
-        /// Poisson's ratio nu.
+        /// Poisson's ratio nu. `check` and `run` tell where the bulk modulus `rho_0 c_0^2` of the pressure law and the shear modulus
+        /// give one that differs by more than 0.03, and, where none is stated for a metal, one outside 0.20 to 0.45.
         poisson_ratio: Option<Given<Number>>, example 0.3, otherwise "from two of them";
         /// Bulk modulus K.
         bulk_modulus: Option<Given<Stress>>, example "170 GPa", otherwise "from two of them";
@@ -32,7 +33,8 @@ tables! {
         strength: Option<RawLaw<StrengthWord>>, example { "perfectly-plastic": { "yield-stress": "350 MPa" } }, otherwise "must be given";
         /// How the trial stress returns to the yield surface.
         return_rule: Option<Choice<ReturnRuleWord>>, example "benz-asphaug", default "radial-return";
-        /// Specific heat; without it the temperature stays.
+        /// Specific heat; without it the temperature stays, and a metal that would soften as plastic work heats it does not, which
+        /// `check` and `run` tell unless `taylor-quinney` is 0.
         specific_heat: Option<Given<SpecificHeat>>, example "452 J/(kg K)", otherwise "none: the temperature stays";
         /// Thermal conductivity.
         conductivity: Option<Given<Conductivity>>, example "80.2 W/(m K)", default 0.0;

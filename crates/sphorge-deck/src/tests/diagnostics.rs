@@ -106,7 +106,18 @@ fn materials_that_are_unknown_or_incomplete_say_what_to_add() {
         "did you mean `armco-iron`?",
     );
     let shear = "has no `shear-modulus`, which `johnson-cook` needs";
-    told("\"armco-iron\"", "\"nickel-200\"", "missing-constant", "\"nickel-200\"", shear, "[material.nickel-200]");
+    let lacks_shear = "[material.x]\ndensity = 7850\nequation-of-state = { mie-gruneisen = { sound-speed = 4600, shock-slope = 1.5, \
+                       gruneisen = 2 } }\nstrength = { johnson-cook = { A = 1e8, B = 0, n = 1, C = 0, m = 1, melting-temperature = 1800 } }\n";
+    let deck = changed("[time]", &format!("{lacks_shear}[time]")).replace("\"armco-iron\"", "\"x\"");
+    let problem = fault(&deck);
+    assert_eq!(problem.to_string(), format!("material `x` {shear}"));
+    assert!(problem.help().unwrap().contains("[material.x]"), "{:?}", problem.help());
+    let report = refused(&changed("\"armco-iron\"", "\"1006-steel\""));
+    let helps: Vec<_> = report.problems().iter().map(|p| p.help().unwrap_or_default().to_owned()).collect();
+    assert!(
+        helps.len() == 2 && helps.iter().all(|h| h.contains("[material.1006-steel]; such a table starts")),
+        "{helps:?}"
+    );
     let own = "[material.own]\ndensity = 1000\nyoung-modulus = \"1 GPa\"\npoisson-ratio = 0.3\nspecific-heat = 400\n\
                strength = { johnson-cook = { A = \"1 MPa\", B = 0, n = 1, C = 0, m = 1 } }\n[time]";
     let deck = changed("[time]", own).replace("material = \"armco-iron\"", "material = \"own\"");

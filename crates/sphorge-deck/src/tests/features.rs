@@ -291,6 +291,7 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
         "search = \"every-step\"",
         "search = \"total-lagrangian\"\nnumerics = { artificial-stress = true, xsph = 0.5, mls-interval = 20, pair-form = \"mixed\" }\n#",
     );
+    let deck = deck.replace("\"armco-iron\"", "\"ofhc-copper\"");
     let setup = load_text("taylor", &deck, &[]).unwrap();
     let (numerics, plain) = (&setup.model.numerics, load_text("taylor", FLAVOUR, &[]).unwrap().model.numerics);
     assert_eq!(*numerics, plain);
@@ -303,4 +304,28 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     );
     let other = deck.replace("total-lagrangian", "every-step");
     assert!(load_text("taylor", &other, &[]).unwrap().notes.is_empty());
+}
+
+#[test]
+fn doubtful_materials_are_told_and_run() {
+    let notes = |deck: &str| load_text("taylor", deck, &[]).unwrap().notes;
+    // Bulk modulus and shear modulus of the papers' iron do not belong together; once for each material.
+    let twice = FLAVOUR.to_owned()
+        + "[[body]]\nname = \"other\"\nmaterial = \"armco-iron\"\nshape = { box = { min = [1, 0], max = [1.01, 0.01] } }\n";
+    for deck in [FLAVOUR, &twice] {
+        let told = notes(deck);
+        assert!(told.len() == 1 && told[0].starts_with("material `armco-iron`: its pressure law"), "{told:?}");
+    }
+    let meant = changed("[time]", "[material.armco-iron]\npoisson-ratio = 0.2\n[time]");
+    assert_eq!(notes(&meant), Vec::<String>::new());
+    // Johnson-Cook without a specific heat is isothermal.
+    let iron = "[material.iron]\ndensity = 7850\nyoung-modulus = \"211 GPa\"\npoisson-ratio = 0.29\n\
+                [material.iron.strength.johnson-cook]\nA = \"175 MPa\"\nB = \"380 MPa\"\nn = 0.32\nC = 0.06\nm = 0.55\n\
+                melting-temperature = \"1811 K\"\n[time]";
+    let deck = changed("[time]", iron).replace("\"armco-iron\"", "\"iron\"");
+    let setup = load_text("taylor", &deck, &[]).unwrap();
+    assert!(!setup.model.materials[0].heats());
+    assert!(setup.notes.len() == 1 && setup.notes[0].contains("has no `specific-heat`: its temperature stays"));
+    let meant = deck.replace("density = 7850", "density = 7850\ntaylor-quinney = 0");
+    assert_eq!(notes(&meant), Vec::<String>::new());
 }

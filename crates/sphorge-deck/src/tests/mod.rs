@@ -3,6 +3,7 @@
 mod diagnostics;
 mod features;
 mod filling;
+mod laws;
 mod reference;
 mod shapes;
 mod thermal;

@@ -4,9 +4,12 @@ use super::{EquationConstants, GRUNEISEN, GruneisenForm, REFERENCE_DENSITY, Refe
 use crate::parameter::Parameter;
 use crate::{Real, Scalar};
 
-/// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), with the Hugoniot of
-/// `Us = c_0 + S Up` not expanded: `P_H = rho_0 c_0^2 chi / (1 - S chi)^2`, `chi = 1 - rho_0/rho`, in compression, and
-/// `rho_0 c_0^2 eta` in expansion. On the Hugoniot, `e = P_H chi / (2 rho_0)`, it gives back `P_H`.
+/// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), in compression, with the Hugoniot of
+/// `Us = c_0 + S Up` not expanded: `P_H = rho_0 c_0^2 chi / (1 - S chi)^2`, `chi = 1 - rho_0/rho`. On the Hugoniot,
+/// `e = P_H chi / (2 rho_0)`, it gives back `P_H`.
+///
+/// In expansion `p = rho_0 c_0^2 eta + Gamma rho e`. The factor `1 - Gamma eta/2` takes away the energy of the shock, and no shock
+/// expands: the line is the pressure at zero energy itself (Steinberg, UCRL-MA-106439, 1996), and no stress of tension is raised by it.
 ///
 /// `P_H` is singular at `chi = 1/S`, a compression no shock reaches; from `S chi = 0.9` on it goes along its tangent, so
 /// that it stays finite and rising. Rice, McQueen & Walsh 1958; Meyers, *Dynamic Behavior of Materials* (1994), chapter 4.
@@ -84,10 +87,10 @@ impl<T: Real> GruneisenForm for MieGruneisenHugoniot<T> {
         let hugoniot = T::select_lt(T::zero(), eta, compressed, c_2 * eta);
         let hugoniot_slope = T::select_lt(T::zero(), eta, tangent * volume_ratio * volume_ratio, c_2);
         let half_gamma = T::of(0.5) * self.gruneisen;
-        let factor = T::one() - half_gamma * eta;
+        let factor = T::one() - half_gamma * eta.max(T::zero());
         ReferenceCurve {
             pressure: self.density * factor * hugoniot,
-            slope: factor * hugoniot_slope - half_gamma * hugoniot,
+            slope: factor * hugoniot_slope - half_gamma * hugoniot.max(T::zero()),
         }
     }
 

@@ -4,11 +4,13 @@ use super::{EquationConstants, GRUNEISEN, GruneisenForm, REFERENCE_DENSITY, Refe
 use crate::parameter::Parameter;
 use crate::{Real, Scalar};
 
-/// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), with
-/// `P_H = a_0 eta + b_0 eta^2 + c_0 eta^3` in compression and `a_0 eta` in expansion (Eq 16, from `Us = c_s + S Up`):
-/// `a_0 = rho_0 c_s^2`, `b_0 = a_0 [1 + 2 (S - 1)]`, `c_0 = a_0 [2 (S - 1) + 3 (S - 1)^2]`.
+/// `p = (1 - Gamma eta/2) P_H + Gamma rho e`, `eta = rho/rho_0 - 1` (Patiño et al. Eq 15), in compression, with
+/// `P_H = a_0 eta + b_0 eta^2 + c_0 eta^3` (Eq 16, from `Us = c_s + S Up`): `a_0 = rho_0 c_s^2`, `b_0 = a_0 [1 + 2 (S - 1)]`,
+/// `c_0 = a_0 [2 (S - 1) + 3 (S - 1)^2]`. Libersky & Petschek 1991. The paper leaves `eta = 0` open: both pieces give zero there.
 ///
-/// Libersky & Petschek 1991. The paper leaves `eta = 0` open: both pieces give zero there.
+/// In expansion `p = a_0 eta + Gamma rho e`. Patiño et al. print the factor `1 - Gamma eta/2` there, too, which raises the
+/// tension by `Gamma |eta|/2`; but it takes away the energy of a shock, and no shock expands. The line is the pressure at zero
+/// energy itself (Steinberg, UCRL-MA-106439, 1996).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MieGruneisenPolynomial<T> {
     /// `rho_0`, kg/m^3.
@@ -77,10 +79,10 @@ impl<T: Real> GruneisenForm for MieGruneisenPolynomial<T> {
         let hugoniot = a_0 * eta + (c_0 * compression + b_0) * compression * compression;
         let hugoniot_slope = a_0 + (T::of(3.0) * c_0 * compression + b_0 + b_0) * compression;
         let half_gamma = T::of(0.5) * self.gruneisen;
-        let factor = T::one() - half_gamma * eta;
+        let factor = T::one() - half_gamma * compression;
         ReferenceCurve {
             pressure: self.density * factor * hugoniot,
-            slope: factor * hugoniot_slope - half_gamma * hugoniot,
+            slope: factor * hugoniot_slope - half_gamma * hugoniot.max(T::zero()),
         }
     }
 

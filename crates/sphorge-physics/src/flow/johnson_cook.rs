@@ -1,5 +1,6 @@
 //! Johnson–Cook.
 
+use super::strain_power::strain_power;
 use super::{FlowState, YieldLaw, YieldStress};
 use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
@@ -32,9 +33,6 @@ pub struct JohnsonCook<T> {
     /// `T_m`, K.
     pub melting_temperature: T,
 }
-
-/// Plastic strain below which the power law is a chord.
-const CHORD_BELOW: f64 = 1e-12;
 
 impl<T: Scalar> JohnsonCook<T> {
     /// The same law in another precision.
@@ -113,6 +111,7 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     ];
     const HAS_SHEAR: bool = true;
     const YIELDS: bool = true;
+    const DEPENDS_ON_TEMPERATURE: bool = true;
 
     fn check(values: &[f64]) -> Option<&'static str> {
         (values[7] <= values[6]).then_some("melting-temperature must be above reference-temperature")
@@ -134,18 +133,9 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     #[inline(always)]
     fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
-        let chord = T::of(CHORD_BELOW);
-        let strain = state.plastic_strain.max(T::zero());
-        let mut power = T::zero();
-        let mut power_slope = T::zero();
+        let (mut power, mut power_slope) = (T::zero(), T::zero());
         if self.hardening > T::zero() {
-            let at = strain.max(chord);
-            power = at.powf(self.exponent);
-            power_slope = self.exponent * power / at;
-            if strain < chord {
-                power_slope = power / chord;
-                power = power_slope * strain;
-            }
+            (power, power_slope) = strain_power(state.plastic_strain, self.exponent);
         }
         let hardened = self.yield_stress + self.hardening * power;
         let hardening_slope = self.hardening * power_slope;

@@ -11,16 +11,25 @@ mod elastic;
 mod johnson_cook;
 mod none;
 mod perfectly_plastic;
+mod steinberg_guinan;
+mod strain_power;
 #[cfg(test)]
 mod test_law;
+mod thermal_activation;
+mod zerilli_armstrong_bcc;
+mod zerilli_armstrong_fcc;
 
 pub use bilinear::Bilinear;
 pub use elastic::Elastic;
 pub use johnson_cook::JohnsonCook;
 pub use none::NoStrength;
 pub use perfectly_plastic::PerfectlyPlastic;
+pub use steinberg_guinan::SteinbergGuinan;
 #[cfg(test)]
 pub use test_law::PressureAndDamage;
+pub use thermal_activation::ThermalActivation;
+pub use zerilli_armstrong_bcc::ZerilliArmstrongBcc;
+pub use zerilli_armstrong_fcc::ZerilliArmstrongFcc;
 
 use crate::history::HistoryVariable;
 use crate::parameter::{LawEntry, Parameter};
@@ -98,6 +107,8 @@ pub trait YieldLaw<T: Scalar>: Copy {
     /// stress of the pressure or a history of time. Such a law is asked in every step; any other is not asked where stress
     /// stays below the yield stress of a last step without flow.
     const CHANGES_WITHOUT_FLOW: bool = false;
+    /// Whether yield stress or shear modulus depend on the temperature.
+    const DEPENDS_ON_TEMPERATURE: bool = false;
     /// What the law keeps of the past of a particle, in the order of the values in `history`.
     const HISTORY: &'static [HistoryVariable] = &[];
 
@@ -127,7 +138,7 @@ pub trait YieldLaw<T: Scalar>: Copy {
     fn evolve(&self, step: &FlowStep<T>, history: &mut [T]) {
         let _ = (step, history);
     }
-    /// Temperature above which the law has no strength, K.
+    /// Temperature at and above which the law has no strength at the density at rest, K.
     fn melting_temperature(&self) -> Option<T>;
 }
 
@@ -187,6 +198,12 @@ macro_rules! flow_laws {
                 match self { $($(#[$attribute])* Self::$law(_) => <$law<T> as YieldLaw<T>>::CHANGES_WITHOUT_FLOW,)* }
             }
 
+            /// Whether yield stress or shear modulus depend on the temperature.
+            #[inline(always)]
+            pub fn depends_on_temperature(&self) -> bool {
+                match self { $($(#[$attribute])* Self::$law(_) => <$law<T> as YieldLaw<T>>::DEPENDS_ON_TEMPERATURE,)* }
+            }
+
             /// What the law keeps of the past of a particle.
             #[inline(always)]
             pub fn history(&self) -> &'static [HistoryVariable] {
@@ -211,7 +228,7 @@ macro_rules! flow_laws {
                 match self { $($(#[$attribute])* Self::$law(_) => <$law<T> as YieldLaw<T>>::HAS_SHEAR,)* }
             }
 
-            /// Temperature at and above which the yield stress is zero, K, where the law knows one.
+            /// Temperature at and above which the yield stress is zero at the density at rest, K, where the law knows one.
             pub fn melting_temperature(&self) -> Option<T> {
                 match self { $($(#[$attribute])* Self::$law(law) => law.melting_temperature(),)* }
             }
@@ -240,6 +257,9 @@ flow_laws! {
     PerfectlyPlastic,
     Bilinear,
     JohnsonCook,
+    ZerilliArmstrongBcc,
+    ZerilliArmstrongFcc,
+    SteinbergGuinan,
     #[cfg(test)]
     PressureAndDamage,
 }

@@ -10,6 +10,7 @@ use sphorge_physics::{Dimension, Tensor, tensor};
 const COUNT: usize = 107;
 const DT: f64 = 2e-8;
 const COPPER: [f64; 4] = [8930.0, 3940.0, 1.49, 2.0];
+const STEINBERG_GUINAN: [f64; 11] = [120.0e6, 640.0e6, 36.0, 0.45, 2.83e-11, 3.77e-4, 300.0, 1790.0, 2.02, 1.5, 0.0];
 const JOHNSON_COOK: [f64; 8] = [90.0e6, 292.0e6, 0.31, 0.025, 1.09, 1.0, 298.0, 1356.0];
 
 fn material(equation: (&str, &[f64]), flow: (&str, &[f64]), shear_modulus: f64, spall_pressure: f64) -> Material {
@@ -31,13 +32,14 @@ fn material(equation: (&str, &[f64]), flow: (&str, &[f64]), shear_modulus: f64, 
     }
 }
 
-fn materials() -> [Material; 5] {
+fn materials() -> [Material; 6] {
     [
         material(("mie-gruneisen", &COPPER), ("johnson-cook", &JOHNSON_COOK), 46.0e9, 1.5e9),
         material(("mie-gruneisen-polynomial", &[2710.0, 5300.0, 1.5, 1.7]), ("elastic", &[]), 27.0e9, f64::INFINITY),
         material(("linear", &[7850.0, 4600.0]), ("perfectly-plastic", &[350.0e6]), 80.0e9, f64::INFINITY),
         material(("linear", &[1000.0, 1500.0]), ("none", &[]), 0.0, 0.0),
         material(("mie-gruneisen", &COPPER), ("bilinear", &[350.0e6, 120.0e9, 2.0e9]), 46.0e9, f64::INFINITY),
+        material(("mie-gruneisen", &COPPER), ("steinberg-guinan", &STEINBERG_GUINAN), 47.7e9, f64::INFINITY),
     ]
 }
 
