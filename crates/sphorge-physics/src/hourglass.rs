@@ -9,13 +9,16 @@
 //! pushes `i` there, where `x_ij = x_i - x_j`. The work goes to the internal energy of both, half each.
 //!
 //! `s_ij` is a stress, and a metal bears no more than its flow stress `Y`. Springs as stiff as the metal at rest would hold up its
-//! flow, in which the motion is linear nowhere; springs weak enough for the flow let elastic bodies rattle. So they yield too:
+//! flow, in which the motion is linear nowhere; springs weak enough for the flow let elastic bodies rattle. So they soften with it:
+//! in place of Young's modulus stands the secant modulus of a metal with the plastic strain `eps_p`,
 //!
-//! `s_ij -> s_ij/(1 + |s_ij|/(Y/2))`
+//! `E_s = Y/(eps_p + Y/E)`,
 //!
-//! has the stiffness `alpha E` of Ganzenmüller for small errors, where elastic bodies stay, and never exceeds half the flow stress;
-//! its tangent `alpha E/(1 + 2 |s_ij|/Y)^2` falls with that of the metal. Stiffness and flow stress are the means of the two
-//! particles, so momentum is conserved.
+//! which is `E` until it yields, and a thousandth of it after a strain of one; and they yield,
+//!
+//! `s_ij -> s_ij/(1 + |s_ij|/(Y/2))`,
+//!
+//! so that they never exceed half the flow stress. Stiffness and bound are the means of the two particles, so momentum is conserved.
 
 use crate::kernel::PairScale;
 use crate::pair::mean;
@@ -33,19 +36,20 @@ const SHORTEST: f64 = 1e-6;
 /// Springs of a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring<T> {
-    /// `alpha E`, Pa.
+    /// `alpha E_s`, Pa.
     pub stiffness: T,
     /// Largest stress, Pa, positive.
     pub bound: T,
 }
 
 impl<T: Real> Spring<T> {
-    /// Springs of strength `alpha` in a material of that Young's modulus and flow stress, Pa.
+    /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain.
     #[inline(always)]
-    pub fn new(strength: T, young: T, yield_stress: T) -> Self {
+    pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T) -> Self {
         // A fluid has no springs; its bound only must not be zero.
         let bound = (T::of(SHARE) * yield_stress).max(T::of(LEAST) * young).max(T::one());
-        Self { stiffness: strength * young, bound }
+        let secant = young / (T::one() + young * plastic_strain * T::of(SHARE) / bound);
+        Self { stiffness: strength * secant, bound }
     }
 
     /// The spring between two particles.
@@ -147,7 +151,7 @@ mod tests {
     #[test]
     fn springs_are_those_of_the_metal_at_rest_and_yield_with_it() {
         // E 200 GPa, strength 10, flow stress 800 MPa: 400 MPa at most.
-        let spring = Spring::new(10.0, 200e9, 800e6);
+        let spring = Spring::new(10.0, 200e9, 800e6, 0.0);
         assert_eq!(spring, Spring { stiffness: 2e12, bound: 400e6 });
         assert!((spring.stress(1e-8) / 2e4 - 1.0).abs() < 1e-4);
         // As much again as the bound: half of it. Ten times: 10/11.
@@ -162,11 +166,21 @@ mod tests {
     }
 
     #[test]
+    fn springs_soften_to_the_secant_modulus() {
+        // E 200 GPa, Y 800 MPa at a plastic strain of 0.016: 800 MPa/(0.016 + 0.004) = 40 GPa.
+        let spring = Spring::new(10.0, 200e9, 800e6, 0.016f64);
+        assert!((spring.stiffness / 400e9 - 1.0).abs() < 1e-12 && spring.bound == 400e6);
+        // A melt: its flow stress is taken as twice the least bound, 2e-4 E, which after a strain of one is about the secant modulus.
+        let melt = Spring::new(1.0, 200e9, 0.0f64, 1.0);
+        assert!((melt.stiffness / (40e6 / (1.0 + 2e-4)) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn springs_of_what_never_yields_are_linear_and_a_melt_keeps_a_little() {
-        let spring = Spring::new(10.0, 2e6, f64::INFINITY);
+        let spring = Spring::new(10.0, 2e6, f64::INFINITY, 0.0);
         assert_eq!(spring.stress(0.3), 6e6);
-        assert_eq!(Spring::new(10.0, 200e9, 0.0f64).bound, 20e6);
-        assert_eq!(Spring::new(10.0, 0.0, 0.0f64).stress(0.3), 0.0);
+        assert_eq!(Spring::new(10.0, 200e9, 0.0f64, 0.0).bound, 20e6);
+        assert_eq!(Spring::new(10.0, 0.0, 0.0f64, 0.0).stress(0.3), 0.0);
     }
 
     #[test]

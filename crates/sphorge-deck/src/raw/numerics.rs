@@ -93,7 +93,7 @@ tables! {
         /// sums over current neighbours, and puts a bulk viscosity with the same constants in place of the pair viscosity.
         form: Option<Choice<FormulationWord>>, example "frozen", default "corrected";
         /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs yield with the material.
-        hourglass: Option<Given<Number>>, example 0.3, default 0.1;
+        hourglass: Option<Given<Number>>, example 10.0, default 10.0;
     }
 
     /// Constants of the skin.

@@ -217,7 +217,7 @@ columns! {
     pub deviator: SymmetricTensor<f64> = UNSTRESSED, State, OnRequest("Pa", "stress deviator"), Symmetric[Audit], Finite;
     // L_ab = dv_a/dx_b.
     pub velocity_gradient: Tensor<f64> = [[0.0; 3]; 3], State, OnRequest("1/s", "velocity gradient"), Unmirrored[], None;
-    pub plastic_strain: f64 = 0.0, State, Written("", "accumulated equivalent plastic strain"), Unmirrored[], None;
+    pub plastic_strain: f64 = 0.0, State, Written("", "accumulated equivalent plastic strain"), Same[Stress], None;
     pub plastic_strain_increment: f64 = 0.0, State, OnRequest("", "plastic strain added in the last step"),
         Unmirrored[], None;
     pub yield_stress: f64 = 0.0, State, OnRequest("Pa", "yield stress at the end of the last step"), Same[Stress], None;

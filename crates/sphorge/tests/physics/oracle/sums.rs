@@ -274,7 +274,8 @@ impl Oracle {
     pub(super) fn resist_hourglass(&mut self) {
         let Some(strength) = self.total_lagrangian() else { return };
         let p = &self.p;
-        let spring = |i: usize| Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i]);
+        let spring =
+            |i: usize| Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i], p.plastic_strain[i]);
         let sums = self.each(|i| {
             let (mut a, mut power) = ([0.0; 3], 0.0);
             for n in self.pairs(i, &self.searched_at) {
