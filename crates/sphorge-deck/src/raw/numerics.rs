@@ -92,7 +92,7 @@ tables! {
         /// Form of the sums. The corrected form leaves out artificial stress, XSPH and density restoration, which belong to
         /// sums over current neighbours, and puts a bulk viscosity with the same constants in place of the pair viscosity.
         form: Option<Choice<FormulationWord>>, example "frozen", default "corrected";
-        /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs yield with the material.
+        /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs soften and yield with the material.
         hourglass: Option<Given<Number>>, example 10.0, default 10.0;
     }
 

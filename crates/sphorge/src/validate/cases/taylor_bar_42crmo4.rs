@@ -87,9 +87,9 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         );
     }
     findings.note(
-        "The hourglass control decides the foot. Its springs yield with the metal: at three and at thirty times the elastic modulus the \
-         bar is nearly that at ten. Springs that stay elastic hold up the flow (foot of 8.8 mm at ten), and where they are weak \
-         enough not to (0.3), particles of the foot break down to melting at twelve across. Sums over current neighbours find the \
+        "The hourglass control decides the foot. Its springs soften and yield with the metal. Springs that stay elastic hold up the \
+         flow (foot of 8.8 mm at ten times Young's modulus), and where they are weak enough not to (0.3), particles of the foot broke \
+         down to melting at twelve across while the step did not follow the compression. Sums over current neighbours find the \
          foot too wide. Axisymmetric finite elements of our own (`reference/finite-elements`) give 26.55 mm, 11.19 mm, 1.84 and \
          871 K.",
     );
