@@ -75,6 +75,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         measures: Vec::new(),
         tracers: Vec::new(),
         sections: Vec::new(),
+        warnings: Default::default(),
     }
 }
 
