@@ -88,3 +88,23 @@ fn the_files_do_not_depend_on_the_number_of_threads() {
         assert_eq!(read(a), read(b), "{}", a.display());
     }
 }
+
+#[test]
+fn what_is_found_broken_does_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    // Every check says something.
+    let limits = "{ plastic-work = 0, wall-energy = 0, pairing = 0, compression = 0, expansion = 2, cold = \"1000 K\", hot = 0, \
+                  time-step = 2, steps-left = 0 }";
+    let warnings = |threads: usize| {
+        let setup = load_text("plate", DECK, &[("warnings".to_owned(), limits.to_owned())]).expect("the deck is right");
+        let directory = folder.path().join(format!("w{threads}"));
+        let options = RunOptions { directory, overwrite: false, threads: Some(threads) };
+        execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap().warnings
+    };
+    let one = warnings(1);
+    let names: Vec<&str> = one.iter().map(|warning| warning.name.as_str()).collect();
+    for name in ["plastic-work", "cold", "hot", "wall-energy", "compression", "expansion", "time-step", "steps-left"] {
+        assert!(names.contains(&name), "{name}: {names:?}");
+    }
+    assert_eq!(one, warnings(3));
+}
