@@ -83,6 +83,7 @@ pub(super) const CASE: Case = Case {
             answer of a search in every step. Its rule as published misses the other body where the material is still elastic, and \
             sees pairs from one side: momentum drifts.",
     deck: "bullet",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

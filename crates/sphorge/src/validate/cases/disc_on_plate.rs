@@ -16,6 +16,7 @@ pub(super) const CASE: Case = Case {
     about: "The example of PySPH with its units corrected. Nothing is published of it; the numbers are shown with the spacing, and \
             what is conserved is asked for.",
     deck: "disc-on-plate",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

@@ -22,6 +22,7 @@ pub(super) const CASE: Case = Case {
             everything that is no longer part of the plate; its length counts from the back face of the undeformed plate, and the \
             outermost per cent of its mass is left out. The paper does not say how it measures either.",
     deck: "penetration",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

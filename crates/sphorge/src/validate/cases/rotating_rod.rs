@@ -19,6 +19,7 @@ pub(super) const CASE: Case = Case {
             work that the forces did. Largest drifts over ten turns, energy relative to the initial total, linear momentum to the \
             sum of m |v|.",
     deck: "rotating-rod",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

@@ -16,6 +16,7 @@ pub(super) const CASE: Case = Case {
     about: "The plate of `taylor-plate` made round, in three dimensions. No published number: the trend with the spacing, and \
             what is conserved.",
     deck: "taylor-bar",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[Picture {

@@ -26,6 +26,7 @@ pub(super) const CASE: Case = Case {
             plus one spacing) beside the four codes of Table 3, a resolution study, and what the choices the paper leaves open \
             change at its spacing of 0.3 mm.",
     deck: "taylor-plate",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[
