@@ -14,6 +14,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::Hot, &raw.hot),
         (WarningKind::WallEnergy, &raw.wall_energy),
         (WarningKind::Pairing, &raw.pairing),
+        (WarningKind::Pieces, &raw.pieces),
         (WarningKind::LostNeighbors, &raw.lost_neighbors),
         (WarningKind::FarAway, &raw.far_away),
         (WarningKind::Compression, &raw.compression),

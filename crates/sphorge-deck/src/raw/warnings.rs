@@ -19,9 +19,12 @@ tables! {
         /// Largest temperature over the one that the internal energy of the particle allows.
         hot: Option<Given<Number>>, example 3, default 2.0;
         /// Largest work of all walls that do not move, given or taken, over the initial kinetic energy.
-        wall_energy: Option<Given<Number>>, example 0.3, default 0.1;
+        wall_energy: Option<Given<Number>>, example 0.3, default 0.2;
         /// Largest share of the particles of a body that have fallen together in pairs.
         pairing: Option<Given<Number>>, example 0.2, default 0.1;
+        /// Largest share of the particles of a body that cannot break (no `spall-pressure`, no damage) that are not part of its largest piece,
+        /// beyond that at the start.
+        pieces: Option<Given<Number>>, example 0.1, default 0.01;
         /// Largest share of the particles of a body that cannot break (no `spall-pressure`, no damage) with fewer neighbours than a
         /// gradient needs, beyond those at the start.
         lost_neighbors: Option<Given<Number>>, example 0.01, default 0.001;

@@ -15,6 +15,8 @@ pub enum WarningKind {
     WallEnergy,
     /// Particles of one body that have fallen together in pairs.
     Pairing,
+    /// A body that cannot break in pieces.
+    Pieces,
     /// Particles of a body that cannot break without the neighbours a gradient needs.
     LostNeighbors,
     /// A particle far from where anything can have come.
@@ -56,13 +58,14 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'st
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::Cold,
         Self::Hot,
         Self::WallEnergy,
         Self::Pairing,
+        Self::Pieces,
         Self::LostNeighbors,
         Self::FarAway,
         Self::Compression,
@@ -103,7 +106,7 @@ impl WarningKind {
             ),
             Self::WallEnergy => above(
                 "wall-energy",
-                0.1,
+                0.2,
                 "work of walls at rest over the initial kinetic energy",
                 "lower the stiffness or damping of the wall, or `time.courant`, or set a plane of symmetry instead",
             ),
@@ -112,6 +115,12 @@ impl WarningKind {
                 0.1,
                 "share of the particles of a body that lie in pairs",
                 "numerical fracture: use `search = \"total-lagrangian\"`, more `artificial-stress`, or a Wendland kernel",
+            ),
+            Self::Pieces => above(
+                "pieces",
+                0.01,
+                "share of the particles of a body that cannot break that hang together with its largest piece no more",
+                "numerical fracture: see `pairing`; give the material a `spall-pressure` if it is to break",
             ),
             Self::LostNeighbors => above(
                 "lost-neighbors",

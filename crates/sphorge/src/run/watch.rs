@@ -1,7 +1,7 @@
 //! Checks that say of a run that it is broken.
 //!
 //! Sums of the ledger are looked at in every row of the history, particles at most every [`PARTICLE_STEPS`] steps, pairs of particles,
-//! which need a search, at most every [`PAIR_STEPS`]: all of it is less than a hundredth of the work of the steps. What a check says, and
+//! which need a search, at most every [`PAIR_STEPS`], pieces of bodies every [`PIECE_STEPS`]: all of it is less than a hundredth of the work of the steps. What a check says, and
 //! what to do about it, is in `docs/warnings.md`.
 
 use crate::{
@@ -22,6 +22,8 @@ use crate::{
 const PARTICLE_STEPS: u64 = 20;
 /// Steps between two searches for pairs.
 const PAIR_STEPS: u64 = 200;
+/// Steps between two looks for pieces, a search on one thread.
+const PIECE_STEPS: u64 = 500;
 /// Steps in a row with too many to go after which a run is stopped: a step may be short for once.
 const HOPELESS_STEPS: u64 = 100;
 /// Energy that counts as none, over that of the whole mass at the square of its sound speed.
@@ -40,6 +42,7 @@ pub(super) struct Watch {
     told: usize,
     particles_at: Option<u64>,
     pairs_at: Option<u64>,
+    pieces_at: Option<u64>,
     /// Size of the first step, s.
     first_step: Option<f64>,
     hopeless_steps: u64,
@@ -59,6 +62,8 @@ struct Start {
     speed: f64,
     /// Share of the particles of each body that had too few neighbours.
     lonely: Vec<f64>,
+    /// Share that was not part of its largest piece.
+    apart: Vec<f64>,
 }
 
 /// The largest so far of what supplies energy, J: plastic work stays when a wall takes back what it gave.
@@ -83,7 +88,7 @@ struct Seen {
     worst_time: f64,
 }
 
-persist_fields!(Start { kinetic, internal, external_work, nothing, low, high, speed, lonely });
+persist_fields!(Start { kinetic, internal, external_work, nothing, low, high, speed, lonely, apart });
 persist_fields!(Supply { work, heat });
 persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time });
 
@@ -111,6 +116,7 @@ impl Watch {
             told: 0,
             particles_at: None,
             pairs_at: None,
+            pieces_at: None,
             first_step: None,
             hopeless_steps: 0,
         }
@@ -147,9 +153,19 @@ impl Watch {
             self.particles_at = Some(clock.step);
             self.look_at_particles(engine, engine.model(), clock)?;
         }
+        // Sums over the neighbours of the start know neither an instability in tension nor a neighbour that is lost.
+        if engine.model().formulation != Formulation::UpdatedLagrangian {
+            return Ok(());
+        }
         if due(self.pairs_at, PAIR_STEPS) {
             self.pairs_at = Some(clock.step);
-            self.look_at_pairs(engine, engine.model(), clock)?;
+            self.look_at_pairs(engine, clock)?;
+        }
+        // Particles that leave a periodic cell come in at its other end, far from their piece.
+        let is_open = engine.model().periodic.iter().all(Option::is_none);
+        if is_open && due(self.pieces_at, PIECE_STEPS) {
+            self.pieces_at = Some(clock.step);
+            self.look_at_losses(engine, WarningKind::Pieces, clock)?;
         }
         Ok(())
     }
@@ -247,26 +263,38 @@ impl Watch {
                 self.hold(kind, worst.0 / scale, Place::of(worst, body), clock);
             }
         }
-        if self.limits.of(WarningKind::LostNeighbors).is_some() {
-            let bodies = lonely(source)?;
-            let Some(start) = &mut self.start else { return Ok(()) };
-            if start.lonely.is_empty() {
-                start.lonely = bodies.iter().map(|found| share_of(found)).collect();
-            }
-            let before = start.lonely.clone();
-            for (body, found) in bodies.iter().enumerate() {
-                let more = share_of(found) - before.get(body).copied().unwrap_or(0.0);
-                let Some(worst) = found.worst else { continue };
-                self.hold(WarningKind::LostNeighbors, more, Place::of(worst, body), clock);
+        self.look_at_losses(source, WarningKind::LostNeighbors, clock)
+    }
+
+    /// Looks for the share of particles that a body has lost since the start in a way it cannot.
+    fn look_at_losses(
+        &mut self,
+        source: &dyn ParticleSource,
+        kind: WarningKind,
+        clock: Clock,
+    ) -> Result<(), RunFailure> {
+        let suspicion = if kind == WarningKind::Pieces { Suspicion::Apart } else { Suspicion::Lonely };
+        if self.limits.of(kind).is_none() {
+            return Ok(());
+        }
+        let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
+        let Some(start) = &mut self.start else { return Ok(()) };
+        let before = if kind == WarningKind::Pieces { &mut start.apart } else { &mut start.lonely };
+        if before.is_empty() {
+            *before = bodies.iter().map(share_of).collect();
+        }
+        let before = before.clone();
+        for (body, found) in bodies.iter().enumerate() {
+            let more = share_of(found) - before.get(body).copied().unwrap_or(0.0);
+            if let Some(worst) = found.worst {
+                self.hold(kind, more, Place::of(worst, body), clock);
             }
         }
         Ok(())
     }
 
-    fn look_at_pairs(&mut self, source: &dyn ParticleSource, model: &Model, clock: Clock) -> Result<(), RunFailure> {
-        // Sums over the neighbours of the start know no instability in tension: who lies in pairs there was flattened.
-        let is_updated = model.formulation == Formulation::UpdatedLagrangian;
-        if self.limits.of(WarningKind::Pairing).is_none() || !is_updated {
+    fn look_at_pairs(&mut self, source: &dyn ParticleSource, clock: Clock) -> Result<(), RunFailure> {
+        if self.limits.of(WarningKind::Pairing).is_none() {
             return Ok(());
         }
         let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(Suspicion::Paired))?);
@@ -363,6 +391,7 @@ impl Start {
             high,
             speed: extremum("speed", None, Extremum::Maximum)?.max(driven_speed(model)),
             lonely: Vec::new(),
+            apart: Vec::new(),
         })
     }
 }
@@ -404,10 +433,6 @@ fn least_energy(model: &Model, body: usize) -> f64 {
     material.specific_heat * (coldest - material.reference_temperature).min(0.0)
 }
 
-fn lonely(source: &dyn ParticleSource) -> Result<Vec<Suspects>, RunFailure> {
-    Ok(Suspects::of(&source.reduce(&Reduction::Suspects(Suspicion::Lonely))?))
-}
-
 fn share_of(found: &Suspects) -> f64 {
     found.suspects as f64 / found.particles.max(1) as f64
 }
@@ -427,6 +452,7 @@ impl Persist for Watch {
         self.told.persist(&of("told"), archive)?;
         self.particles_at.persist(&of("particles_at"), archive)?;
         self.pairs_at.persist(&of("pairs_at"), archive)?;
+        self.pieces_at.persist(&of("pieces_at"), archive)?;
         self.first_step.persist(&of("first_step"), archive)?;
         self.hopeless_steps.persist(&of("hopeless_steps"), archive)?;
         let known = self.seen.iter().all(|seen| usize::from(seen.kind) < WarningKind::ALL.len());

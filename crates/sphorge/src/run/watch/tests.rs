@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     engine::{BodyLedger, Energies, persist::MemoryArchive},
-    model::{Formulation, TimeTable, Wall, WallContact, WallSurface},
+    model::{TimeTable, Wall, WallContact, WallSurface},
     output::testing,
     particles::Particles,
 };
@@ -117,11 +117,11 @@ fn only_walls_at_rest_must_not_work() {
     };
     model.walls = vec![wall(0.0), wall(1.0)];
     let mut watch = begun(&model);
-    watch.look_at_ledger(&model, &Ledger { wall_work: vec![-9.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
+    watch.look_at_ledger(&model, &Ledger { wall_work: vec![-19.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
     assert_eq!(watch.count(), 0);
-    watch.look_at_ledger(&model, &Ledger { wall_work: vec![-11.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
-    watch.look_at_ledger(&model, &Ledger { wall_work: vec![12.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
-    assert_eq!(found(&watch, &model), one("wall-energy", 0.12));
+    watch.look_at_ledger(&model, &Ledger { wall_work: vec![-21.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
+    watch.look_at_ledger(&model, &Ledger { wall_work: vec![22.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
+    assert_eq!(found(&watch, &model), one("wall-energy", 0.22));
 }
 
 #[test]
@@ -205,6 +205,24 @@ fn lost_neighbors_are_those_lost_since_the_start() {
 }
 
 #[test]
+fn pieces_are_those_that_were_none_at_the_start() {
+    let (model, mut particles) = strip("");
+    let mut watch = begun(&model);
+    let fling = |particles: &mut Particles, i: usize, y: f64| particles.position[i][1] = y;
+    fling(&mut particles, 0, 1.0);
+    let look = |particles: &Particles, watch: &mut Watch| {
+        watch.look_at_losses(&(&model, particles), WarningKind::Pieces, CLOCK).unwrap();
+    };
+    look(&particles, &mut watch);
+    fling(&mut particles, 1, 2.0);
+    look(&particles, &mut watch);
+    assert_eq!(watch.count(), 0);
+    fling(&mut particles, 2, 3.0);
+    look(&particles, &mut watch);
+    assert_eq!(found(&watch, &model), one("pieces", 0.02));
+}
+
+#[test]
 fn density_is_held_against_the_pressure_law() {
     let (model, mut particles) = strip("");
     particles.density[3] = 0.4 * 8960.0;
@@ -233,19 +251,14 @@ fn rows_that_fall_together_are_seen_by_their_share() {
     pair(&mut particles, a, b);
     pair(&mut particles, c, d);
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at_pairs(&(&model, &particles), CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
     pair(&mut particles, e, f);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at_pairs(&(&model, &particles), CLOCK).unwrap();
     assert_eq!(found(&watch, &model), one("pairing", 0.06));
-    let (mut model, _) = strip("pairing = 0.05");
-    model.formulation = Formulation::TotalLagrangian { hourglass: 0.0 };
-    let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
-    assert_eq!(watch.count(), 0);
     let (model, _) = strip("off = [\"pairing\"]");
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at_pairs(&(&model, &particles), CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
 }
 
