@@ -12,8 +12,8 @@ use crate::{
         reduction::{Suspects, Suspicion},
     },
     model::{
-        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, TimeTable, WarningKind,
-        WarningLimits,
+        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, TemperatureSource, TimeTable,
+        WarningKind, WarningLimits,
     },
     output::WarningRecord,
 };
@@ -415,7 +415,8 @@ fn is_zero(table: &TimeTable) -> bool {
 }
 
 /// Specific internal energy that heat can leave a body, J/kg, zero or less: that of the coldest that anything starts with or a boundary
-/// has. It is zero where the reference temperature is the coldest.
+/// has. It is zero where that is the temperature of no internal energy: the reference temperature if temperature is that of the energy, else
+/// that the body starts with.
 fn least_energy(model: &Model, body: usize) -> f64 {
     let Some(body) = model.bodies.get(body) else { return 0.0 };
     let Some(material) = model.materials.get(body.material).filter(|material| material.heats()) else { return 0.0 };
@@ -430,7 +431,11 @@ fn least_energy(model: &Model, body: usize) -> f64 {
         });
         coldest = bodies.chain(boundaries).fold(coldest, f64::min);
     }
-    material.specific_heat * (coldest - material.reference_temperature).min(0.0)
+    let of_no_energy = match model.numerics.temperature {
+        TemperatureSource::Energy => material.reference_temperature,
+        TemperatureSource::PlasticWork => body.temperature,
+    };
+    material.specific_heat * (coldest - of_no_energy).min(0.0)
 }
 
 fn share_of(found: &Suspects) -> f64 {

@@ -99,6 +99,8 @@ fn heat_that_may_be_taken_out_is_not_missing() {
         material.slab = { density = "8000 kg/m^3", specific-heat = "400 J/(kg K)", conductivity = "300 W/(m K)", reference-temperature = "290 K", bulk-modulus = "128 GPa", equation-of-state = "linear", strength = "none" }
     "#;
     let mut model = crate::deck::load_text("slab", deck, &[]).unwrap_or_else(|report| panic!("{report:?}")).model;
+    assert_eq!(least_energy(&model, 0), -400.0 * 50.0);
+    model.numerics.temperature = TemperatureSource::Energy;
     assert_eq!(least_energy(&model, 0), -400.0 * 40.0);
     // 16.1 kJ are in play: the heat of 40 K, and 100 J of motion.
     let mut watch = begun(&model);
@@ -110,6 +112,8 @@ fn heat_that_may_be_taken_out_is_not_missing() {
     assert_eq!(least_energy(&model, 0), 0.0);
     model.bodies[0].temperature = 280.0;
     assert_eq!(least_energy(&model, 0), -400.0 * 10.0);
+    model.numerics.temperature = TemperatureSource::PlasticWork;
+    assert_eq!(least_energy(&model, 0), 0.0);
 }
 
 #[test]
