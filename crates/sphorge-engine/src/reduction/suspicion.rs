@@ -164,7 +164,7 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
             let pairs = Pairs::find(model, p);
             count(model, p, |i| match pairs.partner[i] {
                 ALONE => BLAMELESS,
-                _ => suspect_below(pairs.distance[i], PAIR_DISTANCE),
+                _ => Some(Some((-pairs.distance[i], pairs.distance[i]))),
             })
         }
     }

@@ -253,6 +253,10 @@ fn a_lattice_that_has_flowed_is_no_pair() {
     let mut p = block(0.5, 0.5, 0.0);
     p.density.fill(4.0 * 8000.0);
     assert_eq!(find(Suspicion::Paired, &model, &p)[0].suspects, 0);
+    // Rows that are nearer by twos, but at 0.82 of the spacing that the density says.
+    let mut p = block(0.6, 0.505, 0.095);
+    p.density.fill(4.0 * 8000.0);
+    assert_eq!(find(Suspicion::Paired, &model, &p)[0].suspects, 0);
     // Rows that fall together in it are still seen.
     let mut p = block(0.5, 0.5, 0.275);
     p.density.fill(4.0 * 8000.0);
