@@ -64,7 +64,7 @@ FIELDS = [
 # Entries of `summary.json` that depend neither on the clock nor on memory.
 SUMMARY = [
     "status", "end_reason", "failure", "particles", "steps", "simulated_time", "precision", "mean_neighbors", "searched_fraction",
-    "energy", "momentum_drift", "largest_momentum_drift", "audit", "measures",
+    "energy", "momentum_drift", "largest_momentum_drift", "audit", "measures", "warnings",
 ]
 
 # Shipped decks: end of the run, s; the place, mm, of the particle the history follows; overrides.

@@ -94,7 +94,7 @@ fn assert_parses(line: &str, arguments: Vec<String>) {
 
 #[test]
 fn every_command_in_the_documents_parses() {
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/adaptive-search.md"] {
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/adaptive-search.md", "docs/warnings.md"] {
         for line in read(document).split("```sh").skip(1).flat_map(|s| s.split("```").next()).flat_map(str::lines) {
             match arguments(line) {
                 Some(arguments) => assert_parses(line, arguments),
@@ -102,6 +102,27 @@ fn every_command_in_the_documents_parses() {
             }
         }
     }
+}
+
+#[test]
+fn the_page_of_warnings_has_every_check_with_its_limit() {
+    use sphorge::model::WarningKind;
+    let text = read("docs/warnings.md");
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .map(|line| line.split('|').map(str::trim).collect())
+        .collect();
+    let found: Vec<(&str, f64, bool)> = rows
+        .iter()
+        .map(|row| {
+            let mut words = row[3].split(' ');
+            let is_floor = words.next() == Some("below");
+            (row[1].trim_matches('`'), words.next().unwrap().parse().unwrap(), is_floor)
+        })
+        .collect();
+    let wanted = WarningKind::ALL.map(|kind| (kind.name(), kind.info().limit, kind.info().is_floor));
+    assert_eq!(found, wanted);
 }
 
 /// Shell lines that are not ours to parse, with the paths in them that must exist.

@@ -2,7 +2,10 @@
 
 use crate::{memory, readable, terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use sphorge::run::{Observer, Progress, RunStart};
+use sphorge::{
+    output::WarningRecord,
+    run::{Observer, Progress, RunStart},
+};
 use std::io::{self, IsTerminal};
 
 /// Ticks of the bar.
@@ -69,6 +72,10 @@ impl Observer for ProgressDisplay {
 
     fn peak_memory_bytes(&mut self) -> Option<u64> {
         memory::peak_resident_bytes()
+    }
+
+    fn warned(&mut self, warning: &WarningRecord) {
+        self.lines.print(&format!("warning: {warning}"));
     }
 
     fn progressed(&mut self, progress: &Progress) {

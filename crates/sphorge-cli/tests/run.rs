@@ -112,3 +112,89 @@ fn an_engine_that_is_not_there_is_said_to_be_missing() {
     ended.expect_told(&["no engine for graphics cards", "--engine cpu"]);
     assert!(!place.path("out").exists());
 }
+
+/// A strip of aluminium, 20 by 20 particles, that is pulled at both ends: it falls into pairs of rows.
+const STRIP: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+time = { end = "100 us" }
+
+[output]
+frames = 1
+
+[[body]]
+name = "strip"
+material = "2024-t351-aluminium"
+shape = { box = { min = ["-10 mm", "-10 mm"], max = ["10 mm", "10 mm"] } }
+
+[[region]]
+name = "left"
+shape = { box = { min = ["-10 mm", "-10 mm"], max = ["-7 mm", "10 mm"] } }
+
+[[region]]
+name = "right"
+shape = { box = { min = ["7 mm", "-10 mm"], max = ["10 mm", "10 mm"] } }
+
+[[motion]]
+region = "left"
+velocity = ["-10 m/s", "0 m/s"]
+
+[[motion]]
+region = "right"
+velocity = ["10 m/s", "0 m/s"]
+"#;
+
+#[test]
+fn a_broken_run_says_so_everywhere() {
+    let place = Place::new();
+    fs::write(place.path("strip.toml"), STRIP).unwrap();
+    let ended = place.run(&["run", "strip.toml"]).expect_code(0);
+    assert_eq!(ended.err.matches("warning: pairing").count(), 1, "{}", ended.err);
+    ended.expect_told(&["of `strip` at (", "numerical fracture"]);
+    assert!(ended.out.contains("pairing"), "{}", ended.out);
+    let summary = place.summary("out/strip");
+    assert_eq!(summary["status"], "completed with warnings");
+    let warning = summary["warnings"].as_array().unwrap().iter().find(|w| w["name"] == "pairing").unwrap();
+    assert_eq!((&warning["limit"], &warning["body"]), (&0.1.into(), &"strip".into()));
+    let (first, value) = (warning["time"].as_f64().unwrap(), warning["value"].as_f64().unwrap());
+    assert!(first > 20e-6 && first < 100e-6 && value > 0.1 && value <= 1.0, "{warning}");
+    let history = fs::read_to_string(place.path("out/strip/history.csv")).unwrap();
+    let mut rows = history.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = rows.next().unwrap().iter().position(|name| *name == "warnings").unwrap();
+    let counts: Vec<&str> = rows.map(|cells| cells[column]).collect();
+    assert_eq!(counts[0], "0");
+    assert_eq!(counts[counts.len() - 1], summary["warnings"].as_array().unwrap().len().to_string());
+
+    let compared = place.run(&["compare", "out/strip", "out/strip"]).expect_code(0);
+    assert!(compared.out.contains("completed with warnings") && compared.out.contains("pairing"), "{}", compared.out);
+}
+
+#[test]
+fn strict_fails_a_broken_run_and_limits_are_those_of_the_deck() {
+    let place = Place::new();
+    fs::write(place.path("strip.toml"), STRIP).unwrap();
+    let ended = place.run(&["run", "strip.toml", "--strict", "-o", "strict"]).expect_code(1);
+    ended.expect_told(&["--strict: the run is broken by", "pairing"]);
+    assert_eq!(place.summary("strict")["status"], "completed with warnings");
+    let names = "[\"pairing\", \"expansion\", \"lost-neighbors\", \"plastic-work\", \"hot\"]";
+    let off = format!("warnings.off={names}");
+    place.run(&["run", "strip.toml", "--strict", "-o", "quiet", "--set", &off]).expect_code(0);
+    assert_eq!(place.summary("quiet")["status"], "completed");
+    let ended = place.run(&["run", "strip.toml", "--set", "warnings.of=3"]).expect_code(2);
+    ended.expect_told(&["did you mean `off`"]);
+    let ended = place.run(&["run", "strip.toml", "--set", "warnings.pairing=-0.1"]).expect_code(2);
+    ended.expect_told(&["must be zero or above"]);
+}
+
+#[test]
+fn a_run_that_would_not_end_is_stopped() {
+    let place = Place::new();
+    let ended = place.run(&["run", "plate.toml", "--set", "time.courant=1e-300"]).expect_code(1);
+    ended.expect_told(&["warning: steps-left", "the run would not end", "raise", "time.courant"]);
+    let summary = place.summary("out/plate");
+    assert_eq!((&summary["status"], &summary["failure"]["field"]), (&"failed".into(), &"time step".into()));
+    assert_eq!(summary["warnings"][0]["name"], "steps-left");
+    // So many steps are asked for, and no more.
+    let settings = ["--set", "time.courant=1e-300", "--set", "time.max-steps=150", "-o", "few"];
+    place.run(&[["run", "plate.toml"].as_slice(), &settings].concat()).expect_code(0);
+}

@@ -5,7 +5,7 @@ use super::strategy::Strategy;
 use super::value::Choices;
 use sphorge_engine::model::{
     Arrangement, CraterEdge, Dimensions, GradientCorrection, Integrator, LatticePlacement, Precision, Search,
-    TemperatureSource,
+    TemperatureSource, WarningKind,
 };
 use sphorge_engine::particles::{FIELDS, FieldInfo};
 use sphorge_physics::{
@@ -142,6 +142,18 @@ impl Choices for KernelWord {
     const WHAT: &'static str = "kernel";
     fn table() -> Vec<(&'static str, Kernel, &'static str)> {
         Kernel::ALL.iter().map(|&kernel| (kernel.key(), kernel, kernel.name())).collect()
+    }
+}
+
+/// Checks of a run by name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum WarningWord {}
+impl Choices for WarningWord {
+    type Value = WarningKind;
+    const NAME: &'static str = "WarningWord";
+    const WHAT: &'static str = "check";
+    fn table() -> Vec<(&'static str, WarningKind, &'static str)> {
+        WarningKind::ALL.into_iter().map(|kind| (kind.info().name, kind, kind.info().meaning)).collect()
     }
 }
 

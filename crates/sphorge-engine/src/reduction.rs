@@ -2,6 +2,10 @@
 //!
 //! An engine evaluates them where its columns are; [`evaluate`] does so for columns in memory.
 
+mod suspicion;
+
+pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion};
+
 use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
 use crate::particles::{Column, Particles};
@@ -81,6 +85,8 @@ pub enum Reduction<'a> {
         /// Only particles of this body, if given.
         body: Option<usize>,
     },
+    /// Particles that are not as they should be, of each body the numbers that [`Suspects::of`] reads.
+    Suspects(Suspicion),
     /// Quantity of the particle with this `id`.
     OfParticle {
         /// Which particle.
@@ -173,6 +179,7 @@ pub fn evaluate(reduction: &Reduction<'_>, model: &Model, particles: &Particles)
             let nearest = particles.nearest(point, body);
             return nearest.map_or_else(Vec::new, |(i, distance)| vec![f64::from(particles.id[i]), distance]);
         }
+        Reduction::Suspects(suspicion) => return suspicion::evaluate(suspicion, model, particles),
         Reduction::OfParticle { id, quantity } => {
             let place = particles.id.iter().position(|&other| other == id);
             Values::of(particles, quantity).and_then(|v| Some(v.at(place?)))

@@ -126,6 +126,13 @@ pub struct Ledger {
     pub external_work: f64,
     /// Impulse of walls, gravity and prescribed motion since the start, N s.
     pub external_impulse: [f64; 3],
+    /// Work done by each wall since the start, J, in deck order: its force times the velocity of the particles where forces are summed,
+    /// so that the sum over walls differs from their share of `external_work` by what is of first order in the step.
+    pub wall_work: Vec<f64>,
+    /// Energy the integrator booked into the internal energy since the start, J: the work of pair forces at the velocity they were
+    /// evaluated with less that at the velocity the kick went through. Without it the total would not close; that it is small shows that
+    /// steps are small enough.
+    pub integration_energy: f64,
     /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
     pub mls_energy: f64,
     /// Heat.

@@ -13,6 +13,8 @@ pub struct Comparison {
     pub runs: Vec<String>,
     /// How each ended.
     pub status: Vec<Status>,
+    /// What checks found broken in each, by name.
+    pub warnings: Vec<Vec<String>>,
     /// One row for each quantity, measures first.
     pub rows: Vec<ComparisonRow>,
 }
@@ -40,7 +42,9 @@ impl Comparison {
         let summaries =
             paths.iter().map(|path| Summary::read(&RunDirectory::open(path)?)).collect::<Result<Vec<_>, _>>()?;
         let status = summaries.iter().map(|summary| summary.status).collect();
-        Ok(Self { runs: run_names(paths), status, rows: rows(&summaries) })
+        let names = |summary: &Summary| summary.warnings.iter().map(|warning| warning.name.clone()).collect();
+        let warnings = summaries.iter().map(names).collect();
+        Ok(Self { runs: run_names(paths), status, warnings, rows: rows(&summaries) })
     }
 }
 
@@ -124,6 +128,10 @@ impl fmt::Display for Comparison {
         table.set_header(std::iter::once(String::new()).chain(self.runs.iter().cloned()));
         let status = self.status.iter().map(|status| status.name().to_owned());
         table.add_row(std::iter::once("status".to_owned()).chain(status));
+        if self.warnings.iter().any(|names| !names.is_empty()) {
+            let warnings = self.warnings.iter().map(|names| names.join(", "));
+            table.add_row(std::iter::once("warnings".to_owned()).chain(warnings));
+        }
         for row in &self.rows {
             let texts = (0..self.runs.len()).map(|k| row.text(k));
             table.add_row(std::iter::once(row.quantity.clone()).chain(texts));
@@ -138,37 +146,14 @@ impl fmt::Display for Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{EndReason, EnergyRecord, StageSecondsRecord};
+    use crate::output::testing;
     use std::{collections::BTreeMap, fs, path::Path};
 
     fn summary(seconds: f64, measures: &[(&str, Option<f64>)]) -> Summary {
         Summary {
-            status: Status::Completed,
-            end_reason: EndReason::EndTime,
-            failure: None,
-            title: "A test".into(),
-            deck: "test".into(),
-            version: "0.1.0".into(),
-            particles: 1000,
-            steps: 50,
-            simulated_time: 6e-5,
-            wall_seconds: seconds,
-            threads: 2,
-            engine: "cpu".into(),
-            precision: "mixed".into(),
-            stage_seconds: StageSecondsRecord { search: 0.1 * seconds, ..Default::default() },
-            mean_neighbors: 17.5,
-            particle_steps_per_second: 5e4 / seconds,
-            pairs_per_second: 1e6,
-            searched_fraction: 0.25,
-            peak_memory_bytes: 10 << 20,
-            engine_memory_bytes: 900_000,
-            energy: EnergyRecord { relative_drift: -1e-9, ..Default::default() },
-            momentum_drift: 1e-12,
-            largest_momentum_drift: 1e-12,
-            audit: None,
             measures: measures.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
             measure_units: measures.iter().map(|(name, _)| ((*name).into(), "m".into())).collect::<BTreeMap<_, _>>(),
+            ..testing::summary(seconds)
         }
     }
 
@@ -202,6 +187,22 @@ mod tests {
             "{table}"
         );
         assert_eq!(comparison.status, [Status::Completed, Status::Completed]);
+        assert!(!table.contains("warnings"), "{table}");
+    }
+
+    #[test]
+    fn what_is_broken_is_shown_below_how_it_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let broken = Summary {
+            status: Status::CompletedWithWarnings,
+            warnings: vec![testing::warning("pairing"), testing::warning("hot")],
+            ..summary(2.0, &[])
+        };
+        let paths = [save(folder.path(), "a", &summary(4.0, &[])), save(folder.path(), "b", &broken)];
+        let comparison = Comparison::read(&paths).unwrap();
+        assert_eq!(comparison.warnings, [vec![], vec!["pairing".to_owned(), "hot".to_owned()]]);
+        let table = comparison.to_string();
+        assert!(table.contains("completed with warnings") && table.contains("pairing, hot"), "{table}");
     }
 
     #[test]

@@ -46,7 +46,10 @@ fn run(folder: &Path, threads: usize) -> Result<(RunDirectory, Summary), RunErro
 fn a_deck_runs_and_its_folder_tells_the_story() {
     let folder = tempfile::tempdir().unwrap();
     let (directory, summary) = run(folder.path(), 2).unwrap();
-    assert_eq!((summary.status, summary.particles, summary.simulated_time), (Status::Completed, 240, 2e-6));
+    assert_eq!((summary.particles, summary.simulated_time), (240, 2e-6));
+    // The repulsion of the wall holds a fifth of the energy of so short a plate.
+    let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
+    assert_eq!((summary.status, warnings), (Status::CompletedWithWarnings, vec!["wall-energy"]));
     assert!(summary.steps > 20 && summary.mean_neighbors > 8.0 && summary.searched_fraction > 0.0);
     let height = summary.measures["height"].unwrap();
     assert!(height > 9.5e-3 && height < 10.0e-3, "{height}");
@@ -87,4 +90,24 @@ fn the_files_do_not_depend_on_the_number_of_threads() {
     for ((_, a), (_, b)) in a.iter().zip(&b) {
         assert_eq!(read(a), read(b), "{}", a.display());
     }
+}
+
+#[test]
+fn what_is_found_broken_does_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    // Every check says something.
+    let limits = "{ plastic-work = 0, wall-energy = 0, pairing = 0, compression = 0, expansion = 2, cold = \"1000 K\", hot = 0, \
+                  time-step = 2, steps-left = 0 }";
+    let warnings = |threads: usize| {
+        let setup = load_text("plate", DECK, &[("warnings".to_owned(), limits.to_owned())]).expect("the deck is right");
+        let directory = folder.path().join(format!("w{threads}"));
+        let options = RunOptions { directory, overwrite: false, threads: Some(threads) };
+        execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap().warnings
+    };
+    let one = warnings(1);
+    let names: Vec<&str> = one.iter().map(|warning| warning.name.as_str()).collect();
+    for name in ["plastic-work", "cold", "hot", "wall-energy", "compression", "expansion", "time-step", "steps-left"] {
+        assert!(names.contains(&name), "{name}: {names:?}");
+    }
+    assert_eq!(one, warnings(3));
 }

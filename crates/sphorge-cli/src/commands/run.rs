@@ -25,7 +25,10 @@ Examples:
   sphorge run my.toml -o out/fine --set particles.spacing=\"0.15 mm\" --threads 8
   sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
 
-Ctrl-C stops the run after the present step; frames, history and summary are complete up to there (exit code 130).")]
+Ctrl-C stops the run after the present step; frames, history and summary are complete up to there (exit code 130).
+
+Checks made during the run warn where it is broken, such as more plastic work than energy or particles that fall together in pairs;
+summary.json lists them, the table [warnings] of a deck sets their limits.")]
 pub(crate) struct RunArguments {
     #[command(flatten)]
     deck: DeckArguments,
@@ -41,6 +44,9 @@ pub(crate) struct RunArguments {
     /// Replace the run that is in the folder
     #[arg(long)]
     overwrite: bool,
+    /// End with exit code 1 if a check found the run broken
+    #[arg(long)]
+    strict: bool,
 }
 
 /// A number of threads: at least one.
@@ -89,7 +95,15 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     match result {
         Ok(summary) => {
             terminal::print(&report(&summary, &directory))?;
-            Ok(if summary.status == Status::Stopped { Outcome::Stopped } else { Outcome::Done })
+            match summary.status {
+                Status::Stopped => Ok(Outcome::Stopped),
+                Status::CompletedWithWarnings if arguments.strict => {
+                    let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
+                    terminal::note(&format!("--strict: the run is broken by {}", names.join(", ")));
+                    Err(Failure::Told)
+                }
+                _ => Ok(Outcome::Done),
+            }
         }
         Err(error) if error.exit_code() == 2 => Err(Failure::BadInput(error.into())),
         Err(error) => Err(Failure::Failed(error.into())),
@@ -125,6 +139,11 @@ fn report(summary: &Summary, directory: &Path) -> String {
         ("energy drift", drift(energy.relative_drift, energy.largest_relative_drift)),
         ("momentum drift", drift(summary.momentum_drift, summary.largest_momentum_drift)),
     ];
+    let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
+    let warnings = format!("{}: what they mean is in summary.json", warnings.join(", "));
+    if !summary.warnings.is_empty() {
+        facts.push(("warnings", warnings));
+    }
     for (name, value) in &summary.measures {
         let unit = summary.measure_units.get(name).map_or("", String::as_str);
         let value = value.map_or_else(|| "no value yet".to_owned(), |value| readable::quantity(value, unit));

@@ -11,6 +11,7 @@ mod observed;
 mod shape;
 mod thermal;
 mod velocity;
+mod warnings;
 
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
@@ -236,6 +237,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let measures = measure::measures(&raw.measure, &scene, problems);
     let tracers = observed::tracers(&raw.tracer, &scene, problems);
     let sections = observed::sections(&raw.section, &scene, problems);
+    let warnings = warnings::limits(&raw.warnings, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
     check_together(raw, strategy, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
@@ -291,6 +293,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         measures: measures?,
         tracers: tracers?,
         sections: sections?,
+        warnings: warnings?,
     };
     Some(Interpreted { model, places, notes })
 }

@@ -11,6 +11,7 @@ mod numerics;
 mod observed;
 mod shape;
 mod thermal;
+mod warnings;
 
 pub(crate) use body::*;
 pub(crate) use boundary::*;
@@ -22,6 +23,7 @@ pub(crate) use numerics::*;
 pub(crate) use observed::*;
 pub(crate) use shape::*;
 pub(crate) use thermal::*;
+pub(crate) use warnings::*;
 
 use super::choice::*;
 use super::declare::{Named, tables};
@@ -71,6 +73,8 @@ tables! {
         tracer: Vec<RawTracer>, or empty;
         /// Planes the force through which is written: columns of `history.csv`.
         section: Vec<RawSection>, or empty;
+        /// When a run is said to be broken: the limits of the checks that are made while it goes on.
+        warnings: RawWarnings, or empty;
         /// Own materials, or changes to those of the catalogue, by name.
         material: Named<RawMaterial>, or empty;
     }

@@ -16,21 +16,29 @@ impl<T: PairScalar> CpuEngine<T> {
             // The external acceleration is zero from the start.
             return;
         }
-        let (walls, dt) = (&self.walls, self.step.dt);
-        let Particles { acceleration, position, body, external_acceleration, evaluated_velocity, .. } =
+        let dt = self.step.dt;
+        let mut power = std::mem::take(&mut self.walls.power);
+        let walls = &self.walls;
+        let Particles { acceleration, position, body, mass, external_acceleration, evaluated_velocity, .. } =
             &mut self.particles;
-        let (position, body, velocity) = (&*position, &*body, &*evaluated_velocity);
-        (acceleration.par_chunks_mut(BLOCK), external_acceleration.par_chunks_mut(BLOCK))
+        let (position, body, mass, velocity) = (&*position, &*body, &*mass, &*evaluated_velocity);
+        (
+            acceleration.par_chunks_mut(BLOCK),
+            external_acceleration.par_chunks_mut(BLOCK),
+            power.par_chunks_mut(model.walls.len().max(1)),
+        )
             .into_par_iter()
             .enumerate()
-            .for_each(|(b, (a, external))| {
+            .for_each(|(b, (a, external, power))| {
+                power.fill(0.0);
                 for k in 0..a.len() {
                     let i = b * BLOCK + k;
                     let mut sum = model.gravity;
-                    for (wall, state) in model.walls.iter().zip(&walls.states) {
+                    for ((wall, state), power) in model.walls.iter().zip(&walls.states).zip(&mut *power) {
                         let push = wall_acceleration(model, wall, state, body[i], position[i], velocity[i], dt);
                         for axis in 0..3 {
                             sum[axis] += push[axis];
+                            *power += mass[i] * push[axis] * velocity[i][axis];
                         }
                     }
                     external[k] = sum;
@@ -39,6 +47,8 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                 }
             });
+        self.walls.power = power;
+        self.walls.book(dt);
     }
 
     /// Force of every wall on the particles as they are now, N.

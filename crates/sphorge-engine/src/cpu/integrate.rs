@@ -68,6 +68,8 @@ struct Moved {
     /// Work of everything that is not a pair force, J, and its impulse, N s.
     work: f64,
     impulse: Vector<f64>,
+    /// Energy booked to the internal energy so that the total closes, J.
+    booked: f64,
     /// Square of the longest way of a particle, m².
     farthest: f64,
 }
@@ -80,6 +82,8 @@ pub(super) struct ExternalSums {
     pub(super) work: f64,
     /// Impulse since the start, N s.
     pub(super) impulse: Vector<f64>,
+    /// Energy booked to the internal energy since the start, J.
+    pub(super) booked: f64,
 }
 
 impl ExternalSums {
@@ -92,6 +96,7 @@ impl ExternalSums {
         let mut farthest = 0.0_f64;
         for moved in &self.partial {
             self.work += moved.work;
+            self.booked += moved.booked;
             for a in 0..3 {
                 self.impulse[a] += moved.impulse[a];
             }
@@ -107,6 +112,8 @@ struct Kick {
     energy: f64,
     work: f64,
     impulse: Vector<f64>,
+    /// The correction of the whole particle, J.
+    booked: f64,
 }
 
 /// Changes `v` by `a dt`, then imposes prescribed components. `external` is the part of `a` that pair forces do not make.
@@ -134,7 +141,7 @@ fn kick(
         work += mass * mean * (after[k] - v[k] - pair * dt);
         impulse[k] = mass * (after[k] - v[k] - pair * dt);
     }
-    Kick { velocity: after, energy, work, impulse }
+    Kick { velocity: after, energy, work, impulse, booked: mass * energy }
 }
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -320,6 +327,7 @@ impl<T: PairScalar> CpuEngine<T> {
 #[inline(always)]
 fn add(partial: &mut Moved, kicked: &Kick) {
     partial.work += kicked.work;
+    partial.booked += kicked.booked;
     for a in 0..3 {
         partial.impulse[a] += kicked.impulse[a];
     }
@@ -338,4 +346,4 @@ fn drift(x: &mut Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Op
     way
 }
 
-crate::persist_fields!(ExternalSums { work, impulse });
+crate::persist_fields!(ExternalSums { work, impulse, booked });

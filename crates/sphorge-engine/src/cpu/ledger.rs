@@ -56,6 +56,8 @@ impl<T: PairScalar> CpuEngine<T> {
             total,
             external_work: self.external.work,
             external_impulse: self.external.impulse,
+            wall_work: self.walls.work.clone(),
+            integration_energy: self.external.booked,
             mls_energy: self.step.mls_energy,
             heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),
             contacts: self.contacts.as_ref().map(|c| c.ledger()).unwrap_or_default(),

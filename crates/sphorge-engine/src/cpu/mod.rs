@@ -139,7 +139,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut engine = Self {
             formulation,
             ghosts: Ghosts::new(halo),
-            walls: Walls::new(&model),
+            walls: Walls::new(&model, count),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),

@@ -1,7 +1,8 @@
 //! Rigid walls: where they stand, and how they push particles away.
 
 use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
-use crate::persist::{Archive, ArchiveError, Persist, persist_each};
+use crate::neighbors::BLOCK;
+use crate::persist::{Archive, ArchiveError, Persist, persist_column, persist_each};
 use sphorge_physics::Vector;
 use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
 
@@ -52,11 +53,31 @@ pub(super) struct Walls {
     pub(super) states: Vec<WallState>,
     /// Time at which `states` were reached, s.
     time: f64,
+    /// Work of each wall since the start, J.
+    pub(super) work: Vec<f64>,
+    /// Power of the last forces, W, by block of particles and wall, so that its sum does not depend on threads.
+    pub(super) power: Vec<f64>,
 }
 
 impl Walls {
-    pub(super) fn new(model: &Model) -> Self {
-        Self { states: model.walls.iter().map(WallState::new).collect(), time: 0.0 }
+    pub(super) fn new(model: &Model, count: usize) -> Self {
+        let walls = model.walls.len();
+        Self {
+            states: model.walls.iter().map(WallState::new).collect(),
+            time: 0.0,
+            work: vec![0.0; walls],
+            power: vec![0.0; count.div_ceil(BLOCK) * walls.max(1)],
+        }
+    }
+
+    /// Takes the power of the last forces over `dt` to the work done.
+    pub(super) fn book(&mut self, dt: f64) {
+        let walls = self.work.len();
+        for block in self.power.chunks_exact(walls.max(1)) {
+            for (work, power) in self.work.iter_mut().zip(block) {
+                *work += power * dt;
+            }
+        }
     }
 
     /// Carries the walls to where they stand at `time`.
@@ -73,6 +94,7 @@ crate::persist_fields!(WallState { displacement, velocity });
 impl Persist for Walls {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
+        persist_column(&mut self.work, &format!("{name}.work"), archive)?;
         persist_each(&mut self.states, name, archive)
     }
 }

@@ -12,6 +12,7 @@ mod numerics;
 mod observed;
 mod problem;
 mod thermal;
+mod warnings;
 
 pub use body::{
     Arrangement, Body, CloudParticle, CloudShare, Lattice, LatticePlacement, Operation, Region, Shape, Solid,
@@ -29,3 +30,4 @@ pub use numerics::{
 pub use observed::{Section, Tracer};
 pub use problem::Model;
 pub use thermal::{HeatBoundary, HeatBoundaryKind, Thermal};
+pub use warnings::{STOP_AT_STEPS, WarningInfo, WarningKind, WarningLimits};

@@ -2,7 +2,7 @@
 
 use super::{
     Body, BodyContact, Dimensions, Formulation, Material, Measure, Numerics, OutputControl, PrescribedMotion, Region,
-    Search, Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall,
+    Search, Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall, WarningLimits,
 };
 
 /// A whole problem.
@@ -54,6 +54,8 @@ pub struct Model {
     pub tracers: Vec<Tracer>,
     /// Planes the force through which is written.
     pub sections: Vec<Section>,
+    /// Checks that say when the run is broken.
+    pub warnings: WarningLimits,
 }
 
 impl Model {

@@ -68,6 +68,10 @@ impl<T: Real> EquationConstants for MieGruneisenHugoniot<T> {
     fn reference_sound_speed(&self) -> T {
         self.sound_speed
     }
+
+    fn shock_slope(&self) -> Option<T> {
+        Some(self.shock_slope)
+    }
 }
 
 impl<T: Real> GruneisenForm for MieGruneisenHugoniot<T> {

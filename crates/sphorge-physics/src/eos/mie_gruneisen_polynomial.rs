@@ -63,6 +63,10 @@ impl<T: Real> EquationConstants for MieGruneisenPolynomial<T> {
     fn reference_sound_speed(&self) -> T {
         self.sound_speed
     }
+
+    fn shock_slope(&self) -> Option<T> {
+        Some(self.shock_slope)
+    }
 }
 
 impl<T: Real> GruneisenForm for MieGruneisenPolynomial<T> {

@@ -78,6 +78,11 @@ pub trait EquationConstants: Copy {
     fn reference_density(&self) -> Self::Number;
     /// Bulk sound speed in the reference state, m/s; the bulk modulus there is `rho_0 c_0^2`.
     fn reference_sound_speed(&self) -> Self::Number;
+
+    /// Slope `S` of `Us = c_0 + S Up`, where the law is made of one: no shock reaches a compression `1 - rho_0/rho` of `1/S`.
+    fn shock_slope(&self) -> Option<Self::Number> {
+        None
+    }
 }
 
 /// What an equation of state has to give.
@@ -186,6 +191,11 @@ macro_rules! equations_of_state {
             #[inline(always)]
             pub fn reference_sound_speed(&self) -> T {
                 match self { $(Self::$law(law) => law.reference_sound_speed(),)* }
+            }
+
+            /// Slope `S` of `Us = c_0 + S Up`, where the law is made of one: no shock reaches a compression `1 - rho_0/rho` of `1/S`.
+            pub fn shock_slope(&self) -> Option<T> {
+                match self { $(Self::$law(law) => law.shock_slope(),)* }
             }
 
             /// Grüneisen parameter `Gamma = (1/rho) dp/de|_rho` in a state, zero where pressure does not depend on energy.

@@ -55,6 +55,8 @@ pub(crate) struct HistorySample<'a> {
     pub(crate) searched_fraction: Option<f64>,
     /// Ordered pairs in the last step.
     pub(crate) pairs: Option<u64>,
+    /// Checks that have found the run broken so far.
+    pub(crate) warnings: u64,
     /// The last audit of the neighbour lists.
     pub(crate) audit: Option<Audit>,
     pub(crate) measures: &'a [Option<f64>],
@@ -159,6 +161,8 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
     let mls = "energy that density re-initialisation gave the pressure field without work so far";
     row.number("mls_energy", "J", mls, ledger.mls_energy);
+    let booked = "energy the integrator booked into the internal energy so far, so that the total closes: second order of the time step";
+    row.number("integration_energy", "J", booked, ledger.integration_energy);
     if model.thermal.conduction {
         let meaning = "heat that came in through all boundaries so far";
         row.number("boundary_heat", "J", meaning, ledger.boundary_heat());
@@ -186,6 +190,8 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.add("searched_fraction", "", searched, sample.searched_fraction);
     let pairs = "ordered pairs inside the kernel support in the last step";
     row.add("pairs", "", pairs, sample.pairs.map_or(Cell::Empty, Cell::Count));
+    let warnings = "checks that have found the run broken so far, see `warnings` in summary.json";
+    row.add("warnings", "", warnings, Cell::Count(sample.warnings));
     if model.audit.is_some() {
         row.audit(sample.audit);
     }
@@ -211,8 +217,10 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         row.number(&format!("{name}.friction_work"), "J", "heat of friction so far", contact.friction_work);
         row.number(&format!("{name}.damping_work"), "J", "heat of contact damping so far", contact.damping_work);
     }
-    for (wall, force) in model.walls.iter().zip(&ledger.wall_forces) {
+    for (k, (wall, force)) in model.walls.iter().zip(&ledger.wall_forces).enumerate() {
         row.vector(&format!("wall.{}.force", wall.name), "N", "force of the wall on the particles", *force);
+        let work = ledger.wall_work.get(k).copied().unwrap_or(0.0);
+        row.number(&format!("wall.{}.work", wall.name), "J", "work of the wall on the particles so far", work);
     }
     for (motion, force) in model.motions.iter().zip(&ledger.motion_forces) {
         let region = model.regions.get(motion.region).map_or("", |region| region.name.as_str());
@@ -280,6 +288,7 @@ impl History {
             searched_fraction: None,
             pairs: None,
             audit: None,
+            warnings: 0,
             measures: &vec![None; model.measures.len()],
             observed: (observed, &vec![None; observed.len()]),
         };

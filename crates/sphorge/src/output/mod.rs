@@ -18,7 +18,9 @@ pub use error::OutputError;
 pub use history::HistoryColumn;
 pub use history_read::HistoryTable;
 pub use series::{SeriesEntry, read_series};
-pub use summary::{AuditRecord, EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary};
+pub use summary::{
+    AuditRecord, EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary, WarningRecord,
+};
 pub use vtp::{FrameHeader, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 

@@ -5,7 +5,10 @@ use super::{
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
 };
-use crate::engine::{Audit, StageSeconds, persist_fields};
+use crate::{
+    engine::{Audit, StageSeconds, persist_fields},
+    number::quantity,
+};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, fmt, fs};
 
@@ -15,6 +18,9 @@ use std::{collections::BTreeMap, fmt, fs};
 pub enum Status {
     /// It reached its end.
     Completed,
+    /// It reached its end, and checks found it broken on the way: [`Summary::warnings`].
+    #[serde(rename = "completed with warnings")]
+    CompletedWithWarnings,
     /// The user stopped it; what is there is complete up to that time.
     Stopped,
     /// It could not go on; what is there is complete up to the last frame.
@@ -26,6 +32,7 @@ impl Status {
     pub fn name(self) -> &'static str {
         match self {
             Self::Completed => "completed",
+            Self::CompletedWithWarnings => "completed with warnings",
             Self::Stopped => "stopped",
             Self::Failed => "failed",
         }
@@ -89,6 +96,56 @@ impl fmt::Display for FailureRecord {
     }
 }
 
+/// What a check found broken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WarningRecord {
+    /// Name of the check, as in the table `[warnings]` of a deck.
+    pub name: String,
+    /// What its number is.
+    pub meaning: String,
+    /// The worst number of the run.
+    pub value: f64,
+    /// When that was, s.
+    pub value_time: f64,
+    /// The limit.
+    pub limit: f64,
+    /// Unit of number and limit, SI, empty for pure numbers.
+    pub unit: String,
+    /// Step it was first seen at.
+    pub step: u64,
+    /// Time it was first seen at, s.
+    pub time: f64,
+    /// Id of the worst particle then, if it is of particles.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub particle: Option<u32>,
+    /// Name of the body.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub body: Option<String>,
+    /// Where the particle was, m.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub position: Option<[f64; 3]>,
+    /// What to do.
+    pub cure: String,
+}
+
+impl fmt::Display for WarningRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, meaning, step, cure, .. } = self;
+        let [value, limit] = [self.value, self.limit].map(|number| quantity(number, &self.unit));
+        let time = quantity(self.time, "s");
+        write!(f, "{name}: {meaning} is {value}, limit {limit}, first at {time} (step {step})")?;
+        match (&self.body, self.particle) {
+            (Some(body), Some(particle)) => write!(f, ", particle {particle} of `{body}`")?,
+            (Some(body), None) => write!(f, ", in `{body}`")?,
+            (None, _) => {}
+        }
+        if let Some([x, y, z]) = self.position {
+            write!(f, " at ({x:.4e}, {y:.4e}, {z:.4e}) m")?;
+        }
+        write!(f, "; {cure}")
+    }
+}
+
 /// Wall-clock seconds by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageSecondsRecord {
@@ -126,6 +183,9 @@ pub struct EnergyRecord {
     pub plastic_work: f64,
     /// Work of walls, gravity and driven regions.
     pub external_work: f64,
+    /// What the integrator booked into the internal energy so that the total closes.
+    #[serde(default)]
+    pub integration: f64,
     /// Drift of the total at the end; see [`crate::run`] for its definition.
     pub relative_drift: f64,
     /// Largest size of the drift in any row.
@@ -232,6 +292,9 @@ pub struct Summary {
     /// What audits of the neighbour lists found, if the deck asked for them.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub audit: Option<AuditRecord>,
+    /// What checks found broken, in the order it was first seen; see `docs/warnings.md`.
+    #[serde(default)]
+    pub warnings: Vec<WarningRecord>,
     /// Declared measures at the end; null for one that has no value.
     pub measures: BTreeMap<String, Option<f64>>,
     /// Units of the measures.

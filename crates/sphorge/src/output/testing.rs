@@ -1,5 +1,6 @@
 //! A small model for tests of output and analysis.
 
+use super::{EndReason, EnergyRecord, StageSecondsRecord, Status, Summary, WarningRecord};
 use crate::model::{
     Body, Dimensions, Formulation, Lattice, Measure, MeasureKind, Model, Numerics, OutputControl, Search, Shape, Solid,
     TimeControl, Transform,
@@ -75,6 +76,58 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         measures: Vec::new(),
         tracers: Vec::new(),
         sections: Vec::new(),
+        warnings: Default::default(),
+    }
+}
+
+/// Summary of a run of so many seconds.
+pub(crate) fn summary(seconds: f64) -> Summary {
+    Summary {
+        status: Status::Completed,
+        end_reason: EndReason::EndTime,
+        failure: None,
+        title: "A test".into(),
+        deck: "test".into(),
+        version: "0.1.0".into(),
+        particles: 1000,
+        steps: 50,
+        simulated_time: 6e-5,
+        wall_seconds: seconds,
+        threads: 2,
+        engine: "cpu".into(),
+        precision: "mixed".into(),
+        stage_seconds: StageSecondsRecord { search: 0.1 * seconds, ..Default::default() },
+        mean_neighbors: 17.5,
+        particle_steps_per_second: 5e4 / seconds,
+        pairs_per_second: 1e6,
+        searched_fraction: 0.25,
+        peak_memory_bytes: 10 << 20,
+        engine_memory_bytes: 900_000,
+        energy: EnergyRecord { relative_drift: -1e-9, ..Default::default() },
+        momentum_drift: 1e-12,
+        largest_momentum_drift: 1e-12,
+        audit: None,
+        warnings: Vec::new(),
+        measures: Default::default(),
+        measure_units: Default::default(),
+    }
+}
+
+/// A warning of a check of this name.
+pub(crate) fn warning(name: &str) -> WarningRecord {
+    WarningRecord {
+        name: name.into(),
+        meaning: "a number".into(),
+        value: 2.0,
+        value_time: 3e-6,
+        limit: 1.0,
+        unit: String::new(),
+        step: 7,
+        time: 2e-6,
+        particle: Some(5),
+        body: Some("bar".into()),
+        position: Some([0.0; 3]),
+        cure: "a cure".into(),
     }
 }
 

@@ -2,8 +2,13 @@
 
 use crate::output::{RunDirectory, Summary};
 
-/// Title of a run, or the name of its folder while there is no summary.
+/// Title of a run, with the names of what its checks found broken; the name of its folder while there is no summary.
 pub(super) fn run_title(run: &RunDirectory) -> String {
     let folder = || run.path().file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    Summary::read(run).map_or_else(|_| folder(), |summary| summary.title)
+    Summary::read(run).map_or_else(|_| folder(), |summary| titled(&summary))
+}
+
+fn titled(summary: &Summary) -> String {
+    let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
+    if names.is_empty() { summary.title.clone() } else { format!("{} [broken: {}]", summary.title, names.join(", ")) }
 }

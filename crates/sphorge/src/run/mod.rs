@@ -10,6 +10,7 @@
 //!   the largest sum of `m |v|` so far. Axes across which a plane of symmetry stands are left out: the plane takes momentum.
 //! - **Kinetic stop**: `stop-kinetic-fraction` is tested in every row of the history, against the first row.
 //! - **Searched fraction**: mean over the steps.
+//! - **Warnings**: what the checks of `docs/warnings.md` found; a run that reaches its end with one is `completed with warnings`.
 
 mod conservation;
 mod drive;
@@ -18,6 +19,7 @@ mod progress;
 mod record;
 mod schedule;
 mod state;
+mod watch;
 
 pub use drive::{RunOptions, execute};
 pub use error::RunError;

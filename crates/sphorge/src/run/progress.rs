@@ -1,8 +1,11 @@
 //! How far a run is, for whoever watches.
 
-use crate::engine::{
-    LimitReason,
-    persist::{Archive, ArchiveError, Persist},
+use crate::{
+    engine::{
+        LimitReason,
+        persist::{Archive, ArchiveError, Persist},
+    },
+    output::WarningRecord,
 };
 use std::{path::PathBuf, time::Instant};
 
@@ -54,6 +57,8 @@ pub trait Observer: Send {
     fn progressed(&mut self, _progress: &Progress) {}
     /// Frame `index` at `time` (s) is on the disk.
     fn frame_written(&mut self, _index: usize, _time: f64) {}
+    /// A check has found the run broken for the first time.
+    fn warned(&mut self, _warning: &WarningRecord) {}
     /// Largest memory of the process since [`Self::started`], bytes, for the summary; `None` where nobody knows.
     fn peak_memory_bytes(&mut self) -> Option<u64> {
         None

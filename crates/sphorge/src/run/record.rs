@@ -1,6 +1,6 @@
 //! Writes frames, rows and the summary of a run under way.
 
-use super::{conservation::Conservation, error::Trouble};
+use super::{conservation::Conservation, error::Trouble, watch::Watch};
 use crate::{
     engine::{
         Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
@@ -12,7 +12,8 @@ use crate::{
     observed::Observed,
     output::{
         AuditRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample,
-        OutputError, RunDirectory, SeriesEntry, Status, Summary, measure_unit, write_frame_file, write_series,
+        OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord, measure_unit, write_frame_file,
+        write_series,
     },
 };
 use std::{array, time::Instant};
@@ -25,12 +26,14 @@ pub(super) struct Recorder {
     measures: Measures,
     observed: Observed,
     conservation: Conservation,
+    watch: Watch,
     frames: Vec<SeriesEntry>,
     last_frame_step: Option<u64>,
     last_row_step: Option<u64>,
-    /// Energies and external work of the last row.
+    /// Energies, external work and what the integrator booked, of the last row.
     energies: Energies,
     external_work: f64,
+    integration_energy: f64,
     steps: StepSums,
     steps_at_last_row: StepSums,
     /// Size and reason for the `dt` column.
@@ -63,11 +66,13 @@ impl Recorder {
             measures: Measures::new(model),
             directory,
             conservation: Conservation::new(mirrored),
+            watch: Watch::new(model),
             frames: Vec::new(),
             last_frame_step: None,
             last_row_step: None,
             energies: Energies::default(),
             external_work: 0.0,
+            integration_energy: 0.0,
             steps: StepSums::default(),
             steps_at_last_row: StepSums::default(),
             step_size: (0.0, None),
@@ -83,6 +88,24 @@ impl Recorder {
     /// Notes the size of the first step before it is taken.
     pub(super) fn prepared(&mut self, dt: f64, reason: LimitReason) {
         self.step_size = (dt, Some(reason));
+    }
+
+    /// Looks at the size of the next step; fails where the run would not end.
+    pub(super) fn watch_step(&mut self, model: &Model, dt: f64, step: u64, time: f64) -> Result<(), Trouble> {
+        Ok(self.watch.step(model, dt, step, time)?)
+    }
+
+    /// Looks at all of the present state for what is broken.
+    pub(super) fn look(&mut self, engine: &Simulation) -> Result<(), Trouble> {
+        let start = Instant::now();
+        self.watch.look(engine, &engine.ledger()?, true)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Warnings that nobody has been told of.
+    pub(super) fn warnings_to_tell(&mut self, model: &Model) -> Vec<WarningRecord> {
+        self.watch.news(model)
     }
 
     /// Takes a step into the sums.
@@ -108,6 +131,7 @@ impl Recorder {
         let start = Instant::now();
         let ledger = engine.ledger()?;
         let drift = self.conservation.sample(&ledger);
+        self.watch.look(engine, &ledger, false)?;
         self.measures.sample(engine.model(), engine.time(), engine)?;
         self.observed.sample(engine.model(), engine)?;
         let since = self.steps.count - self.steps_at_last_row.count;
@@ -123,6 +147,7 @@ impl Recorder {
             searched_fraction: (since > 0).then(|| searched / since as f64),
             pairs: self.pairs,
             audit: self.audit,
+            warnings: self.watch.count() as u64,
             measures: self.measures.values(),
             observed: (self.observed.columns(), self.observed.values()),
         };
@@ -130,6 +155,7 @@ impl Recorder {
         self.engine_bytes = self.engine_bytes.max(engine.memory_bytes());
         self.energies = ledger.total.energies;
         self.external_work = ledger.external_work;
+        self.integration_energy = ledger.integration_energy;
         self.steps_at_last_row = self.steps;
         self.landing_since_row = true;
         self.last_row_step = Some(engine.steps());
@@ -200,6 +226,7 @@ impl Recorder {
             status: match end_reason {
                 EndReason::Failure => Status::Failed,
                 EndReason::User => Status::Stopped,
+                _ if self.watch.count() > 0 => Status::CompletedWithWarnings,
                 EndReason::EndTime | EndReason::KineticEnergy | EndReason::MaxSteps => Status::Completed,
             },
             end_reason,
@@ -230,12 +257,14 @@ impl Recorder {
                 elastic: self.energies.elastic,
                 plastic_work: self.energies.plastic_work,
                 external_work: self.external_work,
+                integration: self.integration_energy,
                 relative_drift: self.conservation.last.energy,
                 largest_relative_drift: self.conservation.largest.energy,
             },
             momentum_drift: self.conservation.last.momentum,
             largest_momentum_drift: self.conservation.largest.momentum,
             audit: model.audit.map(|_| self.audits),
+            warnings: self.watch.records(model),
             measures: named().zip(self.measures.values().iter().copied()).collect(),
             measure_units: named()
                 .zip(model.measures.iter().map(|measure| measure_unit(&measure.kind).to_owned()))
@@ -256,6 +285,7 @@ impl Persist for Recorder {
         self.measures.persist(&of("measures"), archive)?;
         self.observed.persist(&of("observed"), archive)?;
         self.conservation.persist(&of("conservation"), archive)?;
+        self.watch.persist(&of("watch"), archive)?;
         let mut times: Vec<f64> = self.frames.iter().map(|frame| frame.time).collect();
         times.persist(&of("frame_times"), archive)?;
         let entry = |(index, time)| SeriesEntry { time, file: RunDirectory::frame_name(index) };
@@ -264,6 +294,7 @@ impl Persist for Recorder {
         self.last_row_step.persist(&of("last_row_step"), archive)?;
         self.energies.persist(&of("energies"), archive)?;
         self.external_work.persist(&of("external_work"), archive)?;
+        self.integration_energy.persist(&of("integration_energy"), archive)?;
         self.steps.persist(&of("steps"), archive)?;
         self.steps_at_last_row.persist(&of("steps_at_last_row"), archive)?;
         require(self.steps_at_last_row.count <= self.steps.count, &of("steps_at_last_row.count"))?;

@@ -5,6 +5,7 @@ use super::{
     progress::{Observer, Pace, Progress},
     record::Recorder,
     schedule::{Schedule, arrived},
+    watch::telling,
 };
 use crate::{
     engine::{
@@ -20,7 +21,7 @@ use crate::{
 /// What a run must survive with is here, and each part saves and loads its own:
 ///
 /// - the simulation: state of the engine, time, steps, the limit of the next step, seconds by stage;
-/// - the recorder: rows of the history, memories of the measures, particles that tracers follow, the start and the extremes of what is
+/// - the recorder: rows of the history, memories of the measures, what was found broken, particles that tracers follow, the start and the extremes of what is
 ///   conserved, times of the frames, sums over the steps, the last audit and the worst, energies of the last row;
 /// - what the loop itself keeps: which frame and which row come next, the kinetic energies of the stop rule;
 /// - what is told to whoever watches: seconds so far, the recent speed.
@@ -59,8 +60,10 @@ impl RunState {
     pub(super) fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
         let (dt, reason) = self.simulation.next_step_estimate()?;
         self.recorder.prepared(dt, reason);
+        self.recorder.watch_step(self.simulation.model(), dt, 0, 0.0)?;
         self.initial_kinetic = self.recorder.row(&self.simulation)?;
         self.kinetic = self.initial_kinetic;
+        self.warn(observer);
         self.frame(observer)
     }
 
@@ -69,8 +72,15 @@ impl RunState {
         // Steps end at frames. Rows come after the first step that has passed them, so that asking for more changes nothing.
         let report = self.simulation.step(Some(self.frames.next()))?;
         self.recorder.stepped(&report);
+        let hope = match telling(&report) {
+            Some(dt) => self.recorder.watch_step(self.simulation.model(), dt, report.step, report.time),
+            None => Ok(()),
+        };
+        self.warn(observer);
+        hope?;
         if self.rows.reached(report.time) {
             self.kinetic = self.recorder.row(&self.simulation)?;
+            self.warn(observer);
         }
         if self.frames.reached(report.time) {
             self.frame(observer)?;
@@ -80,6 +90,8 @@ impl RunState {
 
     /// Writes the last row and the last frame where the present state has none yet.
     pub(super) fn close(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        self.recorder.look(&self.simulation)?;
+        self.warn(observer);
         let (owes_row, owes_frame) = self.recorder.owes(self.simulation.steps());
         if owes_row {
             self.recorder.row(&self.simulation)?;
@@ -123,6 +135,12 @@ impl RunState {
                 frames: self.recorder.frames(),
             });
         }
+    }
+
+    /// Tells what has been found broken since the last time.
+    fn warn(&mut self, observer: &mut dyn Observer) {
+        let news = self.recorder.warnings_to_tell(self.simulation.model());
+        news.iter().for_each(|warning| observer.warned(warning));
     }
 
     fn frame(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {

@@ -10,7 +10,7 @@ use crate::{
         persist::{Archive, ArchiveError},
         reduction,
     },
-    model::{Measure, MeasureKind, Model, ParticleSelection},
+    model::{Measure, MeasureKind, Model, ParticleSelection, WarningKind},
     output::{EndReason, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
     particles::Particles,
 };
@@ -133,6 +133,8 @@ fn model() -> Model {
     let mut model = testing::model(&["bar"]);
     model.output.frame_interval = 0.25;
     model.output.history_interval = 0.1;
+    // The two particles start at one place.
+    model.warnings.set(WarningKind::Pairing, None);
     let kind = MeasureKind::Extent { selection: ParticleSelection::default(), axis: 0 };
     model.measures = vec![Measure { name: "length".into(), kind }];
     model

@@ -2,6 +2,15 @@
 
 use super::{Effort, Variant, findings::Findings, picture::Picture, runs::Runs};
 
+/// A warning that a case lives with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ExpectedWarning {
+    /// Name of the check.
+    pub name: &'static str,
+    /// Why its number may be beyond its limit.
+    pub reason: &'static str,
+}
+
 /// A case with a known answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
@@ -13,6 +22,8 @@ pub struct Case {
     pub about: &'static str,
     /// Name of its shipped deck.
     pub deck: &'static str,
+    /// What checks of its runs may find broken, and why; any other warning fails the case.
+    pub expected_warnings: &'static [ExpectedWarning],
     /// The runs.
     pub variants: fn(Effort) -> Vec<Variant>,
     /// Sets the runs beside the answers.

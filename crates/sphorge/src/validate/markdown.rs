@@ -42,6 +42,9 @@ impl CaseReport {
             if let Some(failure) = &run.failure {
                 *text += &format!("Run `{}` **failed**: {failure}\n\n", run.label);
             }
+            for warning in &run.unexpected_warnings {
+                *text += &format!("Run `{}` is **broken**: {warning}\n\n", run.label);
+            }
         }
         for table in &self.tables {
             let heads = table.head.len();
@@ -76,6 +79,9 @@ impl CaseReport {
         }
         for note in &self.notes {
             *text += &format!("{note}\n\n");
+        }
+        for (name, reason) in &self.expected_warnings {
+            *text += &format!("The warning `{name}` is expected: {reason}.\n\n");
         }
         for picture in &self.pictures {
             match (&picture.file, &picture.trouble) {

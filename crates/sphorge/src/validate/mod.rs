@@ -26,7 +26,7 @@ mod text;
 mod variant;
 mod watcher;
 
-pub use case::Case;
+pub use case::{Case, ExpectedWarning};
 pub use cases::CASES;
 pub use effort::Effort;
 pub use error::ValidateError;

@@ -23,6 +23,10 @@ pub struct RunEntry {
     pub failure: Option<String>,
     /// Whether a failure is a result like any other.
     pub may_fail: bool,
+    /// What its checks found broken, by name.
+    pub warnings: Vec<String>,
+    /// Of these, what the case does not expect, with numbers and places.
+    pub unexpected_warnings: Vec<String>,
     /// Number of particles.
     pub particles: Option<u64>,
     /// Steps done.
@@ -36,14 +40,22 @@ pub struct RunEntry {
 }
 
 impl RunEntry {
-    fn new(run: &Run, folder: &Folder) -> Self {
+    fn new(case: &Case, run: &Run, folder: &Folder) -> Self {
         let summary = run.summary();
+        let warnings = summary.map_or(&[][..], |summary| &summary.warnings);
+        let is_expected = |name: &str| case.expected_warnings.iter().any(|expected| expected.name == name);
         Self {
             label: run.variant.label.clone(),
             overrides: run.variant.overrides.clone(),
             folder: folder.relative(&run.directory),
             failure: run.outcome.as_ref().err().cloned(),
             may_fail: run.variant.may_fail,
+            warnings: warnings.iter().map(|warning| warning.name.clone()).collect(),
+            unexpected_warnings: warnings
+                .iter()
+                .filter(|warning| !is_expected(&warning.name))
+                .map(ToString::to_string)
+                .collect(),
             particles: summary.map(|s| s.particles),
             steps: summary.map(|s| s.steps),
             seconds: summary.map(|s| s.wall_seconds),
@@ -75,7 +87,7 @@ pub struct CaseReport {
     pub about: &'static str,
     /// Its deck.
     pub deck: &'static str,
-    /// Failed if a run failed or a number missed what is asked; shown if nothing is asked.
+    /// Failed if a run failed or warned of something the case does not expect, or a number missed what is asked; shown if nothing is asked.
     pub verdict: Verdict,
     /// The runs.
     pub runs: Vec<RunEntry>,
@@ -87,6 +99,8 @@ pub struct CaseReport {
     pub studies: Vec<Study>,
     /// What to know when reading them.
     pub notes: Vec<String>,
+    /// Warnings that the case expects and that came, with the reasons for living with them.
+    pub expected_warnings: Vec<(&'static str, &'static str)>,
     /// Pictures.
     pub pictures: Vec<PictureRecord>,
 }
@@ -99,11 +113,11 @@ impl CaseReport {
         pictures: Vec<PictureRecord>,
         folder: &Folder,
     ) -> Self {
-        let runs: Vec<_> = runs.0.iter().map(|run| RunEntry::new(run, folder)).collect();
+        let runs: Vec<_> = runs.0.iter().map(|run| RunEntry::new(case, run, folder)).collect();
         let Findings { findings, tables, studies, notes } = findings;
         let verdicts =
             || findings.iter().map(|f| f.verdict).chain(studies.iter().map(|s| s.verdict)).collect::<Vec<_>>();
-        let broken = |run: &RunEntry| run.failure.is_some() && !run.may_fail;
+        let broken = |run: &RunEntry| !run.may_fail && (run.failure.is_some() || !run.unexpected_warnings.is_empty());
         let verdict = if runs.iter().any(broken) || verdicts().contains(&Verdict::Failed) {
             Verdict::Failed
         } else if verdicts().contains(&Verdict::Passed) {
@@ -112,7 +126,10 @@ impl CaseReport {
             Verdict::Shown
         };
         let Case { name, title, about, deck, .. } = *case;
-        Self { name, title, about, deck, verdict, runs, tables, findings, studies, notes, pictures }
+        let came = |name: &str| runs.iter().any(|run| run.warnings.iter().any(|warning| warning == name));
+        let expected_warnings =
+            case.expected_warnings.iter().filter(|w| came(w.name)).map(|w| (w.name, w.reason)).collect();
+        Self { name, title, about, deck, verdict, runs, tables, findings, studies, notes, expected_warnings, pictures }
     }
 
     /// Number of checks that passed and number of all.
@@ -142,5 +159,55 @@ impl Report {
     pub(super) fn new(effort: Effort, cases: Vec<CaseReport>, seconds: f64) -> Self {
         let passed = cases.iter().all(|case| case.verdict != Verdict::Failed);
         Self { version: env!("CARGO_PKG_VERSION"), effort, passed, seconds, cases }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{CASES, ExpectedWarning, Variant, runs::Finished};
+    use super::*;
+    use crate::output::{HistoryTable, Summary, testing};
+
+    /// The report of a case whose one run has warned of two things.
+    fn report(expected_warnings: &'static [ExpectedWarning], may_fail: bool) -> CaseReport {
+        let summary =
+            Summary { warnings: vec![testing::warning("pairing"), testing::warning("hot")], ..testing::summary(1.0) };
+        let history = HistoryTable { columns: Vec::new(), values: Vec::new() };
+        let variant = Variant { may_fail, ..Variant::new("run") };
+        let outcome = Ok(Finished { summary, history });
+        let runs = Runs(vec![Run { variant, spacing: 1.0, directory: "x/case/run".into(), outcome }]);
+        let case = Case { expected_warnings, ..CASES[0] };
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::claim(&place.path().join("report")).unwrap();
+        CaseReport::new(&case, &runs, Findings::default(), Vec::new(), &folder)
+    }
+
+    #[test]
+    fn a_warning_that_is_not_expected_fails_the_case() {
+        let expected = &[ExpectedWarning { name: "pairing", reason: "known" }];
+        let found = report(expected, false);
+        assert_eq!(found.verdict, Verdict::Failed);
+        assert_eq!(found.runs[0].warnings, ["pairing", "hot"]);
+        assert!(
+            found.runs[0].unexpected_warnings.len() == 1 && found.runs[0].unexpected_warnings[0].starts_with("hot: ")
+        );
+        assert_eq!(found.expected_warnings, [("pairing", "known")]);
+        for text in [found.to_string(), Report::new(Effort::Quick, vec![found.clone()], 1.0).markdown()] {
+            assert!(text.contains("hot: a number is 2, limit 1") && text.contains("known"), "{text}");
+        }
+        // Unless the run may break down altogether.
+        assert_eq!(report(expected, true).verdict, Verdict::Shown);
+    }
+
+    #[test]
+    fn a_warning_that_is_expected_is_no_failure() {
+        let expected = &[
+            ExpectedWarning { name: "pairing", reason: "known" },
+            ExpectedWarning { name: "hot", reason: "known, too" },
+            ExpectedWarning { name: "cold", reason: "at other resolutions" },
+        ];
+        let found = report(expected, false);
+        assert_eq!((found.verdict, found.runs[0].unexpected_warnings.len()), (Verdict::Shown, 0));
+        assert_eq!(found.expected_warnings.len(), 2);
     }
 }

@@ -34,6 +34,11 @@ impl fmt::Display for CaseReport {
         for run in self.runs.iter().filter(|run| run.failure.is_some()) {
             writeln!(f, "  run `{}` FAILED: {}", run.label, run.failure.as_deref().unwrap_or_default())?;
         }
+        for run in &self.runs {
+            for warning in &run.unexpected_warnings {
+                writeln!(f, "  run `{}` is BROKEN: {warning}", run.label)?;
+            }
+        }
         for numbers in &self.tables {
             let columns: Vec<usize> = (1..numbers.head.len()).collect();
             writeln!(f, "{}\n{}", numbers.title, table(&numbers.head, &columns, numbers.rows.iter()))?;
@@ -48,6 +53,9 @@ impl fmt::Display for CaseReport {
         }
         for note in &self.notes {
             writeln!(f, "  {note}")?;
+        }
+        for (name, reason) in &self.expected_warnings {
+            writeln!(f, "  the warning `{name}` is expected: {reason}")?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! A bullet through a plate with every search strategy: Fraser et al., Table 1 and Figures 11 to 13.
 
 use super::super::{
-    Bounds, Case, Effort, Finding, NumberTable, ReferenceKind, Unit, Variant,
+    Bounds, Case, Effort, ExpectedWarning, Finding, NumberTable, ReferenceKind, Unit, Variant,
     findings::Findings,
     number::significant,
     picture::{Picture, Subject, ViewSettings},
@@ -83,6 +83,13 @@ pub(super) const CASE: Case = Case {
             answer of a search in every step. Its rule as published misses the other body where the material is still elastic, and \
             sees pairs from one side: momentum drifts.",
     deck: "bullet",
+    expected_warnings: &[
+        ExpectedWarning {
+            name: "pieces",
+            reason: "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+        },
+        ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
+    ],
     variants,
     judge,
     pictures: &[

@@ -19,6 +19,7 @@ pub(super) const CASE: Case = Case {
             than two faces (an error of first order that goes with the number of edges), and the plate that is left where it is periodic \
             along y. Rises over the air after 80 s, Biot number 1, Fourier number 0.5, against the series and their product.",
     deck: "convecting-block",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

@@ -28,6 +28,7 @@ pub(super) const CASE: Case = Case {
     about: "Bars of 7.62 x 25.4 mm with the constants of Johnson & Cook (1983), beside their measured bars. A quarter of the bar \
             against planes of symmetry: the wall is rigid and without friction.",
     deck: "copper-bar",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

@@ -23,6 +23,7 @@ pub(super) const CASE: Case = Case {
             triangle wave with the period of two round trips, `4 L/c`, from which `c` is computed. A quarter of the section is \
             modelled, between symmetry planes.",
     deck: "elastic-bar",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

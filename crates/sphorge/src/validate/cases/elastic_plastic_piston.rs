@@ -22,6 +22,7 @@ pub(super) const CASE: Case = Case {
             speeds are taken where the velocity is half way between the states on either side; the plastic front runs into \
             material that moves at 4.716 m/s already.",
     deck: "elastic-plastic-piston",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

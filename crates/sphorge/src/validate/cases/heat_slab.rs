@@ -18,6 +18,7 @@ pub(super) const CASE: Case = Case {
     about: "One face of a cold slab is brought to 100 degC and kept there, the other one is kept cold; both are particles that are held. \
             Temperatures at three depths after 60 s, as rise over the cold side, against the series. The bodies do not move.",
     deck: "heat-slab",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[Picture {

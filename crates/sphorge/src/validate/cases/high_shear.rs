@@ -23,6 +23,7 @@ pub(super) const CASE: Case = Case {
             Its strain and temperature grow with the resolution: with thermal softening and no length scale in the material, the \
             width of a shear band is that of the kernel.",
     deck: "high-shear",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

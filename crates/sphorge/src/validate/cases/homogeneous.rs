@@ -59,6 +59,7 @@ pub(super) const CASE: Case = Case {
             Runge-Kutta method with steps of 5 ns, written for this check alone. For Johnson-Cook the plastic strain rate is \
             that at which the law yields the present stress.",
     deck: "homogeneous",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[Picture {

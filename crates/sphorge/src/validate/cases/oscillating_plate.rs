@@ -30,6 +30,7 @@ pub(super) const CASE: Case = Case {
             clamp and the same initial velocity (CalculiX, 20-node bricks, large displacements); thin-plate theory gives 0.254 s. \
             The period is the time at which the deflection of the free end is zero and rising again (CalculiX: the mean of two).",
     deck: "oscillating-plate",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

@@ -1,7 +1,7 @@
 //! Aluminium disc through an aluminium plate: Patiño et al., test 3.
 
 use super::super::{
-    Bounds, Case, Effort, Finding, ReferenceKind, Study, Unit, Variant,
+    Bounds, Case, Effort, ExpectedWarning, Finding, ReferenceKind, Study, Unit, Variant,
     findings::Findings,
     picture::{Picture, Subject},
     runs::{Run, Runs},
@@ -22,6 +22,21 @@ pub(super) const CASE: Case = Case {
             everything that is no longer part of the plate; its length counts from the back face of the undeformed plate, and the \
             outermost per cent of its mass is left out. The paper does not say how it measures either.",
     deck: "penetration",
+    expected_warnings: &[
+        ExpectedWarning {
+            name: "pieces",
+            reason: "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+        },
+        ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
+        ExpectedWarning {
+            name: "cold",
+            reason: "debris that is far expanded is beyond the pressure law, whose isotherm then gives no temperature",
+        },
+        ExpectedWarning {
+            name: "expansion",
+            reason: "debris is far expanded, and the material has no `spall-pressure`",
+        },
+    ],
     variants,
     judge,
     pictures: &[

@@ -30,6 +30,7 @@ pub(super) const CASE: Case = Case {
             The energy still holds what the start of the shock left behind (wall heating), which spreads over a fixed number \
             of particles.",
     deck: "plate-impact",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

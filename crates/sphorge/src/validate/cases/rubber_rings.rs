@@ -21,6 +21,7 @@ pub(super) const CASE: Case = Case {
             without a torn particle. The fewest neighbours any particle ever had tell a tear; the edges of the rings, that they \
             parted. Part of the energy stays in vibrations of the rings.",
     deck: "rubber-rings",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

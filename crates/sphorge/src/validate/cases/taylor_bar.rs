@@ -1,7 +1,7 @@
 //! Taylor impact of a round bar of the same iron.
 
 use super::super::{
-    Bounds, Case, Effort, Finding, Study, Unit, Variant,
+    Bounds, Case, Effort, ExpectedWarning, Finding, Study, Unit, Variant,
     findings::Findings,
     picture::{Picture, Subject},
     runs::Runs,
@@ -16,6 +16,13 @@ pub(super) const CASE: Case = Case {
     about: "The plate of `taylor-plate` made round, in three dimensions. No published number: the trend with the spacing, and \
             what is conserved.",
     deck: "taylor-bar",
+    expected_warnings: &[
+        ExpectedWarning {
+            name: "plastic-work",
+            reason: "plain updated Lagrangian sums do more plastic work in the foot than the impact brings along; the case compares shapes, and shows it",
+        },
+        ExpectedWarning { name: "hot", reason: "it follows from the plastic work" },
+    ],
     variants,
     judge,
     pictures: &[Picture {

@@ -29,6 +29,7 @@ pub(super) const CASE: Case = Case {
             friction, as theirs. Heat is conducted, and diffuses 0.03 mm in that time. Strain and \
             temperature are largest at the middle of the foot.",
     deck: "taylor-bar-42crmo4",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

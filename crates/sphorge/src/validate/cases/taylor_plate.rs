@@ -1,7 +1,7 @@
 //! Taylor impact of an Armco iron plate: Patiño et al., test 2.
 
 use super::super::{
-    Bounds, Case, Effort, Finding, ReferenceKind, Study, Unit, Variant,
+    Bounds, Case, Effort, ExpectedWarning, Finding, ReferenceKind, Study, Unit, Variant,
     findings::Findings,
     picture::{Picture, Subject},
     runs::{Run, Runs},
@@ -26,6 +26,13 @@ pub(super) const CASE: Case = Case {
             plus one spacing) beside the four codes of Table 3, a resolution study, and what the choices the paper leaves open \
             change at its spacing of 0.3 mm.",
     deck: "taylor-plate",
+    expected_warnings: &[
+        ExpectedWarning {
+            name: "plastic-work",
+            reason: "plain updated Lagrangian sums do more plastic work in the foot than the impact brings along; the case compares shapes, and shows it",
+        },
+        ExpectedWarning { name: "hot", reason: "it follows from the plastic work" },
+    ],
     variants,
     judge,
     pictures: &[

@@ -24,6 +24,7 @@ pub(super) const CASE: Case = Case {
             between planes of symmetry. Strain is that of the particles that start around the middle of the waist. Particles 2.5 mm \
             apart take an hour of a core: they ran once (`reference/fine/tensile.py`), without hardening, and are quoted.",
     deck: "tensile",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[

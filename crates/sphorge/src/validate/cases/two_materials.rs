@@ -19,6 +19,7 @@ pub(super) const CASE: Case = Case {
             keeps it; its value here is that at which the flux is the same from the particles on both sides. Rises over the cold \
             side after 4 s, against error functions. Heat passes in the kernel sum and where bodies have a contact of their own.",
     deck: "two-materials",
+    expected_warnings: &[],
     variants,
     judge,
     pictures: &[Picture {

@@ -179,6 +179,7 @@ impl Oracle {
             let (pair, mean) = (a[k] - external[k], 0.5 * (before[k] + after[k]));
             let impulse = mass * (after[k] - before[k] - pair * dt);
             self.p.energy[i] -= pair * (mean - evaluated[k]) * dt;
+            self.ledger.integration_energy -= mass * pair * (mean - evaluated[k]) * dt;
             self.ledger.external_work += mean * impulse;
             self.ledger.external_impulse[k] += impulse;
         }

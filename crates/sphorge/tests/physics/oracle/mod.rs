@@ -101,6 +101,8 @@ fn of_ledgers(a: &Ledger, b: &Ledger) -> Vec<Difference> {
     let momentum = |l: &BodyLedger| l.momentum.to_vec();
     compare("momentum", &bodies(a, &momentum), &bodies(b, &momentum), b.total.momentum_scale);
     compare("external work", &[a.external_work], &[b.external_work], energy);
+    compare("energy booked", &[a.integration_energy], &[b.integration_energy], energy);
+    compare("work of walls", &a.wall_work, &b.wall_work, energy);
     compare("impulse", &a.external_impulse, &b.external_impulse, b.total.momentum_scale);
     compare("density restored", &[a.mls_energy], &[b.mls_energy], energy);
     let works = |l: &Ledger| -> Vec<f64> {

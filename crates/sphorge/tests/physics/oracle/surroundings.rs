@@ -216,6 +216,14 @@ impl Oracle {
         for i in 0..self.p.len() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, self.external[i]);
         }
+        let power = |wall: &Wall| -> f64 {
+            (0..self.p.len()).map(|i| self.p.mass[i] * dot(self.wall_push(wall, time, i), self.evaluated[i])).sum()
+        };
+        let powers: Vec<f64> = self.model.walls.iter().map(power).collect();
+        self.ledger.wall_work.resize(powers.len(), 0.0);
+        for (work, power) in self.ledger.wall_work.iter_mut().zip(powers) {
+            *work += power * self.dt;
+        }
     }
 
     pub(super) fn mechanical_limit(&self) -> TimeStepLimit {

@@ -1,0 +1,40 @@
+//! When a run is said to be broken.
+
+use crate::raw::RawWarnings;
+use crate::report::Problems;
+use sphorge_engine::model::{STOP_AT_STEPS, WarningKind, WarningLimits};
+use sphorge_physics::parameter::Bound;
+
+/// Limits of the checks.
+pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<WarningLimits> {
+    let mut limits = WarningLimits::default();
+    let numbers = [
+        (WarningKind::PlasticWork, &raw.plastic_work),
+        (WarningKind::NegativeEnergy, &raw.negative_energy),
+        (WarningKind::Hot, &raw.hot),
+        (WarningKind::WallEnergy, &raw.wall_energy),
+        (WarningKind::Pairing, &raw.pairing),
+        (WarningKind::Pieces, &raw.pieces),
+        (WarningKind::LostNeighbors, &raw.lost_neighbors),
+        (WarningKind::FarAway, &raw.far_away),
+        (WarningKind::Compression, &raw.compression),
+        (WarningKind::Expansion, &raw.expansion),
+        (WarningKind::TimeStep, &raw.time_step),
+        (WarningKind::StepsLeft, &raw.steps_left),
+    ];
+    for (kind, given) in numbers {
+        if let Some(given) = given {
+            limits.set(kind, given.within(Bound::NonNegative, problems));
+        }
+    }
+    if let Some(given) = &raw.cold {
+        limits.set(WarningKind::Cold, given.within(Bound::NonNegative, problems));
+    }
+    for word in raw.off.iter().flatten() {
+        if let Some(kind) = word.get(problems) {
+            limits.set(kind, None);
+        }
+    }
+    limits.stop_at_steps = raw.stop_at_steps.as_ref().map_or(Some(STOP_AT_STEPS), |given| given.positive(problems))?;
+    Some(limits)
+}

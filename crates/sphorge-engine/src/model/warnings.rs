@@ -1,0 +1,220 @@
+//! Checks that say of a run that it is broken, and their limits.
+
+/// A check made while a run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum WarningKind {
+    /// More plastic work than energy was supplied.
+    PlasticWork,
+    /// Internal energy below what heat can have left of it.
+    NegativeEnergy,
+    /// A particle colder than absolute zero.
+    Cold,
+    /// A particle hotter than its energy allows.
+    Hot,
+    /// Work of walls that do not move.
+    WallEnergy,
+    /// Particles of one body that have fallen together in pairs.
+    Pairing,
+    /// A body that cannot break in pieces.
+    Pieces,
+    /// Particles of a body that cannot break without the neighbours a gradient needs.
+    LostNeighbors,
+    /// A particle far from where anything can have come.
+    FarAway,
+    /// A density above those the pressure law is made for.
+    Compression,
+    /// A density below those the pressure law is made for.
+    Expansion,
+    /// A time step that has collapsed.
+    TimeStep,
+    /// More steps to go than anybody waits for.
+    StepsLeft,
+}
+
+/// What is known of a check.
+#[derive(Clone, Copy, Debug)]
+pub struct WarningInfo {
+    /// Name in decks and in `summary.json`.
+    pub name: &'static str,
+    /// Unit of the number that is held against the limit, SI, empty for pure numbers.
+    pub unit: &'static str,
+    /// Limit unless the deck gives another.
+    pub limit: f64,
+    /// Whether numbers below the limit are the wrong ones; otherwise those above.
+    pub is_floor: bool,
+    /// What the number is.
+    pub meaning: &'static str,
+    /// What to do about it.
+    pub cure: &'static str,
+}
+
+const fn above(name: &'static str, limit: f64, meaning: &'static str, cure: &'static str) -> WarningInfo {
+    WarningInfo { name, unit: "", limit, is_floor: false, meaning, cure }
+}
+
+const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'static str) -> WarningInfo {
+    WarningInfo { name, unit: "", limit, is_floor: true, meaning, cure }
+}
+
+impl WarningKind {
+    /// Every check.
+    pub const ALL: [Self; 13] = [
+        Self::PlasticWork,
+        Self::NegativeEnergy,
+        Self::Cold,
+        Self::Hot,
+        Self::WallEnergy,
+        Self::Pairing,
+        Self::Pieces,
+        Self::LostNeighbors,
+        Self::FarAway,
+        Self::Compression,
+        Self::Expansion,
+        Self::TimeStep,
+        Self::StepsLeft,
+    ];
+
+    /// What is known of it.
+    pub fn info(self) -> WarningInfo {
+        match self {
+            Self::PlasticWork => above(
+                "plastic-work",
+                1.01,
+                "plastic work over the energy supplied",
+                "refine, or try `search = \"total-lagrangian\"` or `artificial-stress`; stresses and temperatures are not to be used",
+            ),
+            Self::NegativeEnergy => above(
+                "negative-energy",
+                0.01,
+                "internal energy missing below what heat can leave, over the energy supplied",
+                "lower `time.courant`, add artificial viscosity, or set `energy-split = \"own-stress\"`",
+            ),
+            Self::Cold => WarningInfo {
+                unit: "K",
+                ..below(
+                    "cold",
+                    0.0,
+                    "temperature",
+                    "take less heat out at the boundary, or lower `time.courant`; the flow stress at this place is wrong",
+                )
+            },
+            Self::Hot => above(
+                "hot",
+                2.0,
+                "temperature over the one the particle's energy allows",
+                "see `plastic-work`: heat comes from work that nothing has supplied",
+            ),
+            Self::WallEnergy => above(
+                "wall-energy",
+                0.2,
+                "work of walls at rest over the initial kinetic energy",
+                "lower the stiffness or damping of the wall, or `time.courant`, or set a plane of symmetry instead",
+            ),
+            Self::Pairing => above(
+                "pairing",
+                0.1,
+                "share of the particles of a body that lie in pairs",
+                "numerical fracture: use `search = \"total-lagrangian\"`, more `artificial-stress`, or a Wendland kernel",
+            ),
+            Self::Pieces => above(
+                "pieces",
+                0.01,
+                "share of the particles of a body that cannot break that hang together with its largest piece no more",
+                "numerical fracture: see `pairing`; give the material a `spall-pressure` if it is to break",
+            ),
+            Self::LostNeighbors => above(
+                "lost-neighbors",
+                0.001,
+                "share of the particles of a body that cannot break with too few neighbours for a gradient",
+                "numerical fracture: refine, raise `particles.smoothing`, or give the material a `spall-pressure` if it is to break",
+            ),
+            Self::FarAway => above(
+                "far-away",
+                3.0,
+                "distance from the initial bodies over the farthest way at the highest speed given",
+                "lower `time.courant`, soften the contact, or check that bodies do not overlap at the start",
+            ),
+            Self::Compression => above(
+                "compression",
+                1.0,
+                "compression chi = 1 - rho_0/rho over the largest that a shock reaches, 1/S",
+                "lower `time.courant`, soften the contact, or use a pressure law made for such compression",
+            ),
+            Self::Expansion => below(
+                "expansion",
+                0.5,
+                "density over the reference density",
+                "give the material a `spall-pressure`; the pressure law says nothing of matter so thin",
+            ),
+            Self::TimeStep => below(
+                "time-step",
+                1e-3,
+                "time step over the first time step",
+                "look at `dt_reason` in history.csv and at the fastest particle: the solution is breaking down",
+            ),
+            Self::StepsLeft => above(
+                "steps-left",
+                1e8,
+                "steps to the end of the run at the present time step",
+                "raise `time.courant`, `time.max-step` or the spacing, or end the run earlier",
+            ),
+        }
+    }
+
+    /// Name in decks and in `summary.json`.
+    pub fn name(self) -> &'static str {
+        self.info().name
+    }
+}
+
+/// Which checks are made, and their limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WarningLimits {
+    /// By the place in [`WarningKind::ALL`]; none for a check that is not made.
+    limits: [Option<f64>; WarningKind::ALL.len()],
+    /// A run that has more steps than this to go is stopped.
+    pub stop_at_steps: f64,
+}
+
+/// Steps to go at which a run is stopped unless the deck says otherwise: more than a day of the smallest model.
+pub const STOP_AT_STEPS: f64 = 1e10;
+
+impl Default for WarningLimits {
+    fn default() -> Self {
+        Self { limits: WarningKind::ALL.map(|kind| Some(kind.info().limit)), stop_at_steps: STOP_AT_STEPS }
+    }
+}
+
+impl WarningLimits {
+    /// The limit of a check; none if it is not made.
+    pub fn of(&self, kind: WarningKind) -> Option<f64> {
+        self.limits[kind as usize]
+    }
+
+    /// Sets the limit of a check, or turns it off.
+    pub fn set(&mut self, kind: WarningKind, limit: Option<f64>) {
+        self.limits[kind as usize] = limit;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_check_stands_at_its_own_place_under_its_own_name() {
+        for (k, kind) in WarningKind::ALL.into_iter().enumerate() {
+            assert_eq!(kind as usize, k);
+            assert!(WarningKind::ALL[..k].iter().all(|other| other.name() != kind.name()), "{}", kind.name());
+        }
+    }
+
+    #[test]
+    fn a_limit_that_is_set_is_that_of_its_check_alone() {
+        let mut limits = WarningLimits::default();
+        limits.set(WarningKind::Hot, Some(5.0));
+        limits.set(WarningKind::Pairing, None);
+        assert_eq!((limits.of(WarningKind::Hot), limits.of(WarningKind::Pairing)), (Some(5.0), None));
+        assert_eq!(limits.of(WarningKind::Cold), Some(0.0));
+    }
+}

@@ -1,0 +1,291 @@
+use super::*;
+use crate::model::{
+    Arrangement, Body, BodyContact, Dimensions, Formulation, HeatBoundary, Lattice, LatticePlacement, NO_HEATING,
+    Numerics, OutputControl, Search, Shape, Solid, Thermal, TimeControl, Transform,
+};
+use crate::reduction::{Reduction, evaluate as reduce};
+use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, return_mapping::ReturnRule};
+
+/// Density 8000, sound speed 4000, and for `mie-gruneisen` S = 2, Gamma = 1; specific heat 400; reference temperature 300 K.
+fn material(law: &str) -> Material {
+    let law = EQUATIONS_OF_STATE.iter().find(|entry| entry.key == law).unwrap();
+    let elastic = FLOW_LAWS.iter().find(|entry| entry.key == "elastic").unwrap();
+    Material {
+        name: String::new(),
+        reference: String::new(),
+        density: 8000.0,
+        shear_modulus: 80e9,
+        equation_of_state: (law.build)(&[8000.0, 4000.0, 2.0, 1.0][..law.parameters.len()]),
+        flow_law: (elastic.build)(&[]),
+        return_rule: ReturnRule::RadialReturn,
+        specific_heat: 400.0,
+        conductivity: 0.0,
+        taylor_quinney: 0.9,
+        spall_pressure: f64::INFINITY,
+        reference_temperature: 300.0,
+    }
+}
+
+/// Bodies of one material each, in two dimensions, spacing 1 m.
+fn model(materials: Vec<Material>) -> Model {
+    let body = |material| Body {
+        name: String::new(),
+        material,
+        shape: Shape {
+            solid: Solid::Ball { centre: [0.0; 3], radius: 1.0, inner_radius: 0.0 },
+            transform: Transform::default(),
+        },
+        lattice: Lattice { arrangement: Arrangement::Square, placement: LatticePlacement::CellCentres },
+        spacing: 1.0,
+        smoothing_length: 1.2,
+        velocity: [0.0; 3],
+        spin: [0.0; 3],
+        spin_centre: [0.0; 3],
+        velocity_gradient: [[0.0; 3]; 3],
+        gradient_centre: [0.0; 3],
+        velocity_profile: None,
+        temperature: 300.0,
+    };
+    Model {
+        title: String::new(),
+        name: String::new(),
+        dimensions: Dimensions::PlaneStrain,
+        spacing: 1.0,
+        numerics: Numerics {
+            kernel: Default::default(),
+            integrator: Default::default(),
+            precision: Default::default(),
+            pair_form: Default::default(),
+            gradient_correction: Default::default(),
+            viscosity_alpha: 1.0,
+            viscosity_beta: 1.0,
+            balsara: false,
+            artificial_stress: None,
+            xsph: 0.0,
+            mls_interval: None,
+            energy_split: Default::default(),
+            smoothing_length: Default::default(),
+            temperature: Default::default(),
+        },
+        formulation: Formulation::UpdatedLagrangian,
+        search: Search::EveryStep,
+        audit: None,
+        time: TimeControl {
+            end: 1.0,
+            courant: 0.3,
+            max_step: None,
+            fixed_step: None,
+            stop_kinetic_fraction: None,
+            max_steps: None,
+        },
+        bodies: (0..materials.len()).map(body).collect(),
+        materials,
+        contact: BodyContact::Sph,
+        thermal: Thermal::default(),
+        regions: Vec::new(),
+        walls: Vec::new(),
+        symmetry: Vec::new(),
+        periodic: [None; 3],
+        motions: Vec::new(),
+        gravity: [0.0; 3],
+        output: OutputControl { frame_interval: 1.0, history_interval: 1.0, fields: Vec::new() },
+        measures: Vec::new(),
+        tracers: Vec::new(),
+        sections: Vec::new(),
+        warnings: Default::default(),
+    }
+}
+
+/// Particles at these places, at rest, of mass 8000 and as dense as the material: local spacing 1 m.
+fn particles(places: &[[f64; 2]]) -> Particles {
+    let mut p = Particles::new(places.len());
+    for (i, place) in places.iter().enumerate() {
+        // Ids do not follow the order of the columns.
+        p.id[i] = (places.len() - 1 - i) as u32;
+        p.position[i] = [place[0], place[1], 0.0];
+        (p.mass[i], p.density[i], p.temperature[i]) = (8000.0, 8000.0, 300.0);
+        p.neighbors[i] = 8;
+    }
+    p
+}
+
+fn find(suspicion: Suspicion, model: &Model, p: &Particles) -> Vec<Suspects> {
+    Suspects::of(&reduce(&Reduction::Suspects(suspicion), model, p))
+}
+
+/// A row of particles a metre apart.
+fn row(count: usize) -> Particles {
+    particles(&(0..count).map(|k| [k as f64, 0.0]).collect::<Vec<_>>())
+}
+
+#[test]
+fn the_coldest_is_named_and_each_body_counts_for_itself() {
+    let model = model(vec![material("linear"), material("linear")]);
+    let mut p = row(4);
+    p.body = vec![0, 1, 1, 1];
+    p.temperature = vec![-1.0, -2.0, -5.0, 0.0];
+    let found = find(Suspicion::Cold(0.0), &model, &p);
+    assert_eq!(found[0], Suspects { particles: 1, suspects: 1, worst: Some((-1.0, 3, [0.0; 3])) });
+    assert_eq!(found[1], Suspects { particles: 3, suspects: 2, worst: Some((-5.0, 1, [2.0, 0.0, 0.0])) });
+    // Of equals the one with the least id.
+    p.temperature[3] = -5.0;
+    assert_eq!(find(Suspicion::Cold(0.0), &model, &p)[1].worst.unwrap().1, 0);
+    assert_eq!(find(Suspicion::Cold(-9.0), &model, &p)[1], Suspects { particles: 3, suspects: 0, worst: None });
+}
+
+#[test]
+fn heat_is_held_against_the_energy() {
+    let mut model = model(vec![material("linear")]);
+    let mut p = row(3);
+    // 40 kJ/kg over 400 J/(kg K) is 100 K over the 300 K of the start.
+    p.energy = vec![40e3, -1e9, 0.0];
+    p.temperature = vec![800.0, 330.0, 299.0];
+    let found = find(Suspicion::Hot(1.5), &model, &p);
+    assert_eq!((found[0].suspects, found[0].worst.unwrap().0), (1, 2.0));
+    let found = find(Suspicion::Hot(1.05), &model, &p);
+    assert_eq!(found[0].suspects, 2);
+    // What a boundary keeps at 900 K may be as warm, where heat flows.
+    let kind = HeatBoundaryKind::HeldTemperature(900.0);
+    model.thermal.boundaries = vec![HeatBoundary { name: String::new(), body: None, region: None, kind }];
+    assert_eq!(find(Suspicion::Hot(1.05), &model, &p)[0].suspects, 2);
+    model.thermal.conduction = true;
+    assert_eq!(find(Suspicion::Hot(1.05), &model, &p)[0].suspects, 0);
+    model.thermal.conduction = false;
+    model.materials[0].specific_heat = NO_HEATING;
+    assert_eq!(find(Suspicion::Hot(1.05), &model, &p)[0].suspects, 0);
+}
+
+#[test]
+fn compression_is_held_against_what_a_shock_reaches() {
+    // S = 2: chi = 0.5, twice the density.
+    let model = model(vec![material("mie-gruneisen"), material("linear")]);
+    let mut p = row(4);
+    p.material = vec![0, 0, 1, 1];
+    p.body = p.material.clone();
+    p.density = vec![8000.0 / 0.45, 8000.0 / 0.55, 8000.0 / 0.45, 8000.0];
+    let found = find(Suspicion::Compressed(1.0), &model, &p);
+    let worst = found[0].worst.unwrap();
+    assert_eq!((found[0].suspects, worst.1, found[1].suspects), (1, 3, 0));
+    assert!((worst.0 - 1.1).abs() < 1e-12);
+    assert_eq!(find(Suspicion::Compressed(0.5), &model, &p)[1].suspects, 1);
+}
+
+#[test]
+fn expansion_is_held_against_the_density_at_rest() {
+    let model = model(vec![material("linear")]);
+    let mut p = row(3);
+    p.density = vec![4100.0, 2000.0, 3900.0];
+    let found = find(Suspicion::Expanded(0.5), &model, &p);
+    assert_eq!((found[0].suspects, found[0].worst.unwrap().0), (2, 0.25));
+}
+
+#[test]
+fn who_is_far_is_so_from_the_box() {
+    let model = model(vec![material("linear")]);
+    let p = particles(&[[0.5, 0.5], [4.0, 5.0], [-1.5, 0.0], [0.0, 100.0]]);
+    let square = |high: [f64; 3]| Suspicion::Away { low: [0.0; 3], high, limit: 2.0 };
+    let found = find(square([1.0, 1.0, 0.0]), &model, &p);
+    assert_eq!((found[0].suspects, found[0].worst.unwrap().0), (2, 99.0));
+    let found = find(square([1.0, f64::INFINITY, 0.0]), &model, &p);
+    assert_eq!((found[0].suspects, found[0].worst.unwrap().0), (1, 3.0));
+}
+
+#[test]
+fn the_lonely_count_where_nothing_can_break() {
+    let mut model = model(vec![material("linear"), material("linear")]);
+    model.materials[1].spall_pressure = 1e9;
+    let mut p = row(4);
+    p.neighbors = vec![2, 3, 0, 0];
+    (p.body, p.material) = (vec![0, 0, 0, 1], vec![0, 0, 0, 1]);
+    let found = find(Suspicion::Lonely, &model, &p);
+    assert_eq!((found[0].particles, found[0].suspects, found[0].worst.unwrap().0), (3, 2, 0.0));
+    assert_eq!((found[1].particles, found[1].suspects), (0, 0));
+    model.dimensions = Dimensions::One;
+    p.neighbors[2] = 2;
+    assert_eq!(find(Suspicion::Lonely, &model, &p)[0].suspects, 0);
+}
+
+#[test]
+fn what_is_in_pieces_is_told_from_the_largest() {
+    let mut model = model(vec![material("linear"), material("linear")]);
+    // Support of two smoothing lengths of 1.2: gaps of 2 hold, of 2.5 do not.
+    let mut p = particles(&[[0.0, 0.0], [1.0, 0.0], [9.0, 0.0], [3.0, 0.0], [5.5, 0.0], [6.5, 0.0], [20.0, 0.0]]);
+    p.smoothing_length.fill(1.2);
+    (p.body, p.material) = (vec![0, 0, 0, 0, 0, 0, 1], vec![0, 0, 0, 0, 0, 0, 1]);
+    let found = find(Suspicion::Apart, &model, &p);
+    // Three, two and one; of those apart, the two are worse. Of these the one with the lower id.
+    assert_eq!((found[0].particles, found[0].suspects), (6, 3));
+    assert_eq!(found[0].worst, Some((2.0, 1, [6.5, 0.0, 0.0])));
+    assert_eq!((found[1].particles, found[1].suspects), (1, 0));
+    // A wider kernel of one of the two holds them.
+    p.smoothing_length[4] = 1.3;
+    assert_eq!(find(Suspicion::Apart, &model, &p)[0].suspects, 1);
+    // Another body between does not.
+    p.smoothing_length[4] = 1.2;
+    p.position[6][0] = 4.2;
+    assert_eq!(find(Suspicion::Apart, &model, &p)[0].suspects, 3);
+    model.materials[0].spall_pressure = 1e9;
+    assert_eq!(find(Suspicion::Apart, &model, &p)[0].particles, 0);
+}
+
+/// Eight by eight particles with these distances along the axes; every second row is moved towards the one below.
+fn block(dx: f64, dy: f64, towards: f64) -> Particles {
+    let place = |k: usize| [(k % 8) as f64 * dx, (k / 8) as f64 * dy - if k / 8 % 2 == 1 { towards } else { 0.0 }];
+    particles(&(0..64).map(place).collect::<Vec<_>>())
+}
+
+#[test]
+fn rows_that_have_fallen_together_are_pairs() {
+    let model = model(vec![material("linear")]);
+    let found = find(Suspicion::Paired, &model, &block(1.0, 1.0, 0.55));
+    assert_eq!(found[0].suspects, 64);
+    assert!((found[0].worst.unwrap().0 - 0.45).abs() < 1e-12);
+    // Not yet.
+    assert_eq!(find(Suspicion::Paired, &model, &block(1.0, 1.0, 0.15))[0].suspects, 0);
+}
+
+#[test]
+fn a_lattice_that_has_flowed_is_no_pair() {
+    let model = model(vec![material("linear")]);
+    // Flattened to 0.4 of its height at constant volume: near neighbours on both sides.
+    assert_eq!(find(Suspicion::Paired, &model, &block(2.5, 0.4, 0.0))[0].suspects, 0);
+    // Compressed fourfold in area: the spacing is what the density says.
+    let mut p = block(0.5, 0.5, 0.0);
+    p.density.fill(4.0 * 8000.0);
+    assert_eq!(find(Suspicion::Paired, &model, &p)[0].suspects, 0);
+    // Rows that are nearer by twos, but at 0.82 of the spacing that the density says.
+    let mut p = block(0.6, 0.505, 0.095);
+    p.density.fill(4.0 * 8000.0);
+    assert_eq!(find(Suspicion::Paired, &model, &p)[0].suspects, 0);
+    // Rows that fall together in it are still seen.
+    let mut p = block(0.5, 0.5, 0.275);
+    p.density.fill(4.0 * 8000.0);
+    assert_eq!(find(Suspicion::Paired, &model, &p)[0].suspects, 64);
+}
+
+#[test]
+fn only_particles_of_one_body_that_choose_each_other_pair() {
+    let model = model(vec![material("linear"), material("linear")]);
+    let mut p = particles(&[[0.0, 0.0], [0.4, 0.0], [9.0, 0.0], [9.4, 0.0]]);
+    p.body = vec![0, 1, 0, 0];
+    let found = find(Suspicion::Paired, &model, &p);
+    assert_eq!((found[0].suspects, found[1].suspects), (2, 0));
+    // Three in a row: the middle one has one on either side.
+    let p = particles(&[[0.0, 0.0], [0.4, 0.0], [0.85, 0.0]]);
+    assert_eq!(find(Suspicion::Paired, &model, &p)[0].suspects, 0);
+}
+
+#[test]
+fn any_number_of_threads_finds_the_same() {
+    let model = model(vec![material("linear")]);
+    let mut p = row(3 * CHUNK + 5);
+    for i in 0..p.len() {
+        p.temperature[i] = -((i * 7919 % 97) as f64);
+    }
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| reduce(&Reduction::Suspects(Suspicion::Cold(-3.0)), &model, &p))
+    };
+    assert_eq!(with(1), with(4));
+    assert_eq!(with(1)[2], -96.0);
+}

@@ -1,0 +1,469 @@
+//! Checks that say of a run that it is broken.
+//!
+//! Sums of the ledger are looked at in every row of the history, particles at most every [`PARTICLE_STEPS`] steps, pairs of particles,
+//! which need a search, at most every [`PAIR_STEPS`], pieces of bodies every [`PIECE_STEPS`]: all of it is less than a hundredth of the work of the steps. What a check says, and
+//! what to do about it, is in `docs/warnings.md`.
+
+use crate::{
+    engine::{
+        Ledger, ParticleSource, Quantity, Reduction, RunFailure, Simulation, StepReport,
+        persist::{Archive, ArchiveError, Persist, persist_all, persist_option, require},
+        persist_fields,
+        reduction::{Suspects, Suspicion},
+    },
+    model::{
+        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, TemperatureSource, TimeTable,
+        WarningKind, WarningLimits,
+    },
+    output::WarningRecord,
+};
+
+/// Steps between two looks at the particles.
+const PARTICLE_STEPS: u64 = 20;
+/// Steps between two searches for pairs.
+const PAIR_STEPS: u64 = 200;
+/// Steps between two looks for pieces, a search on one thread.
+const PIECE_STEPS: u64 = 500;
+/// Steps in a row with too many to go after which a run is stopped: a step may be short for once.
+const HOPELESS_STEPS: u64 = 100;
+/// Energy that counts as none, over that of the whole mass at the square of its sound speed.
+const NO_ENERGY: f64 = 1e-12;
+/// Largest number a share of next to nothing is said to be.
+const LARGEST: f64 = 1e6;
+
+/// Follows a run and says when it is broken.
+pub(super) struct Watch {
+    limits: WarningLimits,
+    start: Option<Start>,
+    supply: Supply,
+    /// What was seen, in the order it was first.
+    seen: Vec<Seen>,
+    /// How many of them have been told.
+    told: usize,
+    particles_at: Option<u64>,
+    pairs_at: Option<u64>,
+    pieces_at: Option<u64>,
+    /// Size of the first step, s.
+    first_step: Option<f64>,
+    hopeless_steps: u64,
+}
+
+/// The state that others are held against.
+#[derive(Clone, Debug, Default)]
+struct Start {
+    kinetic: f64,
+    internal: f64,
+    external_work: f64,
+    /// Energy that is next to nothing, J.
+    nothing: f64,
+    /// Corners of the box around all particles, m, and the highest speed given, m/s.
+    low: [f64; 3],
+    high: [f64; 3],
+    speed: f64,
+    /// Share of the particles of each body that had too few neighbours.
+    lonely: Vec<f64>,
+    /// Share that was not part of its largest piece.
+    apart: Vec<f64>,
+}
+
+/// The largest so far of what supplies energy, J: plastic work stays when a wall takes back what it gave.
+#[derive(Clone, Copy, Debug, Default)]
+struct Supply {
+    work: f64,
+    heat: f64,
+}
+
+/// A warning.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    /// Place of the check in [`WarningKind::ALL`].
+    kind: u8,
+    step: u64,
+    time: f64,
+    particle: Option<u32>,
+    body: Option<u32>,
+    position: Option<[f64; 3]>,
+    /// The worst number so far, and when it was.
+    worst: f64,
+    worst_time: f64,
+}
+
+persist_fields!(Start { kinetic, internal, external_work, nothing, low, high, speed, lonely, apart });
+persist_fields!(Supply { work, heat });
+persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time });
+
+/// Where something was seen.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    particle: Option<u32>,
+    body: Option<usize>,
+    position: Option<[f64; 3]>,
+}
+
+impl Place {
+    fn of(worst: (f64, u32, [f64; 3]), body: usize) -> Self {
+        Self { particle: Some(worst.1), body: Some(body), position: Some(worst.2) }
+    }
+}
+
+impl Watch {
+    pub(super) fn new(model: &Model) -> Self {
+        Self {
+            limits: model.warnings.clone(),
+            start: None,
+            supply: Supply::default(),
+            seen: Vec::new(),
+            told: 0,
+            particles_at: None,
+            pairs_at: None,
+            pieces_at: None,
+            first_step: None,
+            hopeless_steps: 0,
+        }
+    }
+
+    /// Number of checks that have something to say.
+    pub(super) fn count(&self) -> usize {
+        self.seen.len()
+    }
+
+    /// What was seen so far.
+    pub(super) fn records(&self, model: &Model) -> Vec<WarningRecord> {
+        self.seen.iter().map(|seen| self.record(seen, model)).collect()
+    }
+
+    /// What was seen and has not been told.
+    pub(super) fn news(&mut self, model: &Model) -> Vec<WarningRecord> {
+        let news = self.seen[self.told..].iter().map(|seen| self.record(seen, model)).collect();
+        self.told = self.seen.len();
+        news
+    }
+
+    /// Looks at a state whose ledger is given; `thoroughly` at all of it, however short the time since the last look.
+    pub(super) fn look(&mut self, engine: &Simulation, ledger: &Ledger, thoroughly: bool) -> Result<(), RunFailure> {
+        if self.start.is_none() {
+            self.start = Some(Start::of(engine, ledger)?);
+        }
+        let clock = Clock { step: engine.steps(), time: engine.time() };
+        self.look_at_ledger(engine.model(), ledger, clock);
+        let due = |last: Option<u64>, interval: u64| {
+            last.is_none_or(|last| clock.step >= last + interval || thoroughly && clock.step > last)
+        };
+        if due(self.particles_at, PARTICLE_STEPS) {
+            self.particles_at = Some(clock.step);
+            self.look_at_particles(engine, engine.model(), clock)?;
+        }
+        // Sums over the neighbours of the start know neither an instability in tension nor a neighbour that is lost.
+        if engine.model().formulation != Formulation::UpdatedLagrangian {
+            return Ok(());
+        }
+        if due(self.pairs_at, PAIR_STEPS) {
+            self.pairs_at = Some(clock.step);
+            self.look_at_pairs(engine, clock)?;
+        }
+        // Particles that leave a periodic cell come in at its other end, far from their piece.
+        let is_open = engine.model().periodic.iter().all(Option::is_none);
+        if is_open && due(self.pieces_at, PIECE_STEPS) {
+            self.pieces_at = Some(clock.step);
+            self.look_at_losses(engine, WarningKind::Pieces, clock)?;
+        }
+        Ok(())
+    }
+
+    /// Looks at the size of the next step, before the first and after every step; fails where the run would not end.
+    pub(super) fn step(&mut self, model: &Model, dt: f64, step: u64, time: f64) -> Result<(), RunFailure> {
+        let clock = Clock { step, time };
+        let first = *self.first_step.get_or_insert(dt);
+        self.hold(WarningKind::TimeStep, dt / first, Place::default(), clock);
+        let left = (model.time.end - time) / dt;
+        self.hold(WarningKind::StepsLeft, left, Place::default(), clock);
+        // The deck may end the run before.
+        let asked = model.time.max_steps.map_or(left, |most| left.min(most.saturating_sub(step) as f64));
+        if asked > self.limits.stop_at_steps {
+            self.hopeless_steps += 1;
+        } else {
+            self.hopeless_steps = 0;
+        }
+        if self.hopeless_steps < HOPELESS_STEPS {
+            return Ok(());
+        }
+        Err(RunFailure {
+            step,
+            time,
+            field: "time step",
+            ..RunFailure::of_engine(format!(
+                "the time step is {dt:.3e} s, so that {left:.1e} steps are left to the end: the run would not end; raise \
+                 `time.courant` or `time.max-step`, or `warnings.stop-at-steps` to go on"
+            ))
+        })
+    }
+
+    fn look_at_ledger(&mut self, model: &Model, ledger: &Ledger, clock: Clock) {
+        let Some(start) = &self.start else { return };
+        self.supply.work = self.supply.work.max(ledger.external_work - start.external_work);
+        self.supply.heat = self.supply.heat.max(ledger.boundary_heat());
+        let supplied = start.kinetic + start.internal.max(0.0) + self.supply.work + self.supply.heat;
+        let (nothing, kinetic) = (start.nothing, start.kinetic);
+        // A share of next to nothing is no number for people.
+        let share =
+            |amount: f64, of: f64| if amount.abs() <= nothing { 0.0 } else { amount / of.max(amount.abs() / LARGEST) };
+        let plastic = share(ledger.total.energies.plastic_work, supplied);
+        self.hold(WarningKind::PlasticWork, plastic, Place::default(), clock);
+
+        let floors: Vec<f64> =
+            (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * least_energy(model, body)).collect();
+        let floor = floors.iter().sum::<f64>();
+        // Heat that may leave is in play as well.
+        let in_play = supplied - floor;
+        let mut worst = (share(floor - ledger.total.energies.internal, in_play), Place::default());
+        for (body, (sums, floor)) in ledger.bodies.iter().zip(&floors).enumerate() {
+            let missing = share(floor - sums.energies.internal, in_play);
+            if missing > worst.0 {
+                worst = (missing, Place { body: Some(body), ..Place::default() });
+            }
+        }
+        self.hold(WarningKind::NegativeEnergy, worst.0, worst.1, clock);
+
+        let resting = model.walls.iter().zip(&ledger.wall_work).filter(|(wall, _)| wall.velocity.iter().all(is_zero));
+        let taken = resting.map(|(_, work)| work).sum::<f64>();
+        // Without motion at the start there is nothing to hold it against.
+        if kinetic > nothing {
+            self.hold(WarningKind::WallEnergy, taken.abs() / kinetic, Place::default(), clock);
+        }
+    }
+
+    fn look_at_particles(
+        &mut self,
+        source: &dyn ParticleSource,
+        model: &Model,
+        clock: Clock,
+    ) -> Result<(), RunFailure> {
+        let Some(start) = &self.start else { return Ok(()) };
+        let gravity = model.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let length = (0..3).map(|a| (start.high[a] - start.low[a]).powi(2)).sum::<f64>().sqrt();
+        let reach = length + start.speed * clock.time + 0.5 * gravity * clock.time.powi(2);
+        // Along a periodic axis nothing gets away.
+        let side =
+            |corner: [f64; 3], open: f64| [0, 1, 2].map(|a| if model.periodic[a].is_some() { open } else { corner[a] });
+        let (low, high) = (side(start.low, f64::NEG_INFINITY), side(start.high, f64::INFINITY));
+        let of = |kind: WarningKind, limit: f64| {
+            Some(match kind {
+                WarningKind::Cold => (Suspicion::Cold(limit), 1.0),
+                WarningKind::Hot => (Suspicion::Hot(limit), 1.0),
+                WarningKind::Compression => (Suspicion::Compressed(limit), 1.0),
+                WarningKind::Expansion => (Suspicion::Expanded(limit), 1.0),
+                WarningKind::FarAway if reach > 0.0 => (Suspicion::Away { low, high, limit: limit * reach }, reach),
+                _ => return None,
+            })
+        };
+        for kind in WarningKind::ALL {
+            let Some((suspicion, scale)) = self.limits.of(kind).and_then(|limit| of(kind, limit)) else { continue };
+            let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
+            for (body, worst) in bodies.iter().enumerate().filter_map(|(body, found)| Some((body, found.worst?))) {
+                self.hold(kind, worst.0 / scale, Place::of(worst, body), clock);
+            }
+        }
+        self.look_at_losses(source, WarningKind::LostNeighbors, clock)
+    }
+
+    /// Looks for the share of particles that a body has lost since the start in a way it cannot.
+    fn look_at_losses(
+        &mut self,
+        source: &dyn ParticleSource,
+        kind: WarningKind,
+        clock: Clock,
+    ) -> Result<(), RunFailure> {
+        let suspicion = if kind == WarningKind::Pieces { Suspicion::Apart } else { Suspicion::Lonely };
+        if self.limits.of(kind).is_none() {
+            return Ok(());
+        }
+        let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
+        let Some(start) = &mut self.start else { return Ok(()) };
+        let before = if kind == WarningKind::Pieces { &mut start.apart } else { &mut start.lonely };
+        if before.is_empty() {
+            *before = bodies.iter().map(share_of).collect();
+        }
+        let before = before.clone();
+        for (body, found) in bodies.iter().enumerate() {
+            let more = share_of(found) - before.get(body).copied().unwrap_or(0.0);
+            if let Some(worst) = found.worst {
+                self.hold(kind, more, Place::of(worst, body), clock);
+            }
+        }
+        Ok(())
+    }
+
+    fn look_at_pairs(&mut self, source: &dyn ParticleSource, clock: Clock) -> Result<(), RunFailure> {
+        if self.limits.of(WarningKind::Pairing).is_none() {
+            return Ok(());
+        }
+        let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(Suspicion::Paired))?);
+        for (body, found) in bodies.iter().enumerate() {
+            if let Some(worst) = found.worst {
+                self.hold(WarningKind::Pairing, share_of(found), Place::of(worst, body), clock);
+            }
+        }
+        Ok(())
+    }
+
+    /// Holds a number against the limit of its check.
+    fn hold(&mut self, kind: WarningKind, number: f64, place: Place, clock: Clock) {
+        let info = kind.info();
+        let worse = |a: f64, b: f64| if info.is_floor { a < b } else { a > b };
+        if self.limits.of(kind).is_none_or(|limit| !worse(number, limit)) {
+            return;
+        }
+        // JSON has no words for what is not finite.
+        let number = number.clamp(-f64::MAX, f64::MAX);
+        let Place { particle, body, position } = place;
+        match self.seen.iter_mut().find(|seen| seen.kind == kind as u8) {
+            Some(seen) if worse(number, seen.worst) => (seen.worst, seen.worst_time) = (number, clock.time),
+            Some(_) => {}
+            None => self.seen.push(Seen {
+                kind: kind as u8,
+                step: clock.step,
+                time: clock.time,
+                particle,
+                body: body.map(|body| body as u32),
+                position,
+                worst: number,
+                worst_time: clock.time,
+            }),
+        }
+    }
+
+    fn record(&self, seen: &Seen, model: &Model) -> WarningRecord {
+        let kind = WarningKind::ALL[usize::from(seen.kind)];
+        let info = kind.info();
+        WarningRecord {
+            name: info.name.to_owned(),
+            meaning: info.meaning.to_owned(),
+            value: seen.worst,
+            value_time: seen.worst_time,
+            limit: self.limits.of(kind).unwrap_or(info.limit),
+            unit: info.unit.to_owned(),
+            step: seen.step,
+            time: seen.time,
+            particle: seen.particle,
+            body: seen.body.and_then(|body| model.bodies.get(body as usize)).map(|body| body.name.clone()),
+            position: seen.position,
+            cure: info.cure.to_owned(),
+        }
+    }
+}
+
+/// When something is looked at.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    step: u64,
+    time: f64,
+}
+
+impl Start {
+    fn of(engine: &Simulation, ledger: &Ledger) -> Result<Self, RunFailure> {
+        let model = engine.model();
+        let all = ParticleSelection::default();
+        let extremum = |field, component, extremum| -> Result<f64, RunFailure> {
+            let quantity = Quantity { field, component };
+            let found = engine.reduce(&Reduction::Extremum { of: &all, quantity, extremum })?;
+            Ok(found.first().copied().unwrap_or(0.0))
+        };
+        let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            low[axis] = extremum("position", Some(axis), Extremum::Minimum)?;
+            high[axis] = extremum("position", Some(axis), Extremum::Maximum)?;
+        }
+        let energy = |body: usize| {
+            let speed = model
+                .materials
+                .get(model.bodies[body].material)
+                .map_or(0.0, |material| material.equation_of_state.reference_sound_speed());
+            ledger.bodies[body].mass * speed * speed
+        };
+        let bodies = model.bodies.len().min(ledger.bodies.len());
+        Ok(Self {
+            kinetic: ledger.total.energies.kinetic,
+            internal: ledger.total.energies.internal,
+            // Regions that are driven from the start have been given their velocity: it is in the kinetic energy.
+            external_work: ledger.external_work,
+            nothing: NO_ENERGY * (0..bodies).map(energy).sum::<f64>(),
+            low,
+            high,
+            speed: extremum("speed", None, Extremum::Maximum)?.max(driven_speed(model)),
+            lonely: Vec::new(),
+            apart: Vec::new(),
+        })
+    }
+}
+
+/// The highest speed that walls and driven regions have, m/s.
+fn driven_speed(model: &Model) -> f64 {
+    let largest = |table: &TimeTable| table.points.iter().map(|point| point.1.abs()).fold(0.0, f64::max);
+    let norm = |axes: [f64; 3]| axes.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let of_wall = model.walls.iter().map(|wall| norm([0, 1, 2].map(|a| largest(&wall.velocity[a]))));
+    let of_motion = model.motions.iter().map(|motion| {
+        norm([0, 1, 2].map(|a| match &motion.axes[a] {
+            MotionAxis::Free => 0.0,
+            MotionAxis::Velocity(table) => largest(table),
+        }))
+    });
+    of_wall.chain(of_motion).fold(0.0, f64::max)
+}
+
+fn is_zero(table: &TimeTable) -> bool {
+    table.points.iter().all(|point| point.1 == 0.0)
+}
+
+/// Specific internal energy that heat can leave a body, J/kg, zero or less: that of the coldest that anything starts with or a boundary
+/// has. It is zero where that is the temperature of no internal energy: the reference temperature if temperature is that of the energy, else
+/// that the body starts with.
+fn least_energy(model: &Model, body: usize) -> f64 {
+    let Some(body) = model.bodies.get(body) else { return 0.0 };
+    let Some(material) = model.materials.get(body.material).filter(|material| material.heats()) else { return 0.0 };
+    let mut coldest = body.temperature;
+    if model.thermal.conduction {
+        let bodies = model.bodies.iter().map(|body| body.temperature);
+        let boundaries = model.thermal.boundaries.iter().map(|boundary| match boundary.kind {
+            HeatBoundaryKind::HeldTemperature(t) | HeatBoundaryKind::SurfaceTemperature(t) => t,
+            HeatBoundaryKind::Convection { ambient, .. } => ambient,
+            HeatBoundaryKind::Flux(flux) if flux < 0.0 => 0.0,
+            HeatBoundaryKind::Flux(_) => f64::INFINITY,
+        });
+        coldest = bodies.chain(boundaries).fold(coldest, f64::min);
+    }
+    let of_no_energy = match model.numerics.temperature {
+        TemperatureSource::Energy => material.reference_temperature,
+        TemperatureSource::PlasticWork => body.temperature,
+    };
+    material.specific_heat * (coldest - of_no_energy).min(0.0)
+}
+
+fn share_of(found: &Suspects) -> f64 {
+    found.suspects as f64 / found.particles.max(1) as f64
+}
+
+/// Size of a step that says what limits the run; none where it was cut for an output time.
+pub(super) fn telling(report: &StepReport) -> Option<f64> {
+    (report.reason != crate::engine::LimitReason::Output).then_some(report.dt)
+}
+
+impl Persist for Watch {
+    /// Limits are those of the model.
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let of = |field: &str| format!("{name}.{field}");
+        persist_option(&mut self.start, &of("start"), archive)?;
+        self.supply.persist(&of("supply"), archive)?;
+        persist_all(&mut self.seen, &of("seen"), archive)?;
+        self.told.persist(&of("told"), archive)?;
+        self.particles_at.persist(&of("particles_at"), archive)?;
+        self.pairs_at.persist(&of("pairs_at"), archive)?;
+        self.pieces_at.persist(&of("pieces_at"), archive)?;
+        self.first_step.persist(&of("first_step"), archive)?;
+        self.hopeless_steps.persist(&of("hopeless_steps"), archive)?;
+        let known = self.seen.iter().all(|seen| usize::from(seen.kind) < WarningKind::ALL.len());
+        require(archive.is_saving() || known && self.told <= self.seen.len(), &of("seen"))
+    }
+}
+
+#[cfg(test)]
+mod tests;
