@@ -309,6 +309,11 @@ impl<T: PairScalar> CpuEngine<T> {
                 };
                 record[force::H] = T::of(smoothing_length[i]);
             }
+            if numerics.xsph != 0.0 {
+                for (k, (extra, record)) in extras.iter_mut().zip(&*records).enumerate() {
+                    extra[extra::MASS_PER_WEIGHT] = T::of(mass[first + k] / record[force::WEIGHT].to_f64());
+                }
+            }
             if numerics.balsara {
                 for (k, record) in extras.iter_mut().enumerate() {
                     let (l, h) = (&velocity_gradient[first + k], smoothing_length[first + k]);

@@ -252,7 +252,7 @@ impl<L: Lanes> Sums<L> {
             (stress_vector::<L, D>(&symmetric(&own.record, S), x), stress_vector::<L, D>(&symmetric(&state_j, 0), x))
         };
         let mut artificial_stress = [L::zero(); 3];
-        if terms.balsara || terms.artificial_stress.is_some() {
+        if terms.balsara || terms.artificial_stress.is_some() || terms.xsph {
             let extra_j: [L; extra::LEN] = L::gather(&records.extra, indices);
             if terms.balsara {
                 pi = switched(pi, own.extra[extra::BALSARA], extra_j[extra::BALSARA]);
@@ -262,14 +262,14 @@ impl<L: Lanes> Sums<L> {
                 let (r_i, r_j) = (symmetric(&own.extra, extra::R), symmetric(&extra_j, extra::R));
                 artificial_stress = artificial_stress::pair_vector::<L, D>(r_i, r_j, factor, x);
             }
+            if terms.xsph {
+                let weight = xsph_weight(pair.kernel, extra_j[extra::MASS_PER_WEIGHT], inverse_density);
+                add_xsph::<L, D>(&mut self.xsph, &pair.v, weight);
+            }
         }
         let force =
             PairForce { x: *x, v: pair.v, own_stress, other_stress, artificial_stress, pi, weighted_f: pair.r2 };
         self.forces.add::<D>(terms.energy_split, &force);
-        if terms.xsph {
-            let weight = xsph_weight(terms.pair_form, pair.kernel, inverse_density, density_j);
-            add_xsph::<L, D>(&mut self.xsph, &pair.v, weight);
-        }
     }
 
     /// All lanes together.

@@ -53,7 +53,7 @@ pub(super) mod force {
     };
 }
 
-/// Entries of an extra record, read only when artificial stress or the Balsara switch is on.
+/// Entries of an extra record, read only when artificial stress, the Balsara switch or XSPH is on.
 pub(super) mod extra {
     use super::{Axes, SAME, SYMMETRIC};
 
@@ -61,6 +61,8 @@ pub(super) mod extra {
     pub(crate) const R: usize = 0;
     /// Balsara factor.
     pub(crate) const BALSARA: usize = 6;
+    /// Mass over the weight of the force record: the density its volume is of.
+    pub(crate) const MASS_PER_WEIGHT: usize = 7;
     pub(crate) const LEN: usize = 8;
     pub(super) const AXES: [Axes; LEN] = {
         let [xx, yy, zz, xy, yz, xz] = SYMMETRIC;

@@ -128,7 +128,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Makes room for the records of all particles and ghosts.
     pub(super) fn make_records(&mut self) {
         let numerics = &self.model.numerics;
-        let extra = numerics.artificial_stress.is_some() || numerics.balsara;
+        let extra = numerics.artificial_stress.is_some() || numerics.balsara || numerics.xsph != 0.0;
         let corrected = self.corrected();
         self.records.resize(self.particles.len() + self.ghosts.count(), extra, corrected);
     }

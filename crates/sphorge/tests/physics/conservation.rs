@@ -55,6 +55,26 @@ fn smoothing_lengths_that_follow_the_density_keep_energy_and_momentum_to_round_o
 }
 
 #[test]
+fn smoothed_velocities_carry_the_centre_of_mass_as_momentum_does() {
+    for integrator in ["leapfrog", "predictor-corrector"] {
+        for form in ["volume-weighted", "density-weighted", "mixed"] {
+            let overrides = [("numerics.integrator", integrator), ("numerics.pair-form", form)];
+            let mut simulation = simulation(COLLISION, &overrides);
+            let moment = |simulation: &Simulation| {
+                let p = simulation.particles().unwrap();
+                [0, 1, 2].map(|a| p.mass.iter().zip(&p.position).map(|(m, x)| m * x[a]).sum::<f64>())
+            };
+            let (first, start) = (moment(&simulation), simulation.ledger().unwrap().total);
+            run_to(&mut simulation, 5e-6);
+            let (now, t) = (moment(&simulation), simulation.time());
+            let off = norm([0, 1, 2].map(|a| now[a] - first[a] - t * start.momentum[a]));
+            let relative = off / (t * start.momentum_scale);
+            assert!(relative < 1e-12, "{integrator}, {form}: {relative:.1e}");
+        }
+    }
+}
+
+#[test]
 fn single_precision_pair_sums_keep_energy_and_momentum_to_their_rounding() {
     let mut simulation = simulation(COLLISION, &[("numerics.precision", "mixed")]);
     let (energy, momentum) = drifts(&mut simulation, 10e-6);

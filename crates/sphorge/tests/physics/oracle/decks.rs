@@ -28,14 +28,13 @@ const SYMMETRIC: (&str, &str) = ("numerics.energy-split", "symmetric");
 const BALSARA: (&str, &str) = ("numerics.viscosity.balsara", "true");
 const RESTORED: (&str, &str) = ("numerics.mls-interval", "3");
 const OF_ENERGY: (&str, &str) = ("numerics.temperature", "energy");
-const NO_XSPH: (&str, &str) = ("numerics.xsph", "0");
 const FOLLOW: (&str, &str) = ("numerics.smoothing-length", "follow-density");
 
 /// Two blocks that strike each other off centre: the kernel sums.
 pub(super) const BARS: &[Case] = &[
     case("collision", COLLISION, &[EVERY], 30),
     case("collision, skin", COLLISION, &[("search", "skin")], 30),
-    case("predictor-corrector", COLLISION, &[EVERY, PREDICTOR, NO_XSPH], 30),
+    case("predictor-corrector", COLLISION, &[EVERY, PREDICTOR], 30),
     case("density-weighted, symmetric work", COLLISION, &[EVERY, BY_DENSITY, SYMMETRIC], 30),
     case("density-weighted, predictor-corrector", COLLISION, &[EVERY, BY_DENSITY, PREDICTOR], 30),
     case("mixed form, wendland-c2", COLLISION, &[EVERY, MIXED, ("numerics.kernel", "wendland-c2")], 30),
@@ -46,13 +45,13 @@ pub(super) const BARS: &[Case] = &[
         20,
     ),
     case("linear correction", COLLISION, &[EVERY, CORRECTED], 30),
-    case("linear correction, predictor-corrector", COLLISION, &[EVERY, CORRECTED, PREDICTOR, NO_XSPH, OF_ENERGY], 30),
+    case("linear correction, predictor-corrector", COLLISION, &[EVERY, CORRECTED, PREDICTOR, OF_ENERGY], 30),
     case("linear correction, density-weighted", COLLISION, &[EVERY, CORRECTED, BY_DENSITY, RESTORED], 30),
     case("restored density", COLLISION, &[EVERY, RESTORED], 30),
-    case("restored density, predictor-corrector", COLLISION, &[EVERY, RESTORED, PREDICTOR, NO_XSPH], 30),
+    case("restored density, predictor-corrector", COLLISION, &[EVERY, RESTORED, PREDICTOR], 30),
     case("temperature of energy, wendland-c4", COLLISION, &[EVERY, OF_ENERGY, ("numerics.kernel", "wendland-c4")], 30),
     case("following smoothing lengths", COLLISION, &[EVERY, FOLLOW, BALSARA], 30),
-    case("following smoothing lengths, skin", COLLISION, &[("search", "skin"), FOLLOW, PREDICTOR, NO_XSPH], 30),
+    case("following smoothing lengths, skin", COLLISION, &[("search", "skin"), FOLLOW, PREDICTOR], 30),
     case(
         "frozen lists",
         COLLISION,
@@ -132,7 +131,7 @@ contact = { penalty = { friction = 0.4 } }
 /// Walls, motion, gravity.
 pub(super) const PRESS: &[Case] = &[
     case("walls and motion", WALLS, &[], 40),
-    case("walls and motion, predictor-corrector", WALLS, &[PREDICTOR, NO_XSPH], 40),
+    case("walls and motion, predictor-corrector", WALLS, &[PREDICTOR], 40),
     case("walls and motion, total lagrangian", WALLS, &[("search", "total-lagrangian")], 40),
 ];
 
@@ -186,14 +185,9 @@ velocity-profile = { along = "y", amplitude = ["80 m/s", "0 m/s"], rows = [["0 m
 pub(super) const CORNER: &[Case] = &[
     case("corner of symmetry planes", CORNERED, &[], 30),
     case("corner, linear correction, restored", CORNERED, &[CORRECTED, RESTORED, BALSARA], 30),
-    case(
-        "corner, penalty contact",
-        CORNERED,
-        &[("contact", "{ penalty = { friction = 0.2 } }"), PREDICTOR, NO_XSPH],
-        30,
-    ),
+    case("corner, penalty contact", CORNERED, &[("contact", "{ penalty = { friction = 0.2 } }"), PREDICTOR], 30),
     case("periodic cell", CELL, &[], 40),
-    case("periodic cell, predictor-corrector", CELL, &[PREDICTOR, NO_XSPH, RESTORED, CORRECTED], 40),
+    case("periodic cell, predictor-corrector", CELL, &[PREDICTOR, RESTORED, CORRECTED], 40),
 ];
 
 /// Two blocks of unlike metals and spacings that touch, one sliding over the other.
@@ -321,7 +315,7 @@ spin = { rate = ["900 rad/s", "-2000 rad/s", "1500 rad/s"] }
 pub(super) const SPACE: &[Case] = &[
     case("space", CUBES, &[], 20),
     case("space, linear correction, restored", CUBES, &[CORRECTED, RESTORED, BALSARA], 20),
-    case("space, contact, predictor-corrector", CUBES, &[PENALTY, PREDICTOR, NO_XSPH], 20),
+    case("space, contact, predictor-corrector", CUBES, &[PENALTY, PREDICTOR], 20),
     case("space, total lagrangian", CUBES, &[("search", "total-lagrangian")], 20),
 ];
 
@@ -349,7 +343,7 @@ shape = { box = { min = ["0 mm"], max = ["12 mm"] } }
 /// One dimension.
 pub(super) const LINE: &[Case] = &[
     case("line", PLATES, &[FOLLOW], 60),
-    case("line, linear correction", PLATES, &[CORRECTED, RESTORED, PREDICTOR, NO_XSPH], 60),
+    case("line, linear correction", PLATES, &[CORRECTED, RESTORED, PREDICTOR], 60),
     case("line, contact", PLATES, &[("contact", "penalty"), OF_ENERGY], 60),
 ];
 
@@ -398,8 +392,6 @@ pub(super) const ROD: &[Case] = &[
 
 /// What the fast engine does otherwise than the equations say.
 pub(super) const KNOWN: &[Case] = &[
-    // Neighbours are smoothed by the volumes of the predictor times the density since reached, not by their masses.
-    case("predictor-corrector, xsph", COLLISION, &[EVERY, PREDICTOR], 30),
     // Lists reach as far as kernels that shrink, the contact as far as those of the start.
     case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
 ];
