@@ -275,7 +275,7 @@ columns! {
     pub(crate) reference_volume: f64 = 0.0, Reference, Internal("m^3", "initial volume"), Same[Search], None;
     pub(crate) deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Stress], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
-        OnRequest("", "smallest principal stretch since the start (total Lagrangian form)"), Unmirrored[], None;
+        Internal("", "smallest principal stretch since the start"), Unmirrored[], None;
 }
 
 impl Particles {
