@@ -109,7 +109,7 @@ velocity = ["free", "-2 m/s"]
 [[wall]]
 name = "floor"
 plane = { point = ["0 mm", "1 mm"], normal = [0, 1] }
-velocity = ["1 m/s", [["0 ms", "0 m/s"], ["9 ms", "3 m/s"]]]
+velocity = ["1 m/s", [["0 ms", "0 m/s"], ["0.3 ms", "3 m/s"], ["9 ms", "1 m/s"]]]
 contact = { penalty = { stiffness = 1.5, damping = 0.3, friction = 0.25 } }
 
 [[wall]]
