@@ -103,7 +103,7 @@ pub struct ContactLaw<T> {
 }
 
 impl ContactLaw<f64> {
-    /// The contact of two bodies. Flat faces that close by a small share `e` of the mean spacing press with
+    /// The contact of two bodies, to the bit the [`Self::turned`] one of both in the other order. Flat faces that close by a small share `e` of the mean spacing press with
     /// `stiffness K_m e`, `K_m` the harmonic mean of the bulk moduli; approach at the speed `u` adds `damping sqrt(2) Z u`, `Z` the
     /// harmonic mean of `sqrt(rho K)`: half a layer of each body on that spring is damped critically with `damping = 1`.
     pub fn new(
@@ -125,11 +125,14 @@ impl ContactLaw<f64> {
         // Only the outermost layer of each body has passed the threshold at first: d/dg of its energy per area.
         let relative = |flat: FlatBody, spacing: f64| spacing * (flat.slope / flat.sum) * (flat.slope / flat.sum);
         let response = relative(from_a, a.spacing) + relative(from_b, b.spacing);
-        // All pairs across a face, per area: sum over the layers of a of their volume per area times what b shows them.
-        let layers = (kernel.support() * h / a.spacing) as i32 + 1;
-        let pairs: f64 = (0..=layers)
-            .map(|k| flat_body(kernel, dimension, b.spacing, h, touching + f64::from(k) * a.spacing).slope * a.spacing)
-            .sum();
+        // All pairs across a face, per area: sum over the layers of one body of their volume per area times what the other shows them.
+        // It is the same from both sides but for the places along the surface that its mean is taken of.
+        let seen_from = |own: f64, other: f64| -> f64 {
+            let layers = (kernel.support() * h / own) as i32 + 1;
+            let shown = |k: i32| flat_body(kernel, dimension, other, h, touching + f64::from(k) * own).slope * own;
+            (0..=layers).map(shown).sum()
+        };
+        let pairs = 0.5 * (seen_from(a.spacing, b.spacing) + seen_from(b.spacing, a.spacing));
         Self {
             inverse_sums: (1.0 / from_a.sum, 1.0 / from_b.sum),
             modulus: modulus / (touching * response),
@@ -508,6 +511,17 @@ mod tests {
         let (f, g) = (contact_force(&LAW, &p), contact_force(&LAW.turned(), &mirrored));
         assert_eq!(f.force, g.force.map(|c| -c));
         assert_eq!((f.stored, f.damped, f.rubbed), (g.stored, g.damped, g.rubbed));
+    }
+
+    #[test]
+    fn the_order_of_bodies_makes_no_difference_to_the_bit() {
+        let copper = ContactBody { spacing: 0.7e-3, smoothing_length: 1.0e-3, density: 8960.0, bulk_modulus: 137e9 };
+        for dimension in [Dimension::One, Dimension::Two, Dimension::Three] {
+            for kernel in [Kernel::CubicSpline, Kernel::WendlandC2] {
+                let law = |a, b| ContactLaw::new(kernel, dimension, a, b, STRENGTH);
+                assert_eq!(law(&STEEL, &copper), law(&copper, &STEEL).turned(), "{dimension:?} {kernel:?}");
+            }
+        }
     }
 
     #[test]

@@ -174,6 +174,11 @@ impl BodyContacts {
         }
     }
 
+    /// Smoothing lengths of particles in the contact, by body, m.
+    pub(super) fn smoothing_lengths(&self) -> &[f64] {
+        &self.table.smoothing_length
+    }
+
     /// Particles' neighbours in other bodies.
     pub(super) fn foreign(&self) -> &ForeignList {
         &self.foreign

@@ -1,8 +1,9 @@
 //! Smoothing lengths that follow the density.
 
 use super::CpuEngine;
+use super::contact::BodyContacts;
 use crate::lanes::PairScalar;
-use crate::model::SmoothingLength;
+use crate::model::{Model, SmoothingLength};
 use crate::neighbors::{BLOCK, range_of};
 use rayon::prelude::*;
 
@@ -20,7 +21,9 @@ impl<T: PairScalar> CpuEngine<T> {
             let ratio = (at_rest / density[i]).powf(power).clamp(1.0 / factor, factor);
             *h = model.bodies[body[i] as usize].smoothing_length * ratio;
         });
-        self.lists.smoothing_lengths = range_of(&self.particles.smoothing_length);
+        let (smallest, largest) = range_of(&self.particles.smoothing_length);
+        let least = least_searched(&self.model, self.contacts.as_ref()).unwrap_or_default();
+        self.lists.smoothing_lengths = (smallest, least.iter().fold(largest, |m, h| m.max(*h)));
     }
 
     /// The thinnest skin since the last search, as a length to be multiplied by the support, m; `constant` where smoothing lengths
@@ -29,7 +32,19 @@ impl<T: PairScalar> CpuEngine<T> {
         if self.model.numerics.smoothing_length == SmoothingLength::Constant {
             return constant;
         }
-        let pairs = self.particles.smoothing_length.iter().zip(&self.lists.smoothing_length);
+        let (p, least) = (&self.particles, least_searched(&self.model, self.contacts.as_ref()));
+        let searched = |(h, body): (&f64, &u32)| least.map_or(*h, |least| h.max(least[*body as usize]));
+        let now = p.smoothing_length.iter().zip(&p.body).map(searched);
+        let pairs = now.zip(&self.lists.smoothing_length);
         pairs.map(|(now, then)| (1.0 + fraction) * then - now).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Smoothing lengths by body (m) that the search goes by at least: those of particles may shrink, the contact between bodies keeps
+/// those of the start. `None` where no particle's is smaller.
+pub(super) fn least_searched<'a>(model: &Model, contacts: Option<&'a BodyContacts>) -> Option<&'a [f64]> {
+    match model.numerics.smoothing_length {
+        SmoothingLength::Constant => None,
+        SmoothingLength::FollowDensity { .. } => contacts.map(BodyContacts::smoothing_lengths),
     }
 }

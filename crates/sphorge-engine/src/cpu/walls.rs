@@ -29,10 +29,8 @@ impl WallState {
     /// Moves the wall from where it stood at time `from` to where it stands at time `to`, s.
     fn advance(&mut self, from: f64, to: f64) {
         for a in 0..3 {
-            // The table is piecewise linear: Simpson's rule is exact within a piece.
             let table = &self.tables[a];
-            let mean = (table.at(from) + 4.0 * table.at(0.5 * (from + to)) + table.at(to)) / 6.0;
-            self.displacement[a] += mean * (to - from);
+            self.displacement[a] += table.integral(from, to);
             self.velocity[a] = table.at(to);
         }
     }
@@ -127,6 +125,27 @@ pub(super) fn wall_acceleration(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_step_may_span_corners_of_a_velocity_table() {
+        // Up to 6 m/s within 1 s, down to 2 m/s within 2 s more, then constant.
+        let rows = TimeTable { points: vec![(1.0, 0.0), (2.0, 6.0), (4.0, 2.0)] };
+        let zero = TimeTable::constant(0.0);
+        let wall = Wall {
+            name: String::new(),
+            surface: WallSurface::Plane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] },
+            velocity: [zero.clone(), rows, zero],
+            contact: WallContact::MonaghanKos { range: 1.0 },
+        };
+        let reach = |times: &[f64]| {
+            let mut walls = Walls { states: vec![WallState::new(&wall)], time: 0.0 };
+            times.iter().for_each(|&time| walls.move_to(time));
+            walls.states[0].displacement[1]
+        };
+        // To 1.5 s: 0.75. To 3 s: 3 + (6 + 4)/2 = 8. To 6 s: 3 + 8 + 4 = 15.
+        assert_eq!([1.5, 3.0, 6.0].map(|time| reach(&[time])), [0.75, 8.0, 15.0]);
+        assert_eq!(reach(&[0.5, 1.5, 3.0, 5.0, 6.0]), 15.0);
+    }
 
     #[test]
     fn a_wall_moves_by_the_integral_of_its_velocity() {

@@ -17,6 +17,18 @@ impl TimeTable {
     pub fn at(&self, t: f64) -> f64 {
         linear(&self.points, t)
     }
+
+    /// Integral over the times from `from` to a later `to`: trapezoids between the points, which is exact.
+    pub fn integral(&self, from: f64, to: f64) -> f64 {
+        let first = self.points.partition_point(|point| point.0 <= from);
+        let inside = self.points[first..].iter().map(|point| point.0).take_while(|&corner| corner < to);
+        let (mut sum, mut start) = (0.0, from);
+        for end in inside.chain([to]) {
+            sum += 0.5 * (self.at(start) + self.at(end)) * (end - start);
+            start = end;
+        }
+        sum
+    }
 }
 
 /// Value of a table at `x`: linear between rows, constant outside.
@@ -118,5 +130,14 @@ mod tests {
         let ramp = TimeTable { points: vec![(1.0, 2.0), (3.0, 6.0)] };
         assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| ramp.at(t)), [2.0, 2.0, 4.0, 6.0, 6.0]);
         assert_eq!(TimeTable::constant(5.0).at(-1.0), 5.0);
+    }
+
+    #[test]
+    fn integrals_of_tables_by_hand() {
+        let ramp = TimeTable { points: vec![(1.0, 2.0), (3.0, 6.0)] };
+        // 2 before the ramp, 8 under it, 6 per second behind it.
+        let spans = [(0.0, 1.0), (1.0, 3.0), (0.0, 3.0), (0.0, 4.0), (2.0, 5.0), (4.0, 5.0), (2.0, 2.0)];
+        assert_eq!(spans.map(|(from, to)| ramp.integral(from, to)), [2.0, 8.0, 10.0, 16.0, 17.0, 6.0, 0.0]);
+        assert_eq!(TimeTable::constant(5.0).integral(-1.0, 2.0), 15.0);
     }
 }

@@ -6,6 +6,7 @@ mod contact_candidates;
 
 use super::CpuEngine;
 use super::ghosts::{Ghosts, WithGhosts};
+use super::smoothing::least_searched;
 use super::stored::StoredPairs;
 use crate::engine::SearchReport;
 use crate::halo::FieldSet;
@@ -36,8 +37,9 @@ pub(super) struct Lists<T> {
     searcher: Searcher,
     /// Positions of particles and ghosts at the last search, m.
     points: Vec<Vector<f64>>,
+    /// Smoothing lengths of particles and ghosts at the last search, not below those of the contact between bodies, m.
     pub(super) smoothing_length: Vec<f64>,
-    /// Smallest and largest smoothing length, m.
+    /// Smallest smoothing length of a particle, and largest that is searched with, m.
     pub(super) smoothing_lengths: (f64, f64),
     pub(super) displacement: DisplacementBound,
     /// Its readings at the last full search, and when the frame was made.
@@ -239,11 +241,16 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Positions and smoothing lengths of particles and ghosts, for the searcher.
+    /// Positions of particles and ghosts and the smoothing lengths they are searched with, for the searcher.
     fn place_points(&mut self) {
         self.ghosts.exchange(FieldSet::Search, &self.particles);
         let Lists { points, smoothing_length, .. } = &mut self.lists;
         place(&self.particles, &self.ghosts, points, smoothing_length);
+        if let Some(least) = least_searched(&self.model, self.contacts.as_ref()) {
+            let body = WithGhosts::new(&self.particles.body, &self.ghosts.columns.body);
+            let raise = |(i, h): (usize, &mut f64)| *h = h.max(least[body.at(i) as usize]);
+            smoothing_length.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(raise);
+        }
     }
 
     /// The frame of the records around the positions as they are: lists may outlive it.

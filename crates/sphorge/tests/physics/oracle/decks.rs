@@ -109,7 +109,7 @@ velocity = ["free", "-2 m/s"]
 [[wall]]
 name = "floor"
 plane = { point = ["0 mm", "1 mm"], normal = [0, 1] }
-velocity = ["1 m/s", [["0 ms", "0 m/s"], ["9 ms", "3 m/s"]]]
+velocity = ["1 m/s", [["0 ms", "0 m/s"], ["0.3 ms", "3 m/s"], ["9 ms", "1 m/s"]]]
 contact = { penalty = { stiffness = 1.5, damping = 0.3, friction = 0.25 } }
 
 [[wall]]
@@ -225,6 +225,14 @@ shape = { box = { min = ["6 mm", "0 mm"], max = ["10 mm", "6 mm"] } }
 pub(super) const BLOCKS: &[Case] = &[
     case("contact with friction", SLIDING, &[], 40),
     case("contact, predictor-corrector", SLIDING, &[PREDICTOR, OF_ENERGY], 40),
+    case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
+    case("contact, following smoothing lengths, skin", SLIDING, &[FOLLOW, ("search", "skin"), PREDICTOR], 40),
+    case(
+        "contact, following smoothing lengths, symmetry",
+        SLIDING,
+        &[FOLLOW, ("symmetry", "[{ axis = \"y\", at = \"-9 mm\" }]")],
+        40,
+    ),
 ];
 
 /// Two plates that conduct so well that heat is summed in every step, under every heat boundary.
@@ -388,12 +396,6 @@ pub(super) const PRESSED: &[Case] = &[
 pub(super) const ROD: &[Case] = &[
     case("total lagrangian, two bodies", CORNERED, &[("search", "total-lagrangian")], 40),
     case("total lagrangian, periodic", CELL, &[("search", "total-lagrangian")], 40),
-];
-
-/// What the fast engine does otherwise than the equations say.
-pub(super) const KNOWN: &[Case] = &[
-    // Lists reach as far as kernels that shrink, the contact as far as those of the start.
-    case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
 ];
 
 /// Cases for every search: bodies that meet, flow and turn.

@@ -93,18 +93,18 @@ impl Oracle {
         }
         let skin = if let Search::Skin { fraction } = model.search { fraction } else { 0.0 };
         let support = model.numerics.kernel.support();
-        let body_h = |i: usize| model.bodies[self.p.body[i] as usize].smoothing_length;
         let apart = model.contact != BodyContact::Sph || model.formulation != Formulation::UpdatedLagrangian;
         let p = &self.p;
+        // The contact has the kernels of the start.
+        let searched_h = |i: usize| match model.contact {
+            BodyContact::Sph => p.smoothing_length[i],
+            BodyContact::Penalty(_) => p.smoothing_length[i].max(model.bodies[p.body[i] as usize].smoothing_length),
+        };
         let (mut rows, mut foreign) = (vec![Vec::new(); p.len()], vec![Vec::new(); p.len()]);
         for i in 0..p.len() {
             for j in 0..p.len() {
                 let is_foreign = apart && p.body[i] != p.body[j];
-                let mut h = pair_smoothing_length(p.smoothing_length[i], p.smoothing_length[j]) * (1.0 + skin);
-                if is_foreign {
-                    // The contact has the kernels of the start.
-                    h = h.max(pair_smoothing_length(body_h(i), body_h(j)));
-                }
+                let h = pair_smoothing_length(searched_h(i), searched_h(j)) * (1.0 + skin);
                 for (k, image) in self.images.iter().enumerate().filter(|(k, _)| *k > 0 || i != j) {
                     let x = minus(p.position[i], image.point(p.position[j]));
                     if dot(x, x) < (support * h).powi(2) && image.is_of(&model, p.position[j]) {

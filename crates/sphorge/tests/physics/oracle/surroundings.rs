@@ -53,15 +53,9 @@ impl Accounts {
                 ContactBody { spacing, smoothing_length, density, bulk_modulus: density * c * c }
             })
             .collect();
-        // The damping of two bodies is that of the first seen from the second, whichever particle asks.
         let law = |a: usize, b: usize| match model.contact {
             BodyContact::Sph => ContactLaw::default(),
-            BodyContact::Penalty(strength) if a <= b => {
-                ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength)
-            }
-            BodyContact::Penalty(strength) => {
-                ContactLaw::new(kernel, dimension, &bodies[b], &bodies[a], strength).turned()
-            }
+            BodyContact::Penalty(strength) => ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength),
         };
         let all = || 0..bodies.len();
         Self {
