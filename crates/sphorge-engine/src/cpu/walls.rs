@@ -138,7 +138,7 @@ mod tests {
             contact: WallContact::MonaghanKos { range: 1.0 },
         };
         let reach = |times: &[f64]| {
-            let mut walls = Walls { states: vec![WallState::new(&wall)], time: 0.0 };
+            let mut walls = Walls { states: vec![WallState::new(&wall)], ..Walls::default() };
             times.iter().for_each(|&time| walls.move_to(time));
             walls.states[0].displacement[1]
         };

@@ -27,6 +27,10 @@ pub(super) const CASE: Case = Case {
             name: "pieces",
             reason: "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
         },
+        ExpectedWarning {
+            name: "pairing",
+            reason: "fragments of two particles fly in the debris, a tenth of the disc at 0.4 mm",
+        },
         ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
         ExpectedWarning {
             name: "cold",
