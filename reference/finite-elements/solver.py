@@ -23,8 +23,8 @@ def points(r, z, axisymmetric):
     ra, rb, za, zb = ALONG_A @ r, ALONG_B @ r, ALONG_A @ z, ALONG_B @ z
     det = ra * zb - rb * za
     a, b = ALONG_A[:, :, None], ALONG_B[:, :, None]
-    Dr = (a * (zb / det)[:, None] - b * (za / det)[:, None])
-    Dz = (b * (ra / det)[:, None] - a * (rb / det)[:, None])
+    Dr = a * (zb / det)[:, None] - b * (za / det)[:, None]
+    Dz = b * (ra / det)[:, None] - a * (rb / det)[:, None]
     if not axisymmetric:
         return Dr, Dz, None, det
     radius = SHAPE @ r
@@ -32,7 +32,7 @@ def points(r, z, axisymmetric):
 
 
 def plastic_increment(metal, equivalent, strain, T, dt, guess):
-    """Plastic strain of the step that brings `equivalent` (trial stress) to the yield stress of Johnson & Cook: Newton in a bracket."""
+    """Plastic strain of the step that brings the stress `equivalent` to the yield stress of Johnson-Cook: Newton in a bracket."""
     softening = 1 - np.clip((T - metal["T0"]) / (metal["Tm"] - metal["T0"]), 0, 1) ** metal["m"]
     found = np.zeros_like(equivalent)
     at = np.nonzero(equivalent > (metal["A"] + metal["B"] * strain ** metal["n"]) * softening)
@@ -53,7 +53,7 @@ def plastic_increment(metal, equivalent, strain, T, dt, guess):
     return found
 
 
-def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, friction=0.0, courant=0.5, viscosity=(0.06, 1.2)):
+def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, friction=0.0, courant=0.8, viscosity=(0.06, 1.2)):
     """Final shape, largest strain and temperature (means of an element), energies, of a body thrown at the wall at `speed`."""
     rho0, G = metal["rho"], metal["G"]
     r, z = (c.ravel() for c in np.meshgrid(np.linspace(0, radius, across + 1), np.linspace(0, length, along + 1)))
@@ -79,6 +79,8 @@ def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, f
         re, ze = r[elements], z[elements]
         longest = np.max([np.hypot(re[a] - re[b], ze[a] - ze[b]) for a, b in ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3))], 0)
         area = 0.5 * ((re[2] - re[0]) * (ze[3] - ze[1]) - (re[3] - re[1]) * (ze[2] - ze[0]))
+        if np.min(area) <= 0:
+            raise RuntimeError(f"an element turned inside out at {t:g} s")
         dt = min(courant * np.min(area / longest) / sound, end - t + 1e-15)
         vre, vze = vr[elements], vz[elements]
         Dr, Dz, over_r, weight = points(re + 0.5 * dt * vre, ze + 0.5 * dt * vze, axisymmetric)
@@ -147,7 +149,7 @@ def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, f
         "temperature": float(T.mean(0).max()),
         "largest_density": float(rho.max() / rho0),
         "energies": energies,
-        "outline": {"height_mm": [float(h) for h in 1e3 * heights], "radius_mm": [float(a) for a in 1e3 * radii]},
+        "outline": {"height_mm": (1e3 * heights).round(4).tolist(), "radius_mm": (1e3 * radii).round(4).tolist()},
     }
 
 
