@@ -16,6 +16,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::Pairing, &raw.pairing),
         (WarningKind::Pieces, &raw.pieces),
         (WarningKind::LostNeighbors, &raw.lost_neighbors),
+        (WarningKind::BehindSymmetry, &raw.behind_symmetry),
         (WarningKind::FarAway, &raw.far_away),
         (WarningKind::Compression, &raw.compression),
         (WarningKind::Expansion, &raw.expansion),

@@ -19,6 +19,8 @@ pub enum WarningKind {
     Pieces,
     /// Particles of a body that cannot break without the neighbours a gradient needs.
     LostNeighbors,
+    /// A particle behind a symmetry plane.
+    BehindSymmetry,
     /// A particle far from where anything can have come.
     FarAway,
     /// A density above those the pressure law is made for.
@@ -58,7 +60,7 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'st
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::Cold,
@@ -67,6 +69,7 @@ impl WarningKind {
         Self::Pairing,
         Self::Pieces,
         Self::LostNeighbors,
+        Self::BehindSymmetry,
         Self::FarAway,
         Self::Compression,
         Self::Expansion,
@@ -127,6 +130,12 @@ impl WarningKind {
                 0.001,
                 "share of the particles of a body that cannot break with too few neighbours for a gradient",
                 "numerical fracture: refine, raise `particles.smoothing`, or give the material a `spall-pressure` if it is to break",
+            ),
+            Self::BehindSymmetry => above(
+                "behind-symmetry",
+                0.5,
+                "depth of a particle behind a symmetry plane over the spacing",
+                "the body has folded through its image: refine, lower `time.courant`, or set a wall in place of the plane",
             ),
             Self::FarAway => above(
                 "far-away",

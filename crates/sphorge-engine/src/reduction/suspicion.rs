@@ -3,7 +3,7 @@
 //! Counts are whole numbers and the worst is the first by value, then by `id`: neither depends on the order particles are looked at in,
 //! so that all threads may look.
 
-use crate::model::{HeatBoundaryKind, Material, Model};
+use crate::model::{HeatBoundaryKind, Material, Model, SymmetryPlane};
 use crate::neighbors::CellGrid;
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -32,6 +32,8 @@ pub enum Suspicion {
         /// Distance that is no suspicion, m.
         limit: f64,
     },
+    /// Behind a symmetry plane by more than this, in spacings of its body: there only its image can be. The number is that depth.
+    Behind(f64),
     /// In a body of a material that neither spalls nor is damaged: fewer neighbours than one more than there are dimensions, which a
     /// gradient needs. The number is that of the neighbours.
     Lonely,
@@ -145,6 +147,11 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
             let x = p.position[i];
             let outside = |a: usize| (low[a] - x[a]).max(x[a] - high[a]).max(0.0);
             suspect_above((0..3).map(|a| outside(a).powi(2)).sum::<f64>().sqrt(), limit)
+        }),
+        Suspicion::Behind(limit) => count(model, p, |i| {
+            let depth = |plane: &SymmetryPlane| (plane.position - p.position[i][plane.axis]) * plane.side;
+            let deepest = model.symmetry.iter().map(depth).fold(f64::NEG_INFINITY, f64::max);
+            suspect_above(deepest / model.bodies[p.body[i] as usize].spacing, limit)
         }),
         Suspicion::Lonely => {
             let needed = model.dimensions.count() as f64 + 1.0;

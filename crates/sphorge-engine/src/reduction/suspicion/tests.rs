@@ -180,6 +180,23 @@ fn expansion_is_held_against_the_density_at_rest() {
 }
 
 #[test]
+fn behind_a_symmetry_plane_only_images_can_be() {
+    let mut model = model(vec![material("linear")]);
+    model.symmetry = vec![
+        SymmetryPlane { axis: 1, position: 2.0, side: 1.0 },
+        SymmetryPlane { axis: 0, position: 10.0, side: -1.0 },
+    ];
+    let spacing = model.bodies[0].spacing;
+    let p =
+        particles(&[[0.0, 2.1], [0.0, 2.0 - 0.4 * spacing], [0.0, 2.0 - 0.6 * spacing], [10.0 + 3.0 * spacing, 5.0]]);
+    let found = find(Suspicion::Behind(0.5), &model, &p);
+    let number = found[0].worst.unwrap().0;
+    assert_eq!(found[0].suspects, 2);
+    assert!((number - 3.0).abs() < 1e-9, "{number}");
+    assert_eq!(find(Suspicion::Behind(0.5), &Model { symmetry: Vec::new(), ..model }, &p)[0].suspects, 0);
+}
+
+#[test]
 fn who_is_far_is_so_from_the_box() {
     let model = model(vec![material("linear")]);
     let p = particles(&[[0.5, 0.5], [4.0, 5.0], [-1.5, 0.0], [0.0, 100.0]]);
