@@ -252,7 +252,7 @@ impl Watch {
                 WarningKind::Hot => (Suspicion::Hot(limit), 1.0),
                 WarningKind::Compression => (Suspicion::Compressed(limit), 1.0),
                 WarningKind::Expansion => (Suspicion::Expanded(limit), 1.0),
-                WarningKind::BehindSymmetry => (Suspicion::Behind(limit), 1.0),
+                WarningKind::BehindSymmetry if !model.symmetry.is_empty() => (Suspicion::Behind(limit), 1.0),
                 WarningKind::FarAway if reach > 0.0 => (Suspicion::Away { low, high, limit: limit * reach }, reach),
                 _ => return None,
             })

@@ -6,7 +6,7 @@ use super::setup::simulation;
 const PLATES: &str = r#"
 dimensions = "1d"
 particles = { spacing = "0.05 mm" }
-numerics = { precision = "double", viscosity = { alpha = 1.0, beta = 2.0 } }
+numerics = { precision = "double", viscosity = { alpha = 1.0, beta = 2.0 }, artificial-stress = true }
 contact = "penalty"
 time = { end = "3 us" }
 
@@ -50,14 +50,13 @@ fn impact(overrides: &[(&str, &str)]) -> (f64, f64, f64) {
 fn release_waves_that_meet_pull_no_harder_than_the_spall_pressure() {
     let (whole, arrived, stopped) = impact(&[]);
     let (spalled, face, kept) = impact(&[("material.copper.spall-pressure", "1 GPa")]);
-    // Without it the tension nears that of waves of 250 m/s, int c drho/rho, 8.25 GPa on the isentrope of rest, and takes back what the
-    // shock gave the free face: all but 85 m/s at this spacing while the Hugoniot's energy still raised the tension, all but 100 m/s now
-    // that it is less stiff. A finer lattice tears by itself: 203 m/s are left at half the spacing.
+    // Without it the tension nears the pressure of the impact, 9.6 GPa, and takes back what the shock gave the free face. Artificial
+    // stress holds the lattice together: without it 100 m/s are left, 203 m/s at half the spacing, a fracture of the numerics.
     assert!(whole < -8e9, "{whole:e}");
     assert!((-1e9..-0.99e9).contains(&spalled), "{spalled:e}");
     assert!((arrived / 500.0 - 1.0).abs() < 0.06 && (face / arrived - 1.0).abs() < 1e-9, "{arrived} {face}");
     // The pull-back of the free face is 2 p_s/(rho_0 c_0), 57 m/s.
     let pull_back = face - kept;
     assert!((50.0..65.0).contains(&pull_back), "{pull_back}");
-    assert!(stopped < 0.25 * arrived, "{arrived} {stopped}");
+    assert!(stopped.abs() < 0.02 * arrived, "{arrived} {stopped}");
 }
