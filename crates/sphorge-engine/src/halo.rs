@@ -81,6 +81,8 @@ pub struct Packed<'a, T> {
 
 /// Who the ghosts are, and where their values come from.
 pub trait Halo: Send + Sync {
+    /// A halo of the same kind that has no ghosts yet.
+    fn another(&self) -> Box<dyn Halo>;
     /// Whether there can never be ghosts.
     fn is_empty(&self) -> bool;
     /// Number of ghosts.

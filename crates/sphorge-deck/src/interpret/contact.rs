@@ -5,15 +5,23 @@ use crate::defaults;
 use crate::raw::{RawBodyPenalty, RawContactChoice};
 use crate::report::Problems;
 use crate::value::ScalarOr;
-use sphorge_engine::model::BodyContact;
+use sphorge_engine::model::{BodyContact, Formulation};
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::parameter::Bound;
 
-/// How bodies meet.
-pub(crate) fn contact(raw: Option<&RawContactChoice>, problems: &mut Problems) -> Option<BodyContact> {
+/// How bodies meet; where the deck does not say, in the way of the formulation.
+pub(crate) fn contact(
+    raw: Option<&RawContactChoice>,
+    formulation: Option<Formulation>,
+    problems: &mut Problems,
+) -> Option<BodyContact> {
     let usual = RawBodyPenalty::default();
     let table = match raw {
-        None => return Some(BodyContact::Sph),
+        None => match formulation {
+            // Its sums hold no particles of other bodies.
+            Some(Formulation::TotalLagrangian { .. }) => &usual,
+            Some(Formulation::UpdatedLagrangian) | None => return Some(BodyContact::Sph),
+        },
         Some(ScalarOr::Scalar(word)) => match word.get(problems)? {
             false => return Some(BodyContact::Sph),
             true => &usual,

@@ -17,7 +17,7 @@ use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
 use super::strategy::Strategy;
 use super::value::{Kind, VectorOf, Word};
-use sphorge_engine::model::{BodyContact, Dimensions, Integrator, Model, Numerics, Region, Search};
+use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Numerics, Region, Search};
 use sphorge_engine::particles::is_kept;
 use std::ops::Range;
 
@@ -231,7 +231,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
     let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
     let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();
-    let contact = contact::contact(raw.contact.as_ref(), problems);
+    let contact = contact::contact(raw.contact.as_ref(), strategy.map(|s| s.formulation), problems);
     let gravity = raw.gravity.as_ref().map_or(Some([0.0; 3]), |g| vector(g, dimensions, problems));
     let scene = measure::Scene { dimensions, bodies: &body_names, regions: &region_names };
     let measures = measure::measures(&raw.measure, &scene, problems);
@@ -316,21 +316,38 @@ fn check_together(
             Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
         );
     }
-    // A contact lives on pairs of different bodies, which these two strategies do not look for.
-    let (message, help) = match strategy.map(|strategy| strategy.search) {
-        Some(Search::Initial) => (
-            "the total Lagrangian form sees no other body, so bodies cannot meet in a contact",
-            "choose another `search`, or leave `contact` out",
-        ),
-        Some(Search::Adaptive(adaptive)) if adaptive.guard.is_none() => (
-            "the adaptive search without its guard misses bodies that arrive, so they cannot meet in a contact",
-            "leave `guard` out, choose another `search`, or leave `contact` out",
-        ),
-        Some(Search::EveryStep | Search::Skin { .. } | Search::Adaptive(_)) | None => return,
-    };
-    if let (Some(BodyContact::Penalty(_)), Some(contact), Some(search)) = (contact, &raw.contact, &raw.search) {
+    if let (Some(strategy), Some(how), Some(contact), Some(search)) = (strategy, contact, &raw.contact, &raw.search)
+        && let Some((message, help)) = without_contact(strategy, how, raw.body.len())
+    {
         let fault = Fault::new("not-together", message, contact.span(), "this contact");
         problems.push(fault.also(search.span(), "not with this search").help(help));
+    }
+    let cell = [&raw.periodic.x, &raw.periodic.y, &raw.periodic.z].into_iter().flatten().next();
+    if let (Some(Formulation::TotalLagrangian { .. }), true, Some(cell), Some(search)) =
+        (strategy.map(|s| s.formulation), raw.body.len() > 1, cell, &raw.search)
+    {
+        let message = "bodies in the total Lagrangian form do not meet across the ends of a periodic cell";
+        let fault = Fault::new("not-together", message, cell.span.clone(), "periodic");
+        problems.push(fault.also(search.span(), "not with this search").help("choose another `search`"));
+    }
+}
+
+/// Why bodies cannot meet in this way with a strategy, and what to do.
+fn without_contact(strategy: Strategy, contact: BodyContact, bodies: usize) -> Option<(&'static str, &'static str)> {
+    match (strategy.formulation, strategy.search, contact) {
+        (Formulation::TotalLagrangian { .. }, _, BodyContact::Sph) if bodies > 1 => Some((
+            "the total Lagrangian form sums over the particles of one body, so bodies cannot meet in kernel sums",
+            "choose `contact = \"penalty\"`, which is its default, or another `search`",
+        )),
+        (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_)) => Some((
+            "lists of the start hold no body that arrives, so bodies cannot meet in a contact",
+            "choose another `search`, or leave `contact` out",
+        )),
+        (_, Search::Adaptive(adaptive), BodyContact::Penalty(_)) if adaptive.guard.is_none() => Some((
+            "the adaptive search without its guard misses bodies that arrive, so they cannot meet in a contact",
+            "leave `guard` out, choose another `search`, or leave `contact` out",
+        )),
+        (_, Search::EveryStep | Search::Skin { .. } | Search::Adaptive(_) | Search::Initial, _) => None,
     }
 }
 

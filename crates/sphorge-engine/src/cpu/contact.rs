@@ -5,8 +5,10 @@
 //! the energy balance, what damping and friction take heats both particles by halves.
 
 use super::CpuEngine;
+use super::contact_search::ContactSearch;
 use super::ghosts::WithGhosts;
 use crate::ContactLedger;
+use crate::halo::Halo;
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignList, NeighborList};
@@ -20,9 +22,10 @@ use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
 use sphorge_physics::{Dimension, Vector, tensor::dot};
 
 /// Contact of all bodies with each other.
-#[derive(Clone, Debug)]
 pub(super) struct BodyContacts {
-    foreign: ForeignList,
+    pub(super) foreign: ForeignList,
+    /// Where the neighbour list is not that of the present positions: a search of its own.
+    pub(super) search: Option<ContactSearch>,
     table: Table,
     /// Sums of each block, by pair of bodies.
     partial: Vec<PairSums>,
@@ -139,14 +142,21 @@ fn difference(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
 }
 
 impl BodyContacts {
-    /// `None` where bodies meet in the kernel sum, or where there is but one.
-    pub(super) fn new(model: &Model, particles: usize) -> Option<Self> {
+    /// `None` where bodies meet in the kernel sum, or where there is but one. With a halo, pairs are searched apart from the neighbour
+    /// list.
+    pub(super) fn new(model: &Model, particles: usize, halo: Option<Box<dyn Halo>>) -> Option<Self> {
         let model::BodyContact::Penalty(strength) = model.contact else { return None };
         let bodies = model.bodies.len();
         let pairs = bodies * bodies.saturating_sub(1) / 2;
-        (pairs > 0).then(|| Self {
+        if pairs == 0 {
+            return None;
+        }
+        let table = Table::new(model, strength);
+        let support = model.numerics.kernel.support();
+        Some(Self {
             foreign: ForeignList::default(),
-            table: Table::new(model, strength),
+            search: halo.map(|halo| ContactSearch::new(halo, support, table.smoothing_length.clone())),
+            table,
             partial: vec![PairSums::default(); pairs * particles.div_ceil(BLOCK)],
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
             now: vec![PairSums::default(); pairs],
@@ -202,7 +212,13 @@ impl BodyContacts {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.foreign.bytes() + self.partial.capacity() * size_of::<PairSums>()
+        let search = self.search.as_ref().map_or(0, ContactSearch::bytes);
+        search + self.foreign.bytes() + self.partial.capacity() * size_of::<PairSums>()
+    }
+
+    /// Columns of the ghosts its pairs name, where they are not those of the neighbour list.
+    pub(super) fn ghosts<'a>(&'a self, of_list: &'a Particles) -> &'a Particles {
+        self.search.as_ref().map_or(of_list, |search| &search.ghosts.columns)
     }
 
     fn close(&mut self) {
@@ -228,7 +244,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let table = &contacts.table;
         let Particles { position, mass, body, contact_overlap, contact_direction, contact_weight, .. } =
             &mut self.particles;
-        let ghosts = &self.ghosts.columns;
+        let ghosts = contacts.ghosts(&self.ghosts.columns);
         let positions = WithGhosts::new(position, &ghosts.position);
         let masses = WithGhosts::new(mass, &ghosts.mass);
         let bodies = WithGhosts::new(body, &ghosts.body);
@@ -274,7 +290,8 @@ impl<T: PairScalar> CpuEngine<T> {
             friction_heat,
             ..
         } = &mut self.particles;
-        let ghosts = &self.ghosts.columns;
+        let BodyContacts { foreign, search, table, partial, limits, now, .. } = contacts;
+        let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
         let points = Points {
             position: WithGhosts::new(position, &ghosts.position),
             velocity: WithGhosts::new(evaluated_velocity, &ghosts.evaluated_velocity),
@@ -284,7 +301,6 @@ impl<T: PairScalar> CpuEngine<T> {
             direction: WithGhosts::new(contact_direction, &ghosts.contact_direction),
             weight: WithGhosts::new(contact_weight, &ghosts.contact_weight),
         };
-        let BodyContacts { foreign, table, partial, limits, now, .. } = contacts;
         let (table, mass, dt) = (&*table, &*mass, self.step.dt);
         (
             foreign.blocks().par_iter(),
@@ -381,6 +397,9 @@ crate::persist_fields!(Works { stored, friction, damped });
 impl Persist for BodyContacts {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.foreign.persist(&format!("{name}.foreign"), archive)?;
+        if let Some(search) = &mut self.search {
+            search.persist(&format!("{name}.search"), archive)?;
+        }
         persist_each(&mut self.now, &format!("{name}.now"), archive)?;
         persist_each(&mut self.works, &format!("{name}.works"), archive)
     }

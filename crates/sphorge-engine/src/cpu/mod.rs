@@ -4,6 +4,7 @@ mod conduction;
 mod conduction_table;
 mod constitutive;
 mod contact;
+mod contact_search;
 mod external;
 mod forces;
 mod formulation;
@@ -138,12 +139,12 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         let mut engine = Self {
             formulation,
+            contacts: BodyContacts::new(&model, count, (!formulation.sees_other_bodies()).then(|| halo.another())),
             ghosts: Ghosts::new(halo),
             walls: Walls::new(&model, count),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),
-            contacts: BodyContacts::new(&model, count),
             heat: HeatFlow::new(&model, count),
             records: Records::default(),
             lists: Lists::new(&particles),
@@ -216,6 +217,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             FieldSet::Motion | FieldSet::Density | FieldSet::Volume if still => {}
             FieldSet::Motion => {
                 self.ghosts.exchange(fields, &self.particles);
+                self.exchange_contact_ghosts(fields);
                 self.formulation.pack_motion(self);
             }
             FieldSet::Density => {
@@ -226,9 +228,13 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             FieldSet::Volume => self.formulation.pack_volumes(self),
             FieldSet::Stress => {
                 self.ghosts.exchange(fields, &self.particles);
+                self.exchange_contact_ghosts(fields);
                 self.pack_ghost_stress();
             }
-            FieldSet::IntermediateSums => self.ghosts.exchange(fields, &self.particles),
+            FieldSet::IntermediateSums => {
+                self.ghosts.exchange(fields, &self.particles);
+                self.exchange_contact_ghosts(fields);
+            }
         }
         Ok(())
     }

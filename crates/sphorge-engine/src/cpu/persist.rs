@@ -34,6 +34,9 @@ impl<T: PairScalar> CpuEngine<T> {
         self.lists.persist("lists", archive)?;
         if !archive.is_saving() {
             self.check_places("particles", "halo")?;
+            if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
+                search.complete(&self.particles, "contacts.search")?;
+            }
             self.check_lists("lists")?;
             // Ghosts take what does not change between searches with each search, and the next one may be far.
             self.ghosts.exchange(FieldSet::Search, &self.particles);

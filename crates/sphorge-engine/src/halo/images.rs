@@ -68,6 +68,10 @@ impl Images {
 }
 
 impl Halo for Images {
+    fn another(&self) -> Box<dyn Halo> {
+        Box::new(Self { symmetry: self.symmetry.clone(), periodic: self.periodic, ..Self::default() })
+    }
+
     fn is_empty(&self) -> bool {
         self.symmetry.is_empty() && self.periodic.iter().all(Option::is_none)
     }

@@ -96,7 +96,11 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         in_place("list", list.first_unfit(count, all))?;
         in_place("stored", stored.as_ref().and_then(|stored| stored.first_unfit(list)))?;
-        in_place("foreign", self.contacts.as_ref().and_then(|contacts| contacts.foreign().first_unfit(count, all)))?;
+        let unfit = self.contacts.as_ref().and_then(|contacts| {
+            let ghosts = contacts.search.as_ref().map_or(self.ghosts.count(), |search| search.ghosts.count());
+            contacts.foreign().first_unfit(count, count + ghosts)
+        });
+        in_place("foreign", unfit)?;
         require(searcher.fits(all), &format!("{name}.searcher.sorted_at"))?;
         require(points.len() == all, &format!("{name}.points"))?;
         require(smoothing_length.len() == all, &format!("{name}.smoothing_length"))
@@ -134,10 +138,15 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             }
             Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
-            Search::Initial if stale => self.search_all(),
             Search::Initial => {
-                self.follow_frame();
-                self.keep_lists()
+                let report = if stale {
+                    self.search_all()
+                } else {
+                    self.follow_frame();
+                    self.keep_lists()
+                };
+                self.search_contacts();
+                report
             }
         }
     }
@@ -223,7 +232,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Moves pairs of different bodies to the contact between them, where the deck has one.
     fn take_contacts(&mut self) {
-        if let Some(contacts) = &mut self.contacts {
+        if let Some(contacts) = self.contacts.as_mut().filter(|contacts| contacts.search.is_none()) {
             let p = &mut self.particles;
             contacts.take_pairs(&mut self.lists.list, WithGhosts::new(&p.body, &self.ghosts.columns.body));
             // Those that lose their neighbours in other bodies overlap no more.
@@ -313,7 +322,7 @@ fn copy<V: Copy + Send + Sync>(from: &[V], to: &mut [V]) {
 }
 
 /// Whether any of `now` has moved by more than `allowed` (m) from where it was `then`.
-fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+pub(super) fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
     now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).any(|(now, then)| {
         now.iter().zip(then).any(|(now, then)| {
             let d = [now[0] - then[0], now[1] - then[1], now[2] - then[2]];
@@ -323,7 +332,7 @@ fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool
 }
 
 /// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
-fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+pub(super) fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
     let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let of_chunk = |(now, then): (&[Vector<f64>], &[Vector<f64>])| {
         let (mut low, mut high) = nothing();
