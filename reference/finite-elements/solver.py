@@ -1,7 +1,7 @@
 """Explicit finite elements for an impact on a rigid wall: four-node elements with mean dilatation, axisymmetric or in plane strain.
 
-The wall is z = 0. The foot of the body stays on it and slides, with Coulomb friction or none; other nodes that reach the wall stop
-there and may leave. Strength is Johnson-Cook with the heat of plastic work; pressure is a function of compression and energy.
+The wall is z = 0. The foot of the body slides on it, with Coulomb friction or none, and stays on it unless the wall lets go; other
+nodes that reach the wall stop there and may leave. Strength is Johnson-Cook with the heat of plastic work; pressure is a function of compression and energy.
 
 A body has `across` x `along` elements between its axis (r = 0, of revolution or of symmetry) and its side. Arrays hold one
 number per integration point and element, (4, elements), or per corner and element. Masses and energies are per radian, or for half
@@ -53,7 +53,8 @@ def plastic_increment(metal, equivalent, strain, T, dt, guess):
     return found
 
 
-def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, friction=0.0, courant=0.8, viscosity=(0.06, 1.2)):
+def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, friction=0.0, lets_go=False, courant=0.8,
+          viscosity=(0.06, 1.2)):
     """Final shape, largest strain and temperature (means of an element), energies, of a body thrown at the wall at `speed`."""
     rho0, G = metal["rho"], metal["G"]
     r, z = (c.ravel() for c in np.meshgrid(np.linspace(0, radius, across + 1), np.linspace(0, length, along + 1)))
@@ -123,8 +124,9 @@ def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, f
         old_r, old_z = vr, vz
         vr, vz = vr - dt * gather(radial.sum(0)) / mass, vz - dt * gather(axial.sum(0)) / mass
         vr[axis] = 0
-        # The wall holds the foot, and stops nodes of the side that would go through it; what presses on it may rub.
-        held = np.concatenate([foot, side[1:][z[side[1:]] + dt * vz[side[1:]] < 0]])
+        # The wall holds the foot or lets it go, and stops nodes of the side that would go through it; what presses on it may rub.
+        free = np.concatenate([foot, side[1:]]) if lets_go else side[1:]
+        held = np.concatenate([foot[:0] if lets_go else foot, free[z[free] + dt * vz[free] < 0]])
         stopped = -z[held] / dt
         push_back = mass[held] * (stopped - vz[held])
         vz[held] = stopped

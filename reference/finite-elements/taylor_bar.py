@@ -49,34 +49,41 @@ BODIES = {
     "copper-bar": (COPPER, 0.0254, 0.00381, 90e-6, True),
     "taylor-bar-42crmo4": (STEEL, 0.0324, 0.0032, 80e-6, True),
     "taylor-plate": (IRON, 0.02546, 0.0038, 60e-6, False),
+    # That of `external_forces.rs` among the tests.
+    "block": (COPPER, 0.006, 0.003, 16e-6, False),
 }
-# Body, speed, friction, meshes (elements across the radius and along the length).
+# Body, speed, friction, whether the wall lets go, meshes (elements across the radius and along the length).
 CASES = [
-    ("taylor-bar-42crmo4", 287.0, 0.0, [(6, 60), (9, 90)]),
-    ("taylor-plate", 200.0, 0.0, [(5, 34), (8, 54), (12, 80)]),
-    ("copper-bar", 130.0, 0.0, [(5, 35), (8, 56), (12, 84)]),
-    ("copper-bar", 146.0, 0.0, [(5, 35), (8, 56), (12, 84)]),
-    ("copper-bar", 190.0, 0.0, [(5, 35), (8, 56), (12, 84)]),
+    ("taylor-bar-42crmo4", 287.0, 0.0, False, [(6, 60), (9, 90)]),
+    ("taylor-plate", 200.0, 0.0, False, [(5, 34), (8, 54), (12, 80)]),
+    ("copper-bar", 130.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
+    ("copper-bar", 146.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
+    ("copper-bar", 190.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
     # Elements twice as tall: those of the foot are pressed so flat that they set the step.
-    ("copper-bar", 250.0, 0.0, [(5, 20), (8, 32)]),
-    ("copper-bar", 300.0, 0.0, [(4, 16), (5, 20)]),
-    ("taylor-plate", 200.0, 0.1, [(8, 54)]),
-    ("taylor-plate", 200.0, 0.3, [(8, 54)]),
-    ("copper-bar", 190.0, 0.1, [(8, 56)]),
-    ("copper-bar", 190.0, 0.3, [(8, 56)]),
+    ("copper-bar", 250.0, 0.0, False, [(5, 20), (8, 32)]),
+    ("copper-bar", 300.0, 0.0, False, [(4, 16), (5, 20)]),
+    ("taylor-plate", 200.0, 0.1, False, [(8, 54)]),
+    ("taylor-plate", 200.0, 0.3, False, [(8, 54)]),
+    ("copper-bar", 190.0, 0.1, False, [(8, 56)]),
+    ("copper-bar", 190.0, 0.3, False, [(8, 56)]),
+    ("copper-bar", 190.0, 0.0, True, [(5, 35), (8, 56)]),
+    ("taylor-bar-42crmo4", 287.0, 0.0, True, [(6, 60)]),
+    ("taylor-plate", 200.0, 0.0, True, [(5, 34), (8, 54)]),
+    ("block", 200.0, 0.0, False, [(6, 12), (12, 24)]),
+    ("block", 200.0, 0.0, True, [(6, 12), (12, 24)]),
 ]
 
 
 def run(work):
-    body, speed, friction, mesh = work
+    body, speed, friction, lets_go, mesh = work
     metal, length, radius, end, axisymmetric = BODIES[body]
     began = time.time()
     with np.errstate(all="raise", under="ignore"):
         try:
-            answer = solve(metal, length, radius, speed, *mesh, end, axisymmetric, friction)
+            answer = solve(metal, length, radius, speed, *mesh, end, axisymmetric, friction, lets_go)
         except (FloatingPointError, RuntimeError) as error:
             answer = {"failed": str(error)}
-    row = {"body": body, "speed": speed, "friction": friction, "elements": list(mesh)} | answer
+    row = {"body": body, "speed": speed, "friction": friction, "lets_go": lets_go, "elements": list(mesh)} | answer
     print({k: v for k, v in row.items() if k != "outline"}, f"{time.time() - began:.0f} s", flush=True)
     return row
 
@@ -96,9 +103,9 @@ def deviations(rows):
 def report(done):
     """Write what is done so far: `done` holds a row per run."""
     cases = []
-    for body, speed, friction, meshes in CASES:
-        rows = [done[work] for work in ((body, speed, friction, mesh) for mesh in meshes) if work in done]
-        case = {"body": body, "speed": speed, "friction": friction, "plane_strain": not BODIES[body][4]}
+    for body, speed, friction, lets_go, meshes in CASES:
+        rows = [done[work] for work in ((body, speed, friction, lets_go, mesh) for mesh in meshes) if work in done]
+        case = {"body": body, "speed": speed, "friction": friction, "lets_go": lets_go, "plane_strain": not BODIES[body][4]}
         own = [{k: v for k, v in row.items() if k not in case} for row in rows]
         cases.append(case | {"deviations": deviations(rows), "meshes": own})
     units = "SI; length and diameter over the first ones (diameter: width of the plate); J, for the plate J per m; outline in mm"
@@ -107,11 +114,11 @@ def report(done):
 
 
 if __name__ == "__main__":
-    works = [(body, speed, friction, mesh) for body, speed, friction, meshes in CASES for mesh in meshes]
+    works = [(*case[:4], mesh) for case in CASES for mesh in case[4]]
     # The coarse ones first: the file is written after each run.
-    works.sort(key=lambda work: work[3])
+    works.sort(key=lambda work: work[4])
     done = {}
     with Pool(2) as pool:
         for row in pool.imap_unordered(run, works):
-            done[(row["body"], row["speed"], row["friction"], tuple(row["elements"]))] = row
+            done[(row["body"], row["speed"], row["friction"], row["lets_go"], tuple(row["elements"]))] = row
             report(done)

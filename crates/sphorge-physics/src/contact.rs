@@ -316,7 +316,8 @@ pub fn contact_force<T: Scalar>(law: &ContactLaw<T>, pair: &ContactPair<T>) -> C
     let mut result = ContactForce::default();
     let r2 = dot(pair.x, pair.x);
     let n2 = dot(pair.direction, pair.direction);
-    if r2 <= zero || n2 <= zero {
+    // Beyond the reach of the kernel, where lists with a skin have pairs too, there is nothing to approach.
+    if r2 <= zero || n2 <= zero || pair.weight <= zero {
         return result;
     }
     let (r, length) = (r2.sqrt(), n2.sqrt());

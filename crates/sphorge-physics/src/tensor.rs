@@ -188,6 +188,12 @@ pub fn multiply<T: Real>(a: &Tensor<T>, b: &Tensor<T>) -> Tensor<T> {
     c
 }
 
+/// `a v`.
+#[inline(always)]
+pub fn apply<T: Real>(a: &Tensor<T>, v: Vector<T>) -> Vector<T> {
+    [0, 1, 2].map(|i| a[i][0] * v[0] + a[i][1] * v[1] + a[i][2] * v[2])
+}
+
 /// `a^T`.
 #[inline(always)]
 pub fn transpose<T: Real>(a: &Tensor<T>) -> Tensor<T> {

@@ -43,6 +43,7 @@ boundary = [{ name = "air", convection = { coefficient = "500 W/(m^2 K)", ambien
 const DECK: &str = r#"
 title = "A block that vibrates"
 dimensions = "3d"
+method = "updated-lagrangian"
 
 [particles]
 spacing = "1 mm"

@@ -13,6 +13,7 @@ use std::{path::Path, sync::atomic::AtomicBool};
 const DECK: &str = r#"
 title = "A plate hits a wall"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 
 [particles]
 spacing = "0.5 mm"

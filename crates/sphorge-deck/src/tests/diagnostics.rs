@@ -3,6 +3,7 @@
 use super::super::*;
 use super::changed;
 use sphorge_engine::geometry::MAX_PARTICLES;
+use sphorge_engine::model::BodyContact;
 
 /// What is said of a deck with faults.
 #[track_caller]
@@ -250,18 +251,37 @@ fn a_contact_needs_a_search_that_sees_other_bodies() {
     let every = "search = \"every-step\"";
     for contact in ["\"penalty\"", "{ penalty = { friction = 0.2 } }"] {
         for (search, message) in [
-            ("\"total-lagrangian\"", "sees no other body"),
-            ("{ total-lagrangian = { form = \"frozen\" } }", "sees no other body"),
+            ("{ total-lagrangian = { form = \"frozen\" } }", "hold no body that arrives"),
             ("{ adaptive = { guard = \"none\" } }", "without its guard"),
         ] {
             let with = format!("contact = {contact}\nsearch = {search}");
             told(every, &with, "not-together", contact, message, "choose another `search`");
         }
-        for search in ["\"adaptive\"", "\"skin\"", "\"every-step\""] {
+        for search in ["\"adaptive\"", "\"skin\"", "\"every-step\"", "\"total-lagrangian\""] {
             let with = format!("contact = {contact}\nsearch = {search}");
             assert!(load_text("deck", &changed(every, &with), &[]).is_ok(), "{with}");
         }
     }
+}
+
+#[test]
+fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
+    let total = changed("search = \"every-step\"", "search = \"total-lagrangian\"");
+    let second = "[[body]]\nname = \"striker\"\nmaterial = \"armco-iron\"\n\
+                  shape = { box = { min = [\"-3.81 mm\", \"30 mm\"], max = [\"3.81 mm\", \"35 mm\"] } }\n[[wall]]";
+    let two = total.replace("[[wall]]", second);
+    let contact = |deck: &str| load_text("deck", deck, &[]).unwrap_or_else(|r| panic!("{r}")).model.contact;
+    assert!(matches!(contact(&two), BodyContact::Penalty(_)));
+    assert_eq!(contact(&two.replace("\"total-lagrangian\"", "\"skin\"")), BodyContact::Sph);
+    // One body has none to meet.
+    let kernel_sum = |deck: &str| deck.replace("search =", "contact = \"kernel-sum\"\nsearch =");
+    assert!(load_text("deck", &kernel_sum(&total), &[]).is_ok());
+    let problem = fault(&kernel_sum(&two));
+    assert_eq!(problem.code(), "not-together", "{problem}");
+    assert!(problem.to_string().contains("cannot meet in kernel sums"), "{problem}");
+    let cell = two.replace("[[wall]]", "[periodic]\nx = [\"-3.9 mm\", \"3.9 mm\"]\n[[wall]]");
+    let problem = fault(&cell);
+    assert!(problem.to_string().contains("across the ends of a periodic cell"), "{problem}");
 }
 
 #[test]

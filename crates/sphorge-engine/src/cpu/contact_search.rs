@@ -10,7 +10,7 @@ use crate::halo::{FieldSet, Halo};
 use crate::lanes::{Instructions, PairScalar};
 use crate::neighbors::{DisplacementBound, ForeignList, NeighborList, Reach, Searcher};
 use crate::particles::Particles;
-use crate::persist::{Archive, ArchiveError, Persist, persist_column, require};
+use crate::persist::{Archive, ArchiveError, Persist, require};
 use sphorge_physics::Vector;
 
 /// Skin of the search, in reaches of the contact.
@@ -87,14 +87,7 @@ impl ContactSearch {
         let all = 0..self.points.len();
         self.smoothing_length.extend(all.map(|j| self.smoothing_length_of[body.at(j) as usize]));
         let reach = Reach::new(&self.smoothing_length, factor);
-        self.searcher.search(
-            &self.points,
-            particles.len(),
-            &reach,
-            displacement,
-            instructions,
-            &mut self.list,
-        );
+        self.searcher.search(&self.points, particles.len(), &reach, displacement, instructions, &mut self.list);
         foreign.take_from(&mut self.list, |j| body.at(j as usize));
         self.displacement = displacement;
         self.is_made = true;
@@ -137,7 +130,7 @@ impl Persist for ContactSearch {
         let of = |field: &str| format!("{name}.{field}");
         self.ghosts.halo.persist(&of("halo"), archive)?;
         self.searcher.persist(&of("searcher"), archive)?;
-        persist_column(&mut self.points, &of("points"), archive)?;
+        self.points.persist(&of("points"), archive)?;
         self.displacement.persist(&of("displacement"), archive)?;
         self.is_made.persist(&of("is_made"), archive)
     }

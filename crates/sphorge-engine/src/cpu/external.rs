@@ -1,66 +1,113 @@
 //! Walls and gravity.
 
 use super::CpuEngine;
-use super::walls::wall_acceleration;
+use super::walls::{AtWall, push};
 use crate::lanes::PairScalar;
 use crate::neighbors::BLOCK;
-use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::Vector;
+use sphorge_physics::{Vector, tensor::dot};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Adds wall and gravity accelerations to those of the pair sum.
-    pub(super) fn add_external_forces(&mut self) {
-        let model = &*self.model;
-        if model.walls.is_empty() && model.gravity == [0.0; 3] {
-            // The external acceleration is zero from the start.
+    /// Whether nothing but pairs acts on the particles: the columns of external forces are zero from the start.
+    fn is_alone(&self) -> bool {
+        self.model.walls.is_empty() && self.model.gravity == [0.0; 3]
+    }
+
+    /// Works out what walls and gravity do. A wall meets a particle of the total Lagrangian form at its face, whose distance from the centre
+    /// is an arm of the force: its moment is a stress of the particle, so that the face, not the centre, does the work.
+    pub(super) fn push_externally(&mut self) {
+        if self.is_alone() {
             return;
         }
-        let dt = self.step.dt;
+        let mut external = std::mem::take(&mut self.particles.external_acceleration);
+        let mut external_power = std::mem::take(&mut self.particles.external_power);
         let mut power = std::mem::take(&mut self.walls.power);
-        let walls = &self.walls;
-        let Particles { acceleration, position, body, mass, external_acceleration, evaluated_velocity, .. } =
-            &mut self.particles;
-        let (position, body, mass, velocity) = (&*position, &*body, &*mass, &*evaluated_velocity);
+        let mut at_faces = std::mem::take(&mut self.walls.at_faces);
+        let (model, p, dt) = (&*self.model, &self.particles, self.step.dt);
+        let (columns, states) = (AtWall::new(p), &self.walls.states);
         (
-            acceleration.par_chunks_mut(BLOCK),
-            external_acceleration.par_chunks_mut(BLOCK),
+            external.par_chunks_mut(BLOCK),
+            external_power.par_chunks_mut(BLOCK),
             power.par_chunks_mut(model.walls.len().max(1)),
+            at_faces.par_iter_mut(),
         )
             .into_par_iter()
             .enumerate()
-            .for_each(|(b, (a, external, power))| {
+            .for_each(|(b, (external, external_power, power, at_faces))| {
                 power.fill(0.0);
-                for k in 0..a.len() {
+                *at_faces = 0.0;
+                for k in 0..external.len() {
                     let i = b * BLOCK + k;
                     let mut sum = model.gravity;
-                    for ((wall, state), power) in model.walls.iter().zip(&walls.states).zip(&mut *power) {
-                        let push = wall_acceleration(model, wall, state, body[i], position[i], velocity[i], dt);
-                        for axis in 0..3 {
-                            sum[axis] += push[axis];
-                            *power += mass[i] * push[axis] * velocity[i][axis];
-                        }
+                    let mut beyond = 0.0;
+                    for ((wall, state), power) in model.walls.iter().zip(states).zip(&mut *power) {
+                        let push = push(model, wall, state, &columns, i, dt);
+                        let force = push.acceleration;
+                        let at_centre = dot(force, p.evaluated_velocity[i]);
+                        let whole = dot(force, push.velocity) + push.heat;
+                        beyond += whole - at_centre;
+                        *power += p.mass[i] * whole;
+                        (0..3).for_each(|a| sum[a] += force[a]);
                     }
                     external[k] = sum;
-                    for axis in 0..3 {
-                        a[k][axis] += sum[axis];
-                    }
+                    external_power[k] = beyond;
+                    *at_faces += p.mass[i] * beyond;
                 }
             });
+        self.particles.external_acceleration = external;
+        self.particles.external_power = external_power;
         self.walls.power = power;
-        self.walls.book(dt);
+        self.walls.at_faces = at_faces;
+        self.stress_faces();
+    }
+
+    /// The stress that the moment of the forces at faces is, where the form has one.
+    fn stress_faces(&mut self) {
+        let mut face_stress = std::mem::take(&mut self.particles.face_stress);
+        let (model, p, dt) = (&*self.model, &self.particles, self.step.dt);
+        let (columns, states) = (AtWall::new(p), &self.walls.states);
+        face_stress.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, stress)| {
+            *stress = [[0.0; 3]; 3];
+            for (wall, state) in model.walls.iter().zip(states) {
+                let push = push(model, wall, state, &columns, i, dt);
+                for a in 0..3 {
+                    let force = p.mass[i] / p.reference_volume[i] * push.acceleration[a];
+                    (0..3).for_each(|c| stress[a][c] += force * push.face[c]);
+                }
+            }
+        });
+        self.particles.face_stress = face_stress;
+    }
+
+    /// Adds what walls and gravity do to the rates of the pair sums.
+    pub(super) fn add_external_forces(&mut self) {
+        if self.is_alone() {
+            return;
+        }
+        let p = &mut self.particles;
+        let rates = p.acceleration.par_iter_mut().zip(&mut p.energy_rate);
+        let external = p.external_acceleration.par_iter().zip(&p.external_power);
+        rates.zip(external).with_min_len(BLOCK).for_each(|((a, e), (external, power))| {
+            (0..3).for_each(|axis| a[axis] += external[axis]);
+            *e += power;
+        });
+    }
+
+    /// Takes the work of walls over a time, s, to the balance.
+    pub(super) fn book_walls(&mut self, dt: f64) {
+        self.external.work += self.walls.book(dt);
     }
 
     /// Force of every wall on the particles as they are now, N.
     pub(super) fn wall_forces(&self) -> Vec<Vector<f64>> {
         let p = &self.particles;
+        let columns = AtWall::new(p);
         let force = |(wall, state)| {
             let mut sum = [0.0; 3];
             for i in 0..p.len() {
-                let v = p.evaluated_velocity[i];
-                let push = wall_acceleration(&self.model, wall, state, p.body[i], p.position[i], v, self.step.dt);
+                let push = push(&self.model, wall, state, &columns, i, self.step.dt);
                 for axis in 0..3 {
-                    sum[axis] += p.mass[i] * push[axis];
+                    sum[axis] += p.mass[i] * push.acceleration[axis];
                 }
             }
             sum

@@ -153,6 +153,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(half);
         }
+        self.book_walls(half);
         self.motions.set_time(&self.model, self.step.time + half);
         self.motions_at_end.set_time(&self.model, self.step.time + dt);
         let Particles {
@@ -205,6 +206,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(half);
         }
+        self.book_walls(half);
         self.motions.set_time(&self.model, self.step.time + self.step.dt);
         let Particles {
             velocity,
@@ -273,6 +275,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(dt);
         }
+        self.book_walls(dt);
         self.motions.set_time(&self.model, self.step.time + dt);
         let Particles {
             position,

@@ -212,7 +212,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         match fields {
             FieldSet::Search => self.ghosts.exchange(fields, &self.particles),
             FieldSet::Audit if self.audit_is_due() => self.ghosts.exchange(fields, &self.particles),
-            FieldSet::Stress if still => self.ghosts.exchange(fields, &self.particles),
+            FieldSet::Stress if still => {
+                self.ghosts.exchange(fields, &self.particles);
+                self.exchange_contact_ghosts(fields);
+            }
             FieldSet::Audit => {}
             FieldSet::Motion | FieldSet::Density | FieldSet::Volume if still => {}
             FieldSet::Motion => {
@@ -262,6 +265,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn stress(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
+            self.push_externally();
             self.update_stress();
         }
         Ok(())

@@ -2,9 +2,12 @@
 
 use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
 use crate::neighbors::BLOCK;
+use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column, persist_each};
-use sphorge_physics::Vector;
-use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
+use sphorge_physics::tensor::{self, dot};
+use sphorge_physics::total_lagrangian::extreme_point;
+use sphorge_physics::wall::{Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
+use sphorge_physics::{Tensor, Vector};
 
 /// Present place of a wall.
 #[derive(Clone, Debug)]
@@ -55,6 +58,8 @@ pub(super) struct Walls {
     pub(super) work: Vec<f64>,
     /// Power of the last forces, W, by block of particles and wall, so that its sum does not depend on threads.
     pub(super) power: Vec<f64>,
+    /// Power of the last forces beyond that on the centres of the particles, W, by block of particles.
+    pub(super) at_faces: Vec<f64>,
 }
 
 impl Walls {
@@ -65,17 +70,19 @@ impl Walls {
             time: 0.0,
             work: vec![0.0; walls],
             power: vec![0.0; count.div_ceil(BLOCK) * walls.max(1)],
+            at_faces: vec![0.0; count.div_ceil(BLOCK)],
         }
     }
 
-    /// Takes the power of the last forces over `dt` to the work done.
-    pub(super) fn book(&mut self, dt: f64) {
+    /// Takes the power of the last forces over `dt` (s) to the work done; what of it is not done on the centres of particles, J.
+    pub(super) fn book(&mut self, dt: f64) -> f64 {
         let walls = self.work.len();
         for block in self.power.chunks_exact(walls.max(1)) {
             for (work, power) in self.work.iter_mut().zip(block) {
                 *work += power * dt;
             }
         }
+        dt * self.at_faces.iter().sum::<f64>()
     }
 
     /// Carries the walls to where they stand at `time`.
@@ -93,32 +100,90 @@ impl Persist for Walls {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
         persist_column(&mut self.work, &format!("{name}.work"), archive)?;
+        persist_column(&mut self.power, &format!("{name}.power"), archive)?;
+        persist_column(&mut self.at_faces, &format!("{name}.at_faces"), archive)?;
         persist_each(&mut self.states, name, archive)
     }
 }
 
-/// Acceleration a wall gives a particle of body `body` at `x` with velocity `v`, m/s². `dt` bounds friction: it can stop
-/// the sliding within the step, never turn it.
-pub(super) fn wall_acceleration(
-    model: &Model,
-    wall: &Wall,
-    state: &WallState,
-    body: u32,
-    x: Vector<f64>,
-    v: Vector<f64>,
-    dt: f64,
-) -> Vector<f64> {
-    let Some(gap) = state.gap(&wall.surface, x) else { return [0.0; 3] };
-    let body = &model.bodies[body as usize];
+/// What a wall does to a particle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Push {
+    /// Acceleration, m/s².
+    pub(super) acceleration: Vector<f64>,
+    /// Heat of damping and friction, all of which stays in the particle, W/kg.
+    pub(super) heat: f64,
+    /// Where the wall meets the particle, from its centre in the initial configuration, m; zero where it meets the centre.
+    pub(super) face: Vector<f64>,
+    /// Velocity of that point, m/s.
+    pub(super) velocity: Vector<f64>,
+}
+
+/// What a wall does to particle `i` with the velocity forces are evaluated with. `dt` (s) bounds friction: it can stop the sliding
+/// within the step, never turn it. Particles are as thick as they were at rest, or as their deformation gradient has made them.
+pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWall<'_>, i: usize, dt: f64) -> Push {
+    let velocity = columns.velocity[i];
+    let away = Push { velocity, ..Push::default() };
+    let Some(gap) = state.gap(&wall.surface, columns.position[i]) else { return away };
+    let body = &model.bodies[columns.body[i] as usize];
     let sound_speed = model.materials[body.material].equation_of_state.reference_sound_speed();
-    let relative = [0, 1, 2].map(|a| v[a] - state.velocity[a]);
+    let relative = |v: Vector<f64>| [0, 1, 2].map(|a| v[a] - state.velocity[a]);
     match wall.contact {
-        WallContact::MonaghanKos { range } => monaghan_kos(&gap, relative, range, sound_speed, body.smoothing_length),
+        WallContact::MonaghanKos { range } => {
+            let acceleration = monaghan_kos(&gap, relative(velocity), range, sound_speed, body.smoothing_length);
+            Push { acceleration, ..away }
+        }
         WallContact::Penalty { stiffness, damping, friction } => {
+            if gap.distance > columns.farthest(body.spacing, i) {
+                return away;
+            }
             let parameters =
                 PenaltyParameters::from_sound_speed(sound_speed, body.spacing, stiffness, damping, friction);
-            penalty_contact(parameters, &gap, 0.5 * body.spacing, relative, dt)
+            let (radius, face, velocity) = columns.face(body.spacing, i, gap.normal);
+            let WallPush { acceleration, heat } = penalty_contact(parameters, &gap, radius, relative(velocity), dt);
+            Push { acceleration, heat, face, velocity }
         }
+    }
+}
+
+/// Columns of the particles a wall asks for.
+pub(super) struct AtWall<'a> {
+    pub(super) position: &'a [Vector<f64>],
+    /// The velocity forces are evaluated with, m/s.
+    pub(super) velocity: &'a [Vector<f64>],
+    pub(super) body: &'a [u32],
+    pub(super) velocity_gradient: &'a [Tensor<f64>],
+    /// Empty where the formulation has none.
+    pub(super) deformation: &'a [Tensor<f64>],
+}
+
+impl<'a> AtWall<'a> {
+    pub(super) fn new(p: &'a Particles) -> Self {
+        Self {
+            position: &p.position,
+            velocity: &p.evaluated_velocity,
+            body: &p.body,
+            velocity_gradient: &p.velocity_gradient,
+            deformation: &p.deformation,
+        }
+    }
+
+    /// A distance within which the surface of particle `i` is, m.
+    fn farthest(&self, spacing: f64, i: usize) -> f64 {
+        let stretch =
+            self.deformation.get(i).map_or(1.0, |f| f.as_flattened().iter().map(|c| c * c).sum::<f64>().sqrt());
+        0.5 * spacing * stretch
+    }
+
+    /// Half the extent of particle `i` along a normal (m), the place in the initial configuration of its point farthest against the
+    /// normal, from the centre (m), with the sign turned, and the velocity of that point (m/s).
+    fn face(&self, spacing: f64, i: usize, normal: Vector<f64>) -> (f64, Vector<f64>, Vector<f64>) {
+        let velocity = self.velocity[i];
+        let Some(f) = self.deformation.get(i) else { return (0.5 * spacing, [0.0; 3], velocity) };
+        let face = extreme_point(spacing, f, normal);
+        let arm = tensor::apply(f, face);
+        let spin = tensor::apply(&self.velocity_gradient[i], arm);
+        (dot(normal, arm), face, [0, 1, 2].map(|a| velocity[a] - spin[a]))
     }
 }
 

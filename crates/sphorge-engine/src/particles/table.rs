@@ -232,6 +232,8 @@ columns! {
         Unmirrored[], None;
     pub(crate) external_acceleration: Vector<f64> = [0.0; 3], Step,
         Internal("m/s^2", "acceleration by walls and gravity, part of the total"), Unmirrored[], None;
+    pub(crate) external_power: f64 = 0.0, Step,
+        Internal("W/kg", "power of walls beyond that of their force on the centre: heat, and what the face moves less"), Unmirrored[], None;
     pub(crate) evaluated_velocity: Vector<f64> = [0.0; 3], Step,
         Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Stress], None;
     pub(crate) mu: f64 = 0.0, Step, Internal("m/s", "largest |mu| of the last force sum"), Unmirrored[], None;
@@ -274,6 +276,8 @@ columns! {
     // m² in plane strain, m in one dimension.
     pub(crate) reference_volume: f64 = 0.0, Reference, Internal("m^3", "initial volume"), Same[Search], None;
     pub(crate) deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Stress], None;
+    pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
+        Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
         Internal("", "smallest principal stretch since the start"), Unmirrored[], None;
 }

@@ -10,6 +10,7 @@ const PUBLISHED: &str = "{ adaptive = { plastic-strain-threshold = 1e-5, guard =
 /// An elastic block that an elastic block strikes after it has flown through five spacings.
 const LATE_STRIKE: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double" }
 time = { end = "200 us" }
@@ -33,6 +34,7 @@ velocity = ["100 m/s", "0 m/s"]
 /// An elastic rod that spins freely.
 const SPINNING_ROD: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double", gradient-correction = "linear", viscosity = false }
 time = { end = "1 ms" }
@@ -51,6 +53,7 @@ spin = { rate = "3000 rad/s" }
 /// Two pieces of one elastic body that fly towards each other and meet in the middle.
 const TWO_PIECES: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double" }
 time = { end = "200 us" }

@@ -6,6 +6,7 @@ use sphorge::{deck, engine::Simulation};
 /// A block strikes the end of a bar so long that its other end stays alone.
 const STRIKE: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double" }
 time = { end = "4 us" }
@@ -25,6 +26,7 @@ velocity = ["300 m/s", "0 m/s"]
 /// The same in space, thinner.
 const STRIKE_IN_SPACE: &str = r#"
 dimensions = "3d"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double" }
 time = { end = "4 us" }
@@ -44,6 +46,7 @@ velocity = ["300 m/s", "0 m/s", "0 m/s"]
 /// A bar that is pressed together beyond yield.
 const SQUEEZE: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double" }
 time = { end = "4 us" }
@@ -133,8 +136,9 @@ fn the_total_lagrangian_form_gives_about_the_answer_of_every_step_with_every_cho
 #[test]
 fn what_a_search_cannot_serve_is_refused_with_the_reason() {
     for (search, choices, reason) in [
-        ("total-lagrangian", PENALTY, "sees no other body"),
-        ("{ total-lagrangian = { form = \"frozen\" } }", PENALTY, "sees no other body"),
+        ("total-lagrangian", &[("contact", "kernel-sum")][..], "over the particles of one body"),
+        ("total-lagrangian", PERIODIC, "across the ends of a periodic cell"),
+        ("{ total-lagrangian = { form = \"frozen\" } }", PENALTY, "no body that arrives"),
         ("{ adaptive = { guard = \"none\" } }", PENALTY, "without its guard"),
         ("total-lagrangian", PREDICTOR, "integrated by leapfrog"),
     ] {

@@ -83,6 +83,7 @@ fn single_precision_pair_sums_keep_energy_and_momentum_to_their_rounding() {
 
 const DISC: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double", viscosity = false }
 time = { end = "1 ms" }

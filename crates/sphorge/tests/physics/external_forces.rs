@@ -1,10 +1,11 @@
 //! Gravity, friction, prescribed motion: motions known in closed form.
 
-use super::setup::{run_to, simulation};
+use super::setup::{by_id, run_to, simulation};
 
 /// A soft block of 10 x 5 particles, so that contact is soft and steps are long.
 const SOFT_BLOCK: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "10 mm" }
 numerics = { precision = "double" }
 time = { end = "1 s" }
@@ -68,6 +69,73 @@ contact = { penalty = { stiffness = 1.0, damping = 0.3, friction = 0.25 } }
     assert!((ledger.total.momentum[1] / MASS).abs() < 5e-3);
     let lowest = simulation.particles().unwrap().position.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
     assert!((4.8e-3..5.2e-3).contains(&lowest), "{lowest}");
+}
+
+/// A block of copper strikes a wall at rest, in the total Lagrangian form, whose particles a wall meets at their faces.
+const STRUCK_WALL: &str = r#"
+dimensions = "plane-strain"
+search = "total-lagrangian"
+particles = { spacing = "0.5 mm" }
+numerics = { precision = "double" }
+time = { end = "16 us" }
+
+[[body]]
+name = "block"
+material = "ofhc-copper"
+shape = { box = { min = ["-3 mm", "0 mm"], max = ["3 mm", "6 mm"] } }
+velocity = ["0 m/s", "-200 m/s"]
+
+[[wall]]
+name = "anvil"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+contact = "penalty"
+"#;
+
+#[test]
+fn a_wall_at_rest_without_friction_takes_nothing() {
+    for (velocity, search) in [("-50 m/s", "total-lagrangian"), ("-300 m/s", "total-lagrangian"), ("-200 m/s", "skin")]
+    {
+        let mut simulation = simulation(STRUCK_WALL, &[("body.block.velocity.1", velocity), ("search", search)]);
+        let supplied = simulation.ledger().unwrap().total.energies.kinetic;
+        let (mut deepest, end) = (0.0f64, simulation.model().time.end);
+        while simulation.time() < end {
+            simulation.step(Some(end)).unwrap();
+            deepest = deepest.min(simulation.ledger().unwrap().wall_work[0] / supplied);
+        }
+        let ledger = simulation.ledger().unwrap();
+        let work = ledger.wall_work[0] / supplied;
+        // What its spring holds comes back.
+        assert!(deepest < -0.01, "{velocity}, {search}: {deepest}");
+        assert!(work.abs() < 0.01, "{velocity}, {search}: {work}");
+        // Every joule is somewhere.
+        let total = ledger.total.energies.kinetic + ledger.total.energies.internal;
+        assert!((total - ledger.external_work - supplied).abs() < 1e-9 * supplied, "{velocity}, {search}");
+        assert!((ledger.external_work - ledger.wall_work[0]).abs() < 2e-3 * supplied, "{velocity}, {search}");
+    }
+}
+
+/// Half the width of the foot at the end (m) and the largest plastic strain: finite elements, 12 x 24, on a wall that lets go and on
+/// one that does not (`reference/finite-elements/taylor_bar.json`, `block`).
+const FOOT_LET_GO: (f64, f64) = (6.131e-3, 1.067);
+const FOOT_HELD: (f64, f64) = (5.881e-3, 0.878);
+
+#[test]
+fn a_foot_spreads_as_in_finite_elements_on_a_wall_and_on_a_plane_of_symmetry() {
+    let wall = &STRUCK_WALL[STRUCK_WALL.find("[[wall]]").unwrap()..];
+    let plane = STRUCK_WALL.replace(wall, "[[symmetry]]\naxis = \"y\"\n");
+    for (deck, (width, strain)) in [(STRUCK_WALL, FOOT_LET_GO), (&plane, FOOT_HELD)] {
+        let mut simulation = simulation(deck, &[("particles.spacing", "0.25 mm")]);
+        run_to(&mut simulation, 16e-6);
+        let particles = simulation.particles().unwrap();
+        // The lowest row: particles are a cell, half of which is beyond the last of them.
+        let order = by_id(simulation.particles().unwrap());
+        let mut row: Vec<f64> = order[..24].iter().map(|&i| particles.position[i][0]).collect();
+        row.sort_by(f64::total_cmp);
+        let edge = row[23] + 0.5 * (row[23] - row[22]);
+        let largest = particles.plastic_strain.iter().copied().fold(0.0, f64::max);
+        assert!((edge / width - 1.0).abs() < 0.01, "edge {edge}, finite elements {width}");
+        assert!((largest / strain - 1.0).abs() < 0.1, "strain {largest}, finite elements {strain}");
+    }
 }
 
 #[test]

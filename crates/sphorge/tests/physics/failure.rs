@@ -31,6 +31,7 @@ fn an_infinite_velocity_is_found_before_it_spreads() {
 /// A plate that a flux cools without end.
 const COOLED: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "5 mm" }
 time = { end = "1000 s" }
 thermal = { mechanics = false, boundary = [{ name = "sink", flux = "-1 MW/m^2" }] }

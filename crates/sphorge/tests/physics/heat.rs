@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 /// A slab of 100 mm between two plates, from 0 degC; diffusivity 1e-5 m^2/s.
 const SLAB: &str = r#"
 dimensions = "1d"
+method = "updated-lagrangian"
 particles = { spacing = "5 mm", smoothing = 1.0, placement = "on-faces" }
 time = { end = "100 s" }
 
@@ -179,6 +180,7 @@ conductivity = "80 W/(m K)"
 /// A plate of 100 mm x 60 mm under a heat flux on its free surfaces.
 const PLATE: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "5 mm" }
 time = { end = "10 s" }
 thermal = { mechanics = false, boundary = [{ name = "lamp", flux = "1 kW/m^2" }] }

@@ -40,6 +40,7 @@ pub(crate) fn norm(v: [f64; 3]) -> f64 {
 /// Two blocks of iron that hit each other off centre, yield and heat: pairs of both bodies, every term of the force.
 pub(crate) const COLLISION: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 
 [numerics]

@@ -5,6 +5,7 @@ use super::setup::simulation;
 /// A copper flyer strikes a target twice as thick at 500 m/s: the release waves of both free faces meet in its middle.
 const PLATES: &str = r#"
 dimensions = "1d"
+method = "updated-lagrangian"
 particles = { spacing = "0.05 mm" }
 numerics = { precision = "double", viscosity = { alpha = 1.0, beta = 2.0 }, artificial-stress = true }
 contact = "penalty"

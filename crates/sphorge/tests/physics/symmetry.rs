@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 const BLOCK: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double", artificial-stress = true, xsph = 0.5 }
 time = { end = "20 us" }
@@ -71,6 +72,7 @@ fn a_quarter_between_symmetry_planes_is_the_whole_block() {
 /// A strip that hits its mirror image.
 const STRIP: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 numerics = { precision = "double" }
 time = { end = "5 us" }
@@ -118,6 +120,7 @@ side = "negative"
 /// in which another enters those of the other.
 const DRIFT: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm", smoothing = 1.25 }
 numerics = { precision = "double" }
 time = { end = "20 us" }

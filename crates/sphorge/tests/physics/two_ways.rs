@@ -60,6 +60,7 @@ fn a_skin_gives_the_sums_of_a_search_every_step() {
 /// A block of iron that turns slowly and flies fast.
 const FLIGHT: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 
 [numerics]
@@ -138,6 +139,7 @@ fn single_precision_pair_sums_agree_with_double() {
 /// A plate of copper struck along x, below its elastic limit.
 const PLATE_IMPACT: &str = r#"
 dimensions = "1d"
+method = "updated-lagrangian"
 particles = { spacing = "0.4 mm" }
 numerics = { precision = "double", gradient-correction = "linear", viscosity = { alpha = 0.5, beta = 1.0 } }
 time = { end = "3 us" }

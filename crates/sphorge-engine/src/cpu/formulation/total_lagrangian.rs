@@ -130,7 +130,11 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         stress: SymmetricTensor<f64>,
         correction: &Tensor<f64>,
     ) -> Tensor<f64> {
-        tensor::multiply(&first_piola(stress, &particles.deformation[i]), correction)
+        let mut piola = first_piola(stress, &particles.deformation[i]);
+        for (own, face) in piola.as_flattened_mut().iter_mut().zip(particles.face_stress[i].as_flattened()) {
+            *own += face;
+        }
+        tensor::multiply(&piola, correction)
     }
 
     fn add_forces(&self, engine: &mut CpuEngine<T>) {

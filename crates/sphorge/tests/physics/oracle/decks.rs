@@ -30,6 +30,8 @@ const RESTORED: (&str, &str) = ("numerics.mls-interval", "3");
 const OF_ENERGY: (&str, &str) = ("numerics.temperature", "energy");
 const FOLLOW: (&str, &str) = ("numerics.smoothing-length", "follow-density");
 
+const TOTAL: (&str, &str) = ("search", "total-lagrangian");
+
 /// Two blocks that strike each other off centre: the kernel sums.
 pub(super) const BARS: &[Case] = &[
     case("collision", COLLISION, &[EVERY], 30),
@@ -132,7 +134,7 @@ contact = { penalty = { friction = 0.4 } }
 pub(super) const PRESS: &[Case] = &[
     case("walls and motion", WALLS, &[], 40),
     case("walls and motion, predictor-corrector", WALLS, &[PREDICTOR], 40),
-    case("walls and motion, total lagrangian", WALLS, &[("search", "total-lagrangian")], 40),
+    case("walls and motion, total lagrangian", WALLS, &[TOTAL], 40),
 ];
 
 /// A block thrown into a corner of symmetry planes, with another one on top of it.
@@ -186,6 +188,7 @@ pub(super) const CORNER: &[Case] = &[
     case("corner of symmetry planes", CORNERED, &[], 30),
     case("corner, linear correction, restored", CORNERED, &[CORRECTED, RESTORED, BALSARA], 30),
     case("corner, penalty contact", CORNERED, &[("contact", "{ penalty = { friction = 0.2 } }"), PREDICTOR], 30),
+    case("corner, contact, total lagrangian", CORNERED, &[TOTAL], 30),
     case("periodic cell", CELL, &[], 40),
     case("periodic cell, predictor-corrector", CELL, &[PREDICTOR, RESTORED, CORRECTED], 40),
 ];
@@ -225,6 +228,7 @@ shape = { box = { min = ["6 mm", "0 mm"], max = ["10 mm", "6 mm"] } }
 pub(super) const BLOCKS: &[Case] = &[
     case("contact with friction", SLIDING, &[], 40),
     case("contact, predictor-corrector", SLIDING, &[PREDICTOR, OF_ENERGY], 40),
+    case("contact, total lagrangian", SLIDING, &[TOTAL], 40),
     case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
     case("contact, following smoothing lengths, skin", SLIDING, &[FOLLOW, ("search", "skin"), PREDICTOR], 40),
     case(
@@ -293,6 +297,7 @@ pub(super) const OVEN: &[Case] = &[
     case("heat and motion", HEATED, &[], 30),
     case("heat, contact, temperature of energy", HEATED, &[PENALTY, OF_ENERGY, PREDICTOR], 30),
     case("heat, contact, symmetry", HEATED, &[PENALTY, ("symmetry", "[{ axis = \"y\" }]")], 30),
+    case("heat, contact, total lagrangian", HEATED, &[TOTAL, PENALTY], 30),
     case("heat alone", HEATED, &[STILL], 30),
     case("heat alone, contact, periodic", HEATED, &[STILL, PENALTY, ("periodic", "{ y = [\"0 mm\", \"12 mm\"] }")], 30),
 ];
@@ -324,7 +329,7 @@ pub(super) const SPACE: &[Case] = &[
     case("space", CUBES, &[], 20),
     case("space, linear correction, restored", CUBES, &[CORRECTED, RESTORED, BALSARA], 20),
     case("space, contact, predictor-corrector", CUBES, &[PENALTY, PREDICTOR], 20),
-    case("space, total lagrangian", CUBES, &[("search", "total-lagrangian")], 20),
+    case("space, total lagrangian", CUBES, &[TOTAL], 20),
 ];
 
 /// A plate of copper struck along x.
@@ -394,8 +399,8 @@ pub(super) const PRESSED: &[Case] = &[
 
 /// Two bodies that the form keeps apart, and a periodic cell.
 pub(super) const ROD: &[Case] = &[
-    case("total lagrangian, two bodies", CORNERED, &[("search", "total-lagrangian")], 40),
-    case("total lagrangian, periodic", CELL, &[("search", "total-lagrangian")], 40),
+    case("total lagrangian, two bodies", CORNERED, &[TOTAL], 40),
+    case("total lagrangian, periodic", CELL, &[TOTAL], 40),
 ];
 
 /// Cases for every search: bodies that meet, flow and turn.

@@ -41,6 +41,9 @@ pub(super) struct Oracle {
     pub(super) xsph: Vec<Vector<f64>>,
     /// The part of the acceleration that pairs do not make.
     pub(super) external: Vec<Vector<f64>>,
+    /// Power of walls beyond that on the centre, W/kg, and the stress of their forces at faces, Pa.
+    pub(super) external_power: Vec<f64>,
+    pub(super) face_stress: Vec<Tensor<f64>>,
     pub(super) mu: Vec<f64>,
     base_position: Vec<Vector<f64>>,
     base_velocity: Vec<Vector<f64>>,
@@ -103,6 +106,8 @@ impl EngineKind for OracleKind {
             evaluated: p.velocity.clone(),
             xsph: vec![[0.0; 3]; n],
             external: vec![[0.0; 3]; n],
+            external_power: vec![0.0; n],
+            face_stress: vec![[[0.0; 3]; 3]; n],
             mu: vec![0.0; n],
             base_position: p.position.clone(),
             base_velocity: p.velocity.clone(),
@@ -196,6 +201,7 @@ impl Engine for Oracle {
         match self.model.numerics.integrator {
             Integrator::Leapfrog => {
                 self.book_contacts(half);
+                self.book_walls(half);
                 for i in 0..self.p.len() {
                     self.kick(i, self.p.velocity[i], half, time + half);
                     let v = self.p.velocity[i];
@@ -227,6 +233,9 @@ impl Engine for Oracle {
                 let ratio = (self.material(i).density / self.p.density[i]).powf(power).clamp(1.0 / factor, factor);
                 model.bodies[self.p.body[i] as usize].smoothing_length * ratio
             });
+        }
+        if self.total_lagrangian().is_some() && !self.rows.is_empty() {
+            self.foreign = self.near().1;
         }
         let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
         if due {
@@ -268,6 +277,7 @@ impl Engine for Oracle {
 
     fn stress(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
+            self.push_externally();
             self.update_stress();
         }
         Ok(())
@@ -295,6 +305,7 @@ impl Engine for Oracle {
             _ if self.is_idle() => {}
             Integrator::Leapfrog => {
                 self.book_contacts(0.5 * dt);
+                self.book_walls(0.5 * dt);
                 for i in 0..self.p.len() {
                     self.kick(i, self.p.velocity[i], 0.5 * dt, end);
                 }
@@ -302,6 +313,7 @@ impl Engine for Oracle {
             }
             Integrator::PredictorCorrector => {
                 self.book_contacts(dt);
+                self.book_walls(dt);
                 for i in 0..self.p.len() {
                     let before = self.base_velocity[i];
                     self.kick(i, before, dt, end);

@@ -1,7 +1,7 @@
 //! Who is beside whom: every pair of particles and images is tested.
 
 use super::engine::Oracle;
-use sphorge::model::{BodyContact, Formulation, Model, Search};
+use sphorge::model::{BodyContact, Model, Search};
 use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot};
 
 /// A mirror or a shift by axis, or neither.
@@ -51,6 +51,9 @@ impl Image {
     }
 }
 
+/// By particle: neighbours, and which of their images.
+pub(super) type Rows = Vec<Vec<(usize, usize)>>;
+
 /// A particle and a neighbour, or an image of one.
 pub(super) struct Pair {
     /// Number of the neighbour, and which of its images.
@@ -91,9 +94,16 @@ impl Oracle {
                 x[axis] = low + (x[axis] - low).rem_euclid(high - low);
             }
         }
+        (self.rows, self.foreign) = self.near();
+        self.searched_at = self.p.position.clone();
+    }
+
+    /// The neighbours of every particle where it is now: those of the kernel sums, and those of other bodies it is in contact with.
+    pub(super) fn near(&self) -> (Rows, Rows) {
+        let model = &self.model;
         let skin = if let Search::Skin { fraction } = model.search { fraction } else { 0.0 };
         let support = model.numerics.kernel.support();
-        let apart = model.contact != BodyContact::Sph || model.formulation != Formulation::UpdatedLagrangian;
+        let apart = model.contact != BodyContact::Sph;
         let p = &self.p;
         // The contact has the kernels of the start.
         let searched_h = |i: usize| match model.contact {
@@ -107,18 +117,14 @@ impl Oracle {
                 let h = pair_smoothing_length(searched_h(i), searched_h(j)) * (1.0 + skin);
                 for (k, image) in self.images.iter().enumerate().filter(|(k, _)| *k > 0 || i != j) {
                     let x = minus(p.position[i], image.point(p.position[j]));
-                    if dot(x, x) < (support * h).powi(2) && image.is_of(&model, p.position[j]) {
+                    if dot(x, x) < (support * h).powi(2) && image.is_of(model, p.position[j]) {
                         let list = if is_foreign { &mut foreign } else { &mut rows };
                         list[i].push((j, k));
                     }
                 }
             }
         }
-        if model.formulation != Formulation::UpdatedLagrangian {
-            foreign = vec![Vec::new(); p.len()];
-        }
-        (self.rows, self.foreign) = (rows, foreign);
-        self.searched_at = self.p.position.clone();
+        (rows, foreign)
     }
 
     /// Places the sums are taken at, of particles that are at `now`.

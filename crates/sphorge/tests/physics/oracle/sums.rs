@@ -187,7 +187,11 @@ impl Oracle {
             }
             let sigma = (deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
             self.stress[i] = match self.total_lagrangian() {
-                Some(_) => multiply(&first_piola(sigma, &self.deformation[i]), &self.correction[i]),
+                Some(_) => {
+                    let piola = first_piola(sigma, &self.deformation[i]);
+                    let [a, b, c] = [0, 1, 2].map(|a| plus(piola[a], 1.0, self.face_stress[i][a]));
+                    multiply(&[a, b, c], &self.correction[i])
+                }
                 None => multiply(&sigma.to_tensor(), &self.correction[i]),
             };
             if let Some(a) = numerics.artificial_stress {

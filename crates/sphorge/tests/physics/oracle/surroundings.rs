@@ -1,7 +1,7 @@
 //! What is not a kernel sum of stress: contact between bodies, walls, gravity, heat, and the accounts of all of it.
 
 use super::engine::{Oracle, elastic_energy};
-use super::pairs::{minus, plus};
+use super::pairs::{apply, minus, plus};
 use sphorge::engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit};
 use sphorge::model::{
     BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
@@ -20,7 +20,7 @@ use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
 };
-use sphorge_physics::total_lagrangian::{limiting_length, smallest_stretch};
+use sphorge_physics::total_lagrangian::{extreme_point, limiting_length, smallest_stretch};
 use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
 use sphorge_physics::{Dimension, Vector};
 
@@ -33,11 +33,21 @@ pub(super) struct Accounts {
     /// Powers of the contacts, by pair of bodies, and of the heat boundaries, W.
     contacts: Vec<ContactLedger>,
     boundary_power: Vec<f64>,
+    /// Powers of the walls, W.
+    wall_power: Vec<f64>,
     contact_limit: f64,
     heat_limit: f64,
     /// Time and steps since the flow of heat was summed.
     heat_age: f64,
     heat_steps: u32,
+}
+
+/// What a wall does to a particle: acceleration, m/s^2, power, W/kg, and where it touches, in the initial configuration, m.
+#[derive(Default)]
+struct AtFace {
+    push: Vector<f64>,
+    power: f64,
+    xi: Vector<f64>,
 }
 
 impl Accounts {
@@ -63,6 +73,7 @@ impl Accounts {
             lattices: bodies.iter().map(|b| lattice(kernel, dimension, b.spacing, b.smoothing_length)).collect(),
             contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
             boundary_power: vec![0.0; model.thermal.boundaries.len()],
+            wall_power: vec![0.0; model.walls.len()],
             contact_limit: f64::INFINITY,
             heat_limit: f64::INFINITY,
             heat_age: f64::INFINITY,
@@ -179,45 +190,77 @@ impl Oracle {
         }
     }
 
-    /// Acceleration of a particle by a wall as it stands where forces are evaluated, m/s^2.
-    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> Vector<f64> {
+    /// What a wall, as it stands where forces are evaluated, does to a particle.
+    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> AtFace {
         let shift = [0, 1, 2].map(|a| integral(&wall.velocity[a], time));
         let x = minus(self.p.position[i], shift);
         let gap = match wall.surface {
             WallSurface::Plane { point, normal } => Some(Gap::to_plane(x, point, normal)),
             WallSurface::Segment { from, to } => Gap::to_segment(x, from, to),
         };
-        let Some(gap) = gap else { return [0.0; 3] };
+        let Some(gap) = gap else { return AtFace::default() };
         let body = &self.model.bodies[self.p.body[i] as usize];
         let c = self.material(i).equation_of_state.reference_sound_speed();
-        let v = minus(self.evaluated[i], [0, 1, 2].map(|a| wall.velocity[a].at(time)));
+        let wall_velocity = [0, 1, 2].map(|a| wall.velocity[a].at(time));
+        let v = self.evaluated[i];
         match wall.contact {
-            WallContact::MonaghanKos { range } => monaghan_kos(&gap, v, range, c, body.smoothing_length),
+            WallContact::MonaghanKos { range } => {
+                let push = monaghan_kos(&gap, minus(v, wall_velocity), range, c, body.smoothing_length);
+                AtFace { push, power: dot(push, v), ..AtFace::default() }
+            }
             WallContact::Penalty { stiffness, damping, friction } => {
                 let parameters = PenaltyParameters::from_sound_speed(c, body.spacing, stiffness, damping, friction);
-                penalty_contact(parameters, &gap, 0.5 * body.spacing, v, self.dt)
+                let (mut radius, mut xi, mut v) = (0.5 * body.spacing, [0.0; 3], v);
+                if self.total_lagrangian().is_some() {
+                    let f = &self.deformation[i];
+                    xi = extreme_point(body.spacing, f, gap.normal);
+                    radius = dot(gap.normal, apply(f, xi));
+                    v = minus(v, apply(&self.p.velocity_gradient[i], apply(f, xi)));
+                }
+                let push = penalty_contact(parameters, &gap, radius, minus(v, wall_velocity), self.dt);
+                AtFace { push: push.acceleration, power: dot(push.acceleration, v) + push.heat, xi }
             }
         }
     }
 
-    /// Walls and gravity.
-    pub(super) fn add_external(&mut self) {
+    /// What walls and gravity do, and the stress that the moments of forces at faces are, Pa.
+    pub(super) fn push_externally(&mut self) {
         let time = self.time + self.dt_to_evaluation();
-        self.external = self.each(|i| {
-            let pushes = self.model.walls.iter().map(|wall| self.wall_push(wall, time, i));
-            pushes.fold(self.model.gravity, |sum, push| plus(sum, 1.0, push))
-        });
+        let walls = self.model.walls.clone();
+        self.external = vec![self.model.gravity; self.p.len()];
+        self.external_power = vec![0.0; self.p.len()];
+        self.face_stress = vec![[[0.0; 3]; 3]; self.p.len()];
+        self.accounts.wall_power = vec![0.0; walls.len()];
+        for (k, wall) in walls.iter().enumerate() {
+            for i in 0..self.p.len() {
+                let AtFace { push, power, xi } = self.wall_push(wall, time, i);
+                self.external[i] = plus(self.external[i], 1.0, push);
+                self.external_power[i] += power - dot(push, self.evaluated[i]);
+                self.accounts.wall_power[k] += self.p.mass[i] * power;
+                let scale = self.p.mass[i] / self.initial_volume[i];
+                for (row, f) in self.face_stress[i].iter_mut().zip(push) {
+                    *row = plus(*row, scale * f, xi);
+                }
+            }
+        }
+    }
+
+    /// Adds them to the rates of the pair sums.
+    pub(super) fn add_external(&mut self) {
         for i in 0..self.p.len() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, self.external[i]);
+            self.p.energy_rate[i] += self.external_power[i];
         }
-        let power = |wall: &Wall| -> f64 {
-            (0..self.p.len()).map(|i| self.p.mass[i] * dot(self.wall_push(wall, time, i), self.evaluated[i])).sum()
-        };
-        let powers: Vec<f64> = self.model.walls.iter().map(power).collect();
-        self.ledger.wall_work.resize(powers.len(), 0.0);
-        for (work, power) in self.ledger.wall_work.iter_mut().zip(powers) {
-            *work += power * self.dt;
+    }
+
+    /// Adds the powers of walls at the last evaluation over a time, s.
+    pub(super) fn book_walls(&mut self, dt: f64) {
+        self.ledger.wall_work.resize(self.model.walls.len(), 0.0);
+        for (work, power) in self.ledger.wall_work.iter_mut().zip(&self.accounts.wall_power) {
+            *work += power * dt;
         }
+        let beyond: f64 = self.external_power.iter().zip(&self.p.mass).map(|(power, mass)| power * mass).sum();
+        self.ledger.external_work += beyond * dt;
     }
 
     pub(super) fn mechanical_limit(&self) -> TimeStepLimit {
@@ -295,10 +338,12 @@ impl Oracle {
         let mut limit = f64::INFINITY;
         let rates = self.each(|i| {
             let mut sum = Inflow::default();
-            for n in self.pairs(i, at).chain(self.contacts(i)) {
+            let touching = self.contacts(i).map(|n| (n, false));
+            for (n, initial) in self.pairs(i, at).map(|n| (n, initial)).chain(touching) {
                 let j = n.j;
+                let volume = |i: usize| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] };
                 let pair = HeatPair {
-                    volumes: (volume[i], volume[j]),
+                    volumes: (volume(i), volume(j)),
                     conductivity: pair_conductivity(self.material(i).conductivity, self.material(j).conductivity),
                     correction: mean(1.0 / lattice_of(i).moment, 1.0 / lattice_of(j).moment),
                     slope: -n.f,
@@ -405,7 +450,7 @@ impl Oracle {
         // Walls stand where forces were evaluated: half a step ago with the predictor–corrector.
         let back = if model.numerics.integrator == Integrator::Leapfrog { 0.0 } else { 0.5 * self.dt };
         let of_wall = |wall: &Wall| {
-            let push = |i: usize| self.wall_push(wall, self.time - back, i).map(|a| p.mass[i] * a);
+            let push = |i: usize| self.wall_push(wall, self.time - back, i).push.map(|a| p.mass[i] * a);
             (0..p.len()).map(push).fold([0.0; 3], |sum, push| plus(sum, 1.0, push))
         };
         let of_motion = |k: usize| {

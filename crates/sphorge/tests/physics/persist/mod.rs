@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 /// A block that hits the end of a bar, yields and turns; the other end of the bar stays alone.
 const STRIKE: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 time = { end = "20 us" }
 
