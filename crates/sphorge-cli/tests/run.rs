@@ -116,6 +116,7 @@ fn an_engine_that_is_not_there_is_said_to_be_missing() {
 /// A strip of aluminium, 20 by 20 particles, that is pulled at both ends: it falls into pairs of rows.
 const STRIP: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "1 mm" }
 time = { end = "100 us" }
 

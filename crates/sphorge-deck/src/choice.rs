@@ -1,6 +1,7 @@
 //! Words a deck chooses from.
 
 use super::defaults;
+use super::method::{Method, WallContactKind};
 use super::strategy::Strategy;
 use super::value::Choices;
 use sphorge_engine::model::{
@@ -85,9 +86,15 @@ words! {
         "corrected" => true, "deformation gradient and first Piola-Kirchhoff stress with corrected gradients";
         "frozen" => false, "lists and kernel values of the start in the sums of the other strategies (Fraser, Table 1)";
     }
-    ContactWord, "wall contact", bool {
-        "monaghan-kos" => true, "repulsion of Monaghan & Kos (1999)";
-        "penalty" => false, "linear penalty with damping and friction; pushes only";
+    MethodWord, "method", Method {
+        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, no numerical fracture; bodies and walls meet in penalty contacts; leapfrog. For all that stays in one piece";
+        "updated-lagrangian" => Method::UpdatedLagrangian, "sums over the present neighbours, lists with a skin; bodies meet in kernel sums, walls push by Monaghan & Kos; leapfrog. For debris";
+        "patino" => Method::Patino, "that of Patiño et al.: the present neighbours, searched every step; artificial stress 0.3 with exponent 4, XSPH 0.5, predictor-corrector";
+        "fraser" => Method::Fraser, "that of Fraser et al.: the present neighbours, adaptive search with its guard; artificial stress 0.3 with exponent 6, XSPH 0.5, leapfrog";
+    }
+    ContactWord, "wall contact", WallContactKind {
+        "monaghan-kos" => WallContactKind::MonaghanKos, "repulsion of Monaghan & Kos (1999)";
+        "penalty" => WallContactKind::Penalty, "linear penalty with damping and friction; pushes only";
     }
     BodyContactWord, "contact between bodies", bool {
         "kernel-sum" => false, "particles of other bodies are neighbours like any other, as in the papers: bodies stick";

@@ -8,6 +8,12 @@ pub(crate) const SMOOTHING: f64 = 1.2;
 pub(crate) const COURANT: f64 = 0.3;
 /// Linear and quadratic artificial viscosity.
 pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
+/// The same in the total Lagrangian form, where it is a pressure of the particle.
+pub(crate) const TOTAL_VISCOSITY: (f64, f64) = (0.5, 1.0);
+/// Strength of XSPH in the papers' methods.
+pub(crate) const XSPH: f64 = 0.5;
+/// Exponent of the artificial stress in the method of Fraser et al.
+pub(crate) const FRASER_EXPONENT: u32 = 6;
 /// Strength and exponent of the artificial stress, where it is asked for (Gray, Monaghan & Swift 2001).
 pub(crate) const ARTIFICIAL_STRESS: (f64, u32) = (0.3, 4);
 /// Thickness of the neighbour skin over the kernel radius.

@@ -12,6 +12,7 @@ mod interpret;
 mod keys;
 mod load;
 pub mod material;
+mod method;
 mod overrides;
 mod placement;
 pub(crate) mod quantity;

@@ -13,6 +13,7 @@ use tempfile::TempDir;
 /// A plate on a wall: 190 particles, some thirty steps.
 pub const DECK: &str = r#"title = "Small plate on a wall"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 
 [particles]
 spacing = "1 mm"

@@ -3,6 +3,7 @@
 use super::{Names, check_axis, described, exactly_one, vector, wrong_length};
 use crate::choice::ContactWord;
 use crate::defaults;
+use crate::method::WallContactKind;
 use crate::raw::{RawContact, RawMotion, RawPeriodic, RawPlane, RawSegment, RawSymmetry, RawWall, Rows};
 use crate::report::{Fault, Problems};
 use crate::value::{Choice, Given, Kind, ScalarOr, Velocity, VelocityOrFree};
@@ -18,6 +19,7 @@ pub(crate) fn wall(
     raw: &RawWall,
     dimensions: Dimensions,
     spacing: Option<f64>,
+    usual: WallContactKind,
     problems: &mut Problems,
 ) -> Option<Wall> {
     enum Surface<'a> {
@@ -33,7 +35,7 @@ pub(crate) fn wall(
         Some(Surface::Segment(s)) => segment(s, dimensions, problems),
         None => None,
     };
-    let contact = contact(raw.contact.as_ref(), spacing, problems);
+    let contact = contact(raw.contact.as_ref(), spacing, usual, problems);
     let velocity = match &raw.velocity {
         None => Some([0.0; 3].map(TimeTable::constant)),
         Some(axes) => wall_velocity(axes, raw.name.span(), dimensions, problems),
@@ -77,14 +79,17 @@ fn segment(raw: &RawSegment, dimensions: Dimensions, problems: &mut Problems) ->
 fn contact(
     raw: Option<&ScalarOr<Choice<ContactWord>, RawContact>>,
     spacing: Option<f64>,
+    usual: WallContactKind,
     problems: &mut Problems,
 ) -> Option<WallContact> {
     let (stiffness, damping, friction) = defaults::PENALTY;
-    let penalty = WallContact::Penalty { stiffness, damping, friction };
-    let repulsion = spacing.map(|range| WallContact::MonaghanKos { range });
+    let of_kind = |kind| match kind {
+        WallContactKind::MonaghanKos => spacing.map(|range| WallContact::MonaghanKos { range }),
+        WallContactKind::Penalty => Some(WallContact::Penalty { stiffness, damping, friction }),
+    };
     let (table, at) = match raw {
-        None => return repulsion,
-        Some(ScalarOr::Scalar(word)) => return if word.get(problems)? { repulsion } else { Some(penalty) },
+        None => return of_kind(usual),
+        Some(ScalarOr::Scalar(word)) => return of_kind(word.get(problems)?),
         Some(ScalarOr::Composed(table, at)) => (table, at.clone()),
     };
     enum Law<'a> {

@@ -13,6 +13,7 @@ mod thermal;
 mod velocity;
 mod warnings;
 
+use super::method::Method;
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
 use super::strategy::Strategy;
@@ -194,8 +195,9 @@ pub(crate) struct Interpreted {
 pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> Option<Interpreted> {
     let dimensions = raw.dimensions.get(problems);
     let spacing = raw.particles.spacing.positive(problems);
-    let mut numerics = numerics::numerics(&raw.numerics, problems);
-    let strategy = numerics::search(raw.search.as_ref(), problems);
+    let method = numerics::method(raw, problems);
+    let (strategy, usual) = (method.map(|m| m.0), method.map_or_else(|| Method::of(None).choices(), |m| m.1));
+    let mut numerics = numerics::numerics(&raw.numerics, &usual, problems);
     let search = strategy.map(|strategy| strategy.search);
     let audit = match &raw.audit {
         None => Some(None),
@@ -227,7 +229,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         );
         problems.push(Fault::new("too-many-regions", message, extra.clone(), "one too many"));
     }
-    let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, spacing, problems)).collect();
+    let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, spacing, usual.wall, problems)).collect();
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
     let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
     let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();
@@ -311,10 +313,9 @@ fn check_together(
         && n.integrator == Integrator::PredictorCorrector
     {
         let message = "the total Lagrangian form is integrated by leapfrog";
-        let help = "choose `integrator = \"leapfrog\"`, or another `search`";
-        problems.push(
-            Fault::new("not-together", message, key.span(), "not with `search = \"total-lagrangian\"`").help(help),
-        );
+        let help = "choose `integrator = \"leapfrog\"`, or a method that sums over the present neighbours: \
+                    `method = \"updated-lagrangian\"`";
+        problems.push(Fault::new("not-together", message, key.span(), "not with this method, the default").help(help));
     }
     if let (Some(strategy), Some(how), Some(contact), Some(search)) = (strategy, contact, &raw.contact, &raw.search)
         && let Some((message, help)) = without_contact(strategy, how, raw.body.len())

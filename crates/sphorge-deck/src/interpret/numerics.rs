@@ -2,14 +2,15 @@
 
 use crate::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
 use crate::defaults;
+use crate::method::{Choices, Method};
 use crate::raw::{
-    RawAdaptive, RawNumerics, RawOutput, RawSearch, RawSkin, RawSmoothingLength, RawTime, RawTotalLagrangian,
+    RawAdaptive, RawDeck, RawNumerics, RawOutput, RawSearch, RawSkin, RawSmoothingLength, RawTime, RawTotalLagrangian,
 };
 use crate::report::{Fault, Problems};
 use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
 use sphorge_engine::model::{
-    AdaptiveSearch, ArtificialStress, Numerics, OutputControl, Search, SmoothingLength, TimeControl,
+    AdaptiveSearch, ArtificialStress, Formulation, Numerics, OutputControl, Search, SmoothingLength, TimeControl,
 };
 use sphorge_engine::particles::FIELDS;
 use sphorge_physics::parameter::Bound;
@@ -32,20 +33,20 @@ macro_rules! or_default {
 }
 
 /// Choices of the discretisation.
-pub(crate) fn numerics(raw: &RawNumerics, problems: &mut Problems) -> Option<Numerics> {
+pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Option<Numerics> {
     let kernel = or_default!(raw.kernel, Default::default(), |k: &Choice<_>| k.get(problems));
-    let integrator = or_default!(raw.integrator, Default::default(), |k: &Choice<_>| k.get(problems));
+    let integrator = or_default!(raw.integrator, usual.integrator, |k: &Choice<_>| k.get(problems));
     let precision = or_default!(raw.precision, Default::default(), |k: &Choice<_>| k.get(problems));
     let pair_form = or_default!(raw.pair_form, Default::default(), |k: &Choice<_>| k.get(problems));
     let gradient_correction = or_default!(raw.gradient_correction, Default::default(), |k: &Choice<_>| k.get(problems));
     let energy_split = or_default!(raw.energy_split, Default::default(), |k: &Choice<_>| k.get(problems));
     let temperature = or_default!(raw.temperature, Default::default(), |k: &Choice<_>| k.get(problems));
-    let xsph = or_default!(raw.xsph, 0.0, |x: &Given<Number>| x.within(Bound::Between(0.0, 1.0), problems));
+    let xsph = or_default!(raw.xsph, usual.xsph, |x: &Given<Number>| x.within(Bound::Between(0.0, 1.0), problems));
     let mls_interval = or_default!(raw.mls_interval, None, |n: &crate::value::Count| n.positive(problems).map(Some));
     let smoothing_length =
         or_default!(raw.smoothing_length, SmoothingLength::Constant, |given| smoothing_length(given, problems));
-    let viscosity = viscosity(raw, problems);
-    let artificial_stress = artificial_stress(raw, problems);
+    let viscosity = viscosity(raw, usual.viscosity, problems);
+    let artificial_stress = artificial_stress(raw, usual.artificial_stress, problems);
     let (viscosity_alpha, viscosity_beta, balsara) = viscosity?;
     Some(Numerics {
         kernel: kernel?,
@@ -81,7 +82,7 @@ pub(crate) fn check_smoothing(
     if outlive {
         let message = "smoothing lengths that follow the density need lists that follow the positions";
         let fault = Fault::new("wrong-search", message, given.span(), "with this `search`");
-        problems.push(fault.help("set `search` to \"skin\" or \"every-step\", or leave the smoothing length constant"));
+        problems.push(fault.help("set `search` to \"skin\" or \"every-step\" (with `method = \"updated-lagrangian\"`), or leave the smoothing length constant"));
     }
 }
 
@@ -101,8 +102,8 @@ fn smoothing_length(
     Some(SmoothingLength::FollowDensity { factor: factor? })
 }
 
-fn viscosity(raw: &RawNumerics, problems: &mut Problems) -> Option<(f64, f64, bool)> {
-    let (default_alpha, default_beta) = defaults::VISCOSITY;
+fn viscosity(raw: &RawNumerics, usual: (f64, f64), problems: &mut Problems) -> Option<(f64, f64, bool)> {
+    let (default_alpha, default_beta) = usual;
     let table = match &raw.viscosity {
         None => return Some((default_alpha, default_beta, false)),
         Some(ScalarOr::Scalar(flag)) => {
@@ -117,12 +118,16 @@ fn viscosity(raw: &RawNumerics, problems: &mut Problems) -> Option<(f64, f64, bo
     Some((alpha?, beta?, balsara?))
 }
 
-fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Option<ArtificialStress>> {
+fn artificial_stress(
+    raw: &RawNumerics,
+    usual: Option<ArtificialStress>,
+    problems: &mut Problems,
+) -> Option<Option<ArtificialStress>> {
     let (epsilon, exponent) = defaults::ARTIFICIAL_STRESS;
-    let usual = ArtificialStress { epsilon, exponent };
+    let published = ArtificialStress { epsilon, exponent };
     let table = match &raw.artificial_stress {
-        None => return Some(None),
-        Some(ScalarOr::Scalar(flag)) => return flag.get(problems).map(|on| on.then_some(usual)),
+        None => return Some(usual),
+        Some(ScalarOr::Scalar(flag)) => return flag.get(problems).map(|on| on.then_some(usual.unwrap_or(published))),
         Some(ScalarOr::Composed(table, _)) => table,
     };
     let epsilon =
@@ -141,15 +146,27 @@ fn artificial_stress(raw: &RawNumerics, problems: &mut Problems) -> Option<Optio
     Some(Some(ArtificialStress { epsilon: epsilon?, exponent: exponent? }))
 }
 
+/// The method, its neighbour search strategy or the one that takes its place, and what it has for the other keys.
+pub(crate) fn method(raw: &RawDeck, problems: &mut Problems) -> Option<(Strategy, Choices)> {
+    let named = raw.method.as_ref().map(|method| method.get(problems));
+    let chosen = raw.search.as_ref().map(|given| search(given, problems));
+    let method = named.unwrap_or_else(|| Some(Method::of(chosen.flatten())))?;
+    let strategy = chosen.unwrap_or_else(|| Some(method.choices().strategy))?;
+    if let (Method::TotalLagrangian, Formulation::UpdatedLagrangian, Some(named), Some(search)) =
+        (method, strategy.formulation, &raw.method, &raw.search)
+    {
+        let message = "the total Lagrangian form sums over the initial neighbours, not over those a search finds";
+        let fault = Fault::new("not-together", message, search.span(), "this search");
+        problems.push(fault.also(named.span(), "not with this method").help("leave one of them out"));
+    }
+    Some((strategy, method.beside(strategy)))
+}
+
 /// Neighbour search strategy and formulation.
-pub(crate) fn search(
-    raw: Option<&ScalarOr<Choice<SearchWord>, RawSearch>>,
-    problems: &mut Problems,
-) -> Option<Strategy> {
+fn search(raw: &ScalarOr<Choice<SearchWord>, RawSearch>, problems: &mut Problems) -> Option<Strategy> {
     match raw {
-        None => Some(Strategy::updated(defaults::SKIN)),
-        Some(ScalarOr::Scalar(word)) => word.get(problems),
-        Some(ScalarOr::Composed(RawSearch { skin, adaptive, total_lagrangian }, at)) => {
+        ScalarOr::Scalar(word) => word.get(problems),
+        ScalarOr::Composed(RawSearch { skin, adaptive, total_lagrangian }, at) => {
             enum Chosen<'a> {
                 Skin(&'a RawSkin),
                 Adaptive(&'a RawAdaptive),

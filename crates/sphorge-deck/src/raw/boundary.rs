@@ -18,7 +18,7 @@ tables! {
         /// Velocity of the wall, by axis: a constant, or rows of time and velocity (linear between rows, constant outside).
         velocity: Option<Vec<ScalarOr<Given<Velocity>, Rows<Velocity>>>>, example ["0 m/s", [["0 s", "0 m/s"], ["5 ms", "1 m/s"]]], otherwise "at rest";
         /// How the wall pushes.
-        contact: Option<ScalarOr<Choice<ContactWord>, RawContact>>, example { "penalty": { "friction": 0.2 } }, default "monaghan-kos";
+        contact: Option<ScalarOr<Choice<ContactWord>, RawContact>>, example { "penalty": { "friction": 0.2 } }, otherwise "`penalty` in the total Lagrangian form, else `monaghan-kos`";
     }
 
     /// Point and normal.

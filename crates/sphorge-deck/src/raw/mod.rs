@@ -36,10 +36,13 @@ tables! {
         title: Option<Word>, example "Taylor impact of an Armco iron plate", default "";
         /// Space dimensions; they set the number of components of every vector in the deck.
         dimensions: Choice<DimensionsWord>, example "plane-strain";
+        /// Method: a consistent set of the choices below. Any of them that the deck makes takes the place of the method's. A deck that
+        /// names no method and a `search` among the present neighbours has `updated-lagrangian`.
+        method: Option<Choice<MethodWord>>, example "updated-lagrangian", default "total-lagrangian";
         /// Neighbour search strategy.
-        search: Option<ScalarOr<Choice<SearchWord>, RawSearch>>, example "every-step", default "skin";
+        search: Option<ScalarOr<Choice<SearchWord>, RawSearch>>, example "every-step", otherwise "that of the method";
         /// How bodies meet.
-        contact: Option<RawContactChoice>, example { "penalty": { "friction": 0.1 } }, default "kernel-sum";
+        contact: Option<RawContactChoice>, example { "penalty": { "friction": 0.1 } }, otherwise "`penalty` in the total Lagrangian form, else `kernel-sum`";
         /// Compare the neighbour lists with an exact search every so many steps; what they miss goes into `history.csv` and
         /// `summary.json`.
         audit: Option<Count>, example 100, otherwise "never";

@@ -10,7 +10,7 @@ tables! {
         /// Smoothing kernel.
         kernel: Option<Choice<KernelWord>>, example "wendland-c2", default "cubic-spline";
         /// Time integrator.
-        integrator: Option<Choice<IntegratorWord>>, example "predictor-corrector", default "leapfrog";
+        integrator: Option<Choice<IntegratorWord>>, example "predictor-corrector", otherwise "that of the method";
         /// Arithmetic of the pair sums; state is always kept in double precision.
         precision: Option<Choice<PrecisionWord>>, example "double", default "mixed";
         /// Form of the pair sums of velocity gradient and momentum.
@@ -20,9 +20,9 @@ tables! {
         /// Artificial viscosity (Monaghan & Gingold 1983), or `false` for none.
         viscosity: Option<ScalarOr<Flag, RawViscosity>>, default true;
         /// Artificial stress (Gray, Monaghan & Swift 2001); `true` for the constants of that paper.
-        artificial_stress: Option<ScalarOr<Flag, RawArtificialStress>>, default false;
+        artificial_stress: Option<ScalarOr<Flag, RawArtificialStress>>, example { "epsilon": 0.3, "exponent": 4 }, otherwise "that of the method";
         /// XSPH strength, 0 to 1: positions move with a velocity averaged over neighbours to this share.
-        xsph: Option<Given<Number>>, example 0.5, default 0.0;
+        xsph: Option<Given<Number>>, example 0.5, otherwise "that of the method";
         /// Restore the density by moving least squares every so many steps.
         mls_interval: Option<Count>, example 20, otherwise "never";
         /// How pair work is shared between the two particles.

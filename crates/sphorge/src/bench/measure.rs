@@ -56,6 +56,7 @@ mod tests {
     fn rates_fit_together() {
         let deck = r#"
             dimensions = "plane-strain"
+            method = "updated-lagrangian"
             particles.spacing = "1 mm"
             time.end = "1 ms"
             [[body]]

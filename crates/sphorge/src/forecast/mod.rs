@@ -230,6 +230,7 @@ mod tests {
 
     const DECK: &str = r#"
         dimensions = "3d"
+        method = "updated-lagrangian"
         [particles]
         spacing = "1 mm"
         [time]

@@ -12,6 +12,7 @@ use std::{collections::BTreeMap, fs, path::Path};
 /// A bar that hits a wall on its way, and a block that swings. Measures of every memory, tracers, audits, two kinds of work.
 const DECK: &str = r#"
 dimensions = "plane-strain"
+method = "updated-lagrangian"
 particles = { spacing = "0.5 mm" }
 audit = 7
 

@@ -92,6 +92,7 @@ fn internal_energy_is_missing_in_the_whole_or_in_a_body() {
 fn heat_that_may_be_taken_out_is_not_missing() {
     let deck = r#"
         dimensions = "1d"
+        method = "updated-lagrangian"
         particles = { spacing = "1 mm" }
         time = { end = "1 us" }
         body = [{ name = "bar", material = "slab", shape = { box = { min = ["0 m"], max = ["1 m"] } }, temperature = "300 K" }]
@@ -183,6 +184,7 @@ fn strip(warnings: &str) -> (Model, Particles) {
     let deck = format!(
         r#"
         dimensions = "plane-strain"
+        method = "updated-lagrangian"
         particles = {{ spacing = "1 mm" }}
         time = {{ end = "1 us" }}
         body = [{{ name = "strip", material = "ofhc-copper", shape = {{ box = {{ min = ["0 mm", "0 mm"], max = ["10 mm", "10 mm"] }} }} }}]
