@@ -8,8 +8,6 @@ pub(crate) const SMOOTHING: f64 = 1.2;
 pub(crate) const COURANT: f64 = 0.3;
 /// Linear and quadratic artificial viscosity.
 pub(crate) const VISCOSITY: (f64, f64) = (1.0, 1.0);
-/// The same in the total Lagrangian form, where it is a pressure of the particle.
-pub(crate) const TOTAL_VISCOSITY: (f64, f64) = (0.5, 1.0);
 /// Strength of XSPH in the papers' methods.
 pub(crate) const XSPH: f64 = 0.5;
 /// Exponent of the artificial stress in the method of Fraser et al.

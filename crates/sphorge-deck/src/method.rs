@@ -18,8 +18,6 @@ pub(crate) enum Method {
 pub(crate) struct Choices {
     pub(crate) strategy: Strategy,
     pub(crate) integrator: Integrator,
-    /// Linear and quadratic.
-    pub(crate) viscosity: (f64, f64),
     pub(crate) artificial_stress: Option<ArtificialStress>,
     pub(crate) xsph: f64,
     pub(crate) wall: WallContactKind,
@@ -37,7 +35,6 @@ pub(crate) enum WallContactKind {
 const UPDATED: Choices = Choices {
     strategy: Strategy::updated(defaults::SKIN),
     integrator: Integrator::Leapfrog,
-    viscosity: defaults::VISCOSITY,
     artificial_stress: None,
     xsph: 0.0,
     wall: WallContactKind::MonaghanKos,
@@ -56,12 +53,9 @@ impl Method {
     pub(crate) const fn choices(self) -> Choices {
         let (epsilon, exponent) = defaults::ARTIFICIAL_STRESS;
         match self {
-            Self::TotalLagrangian => Choices {
-                strategy: Strategy::total(defaults::HOURGLASS),
-                viscosity: defaults::TOTAL_VISCOSITY,
-                wall: WallContactKind::Penalty,
-                ..UPDATED
-            },
+            Self::TotalLagrangian => {
+                Choices { strategy: Strategy::total(defaults::HOURGLASS), wall: WallContactKind::Penalty, ..UPDATED }
+            }
             Self::UpdatedLagrangian => UPDATED,
             Self::Patino => Choices {
                 strategy: Strategy::updated(Search::EveryStep),

@@ -265,6 +265,29 @@ fn a_contact_needs_a_search_that_sees_other_bodies() {
 }
 
 #[test]
+fn a_method_and_a_search_that_is_not_its_own_are_both_shown() {
+    let both = "method = \"total-lagrangian\"\nsearch = \"every-step\"";
+    told(
+        "search = \"every-step\"",
+        both,
+        "not-together",
+        "\"every-step\"",
+        "not over those a search finds",
+        "leave one of them out",
+    );
+    let integrator = "numerics = { integrator = \"predictor-corrector\" }\n#";
+    let help = "`method = \"updated-lagrangian\"`";
+    told(
+        "search = \"every-step\"",
+        integrator,
+        "not-together",
+        "\"predictor-corrector\"",
+        "integrated by leapfrog",
+        help,
+    );
+}
+
+#[test]
 fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
     let total = changed("search = \"every-step\"", "search = \"total-lagrangian\"");
     let second = "[[body]]\nname = \"striker\"\nmaterial = \"armco-iron\"\n\

@@ -110,23 +110,24 @@ fn stated_defaults_are_the_real_ones() {
         "time",
         "output",
         "wall.soft.contact.penalty",
-        "wall.hard",
         "symmetry.0",
-        "search.skin",
         "material.mine",
         "measure.hottest.maximum",
         "measure.speed.front-speed",
     ];
     let plain = model(EVERYTHING, &[]);
     for table in tables {
-        let defaults =
-            stated(&table.replace("soft", "0").replace("hard", "1").replace("hottest", "0").replace("speed.", "1."));
+        let defaults = stated(&table.replace("soft", "0").replace("hottest", "0").replace("speed.", "1."));
         assert!(!defaults.is_empty(), "{table} states no defaults");
         assert_eq!(model(EVERYTHING, &defaults), plain, "{table}: {defaults:?}");
     }
     let on = ("numerics.artificial-stress".to_owned(), "true".to_owned());
     let spelled = stated("numerics.artificial-stress");
     assert_eq!(spelled.len(), 2);
+    assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    let on = ("search".to_owned(), "skin".to_owned());
+    let spelled = stated("search.skin");
+    assert_eq!(spelled.len(), 1);
     assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
     let on = ("thermal".to_owned(), "{}".to_owned());
     let spelled = stated("thermal");
@@ -136,6 +137,52 @@ fn stated_defaults_are_the_real_ones() {
     let spelled = stated("contact.penalty");
     assert_eq!(spelled.len(), 3);
     assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+}
+
+#[test]
+fn a_method_is_the_sum_of_its_choices() {
+    let of = |overrides: &[(&str, &str)]| {
+        let overrides: Vec<_> = overrides.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
+        model(EVERYTHING, &overrides)
+    };
+    let walls = [("wall.soft.contact", "monaghan-kos"), ("wall.hard.contact", "monaghan-kos")];
+    let (stress, xsph) = ("numerics.artificial-stress", ("numerics.xsph", "0.5"));
+    let plain = of(&[&walls[..], &[("search", "skin"), ("contact", "kernel-sum")]].concat());
+    // What a deck gets where it says nothing, and what it says with a search among the present neighbours.
+    assert_eq!(of(&[]), of(&[("method", "total-lagrangian")]));
+    assert_eq!(of(&[("search", "skin")]), of(&[("method", "updated-lagrangian")]));
+    assert_eq!(of(&[("wall.soft.contact", "monaghan-kos"), ("search", "skin")]), plain);
+    for (method, choices) in [
+        (
+            "patino",
+            [
+                ("search", "every-step"),
+                ("numerics.integrator", "predictor-corrector"),
+                (stress, "{ epsilon = 0.3, exponent = 4 }"),
+                xsph,
+            ],
+        ),
+        (
+            "fraser",
+            [
+                ("search", "adaptive"),
+                ("numerics.integrator", "leapfrog"),
+                (stress, "{ epsilon = 0.3, exponent = 6 }"),
+                xsph,
+            ],
+        ),
+    ] {
+        assert_eq!(of(&[("method", method)]), of(&choices), "{method}");
+        // A key of the deck takes the place of the method's.
+        assert_eq!(
+            of(&[("method", method), ("numerics.xsph", "0.2")]),
+            of(&[&choices[..3], &[("numerics.xsph", "0.2")]].concat())
+        );
+        let off = [("method", method), (stress, "false"), ("search", "skin")];
+        assert_eq!(of(&off), of(&[("search", "skin"), choices[1], xsph]), "{method}");
+        // What belongs to the form goes with the form.
+        assert_eq!(of(&[("method", method), ("search", "total-lagrangian")]), of(&[]), "{method}");
+    }
 }
 
 #[test]
