@@ -91,3 +91,82 @@ fn bodies_of_unlike_spacing_touch_and_overlap() {
     let Err(report) = load_text("deck", &text, &[]) else { panic!("they overlap") };
     assert_eq!(report.problems()[0].to_string(), "bodies `b` and `fine` overlap");
 }
+
+fn notes(text: &str) -> Vec<String> {
+    let setup = load_text("deck", text, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+    setup.notes
+}
+
+/// A copper bar of 7.62 mm x 25.4 mm that ends in a symmetry plane.
+fn copper_bar(particles: &str) -> String {
+    format!(
+        "dimensions = \"3d\"\nsymmetry = [{{ axis = \"z\" }}]\ntime = {{ end = \"1 us\" }}\nparticles = {{ {particles} }}\n\
+         [[body]]\nname = \"bar\"\nmaterial = \"ofhc-copper\"\n\
+         [body.shape.cylinder]\nfrom = [\"0 mm\", \"0 mm\", \"0 mm\"]\nto = [\"0 mm\", \"0 mm\", \"25.4 mm\"]\nradius = \"3.81 mm\"\n"
+    )
+}
+
+/// The spacings a note proposes.
+fn proposed(note: &str) -> Vec<&str> {
+    let (_, listed) = note.rsplit_once("fit better: ").expect(note);
+    listed.split(", ").take_while(|part| !part.starts_with("or ")).collect()
+}
+
+#[test]
+fn a_lattice_that_does_not_end_at_a_symmetry_plane_is_told_with_spacings_that_do() {
+    // 40 layers of 0.63 mm in 25.4 mm: (25.4 - 39 0.63)/2 = 0.415. 0.8 % is missing in the length, the section has 120 squares
+    // where its circle has 114.9.
+    let told = notes(&copper_bar("spacing = \"0.63 mm\""));
+    assert_eq!(told.len(), 1, "{told:?}");
+    let expected = "body `bar`: its particles weigh 3.6 % more than its shape, its first layer stands 0.4150 mm from the symmetry plane across z, not half a spacing, 0.3150 mm; ";
+    assert!(told[0].starts_with(expected), "{told:?}");
+    let proposed = proposed(&told[0]);
+    assert_eq!(proposed.len(), 2, "{told:?}");
+    for spacing in proposed {
+        let told = notes(&copper_bar(&format!("spacing = \"{spacing}\"")));
+        assert_eq!(told, Vec::<String>::new(), "at {spacing}");
+    }
+    // 40 layers of 0.635 mm end at the plane, and so do rings.
+    assert_eq!(notes(&copper_bar("spacing = \"0.635 mm\"")), Vec::<String>::new());
+    assert_eq!(notes(&copper_bar("spacing = \"0.63 mm\", lattice = \"rings\"")), Vec::<String>::new());
+}
+
+#[test]
+fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
+    // Three cells of 0.3 along either edge of a square of 1: 0.81 of its area.
+    let square = |rest: &str| {
+        let head = "dimensions = \"plane-strain\"\ntime = { end = 1 }\nparticles = { spacing = 0.3 }\n";
+        format!("{head}{}{rest}", BOX.replace("\"m\"", "\"ofhc-copper\""))
+    };
+    let told = notes(&square(""));
+    let spacings = "spacings that fit better: 250 mm, 333.33 mm";
+    assert_eq!(told, [format!("body `b`: its particles weigh 19.0 % less than its shape; {spacings}")]);
+    let setup = load_text("deck", &square(""), &[]).unwrap();
+    let mass = setup.masses[0];
+    assert!(mass.particles == 9 && !mass.is_estimate);
+    assert!((mass.mass / (8960.0 * 0.81) - 1.0).abs() < 1e-12 && (mass.shape_mass - 8960.0).abs() < 1e-9);
+    // Masses are those of the cells: the density of the start is the reference density in the space that is filled.
+    assert!(setup.particles.mass.iter().all(|m| (m / (8960.0 * 0.09) - 1.0).abs() < 1e-12));
+    let told = notes(&square("spacing = 0.5\nplacement = \"on-faces\"\n"));
+    assert_eq!(told, ["body `b`: its particles weigh 125.0 % more than its shape; `placement = \"cell-centres\"`"]);
+    assert_eq!(notes(&square("spacing = 0.5\n")), Vec::<String>::new());
+}
+
+#[test]
+fn a_layer_is_told_of_where_the_body_has_a_face_in_a_wall() {
+    let square = |spacing: &str, height: &str| {
+        format!(
+            "dimensions = \"plane-strain\"\ntime = {{ end = 1 }}\nparticles = {{ spacing = {spacing} }}\n\
+             [[wall]]\nname = \"floor\"\nplane = {{ point = [0, {height}], normal = [0, 1] }}\n{}",
+            BOX.replace("\"m\"", "\"ofhc-copper\"")
+        )
+    };
+    // 35 cells of 0.0285 are 0.9975: (1 - 34 0.0285)/2 = 0.0155, 0.044 spacings too far; of 0.0284: 0.0172, 0.106.
+    assert_eq!(notes(&square("0.0285", "0")), Vec::<String>::new());
+    let told = notes(&square("0.0284", "0"));
+    let expected = "its first layer stands 17.2000 mm from wall `floor`, not half a spacing, 14.2000 mm";
+    assert!(told[0].contains(expected), "{told:?}");
+    // A wall that the body has not reached is at none of its faces.
+    let told = notes(&square("0.0284", "-0.001"));
+    assert!(!told.iter().any(|note| note.contains("layer")), "{told:?}");
+}

@@ -39,7 +39,10 @@ A lattice is anchored to its shape and turns with it, so a symmetric shape gets 
   that of the bar.
 - The mass of a particle is density times spacing to the power of the dimensions (per metre of thickness in plane strain, per
   square metre in one dimension), so the mass of a body differs from that of its shape by what rounding adds or takes;
-  `sphorge check` prints both.
+  `sphorge check` prints both, the summary of a run holds both. Masses are not scaled to what the shape weighs: the density at the
+  start is the reference density, and particles fill the space they stand for.
+- `check` and `run` tell where that is more than 1 % of the mass, or where a body on a square or cubic lattice ends in a symmetry plane or
+  at a wall with a first layer that is not half a spacing away from it (by more than 0.05 spacings), with the nearest spacings that fit.
 - `lattice = "hexagonal"`: rows shifted by half against their neighbours, in space layers across the third axis (or across the
   axis of the bar) stacked as in hexagonal close packing. A particle stands for as much area or volume as in the square or cubic
   lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.

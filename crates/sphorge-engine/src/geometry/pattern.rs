@@ -34,7 +34,7 @@ impl Transform {
 }
 
 /// The single solid the lattice is that of, and its place in space.
-fn owner(shape: &Shape) -> (&Solid, Transform) {
+pub(super) fn owner(shape: &Shape) -> (&Solid, Transform) {
     match &shape.solid {
         Solid::Composed { parts, .. } if !parts.is_empty() => {
             let (solid, inner) = owner(&parts[0]);

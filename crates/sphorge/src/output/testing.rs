@@ -90,6 +90,7 @@ pub(crate) fn summary(seconds: f64) -> Summary {
         deck: "test".into(),
         version: "0.1.0".into(),
         particles: 1000,
+        bodies: Vec::new(),
         steps: 50,
         simulated_time: 6e-5,
         wall_seconds: seconds,
