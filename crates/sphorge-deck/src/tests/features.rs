@@ -285,6 +285,19 @@ fn temperature_from_energy_needs_a_specific_heat() {
     assert!(report.to_string().contains("has no `specific-heat`"), "{report}");
 }
 
+#[test]
+fn the_diameter_of_a_disc_in_the_plane_is_across_z() {
+    let measure = |kind: &str, axis: &str| {
+        changed("extent = { body = \"bar\", axis = \"y\" }", &format!("{kind} = {{ axis = \"{axis}\" }}"))
+    };
+    for (axis, index) in [("x", 0), ("y", 1), ("z", 2)] {
+        let diameter = MeasureKind::Diameter { selection: ParticleSelection::default(), axis: index };
+        assert_eq!(model(&measure("diameter", axis)).measures[0].kind, diameter);
+    }
+    let Err(report) = load_text("deck", &measure("extent", "z"), &[]) else { panic!("the plane has no z") };
+    assert_eq!(report.to_string(), "the deck is plane strain: there is no z axis");
+}
+
 /// The plate with a whole number of spacings.
 fn fitted(deck: &str) -> String {
     deck.replace("3.8 mm", "3.75 mm").replace("25.46 mm", "25.5 mm")

@@ -63,6 +63,9 @@ fn diameter_is_about_the_mean_or_the_symmetry_plane() {
     let kind = MeasureKind::Diameter { selection: ParticleSelection::default(), axis: 1 };
     let particles = lattice(6, 3);
     close(once(kind.clone(), &particles), 0.6);
+    // Of a section of the plane: from corner to corner of the centres, sqrt(0.5^2 + 0.2^2), and a spacing.
+    let section = MeasureKind::Diameter { selection: ParticleSelection::default(), axis: 2 };
+    close(once(section, &particles), 0.29f64.sqrt() + 0.1);
     let mut model = measuring(kind);
     model.symmetry = vec![SymmetryPlane { axis: 0, position: -0.05, side: 1.0 }];
     let mut measures = Measures::new(&model);
