@@ -54,6 +54,29 @@ fn initial_velocities_vary_in_space_as_asked() {
 }
 
 #[test]
+fn radial_velocities_go_outwards_from_a_centre_or_a_line() {
+    // From (1, 0): at (0.25, 0.25) r = 0.79057, at (0.75, 0.25) r = 0.35355; 4 m/s at 0.25 m, 12 m/s at 0.75 m and beyond.
+    let radial = "radial-velocity = { centre = [1, 0], rows = [[0.25, 4], [0.75, 12]] }\n";
+    let particles = deck("plane-strain", &format!("{BOX}velocity = [100, 0]\n{radial}"));
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-9), "{found:?} is not {expected:?}");
+    };
+    let (r0, r1) = (0.625f64.sqrt(), 0.125f64.sqrt());
+    near(particles.velocity[0], [100.0 - 12.0 * 0.75 / r0, 12.0 * 0.25 / r0, 0.0]);
+    let v1 = 4.0 + 8.0 * (r1 - 0.25) / 0.5;
+    near(particles.velocity[1], [100.0 - v1 * 0.25 / r1, v1 * 0.25 / r1, 0.0]);
+    // In space from a line along y: nothing along it.
+    let body = "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n";
+    let line = "radial-velocity = { axis = \"y\", rows = [[0, 0], [2, 16]] }\n";
+    near(deck("3d", &format!("{body}{line}")).velocity[7], [6.0, 0.0, 6.0]);
+    let point = "radial-velocity = { rows = [[0, 0], [2, 16]] }\n";
+    near(deck("3d", &format!("{body}{point}")).velocity[7], [6.0, 6.0, 6.0]);
+    // A particle in the centre stays.
+    let centre = "placement = \"on-faces\"\nradial-velocity = { rows = [[0, 5]] }\n";
+    assert_eq!(deck("plane-strain", &format!("{BOX}{centre}")).velocity[0], [0.0; 3]);
+}
+
+#[test]
 fn regions_are_bits_of_what_body_and_shape_choose() {
     let regions = "[[region]]\nname = \"left\"\nshape = { box = { min = [0, 0], max = [0.25, 1] } }\n\
                    [[region]]\nname = \"second\"\nbody = \"c\"\n\

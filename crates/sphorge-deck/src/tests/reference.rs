@@ -103,7 +103,11 @@ fn one_form(value: &Value) -> String {
         (Some(unit), false) => format!("quantity, {unit}"),
         (Some(""), true) => "vector of numbers".to_owned(),
         (Some(unit), true) => format!("vector, {unit}"),
-        (None, true) if target.get("prefixItems").is_some() => "[time, value]".to_owned(),
+        (None, true) if target.get("prefixItems").is_some() => {
+            let entries = target["prefixItems"].as_array().into_iter().flatten();
+            let entries: Vec<_> = entries.map(|entry| form(entry).replace("quantity, ", "quantity in ")).collect();
+            format!("[{}]", entries.join(", "))
+        }
         (None, true) => match target.get("items").map(form).unwrap_or_default().as_str() {
             "table, below" => "list of tables, below".to_owned(),
             entries => format!("list of: {entries}"),

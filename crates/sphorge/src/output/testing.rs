@@ -24,6 +24,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         velocity_gradient: [[0.0; 3]; 3],
         gradient_centre: [0.0; 3],
         velocity_profile: None,
+        radial_velocity: None,
         temperature: 293.15,
     };
     Model {
