@@ -7,11 +7,12 @@ use sphorge_engine::geometry::{
     BYTES_PER_PARTICLE, BoundingPlane, FillError, FilledMass, MASS_TOLERANCE, MAX_PARTICLES, fitting_spacings,
     misplaced_layers, rings_fill,
 };
-use sphorge_engine::model::{LatticePlacement, Model};
+use sphorge_engine::model::{Arrangement, LatticePlacement, Model};
 
 /// A length for people.
 fn millimetres(length: f64) -> String {
-    format!("{:.4} mm", length * 1e3)
+    // Round-off has no sign.
+    format!("{:.4} mm", (length * 1e7).round() / 1e4 + 0.0)
 }
 
 fn point(position: [f64; 3], model: &Model) -> String {
@@ -69,7 +70,7 @@ pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass])
             let plural = if fitting.len() == 1 { "a spacing that fits" } else { "spacings that fit" };
             cures.push(format!("{plural} better: {}", fitting.join(", ")));
         }
-        if rings_fill(&body.shape, model.dimensions) {
+        if body.lattice.arrangement != Arrangement::Rings && rings_fill(&body.shape, model.dimensions) {
             cures.push("`lattice = \"rings\"`".to_owned());
         }
         if cures.is_empty() {

@@ -155,6 +155,33 @@ fn a_lattice_that_does_not_end_at_a_symmetry_plane_is_told_with_spacings_that_do
 }
 
 #[test]
+fn rings_are_halved_and_quartered_by_symmetry_planes() {
+    let tube = |planes: &str, low: &str| {
+        format!(
+            "dimensions = \"3d\"\nsymmetry = [{planes}]\ntime = {{ end = 1 }}\n\
+             particles = {{ spacing = 0.05, lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\n\
+             [[body.shape.intersection]]\n\
+             cylinder = {{ from = [0, 0, 0], to = [0, 0, 0.2], radius = 0.52, inner-radius = 0.27 }}\n\
+             [[body.shape.intersection]]\nbox = {{ min = {low}, max = [1, 1, 1] }}\n"
+        )
+    };
+    let mass = |deck: &str| {
+        let setup = load_text("deck", deck, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+        assert_eq!(setup.notes, Vec::<String>::new());
+        setup.masses[0].mass
+    };
+    let whole = mass(&tube("", "[-1, -1, -1]"));
+    let (x, y) = ("{ axis = \"x\" }", "{ axis = \"y\" }");
+    for (planes, low, parts) in [
+        (y.to_owned(), "[-1, 0, -1]", 2.0),
+        (x.to_owned(), "[0, -1, -1]", 2.0),
+        (format!("{x}, {y}"), "[0, 0, -1]", 4.0),
+    ] {
+        assert!((mass(&tube(&planes, low)) * parts / whole - 1.0).abs() < 1e-12, "{planes}");
+    }
+}
+
+#[test]
 fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     // Three cells of 0.3 along either edge of a square of 1: 0.81 of its area.
     let square = |rest: &str| {

@@ -47,7 +47,8 @@ A lattice is anchored to its shape and turns with it, so a symmetric shape gets 
   axis of the bar) stacked as in hexagonal close packing. A particle stands for as much area or volume as in the square or cubic
   lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.
 - `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
-  each; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
+  each, a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
+  quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
   what its shape does. Further parts of a `difference` or `intersection` cut particles away.
 - A body has to be at least one spacing thick. Bodies that touch share a face: their outermost particles are then one spacing
   apart. Bodies overlap, and are refused, where particles come nearer than half of that.
