@@ -73,7 +73,7 @@ pub struct FailureRecord {
     /// Name of its body.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub body: Option<String>,
-    /// Its last position, m.
+    /// Its last finite position, m.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub position: Option<[f64; 3]>,
 }
