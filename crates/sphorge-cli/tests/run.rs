@@ -22,6 +22,23 @@ fn a_run_writes_its_folder_and_says_what_it_did() {
 }
 
 #[test]
+fn run_and_check_tell_of_a_spacing_that_does_not_fit() {
+    let place = Place::new();
+    // Seven layers across 8 mm, 21 along 24 mm: 147 1.15^2 mm^2 where there are 192 mm^2.
+    let spacing = ["plate.toml", "--set", "particles.spacing=\"1.15 mm\""];
+    for command in ["check", "run"] {
+        let ended = place.run(&[&[command], &spacing[..]].concat()).expect_code(0);
+        ended.expect_told(&[
+            "note: body `plate`: its particles weigh 1.3 % more than its shape",
+            "fit better: 1.1429 mm",
+        ]);
+        assert!(ended.out.contains("1.254 %"), "{}", ended.out);
+    }
+    let body = &place.summary("out/plate")["bodies"][0];
+    assert_eq!((&body["name"], &body["particles"]), (&"plate".into(), &147.into()));
+}
+
+#[test]
 fn without_a_terminal_progress_comes_in_plain_lines_of_ten_per_cent() {
     let place = Place::new();
     let ended = place.run(&["run", "plate.toml"]).expect_code(0);

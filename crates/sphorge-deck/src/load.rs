@@ -5,7 +5,8 @@ use super::raw::RawDeck;
 use super::report::{DeckReport, Problems};
 use super::{keys, overrides, placement};
 use sphorge_engine::{
-    Particles, geometry,
+    Particles,
+    geometry::{self, FilledMass},
     model::{Model, Solid},
 };
 use std::path::Path;
@@ -17,10 +18,12 @@ pub struct Setup {
     pub model: Model,
     /// Its particles, body by body.
     pub particles: Particles,
+    /// What the particles of each body weigh, beside its shape.
+    pub masses: Vec<FilledMass>,
     /// The deck as run, overrides worked in.
     pub deck_text: String,
-    /// What the user should know before the run, such as keys that the chosen form does without, or a material that is
-    /// probably not meant.
+    /// What the user should know before the run, such as keys that the chosen form does without, a material that is
+    /// probably not meant, or a spacing that does not fit a body.
     pub notes: Vec<String>,
 }
 
@@ -90,12 +93,14 @@ fn read(
         shown.push_str(", with --set");
     }
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
-    let Interpreted { model, places, notes } = read_model(name, &mut problems)?;
+    let Interpreted { model, places, mut notes } = read_model(name, &mut problems)?;
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
             placement::check_tracers(&model, &particles, &places, &mut problems);
             problems.check()?;
-            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles, notes })
+            let masses = geometry::filled_masses(&model, &particles);
+            notes.extend(placement::notes(&model, &particles, &masses));
+            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles, masses, notes })
         }
         Err(errors) => {
             for error in errors {

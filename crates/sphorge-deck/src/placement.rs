@@ -3,12 +3,16 @@
 use super::interpret::SourceSpans;
 use super::report::{Fault, Problems};
 use sphorge_engine::Particles;
-use sphorge_engine::geometry::{BYTES_PER_PARTICLE, FillError, MAX_PARTICLES};
-use sphorge_engine::model::Model;
+use sphorge_engine::geometry::{
+    BYTES_PER_PARTICLE, BoundingPlane, FillError, FilledMass, MASS_TOLERANCE, MAX_PARTICLES, fitting_spacings,
+    misplaced_layers, rings_fill,
+};
+use sphorge_engine::model::{Arrangement, LatticePlacement, Model};
 
 /// A length for people.
 fn millimetres(length: f64) -> String {
-    format!("{:.4} mm", length * 1e3)
+    // Round-off has no sign.
+    format!("{:.4} mm", (length * 1e7).round() / 1e4 + 0.0)
 }
 
 fn point(position: [f64; 3], model: &Model) -> String {
@@ -31,6 +35,55 @@ pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Sourc
             problems.push(Fault::new("stray-tracer", message, at.clone(), label).help(help));
         }
     }
+}
+
+/// One sentence for each body that weighs more or less than its shape, or ends in a plane its lattice does not end at.
+pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass]) -> Vec<String> {
+    let layers = misplaced_layers(model, particles);
+    let mut notes = Vec::new();
+    for (index, (body, mass)) in model.bodies.iter().zip(masses).enumerate() {
+        let mut faults = Vec::new();
+        let excess = mass.excess();
+        if excess.abs() > MASS_TOLERANCE {
+            let word = if excess > 0.0 { "more" } else { "less" };
+            faults.push(format!("its particles weigh {:.1} % {word} than its shape", 100.0 * excess.abs()));
+        }
+        for layer in layers.iter().filter(|layer| layer.body == index) {
+            let plane = match layer.plane {
+                BoundingPlane::Symmetry(plane) => {
+                    format!("the symmetry plane across {}", ["x", "y", "z"][model.symmetry[plane].axis])
+                }
+                BoundingPlane::Wall(wall) => format!("wall `{}`", model.walls[wall].name),
+            };
+            let (gap, half) = (millimetres(layer.gap), millimetres(0.5 * body.spacing));
+            faults.push(format!("its first layer stands {gap} from {plane}, not half a spacing, {half}"));
+        }
+        if faults.is_empty() {
+            continue;
+        }
+        let mut cures = Vec::new();
+        if body.lattice.placement == LatticePlacement::OnFaces {
+            cures.push("`placement = \"cell-centres\"`".to_owned());
+        }
+        let fitting: Vec<String> = fitting_spacings(model, index).into_iter().flatten().map(written).collect();
+        if !fitting.is_empty() {
+            let plural = if fitting.len() == 1 { "a spacing that fits" } else { "spacings that fit" };
+            cures.push(format!("{plural} better: {}", fitting.join(", ")));
+        }
+        if body.lattice.arrangement != Arrangement::Rings && rings_fill(&body.shape, model.dimensions) {
+            cures.push("`lattice = \"rings\"`".to_owned());
+        }
+        if cures.is_empty() {
+            cures.push("a finer spacing fits better".to_owned());
+        }
+        notes.push(format!("body `{}`: {}; {}", body.name, faults.join(", "), cures.join(", or ")));
+    }
+    notes
+}
+
+/// A length as it would be written in a deck.
+fn written(length: f64) -> String {
+    format!("{} mm", (length * 1e3 * 1e12).round() / 1e12)
 }
 
 /// The fault an error of the filling is for the deck.

@@ -15,7 +15,7 @@ pub struct RunFailure {
     pub particle: Option<u32>,
     /// Its body.
     pub body: Option<u32>,
-    /// Its last position, m (may be non-finite).
+    /// Its last finite position, m: that of the step before, or of the start, where the position itself went wrong.
     pub position: Option<[f64; 3]>,
     /// What was wrong and what may help.
     pub message: String,

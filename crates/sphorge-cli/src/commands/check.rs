@@ -40,18 +40,19 @@ pub(crate) fn execute(arguments: CheckArguments) -> Ending {
 fn report(forecast: &Forecast) -> String {
     let unit = forecast.mass_unit();
     let rows = forecast.bodies.iter().map(|body| {
+        let filled = &body.filled;
         vec![
             body.name.clone(),
             body.material.clone(),
-            readable::count(body.particles as u64),
+            readable::count(filled.particles as u64),
             readable::quantity(body.spacing, "m"),
-            readable::quantity(body.mass, unit),
+            readable::quantity(filled.mass, unit),
             format!(
                 "{}{}",
-                if body.shape_mass_is_estimate { "about " } else { "" },
-                readable::quantity(body.shape_mass, unit)
+                if filled.is_estimate { "about " } else { "" },
+                readable::quantity(filled.shape_mass, unit)
             ),
-            difference(body.mass, body.shape_mass),
+            readable::percent(filled.excess()),
         ]
     });
     let head = ["body", "material", "particles", "spacing", "mass", "mass of the shape", "difference"];
@@ -104,10 +105,4 @@ fn report(forecast: &Forecast) -> String {
     ];
     let title = if forecast.title.is_empty() { String::new() } else { format!("{}\n\n", forecast.title) };
     format!("{title}{bodies}\n{}", table::facts(&facts))
-}
-
-/// Relative difference of two masses; round-off is none.
-fn difference(mass: f64, exact: f64) -> String {
-    let share = mass / exact - 1.0;
-    readable::percent(if share.abs() < 1e-9 { 0.0 } else { share })
 }

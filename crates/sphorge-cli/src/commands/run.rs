@@ -12,7 +12,7 @@ use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 use sphorge::{
     engine::{ENGINES, EngineKind},
-    output::{EndReason, RunDirectory, Status, Summary},
+    output::{BodyRecord, EndReason, RunDirectory, Status, Summary},
     run::RunOptions,
 };
 use std::path::{Path, PathBuf};
@@ -110,6 +110,17 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     }
 }
 
+/// How far the particles of each body are from the mass of its shape.
+fn masses(bodies: &[BodyRecord]) -> String {
+    let off = |body: &BodyRecord| body.mass / body.shape_mass - 1.0;
+    let told: Vec<String> = bodies
+        .iter()
+        .filter(|body| off(body).abs() > 1e-9)
+        .map(|body| format!("`{}` {}", body.name, readable::percent(off(body))))
+        .collect();
+    if told.is_empty() { "that of the shapes".to_owned() } else { format!("against the shape: {}", told.join(", ")) }
+}
+
 /// What the run did, for people.
 fn report(summary: &Summary, directory: &Path) -> String {
     let end = match summary.end_reason {
@@ -122,6 +133,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
     let drift =
         |last: f64, largest: f64| format!("{} (largest {})", readable::percent(last), readable::percent(largest));
     let energy = &summary.energy;
+    let masses = masses(&summary.bodies);
     let mut facts = vec![
         ("run", format!("{end} at {}", readable::quantity(summary.simulated_time, "s"))),
         (
@@ -136,6 +148,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
         ),
         ("speed", format!("{} particle-steps/s", readable::large(summary.particle_steps_per_second))),
         ("memory", readable::bytes(summary.peak_memory_bytes as f64)),
+        ("mass", masses),
         ("energy drift", drift(energy.relative_drift, energy.largest_relative_drift)),
         ("momentum drift", drift(summary.momentum_drift, summary.largest_momentum_drift)),
     ];

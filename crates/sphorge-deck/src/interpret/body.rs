@@ -98,6 +98,7 @@ pub(crate) fn body(
         .as_ref()
         .map_or(Some(([[0.0; 3]; 3], [0.0; 3])), |g| velocity::gradient(g, dimensions, raw.name.span(), problems));
     let profile = raw.velocity_profile.as_ref().map(|p| velocity::profile(p, dimensions, raw.name.span(), problems));
+    let radial = raw.radial_velocity.as_ref().map(|r| velocity::radial(r, dimensions, raw.name.span(), problems));
     let (spin, spin_centre) = spin?;
     let (velocity_gradient, gradient_centre) = gradient?;
     Some(Body {
@@ -113,6 +114,7 @@ pub(crate) fn body(
         velocity_gradient,
         gradient_centre,
         velocity_profile: profile.map_or(Some(None), |p| p.map(Some))?,
+        radial_velocity: radial.map_or(Some(None), |r| r.map(Some))?,
         temperature: temperature.unwrap_or_else(|| materials.reference_temperature(material))?,
     })
 }

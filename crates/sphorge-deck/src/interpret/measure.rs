@@ -66,7 +66,12 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
             MeasureKind::Extent { selection: selection?, axis: axis? }
         }
         Given::Diameter(m) => {
-            let (selection, axis) = along_axis(m, scene, problems);
+            let selection = read_selection(m.selection(), scene, problems);
+            // A section of the plane has its axis across it.
+            let axis = match (scene.dimensions, m.axis.get(problems)) {
+                (Dimensions::PlaneStrain, Some(2)) => Some(2),
+                (_, axis) => axis.and_then(|axis| check_axis(axis, m.axis.span(), scene.dimensions, problems)),
+            };
             MeasureKind::Diameter { selection: selection?, axis: axis? }
         }
         Given::Maximum(m) => extreme(m, Extremum::Maximum, scene, problems)?,

@@ -21,6 +21,8 @@ tables! {
         velocity_gradient: Option<RawVelocityGradient>;
         /// Initial velocity by a table along an axis, added to the velocity.
         velocity_profile: Option<RawVelocityProfile>;
+        /// Initial velocity outwards by a table of the radius, added to the velocity.
+        radial_velocity: Option<RawRadialVelocity>;
         /// Initial temperature.
         temperature: Option<Given<Temperature>>, example "20 degC", otherwise "the material's `reference-temperature`";
         /// Particle spacing of this body.
@@ -57,6 +59,16 @@ tables! {
         amplitude: VectorOf<Velocity>, example ["0 m/s", "0.57 m/s"];
         /// Rows of place on the axis and share of the amplitude, places increasing: linear between rows, constant outside.
         rows: Vec<(Given<Length>, Given<Number>)>, example [["0 mm", 0.0], ["200 mm", 1.0]];
+    }
+
+    /// Initial velocity away from a centre or a line, such as that of an expanding ring or shell.
+    RawRadialVelocity {
+        /// Centre, or a point of the line.
+        centre: Option<VectorOf<Length>>, example ["0 mm", "0 mm"], otherwise "the origin";
+        /// In three dimensions: away from the line along this axis through the centre.
+        axis: Option<Choice<AxisWord>>, example "z", otherwise "away from the centre itself";
+        /// Rows of radius and velocity, outwards if positive, radii increasing: linear between rows, constant outside.
+        rows: Vec<(Given<Length>, Given<Velocity>)>, example [["20 mm", "120 m/s"], ["24 mm", "100 m/s"]];
     }
 
     /// A named set of particles, chosen in the initial configuration; `body`, `shape` or both.

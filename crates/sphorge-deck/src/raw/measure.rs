@@ -11,7 +11,7 @@ tables! {
         /// Particle extent along an axis plus one spacing, m.
         extent: Option<RawAlongAxis>;
         /// Diameter of the section across an axis, m: twice the largest distance from the axis through the mean position, plus
-        /// one spacing.
+        /// one spacing. In plane strain across `z` that of a disc, across `x` or `y` a width.
         diameter: Option<RawAlongAxis>;
         /// Largest value of a field.
         maximum: Option<RawExtreme>;

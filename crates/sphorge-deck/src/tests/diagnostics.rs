@@ -377,3 +377,24 @@ fn files_that_cannot_be_read_say_so() {
     let report = load(std::path::Path::new("/no/such/deck.toml"), &[], MAX_PARTICLES).err().unwrap();
     assert!(report.to_string().contains("cannot read `/no/such/deck.toml`"), "{report}");
 }
+
+#[test]
+fn faults_of_velocity_tables_are_told_at_their_place() {
+    let velocity = "velocity = [\"0 m/s\", \"-200 m/s\"]";
+    let radial = |rest: &str| format!("radial-velocity = {{ {rest} }}");
+    let order = "the places of a radial velocity must increase";
+    told(velocity, &radial("rows = [[1, 2], [0.5, 3]]"), "place-order", "0.5", order, "");
+    told(velocity, &radial("rows = [[-1, 2]]"), "out-of-range", "-1", "zero or above", "");
+    told(velocity, &radial("rows = []"), "empty-table", "\"bar\"", "the radial velocity has no rows", "");
+    told(
+        velocity,
+        &radial("axis = \"x\", rows = [[0, 2]]"),
+        "wrong-dimensions",
+        "\"x\"",
+        "plane strain",
+        "leave `axis` out",
+    );
+    assert!(load_text("deck", &changed(velocity, &radial("axis = \"z\", rows = [[0, 2]]")), &[]).is_ok());
+    let profile = "velocity-profile = { along = \"x\", amplitude = [1, 0], rows = [[1, 2], [1, 3]] }";
+    told(velocity, profile, "place-order", "1", "the places of a velocity profile must increase", "");
+}

@@ -54,6 +54,29 @@ fn initial_velocities_vary_in_space_as_asked() {
 }
 
 #[test]
+fn radial_velocities_go_outwards_from_a_centre_or_a_line() {
+    // From (1, 0): at (0.25, 0.25) r = 0.79057, at (0.75, 0.25) r = 0.35355; 4 m/s at 0.25 m, 12 m/s at 0.75 m and beyond.
+    let radial = "radial-velocity = { centre = [1, 0], rows = [[0.25, 4], [0.75, 12]] }\n";
+    let particles = deck("plane-strain", &format!("{BOX}velocity = [100, 0]\n{radial}"));
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-9), "{found:?} is not {expected:?}");
+    };
+    let (r0, r1) = (0.625f64.sqrt(), 0.125f64.sqrt());
+    near(particles.velocity[0], [100.0 - 12.0 * 0.75 / r0, 12.0 * 0.25 / r0, 0.0]);
+    let v1 = 4.0 + 8.0 * (r1 - 0.25) / 0.5;
+    near(particles.velocity[1], [100.0 - v1 * 0.25 / r1, v1 * 0.25 / r1, 0.0]);
+    // In space from a line along y: nothing along it.
+    let body = "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n";
+    let line = "radial-velocity = { axis = \"y\", rows = [[0, 0], [2, 16]] }\n";
+    near(deck("3d", &format!("{body}{line}")).velocity[7], [6.0, 0.0, 6.0]);
+    let point = "radial-velocity = { rows = [[0, 0], [2, 16]] }\n";
+    near(deck("3d", &format!("{body}{point}")).velocity[7], [6.0, 6.0, 6.0]);
+    // A particle in the centre stays.
+    let centre = "placement = \"on-faces\"\nradial-velocity = { rows = [[0, 5]] }\n";
+    assert_eq!(deck("plane-strain", &format!("{BOX}{centre}")).velocity[0], [0.0; 3]);
+}
+
+#[test]
 fn regions_are_bits_of_what_body_and_shape_choose() {
     let regions = "[[region]]\nname = \"left\"\nshape = { box = { min = [0, 0], max = [0.25, 1] } }\n\
                    [[region]]\nname = \"second\"\nbody = \"c\"\n\
@@ -90,4 +113,110 @@ fn bodies_of_unlike_spacing_touch_and_overlap() {
     );
     let Err(report) = load_text("deck", &text, &[]) else { panic!("they overlap") };
     assert_eq!(report.problems()[0].to_string(), "bodies `b` and `fine` overlap");
+}
+
+fn notes(text: &str) -> Vec<String> {
+    let setup = load_text("deck", text, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+    setup.notes
+}
+
+/// A copper bar of 7.62 mm x 25.4 mm that ends in a symmetry plane.
+fn copper_bar(particles: &str) -> String {
+    format!(
+        "dimensions = \"3d\"\nsymmetry = [{{ axis = \"z\" }}]\ntime = {{ end = \"1 us\" }}\nparticles = {{ {particles} }}\n\
+         [[body]]\nname = \"bar\"\nmaterial = \"ofhc-copper\"\n\
+         [body.shape.cylinder]\nfrom = [\"0 mm\", \"0 mm\", \"0 mm\"]\nto = [\"0 mm\", \"0 mm\", \"25.4 mm\"]\nradius = \"3.81 mm\"\n"
+    )
+}
+
+/// The spacings a note proposes.
+fn proposed(note: &str) -> Vec<&str> {
+    let (_, listed) = note.rsplit_once("fit better: ").expect(note);
+    listed.split(", ").take_while(|part| !part.starts_with("or ")).collect()
+}
+
+#[test]
+fn a_lattice_that_does_not_end_at_a_symmetry_plane_is_told_with_spacings_that_do() {
+    // 40 layers of 0.63 mm in 25.4 mm: (25.4 - 39 0.63)/2 = 0.415. 0.8 % is missing in the length, the section has 120 squares
+    // where its circle has 114.9.
+    let told = notes(&copper_bar("spacing = \"0.63 mm\""));
+    assert_eq!(told.len(), 1, "{told:?}");
+    let expected = "body `bar`: its particles weigh 3.6 % more than its shape, its first layer stands 0.4150 mm from the symmetry plane across z, not half a spacing, 0.3150 mm; ";
+    assert!(told[0].starts_with(expected), "{told:?}");
+    let proposed = proposed(&told[0]);
+    assert_eq!(proposed.len(), 2, "{told:?}");
+    for spacing in proposed {
+        let told = notes(&copper_bar(&format!("spacing = \"{spacing}\"")));
+        assert_eq!(told, Vec::<String>::new(), "at {spacing}");
+    }
+    // 40 layers of 0.635 mm end at the plane, and so do rings.
+    assert_eq!(notes(&copper_bar("spacing = \"0.635 mm\"")), Vec::<String>::new());
+    assert_eq!(notes(&copper_bar("spacing = \"0.63 mm\", lattice = \"rings\"")), Vec::<String>::new());
+}
+
+#[test]
+fn rings_are_halved_and_quartered_by_symmetry_planes() {
+    let tube = |planes: &str, low: &str| {
+        format!(
+            "dimensions = \"3d\"\nsymmetry = [{planes}]\ntime = {{ end = 1 }}\n\
+             particles = {{ spacing = 0.05, lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\n\
+             [[body.shape.intersection]]\n\
+             cylinder = {{ from = [0, 0, 0], to = [0, 0, 0.2], radius = 0.52, inner-radius = 0.27 }}\n\
+             [[body.shape.intersection]]\nbox = {{ min = {low}, max = [1, 1, 1] }}\n"
+        )
+    };
+    let mass = |deck: &str| {
+        let setup = load_text("deck", deck, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+        assert_eq!(setup.notes, Vec::<String>::new());
+        setup.masses[0].mass
+    };
+    let whole = mass(&tube("", "[-1, -1, -1]"));
+    let (x, y) = ("{ axis = \"x\" }", "{ axis = \"y\" }");
+    for (planes, low, parts) in [
+        (y.to_owned(), "[-1, 0, -1]", 2.0),
+        (x.to_owned(), "[0, -1, -1]", 2.0),
+        (format!("{x}, {y}"), "[0, 0, -1]", 4.0),
+    ] {
+        assert!((mass(&tube(&planes, low)) * parts / whole - 1.0).abs() < 1e-12, "{planes}");
+    }
+}
+
+#[test]
+fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
+    // Three cells of 0.3 along either edge of a square of 1: 0.81 of its area.
+    let square = |rest: &str| {
+        let head = "dimensions = \"plane-strain\"\ntime = { end = 1 }\nparticles = { spacing = 0.3 }\n";
+        format!("{head}{}{rest}", BOX.replace("\"m\"", "\"ofhc-copper\""))
+    };
+    let told = notes(&square(""));
+    let spacings = "spacings that fit better: 250 mm, 333.33 mm";
+    assert_eq!(told, [format!("body `b`: its particles weigh 19.0 % less than its shape; {spacings}")]);
+    let setup = load_text("deck", &square(""), &[]).unwrap();
+    let mass = setup.masses[0];
+    assert!(mass.particles == 9 && !mass.is_estimate);
+    assert!((mass.mass / (8960.0 * 0.81) - 1.0).abs() < 1e-12 && (mass.shape_mass - 8960.0).abs() < 1e-9);
+    // Masses are those of the cells: the density of the start is the reference density in the space that is filled.
+    assert!(setup.particles.mass.iter().all(|m| (m / (8960.0 * 0.09) - 1.0).abs() < 1e-12));
+    let told = notes(&square("spacing = 0.5\nplacement = \"on-faces\"\n"));
+    assert_eq!(told, ["body `b`: its particles weigh 125.0 % more than its shape; `placement = \"cell-centres\"`"]);
+    assert_eq!(notes(&square("spacing = 0.5\n")), Vec::<String>::new());
+}
+
+#[test]
+fn a_layer_is_told_of_where_the_body_has_a_face_in_a_wall() {
+    let square = |spacing: &str, height: &str| {
+        format!(
+            "dimensions = \"plane-strain\"\ntime = {{ end = 1 }}\nparticles = {{ spacing = {spacing} }}\n\
+             [[wall]]\nname = \"floor\"\nplane = {{ point = [0, {height}], normal = [0, 1] }}\n{}",
+            BOX.replace("\"m\"", "\"ofhc-copper\"")
+        )
+    };
+    // 35 cells of 0.0285 are 0.9975: (1 - 34 0.0285)/2 = 0.0155, 0.044 spacings too far; of 0.0284: 0.0172, 0.106.
+    assert_eq!(notes(&square("0.0285", "0")), Vec::<String>::new());
+    let told = notes(&square("0.0284", "0"));
+    let expected = "its first layer stands 17.2000 mm from wall `floor`, not half a spacing, 14.2000 mm";
+    assert!(told[0].contains(expected), "{told:?}");
+    // A wall that the body has not reached is at none of its faces.
+    let told = notes(&square("0.0284", "-0.001"));
+    assert!(!told.iter().any(|note| note.contains("layer")), "{told:?}");
 }

@@ -39,12 +39,16 @@ A lattice is anchored to its shape and turns with it, so a symmetric shape gets 
   that of the bar.
 - The mass of a particle is density times spacing to the power of the dimensions (per metre of thickness in plane strain, per
   square metre in one dimension), so the mass of a body differs from that of its shape by what rounding adds or takes;
-  `sphorge check` prints both.
+  `sphorge check` prints both, the summary of a run holds both. Masses are not scaled to what the shape weighs: the density at the
+  start is the reference density, and particles fill the space they stand for.
+- `check` and `run` tell where that is more than 1 % of the mass, or where a body on a square or cubic lattice ends in a symmetry plane or
+  at a wall with a first layer that is not half a spacing away from it (by more than 0.05 spacings), with the nearest spacings that fit.
 - `lattice = "hexagonal"`: rows shifted by half against their neighbours, in space layers across the third axis (or across the
   axis of the bar) stacked as in hexagonal close packing. A particle stands for as much area or volume as in the square or cubic
   lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.
 - `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
-  each; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
+  each, a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
+  quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
   what its shape does. Further parts of a `difference` or `intersection` cut particles away.
 - A body has to be at least one spacing thick. Bodies that touch share a face: their outermost particles are then one spacing
   apart. Bodies overlap, and are refused, where particles come nearer than half of that.
@@ -100,7 +104,11 @@ fn one_form(value: &Value) -> String {
         (Some(unit), false) => format!("quantity, {unit}"),
         (Some(""), true) => "vector of numbers".to_owned(),
         (Some(unit), true) => format!("vector, {unit}"),
-        (None, true) if target.get("prefixItems").is_some() => "[time, value]".to_owned(),
+        (None, true) if target.get("prefixItems").is_some() => {
+            let entries = target["prefixItems"].as_array().into_iter().flatten();
+            let entries: Vec<_> = entries.map(|entry| form(entry).replace("quantity, ", "quantity in ")).collect();
+            format!("[{}]", entries.join(", "))
+        }
         (None, true) => match target.get("items").map(form).unwrap_or_default().as_str() {
             "table, below" => "list of tables, below".to_owned(),
             entries => format!("list of: {entries}"),

@@ -4,6 +4,7 @@ use crate::RunFailure;
 use crate::model::{HeatBoundaryKind, Model};
 use crate::particles::Particles;
 use rayon::prelude::*;
+use sphorge_physics::Vector;
 
 /// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
 pub(super) fn is_cooled(model: &Model) -> bool {
@@ -38,19 +39,55 @@ pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
         field,
         particle: Some(p.id[i]),
         body: Some(p.body[i]),
-        position: Some(p.position[i]),
+        position: last_place(p, i),
         message,
     })
+}
+
+/// Where a particle was last. What moves it is guarded, so that only the end of a predictor–corrector step can lose its place within the step;
+/// that step began somewhere.
+fn last_place(p: &Particles, i: usize) -> Option<Vector<f64>> {
+    let columns = [&p.position, &p.base_position, &p.reference_position, &p.origin];
+    columns.into_iter().filter_map(|column| column.get(i)).find(|x| x.iter().all(|c| c.is_finite())).copied()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::particles::Owner;
+
+    fn particles(count: usize) -> Particles {
+        let mut p = Particles::new(count);
+        p.allocate(Owner::Step);
+        p.density.fill(1.0);
+        p
+    }
+
+    #[test]
+    fn a_particle_that_lost_its_place_is_where_it_was_before() {
+        let mut p = particles(2);
+        p.position[1] = [1.0, f64::NAN, 3.0];
+        assert_eq!(check(&p, false).unwrap_err().position, None);
+        p.allocate(Owner::AdaptiveSearch);
+        p.origin[1] = [1.0, 2.0, 3.0];
+        assert_eq!(check(&p, false).unwrap_err().position, Some([1.0, 2.0, 3.0]));
+        p.allocate(Owner::PredictorCorrector);
+        p.base_position[1] = [1.0, 2.5, 3.0];
+        assert_eq!(check(&p, false).unwrap_err().position, Some([1.0, 2.5, 3.0]));
+    }
+
+    #[test]
+    fn an_xsph_velocity_is_found_before_it_moves_a_particle() {
+        let mut p = particles(2);
+        p.position[1] = [1.0, 2.0, 3.0];
+        p.xsph[1][2] = f64::INFINITY;
+        let failure = check(&p, false).unwrap_err();
+        assert_eq!((failure.field, failure.position), ("xsph", Some([1.0, 2.0, 3.0])));
+    }
 
     #[test]
     fn the_first_bad_particle_is_named_with_its_field() {
-        let mut p = Particles::new(3);
-        p.density.fill(1.0);
+        let mut p = particles(3);
         p.id.copy_from_slice(&[7, 8, 9]);
         assert_eq!(check(&p, true), Ok(()));
         p.temperature[2] = f64::NAN;
@@ -62,8 +99,7 @@ mod tests {
 
     #[test]
     fn a_temperature_below_zero_counts_where_something_is_cooled() {
-        let mut p = Particles::new(2);
-        p.density.fill(1.0);
+        let mut p = particles(2);
         p.temperature[1] = -2.0;
         assert_eq!(check(&p, false), Ok(()));
         let failure = check(&p, true).unwrap_err();

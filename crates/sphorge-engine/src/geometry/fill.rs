@@ -11,7 +11,7 @@ pub const MAX_PARTICLES: f64 = 2e8;
 /// Memory of a run per particle, bytes, rounded: columns, the arrays of the engine and neighbour lists in three dimensions.
 pub const BYTES_PER_PARTICLE: f64 = 1000.0;
 
-fn pattern(model: &Model, body: &Body) -> Pattern {
+pub(super) fn pattern(model: &Model, body: &Body) -> Pattern {
     let density = model.materials[body.material].density;
     Pattern { dimensions: model.dimensions, spacing: body.spacing, density, lattice: body.lattice }
 }

@@ -250,7 +250,7 @@ impl<'a> Grid<'a> {
 }
 
 /// Distance of sites in a row, of rows, of layers, in which a particle stands for `spacing` squared or cubed.
-fn hexagonal_pitch(dimensions: Dimensions, spacing: f64) -> [f64; 3] {
+pub(super) fn hexagonal_pitch(dimensions: Dimensions, spacing: f64) -> [f64; 3] {
     let root = |x: f64| x.sqrt();
     if dimensions == Dimensions::Three {
         // A particle stands for a^3 / sqrt(2).

@@ -2,6 +2,7 @@
 
 mod error;
 mod fill;
+mod fit;
 mod lattice;
 mod overlap;
 mod pattern;
@@ -11,5 +12,9 @@ mod volume;
 
 pub use error::FillError;
 pub use fill::{BYTES_PER_PARTICLE, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
+pub use fit::{
+    BoundingPlane, FilledMass, LAYER_TOLERANCE, MASS_TOLERANCE, MisplacedLayer, filled_masses, fitting_spacings,
+    misplaced_layers,
+};
 pub use pattern::rings_fill;
 pub use volume::Volume;

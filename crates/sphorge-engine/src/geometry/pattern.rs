@@ -34,7 +34,7 @@ impl Transform {
 }
 
 /// The single solid the lattice is that of, and its place in space.
-fn owner(shape: &Shape) -> (&Solid, Transform) {
+pub(super) fn owner(shape: &Shape) -> (&Solid, Transform) {
     match &shape.solid {
         Solid::Composed { parts, .. } if !parts.is_empty() => {
             let (solid, inner) = owner(&parts[0]);
@@ -205,6 +205,11 @@ mod tests {
         let whole: f64 =
             sites(&disc([0.0, 0.0], 1.0), Dimensions::PlaneStrain, Arrangement::Rings).iter().map(|s| s.1).sum();
         let cut: f64 = sites(&half, Dimensions::PlaneStrain, Arrangement::Rings).iter().map(|s| s.1).sum();
-        assert!((whole - std::f64::consts::PI).abs() < 1e-12 && (cut / whole - 0.5).abs() < 0.05);
+        assert!((whole - std::f64::consts::PI).abs() < 1e-12 && (cut / whole - 0.5).abs() < 1e-12);
+        // Quarters are alike, and no particle is in a cut.
+        let quarter = composed(Operation::Difference, vec![half, square([-2.0, -2.0], [0.0, 2.0])]);
+        let all = sites(&quarter, Dimensions::PlaneStrain, Arrangement::Rings);
+        assert!((all.iter().map(|s| s.1).sum::<f64>() / whole - 0.25).abs() < 1e-12);
+        assert!(all.iter().all(|(p, _)| p[0].min(p[1]) > 0.03));
     }
 }

@@ -161,14 +161,13 @@ impl Solid {
             Self::Box { min, max } => (*min, *max),
             Self::Ball { centre, radius, .. } => (centre.map(|c| c - radius), centre.map(|c| c + radius)),
             Self::Cylinder { from, to, radius, .. } | Self::Ogive { from, to, radius, .. } => {
-                let (low, high) = extremes([*from, *to].into_iter());
-                (low.map(|c| c - radius), high.map(|c| c + radius))
+                let length = distance(*from, *to);
+                round_bounds(*from, *to, subtract(*to, *from).map(|c| c / length), *radius)
             }
             Self::Revolution { from, axis, profile } => {
                 let radius = profile.iter().map(|p| p[1]).fold(0.0, f64::max);
-                let ends = [profile[0][0], profile[profile.len() - 1][0]];
-                let (low, high) = extremes(ends.into_iter().map(|x| std::array::from_fn(|k| from[k] + x * axis[k])));
-                (low.map(|c| c - radius), high.map(|c| c + radius))
+                let end = |x: f64| std::array::from_fn(|k| from[k] + x * axis[k]);
+                round_bounds(end(profile[0][0]), end(profile[profile.len() - 1][0]), *axis, radius)
             }
             Self::Polygon { corners } => extremes(corners.iter().map(|c| [c[0], c[1], 0.0])),
             Self::Cloud { particles, .. } => extremes(particles.iter().map(|p| p.position)),
@@ -193,6 +192,13 @@ impl Solid {
         }
         (low, high)
     }
+}
+
+/// Corners of a box that holds a round bar about a line with that unit vector.
+fn round_bounds(from: [f64; 3], to: [f64; 3], axis: [f64; 3], radius: f64) -> ([f64; 3], [f64; 3]) {
+    let (low, high) = extremes([from, to].into_iter());
+    let aside: [f64; 3] = axis.map(|w| radius * (1.0 - w * w).max(0.0).sqrt());
+    (std::array::from_fn(|k| low[k] - aside[k]), std::array::from_fn(|k| high[k] + aside[k]))
 }
 
 /// Distance along and across an axis.
@@ -329,7 +335,12 @@ mod tests {
         assert!(bar.contains([0.75, 5.0, 0.0], Dimensions::Three, across + 1e-9 + 0.01));
         assert!(!inside([0.75, 5.0, 0.0]) && !bar.contains([0.95, 3.0, 0.0], Dimensions::Three, -0.1));
         assert_eq!(bar.thickness(Dimensions::Three), 4.0);
-        assert_eq!(bar.bounds(Dimensions::Three).1[1], 6.0 + 2.0);
+        assert_eq!(bar.bounds(Dimensions::Three), ([-2.0, 1.0, -2.0], [2.0, 6.0, 2.0]));
+        // Its ends stand across the line: beyond them by 2 times the sine to the axis.
+        let rod = at_rest(Solid::Cylinder { from: [0.0; 3], to: [3.0, 4.0, 0.0], radius: 2.0, inner_radius: 0.0 });
+        let (low, high) = rod.bounds(Dimensions::Three);
+        let expected = ([-1.6, -1.2, -2.0], [4.6, 5.2, 2.0]);
+        assert!((0..3).all(|k| (low[k] - expected.0[k]).abs().max((high[k] - expected.1[k]).abs()) < 1e-12));
     }
 
     #[test]

@@ -180,8 +180,14 @@ mod tests {
         let plate = part(Solid::Box { min: [-2.0, -2.0, 0.0], max: [2.0, 2.0, 1.0] });
         let hole =
             part(Solid::Cylinder { from: [0.5, 0.0, -1.0], to: [0.5, 0.0, 2.0], radius: 1.0, inner_radius: 0.0 });
-        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![plate, hole] };
+        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![plate, hole.clone()] };
         let volume = size(drilled, Dimensions::Three);
         assert!(!volume.is_exact && (volume.size / (16.0 - PI) - 1.0).abs() < 1e-3, "{volume:?}");
+        // A disc far thinner than wide has no room above and below it.
+        let disc = Solid::Cylinder { from: [0.0; 3], to: [0.0, 0.0, 0.03], radius: 1.0, inner_radius: 0.0 };
+        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![part(disc), hole] };
+        let lens = 2.0 * (0.25f64.acos() - 0.25 * (1.0 - 0.0625f64).sqrt());
+        let volume = size(drilled, Dimensions::Three);
+        assert!((volume.size / (0.03 * (PI - lens)) - 1.0).abs() < 3e-3, "{volume:?}");
     }
 }

@@ -29,6 +29,8 @@ pub struct Body {
     pub gradient_centre: [f64; 3],
     /// Initial velocity by a table along an axis, added to `velocity`.
     pub velocity_profile: Option<VelocityProfile>,
+    /// Initial velocity away from a centre or axis, added to `velocity`.
+    pub radial_velocity: Option<RadialVelocity>,
     /// Initial temperature, K.
     pub temperature: f64,
 }
@@ -44,6 +46,17 @@ pub struct VelocityProfile {
     pub rows: Vec<(f64, f64)>,
 }
 
+/// A velocity away from a centre, or from a line along a coordinate axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RadialVelocity {
+    /// The centre, or a point of the line, m.
+    pub centre: [f64; 3],
+    /// Axis 0, 1, 2 the line is along; the centre alone if none.
+    pub axis: Option<usize>,
+    /// Radius, m, and velocity outwards, m/s; radii increase. Linear between rows, constant outside, zero in the centre itself.
+    pub rows: Vec<(f64, f64)>,
+}
+
 impl Body {
     /// Initial velocity of the body at a point, m/s.
     pub fn initial_velocity(&self, x: [f64; 3]) -> [f64; 3] {
@@ -53,8 +66,9 @@ impl Body {
         let d: [f64; 3] = std::array::from_fn(|k| x[k] - self.gradient_centre[k]);
         let g = &self.velocity_gradient;
         let shape = self.velocity_profile.as_ref().map_or([0.0; 3], |profile| profile.at(x));
+        let radial = self.radial_velocity.as_ref().map_or([0.0; 3], |radial| radial.at(x));
         std::array::from_fn(|k| {
-            self.velocity[k] + turning[k] + (g[k][0] * d[0] + g[k][1] * d[1] + g[k][2] * d[2]) + shape[k]
+            self.velocity[k] + turning[k] + (g[k][0] * d[0] + g[k][1] * d[1] + g[k][2] * d[2]) + shape[k] + radial[k]
         })
     }
 }
@@ -63,6 +77,17 @@ impl VelocityProfile {
     fn at(&self, x: [f64; 3]) -> [f64; 3] {
         let share = super::boundary::linear(&self.rows, x[self.along]);
         self.amplitude.map(|v| v * share)
+    }
+}
+
+impl RadialVelocity {
+    fn at(&self, x: [f64; 3]) -> [f64; 3] {
+        let across = |k: usize| if self.axis == Some(k) { 0.0 } else { x[k] - self.centre[k] };
+        let outwards: [f64; 3] = std::array::from_fn(across);
+        let radius = outwards.iter().map(|c| c * c).sum::<f64>().sqrt();
+        // The centre has no direction.
+        let share = if radius > 0.0 { super::boundary::linear(&self.rows, radius) / radius } else { 0.0 };
+        outwards.map(|c| share * c)
     }
 }
 

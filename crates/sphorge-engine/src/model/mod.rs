@@ -15,8 +15,8 @@ mod thermal;
 mod warnings;
 
 pub use body::{
-    Arrangement, Body, CloudParticle, CloudShare, Lattice, LatticePlacement, Operation, Region, Shape, Solid,
-    Transform, VelocityProfile,
+    Arrangement, Body, CloudParticle, CloudShare, Lattice, LatticePlacement, Operation, RadialVelocity, Region, Shape,
+    Solid, Transform, VelocityProfile,
 };
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
 pub use contact::BodyContact;

@@ -4,8 +4,8 @@ use super::history::declared;
 use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
 use crate::model::Material;
-use sphorge_physics::SymmetricTensor;
 use sphorge_physics::flow::FLOW_LAWS;
+use sphorge_physics::{SymmetricTensor, Tensor};
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
@@ -25,7 +25,7 @@ pub struct FieldInfo {
 }
 
 /// Derived fields, each with the stored one it stands behind in lists.
-const DERIVED: [(&str, FieldInfo); 3] = [
+const DERIVED: [(&str, FieldInfo); 4] = [
     (
         "velocity",
         FieldInfo {
@@ -54,6 +54,16 @@ const DERIVED: [(&str, FieldInfo); 3] = [
             kind: ColumnKind::Scalar,
             default_output: true,
             meaning: "von Mises equivalent stress",
+        },
+    ),
+    (
+        "velocity_gradient",
+        FieldInfo {
+            name: "equivalent_strain_rate",
+            unit: "1/s",
+            kind: ColumnKind::Scalar,
+            default_output: false,
+            meaning: "equivalent strain rate sqrt(2/3 D' : D'), D' the deviator of the rate of deformation",
         },
     ),
 ];
@@ -103,6 +113,7 @@ impl Particles {
         match name {
             "speed" => scalar(&|i| self.velocity[i].iter().map(|v| v * v).sum::<f64>().sqrt()),
             "von_mises_stress" => scalar(&|i| self.deviator[i].von_mises()),
+            "equivalent_strain_rate" => scalar(&|i| equivalent_strain_rate(&self.velocity_gradient[i])),
             "stress" => Some(Column::Symmetric(Cow::Owned(
                 (0..self.len()).map(|i| self.deviator[i] - SymmetricTensor::isotropic(self.pressure[i])).collect(),
             ))),
@@ -110,6 +121,11 @@ impl Particles {
             _ => self.stored(name).or_else(|| declared(name).and_then(|variable| scalar(&|_| variable.initial))),
         }
     }
+}
+
+/// `sqrt(2/3 D' : D')` of a velocity gradient, 1/s (Patiño et al., Equation 27): that of plastic strain where elastic rates are small.
+fn equivalent_strain_rate(l: &Tensor<f64>) -> f64 {
+    2.0 / 3.0 * SymmetricTensor::symmetric_part(l).deviator().von_mises()
 }
 
 #[cfg(test)]
@@ -139,6 +155,20 @@ mod tests {
         particles.reorder(&permutation);
         assert_eq!(particles.id, [2, 0, 1]);
         assert_eq!(particles.velocity[0][0], 2.0);
+    }
+
+    #[test]
+    fn the_equivalent_strain_rate_is_that_of_stretch_and_shear_without_rotation_and_compression() {
+        // Uniaxial at constant volume, 10/s; simple shear of 6/s with a rotation of 100/s: 6/sqrt(3); compression alone.
+        let stretch = [[10.0, 0.0, 0.0], [0.0, -5.0, 0.0], [0.0, 0.0, -5.0]];
+        let shear = [[0.0, 6.0 + 100.0, 0.0], [-100.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
+        let compression = [[-7.0, 0.0, 0.0], [0.0, -7.0, 0.0], [0.0, 0.0, -7.0]];
+        let mut particles = Particles::new(3);
+        particles.velocity_gradient = vec![stretch, shear, compression];
+        let rate = particles.column("equivalent_strain_rate").unwrap();
+        for (i, expected) in [10.0, 6.0 / 3f64.sqrt(), 0.0].into_iter().enumerate() {
+            assert!((rate.component(i, 0) - expected).abs() < 1e-12, "{i}: {}", rate.component(i, 0));
+        }
     }
 
     #[test]

@@ -164,13 +164,14 @@ macro_rules! columns {
                 } )+
             }
 
-            /// The first field of particle `i`, in the order of the table, that is not what the guard asks for.
+            /// The first field of particle `i`, in the order of the table, that is not what the guard asks for; columns that a run does not
+            /// use have no values to ask.
             #[inline(always)]
             pub(crate) fn first_fault(&self, i: usize) -> Option<&'static str> {
                 $( match Check::$check {
                     Check::None => {}
-                    Check::Finite if self.$name[i].is_finite() => {}
-                    Check::Positive if self.$name[i].is_above_zero() => {}
+                    Check::Finite if self.$name.get(i).is_none_or(|value| value.is_finite()) => {}
+                    Check::Positive if self.$name.get(i).is_none_or(|value| value.is_above_zero()) => {}
                     Check::Finite | Check::Positive => return Some(stringify!($name)),
                 } )+
                 self.history.first_fault(i)
@@ -229,7 +230,7 @@ columns! {
     pub last_searched: u32 = 0, State, OnRequest("", "number of the step of the last search"), Unmirrored[], None;
 
     pub(crate) xsph: Vector<f64> = [0.0; 3], Step, Internal("m/s", "XSPH velocity of the last force sum, times its strength"),
-        Unmirrored[], None;
+        Unmirrored[], Finite;
     pub(crate) external_acceleration: Vector<f64> = [0.0; 3], Step,
         Internal("m/s^2", "acceleration by walls and gravity, part of the total"), Unmirrored[], None;
     pub(crate) external_power: f64 = 0.0, Step,

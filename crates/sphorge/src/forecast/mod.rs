@@ -3,8 +3,8 @@
 use crate::{
     deck::Setup,
     engine::{LimitReason, RunFailure, Simulation},
-    geometry::Volume,
-    model::{Dimensions, Model, Solid},
+    geometry::FilledMass,
+    model::{Body, Dimensions, Model},
     observed::Observed,
     output::{FrameHeader, write_frame},
     particles::Particles,
@@ -65,22 +65,16 @@ pub struct BodyForecast {
     pub name: String,
     /// Name of the material.
     pub material: String,
-    /// Number of particles.
-    pub particles: usize,
     /// Spacing, m.
     pub spacing: f64,
-    /// Mass of the particles, kg (per metre of thickness in plane strain, per square metre in one dimension).
-    pub mass: f64,
-    /// Density times the volume of the shape, in the same unit.
-    pub shape_mass: f64,
-    /// Whether that volume is counted on a grid, to about a thousandth, rather than exact.
-    pub shape_mass_is_estimate: bool,
+    /// Its particles.
+    pub filled: FilledMass,
 }
 
 impl Forecast {
     /// Number of particles.
     pub fn particles(&self) -> usize {
-        self.bodies.iter().map(|body| body.particles).sum()
+        self.bodies.iter().map(|body| body.filled.particles).sum()
     }
 
     /// Unit of the masses.
@@ -119,7 +113,7 @@ pub fn forecast(setup: Setup, options: &ForecastOptions) -> Result<Forecast, For
 
 fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
     let model = setup.model.clone();
-    let bodies = bodies(&model, &setup.particles);
+    let bodies = bodies(&model, &setup.masses);
     let frame_bytes = frame_bytes(&model, &setup.particles);
 
     let mut simulation = Simulation::new(setup.model, setup.particles);
@@ -158,34 +152,14 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
     })
 }
 
-fn bodies(model: &Model, particles: &Particles) -> Vec<BodyForecast> {
-    let mut counts = vec![0; model.bodies.len()];
-    let mut masses = vec![0.0; model.bodies.len()];
-    for (&body, mass) in particles.body.iter().zip(&particles.mass) {
-        counts[body as usize] += 1;
-        masses[body as usize] += mass;
-    }
-    let rows = model.bodies.iter().zip(counts.into_iter().zip(masses));
-    rows.map(|(body, (particles, mass))| {
-        let material = &model.materials[body.material];
-        // A cloud is its particles.
-        let is_cloud = matches!(body.shape.solid, Solid::Cloud { .. });
-        let volume = if is_cloud {
-            Volume { size: mass / material.density, is_exact: true }
-        } else {
-            body.shape.volume(model.dimensions)
-        };
-        BodyForecast {
-            name: body.name.clone(),
-            material: material.name.clone(),
-            particles,
-            spacing: body.spacing,
-            mass,
-            shape_mass: material.density * volume.size,
-            shape_mass_is_estimate: !volume.is_exact,
-        }
-    })
-    .collect()
+fn bodies(model: &Model, masses: &[FilledMass]) -> Vec<BodyForecast> {
+    let body = |(body, &filled): (&Body, &FilledMass)| BodyForecast {
+        name: body.name.clone(),
+        material: model.materials[body.material].name.clone(),
+        spacing: body.spacing,
+        filled,
+    };
+    model.bodies.iter().zip(masses).map(body).collect()
 }
 
 /// Size of one frame: writes it to nowhere.
@@ -256,9 +230,12 @@ mod tests {
         let model = setup.model.clone();
         let forecast = forecast(setup, &ForecastOptions { threads: Some(1), seconds: 0.0 }).unwrap();
         let [left, right] = &forecast.bodies[..] else { panic!("{:?}", forecast.bodies) };
-        assert_eq!((left.particles, right.particles), (120, particles.len() - 120));
-        assert!((left.mass - 7890.0 * 120e-9).abs() < 1e-12 && (left.shape_mass - left.mass).abs() < 1e-12);
-        assert!((right.shape_mass - 7890.0 * 4.0 / 3.0 * std::f64::consts::PI * 64e-9).abs() < 1e-12);
+        assert_eq!((left.filled.particles, right.filled.particles), (120, particles.len() - 120));
+        assert!(
+            (left.filled.mass - 7890.0 * 120e-9).abs() < 1e-12
+                && (left.filled.shape_mass - left.filled.mass).abs() < 1e-12
+        );
+        assert!((right.filled.shape_mass - 7890.0 * 4.0 / 3.0 * std::f64::consts::PI * 64e-9).abs() < 1e-12);
         assert_eq!((forecast.most_steps, forecast.threads), (Some(20), 1));
 
         // The courant number over the longitudinal sound speed, on the smaller smoothing length.

@@ -24,8 +24,9 @@
 //!
 //! - crater diameter, cloud length and width: what is left of a plate are its particles in fragments of at least a tenth of its mass
 //!   that still stand between its undeformed faces somewhere; particles hang together up to `link` spacings. About the line of flight there are the two sides in the plane, in space
-//!   36 sectors. The clear opening is twice the mean over sectors of the smallest `r - s/2` of what is left; from lip to lip, of the
-//!   `r` of the particle that stands furthest out of the undeformed face. The cloud is every other particle of any body behind
+//!   36 sectors. The clear opening is twice the mean over sides of the smallest `r - s/2` of what is left, in space over rays in the middle of
+//!   the sectors of how far they get: what is left covers discs of radius `s/sqrt(2)` about its particles, and where they cover the
+//!   line of flight there is no hole, which is 0. From lip to lip it is twice the mean of the `r` of the particle that stands furthest out of the undeformed face. The cloud is every other particle of any body behind
 //!   the undeformed back face: its length goes from that face to `max(x + s/2)` along the flight, its width is the reach `max(r +
 //!   s/2)` of one side plus that of the other, in space twice `max(r + s/2)`; where only one side has particles, the other is taken
 //!   to be alike. `leave-out` drops that share of the mass from the outer end before.

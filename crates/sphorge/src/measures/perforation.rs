@@ -4,7 +4,7 @@ use crate::{
     model::{CloudExtent, CraterEdge, Dimensions, Model, Perforation},
     particles::Particles,
 };
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// Sectors about the line of flight in space; in the plane there are the two sides.
 const SECTORS: usize = 36;
@@ -84,6 +84,50 @@ impl Flight<'_> {
 
     /// Diameter of the hole.
     pub(super) fn crater(&self, edge: CraterEdge) -> Option<Span> {
+        match (edge, self.model.dimensions) {
+            (CraterEdge::Clear, Dimensions::Three) => self.clear_opening(),
+            _ => self.innermost(edge),
+        }
+    }
+
+    /// Seen along the flight a particle covers a disc about its cell, so that a plate without a hole is covered whole; the opening is
+    /// how far rays from the line of flight get.
+    fn clear_opening(&self) -> Option<Span> {
+        let step = TAU / SECTORS as f64;
+        let mut free = [f64::INFINITY; SECTORS];
+        for i in (0..self.particles.len()).filter(|&i| self.remains[i]) {
+            let [a, b] = self.offset(i);
+            let (r, angle) = (a.hypot(b), b.atan2(a));
+            // Corners of the cells of an undeformed lattice touch.
+            let cover = 2.0 * FRAC_1_SQRT_2 * self.half_spacing(i) * (1.0 + 1e-6);
+            if r <= cover {
+                return Some(self.opening(0.0, 0.0, 0.0));
+            }
+            // Ray k leaves in the middle of its sector.
+            let half = (cover / r).asin();
+            let ray = |angle: f64| angle / step - 0.5;
+            for k in ray(angle - half).ceil() as i64..=ray(angle + half).floor() as i64 {
+                let away = (k as f64 + 0.5) * step - angle;
+                let reach = r * away.cos() - (cover * cover - (r * away.sin()).powi(2)).max(0.0).sqrt();
+                let free = &mut free[k.rem_euclid(SECTORS as i64) as usize];
+                *free = free.min(reach);
+            }
+        }
+        let found = || free.iter().filter(|reach| reach.is_finite());
+        let count = found().count();
+        let mean = found().sum::<f64>() / count as f64;
+        (count > 0).then(|| self.opening(2.0 * mean, mean, mean))
+    }
+
+    /// A clear opening, drawn in the middle of the undeformed plate from one side to the other.
+    fn opening(&self, length: f64, left: f64, right: f64) -> Span {
+        let (entry, exit) = self.faces();
+        let level = 0.5 * (entry + exit);
+        Span { length, ends: [self.point(level, -left), self.point(level, right)] }
+    }
+
+    /// From the particle next to the line of flight, or the one furthest out of a face, on one side to that on the other.
+    fn innermost(&self, edge: CraterEdge) -> Option<Span> {
         let (entry, exit) = self.faces();
         // Of every sector: how good the particle found is, and its distance from the line of flight.
         let mut best: Vec<Option<(f64, f64)>> = vec![None; self.sectors()];
@@ -92,7 +136,7 @@ impl Flight<'_> {
             let offset = self.offset(i);
             let r = offset[0].hypot(offset[1]);
             let (merit, radius) = match edge {
-                CraterEdge::Clear => (-r, (r - self.half_spacing(i)).max(0.0)),
+                CraterEdge::Clear => (-r, r - self.half_spacing(i)),
                 CraterEdge::EntryLips => (entry - self.along(i), r),
                 CraterEdge::ExitLips => (self.along(i) - exit, r),
             };
@@ -110,7 +154,8 @@ impl Flight<'_> {
         if found.is_empty() {
             return None;
         }
-        let mean = found.iter().sum::<f64>() / found.len() as f64;
+        // A side that overlaps the line of flight takes from the other.
+        let mean = (found.iter().sum::<f64>() / found.len() as f64).max(0.0);
         let level = match edge {
             CraterEdge::Clear => 0.5 * (entry + exit),
             CraterEdge::EntryLips => entry - height,

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::{
-    model::{CloudExtent, CraterEdge, ParticleSelection, Perforation, Shape, Solid, SymmetryPlane, Transform},
+    model::{
+        CloudExtent, CraterEdge, Dimensions, ParticleSelection, Perforation, Shape, Solid, SymmetryPlane, Transform,
+    },
     output::testing::measuring,
 };
 
@@ -61,6 +63,9 @@ fn diameter_is_about_the_mean_or_the_symmetry_plane() {
     let kind = MeasureKind::Diameter { selection: ParticleSelection::default(), axis: 1 };
     let particles = lattice(6, 3);
     close(once(kind.clone(), &particles), 0.6);
+    // Of a section of the plane: from corner to corner of the centres, sqrt(0.5^2 + 0.2^2), and a spacing.
+    let section = MeasureKind::Diameter { selection: ParticleSelection::default(), axis: 2 };
+    close(once(section, &particles), 0.29f64.sqrt() + 0.1);
     let mut model = measuring(kind);
     model.symmetry = vec![SymmetryPlane { axis: 0, position: -0.05, side: 1.0 }];
     let mut measures = Measures::new(&model);
@@ -253,6 +258,53 @@ fn a_crater_is_clear_between_its_edges_or_goes_from_lip_to_lip() {
     close(crater(CraterEdge::Clear), 0.6 + 0.5);
     close(crater(CraterEdge::EntryLips), 0.71 + 0.67);
     assert_eq!(crater(CraterEdge::ExitLips), None);
+}
+
+/// The clear opening about lines of flight along z through a plate of particles at these places, z = 0.
+fn clear_opening(dimensions: Dimensions, places: &[[f64; 2]], point: [f64; 2]) -> Option<f64> {
+    let mut particles = Particles::new(places.len());
+    let axis = if dimensions == Dimensions::Three { 2 } else { 1 };
+    for (i, place) in places.iter().enumerate() {
+        particles.position[i][..axis].copy_from_slice(&place[..axis]);
+        particles.mass[i] = 1.0;
+    }
+    let perforation = Perforation { plate: 0, axis, direction: -1.0, point: [point[0], point[1], 0.0], link: 2.0 };
+    let mut model = measuring(MeasureKind::CraterDiameter { perforation, edge: CraterEdge::Clear });
+    model.dimensions = dimensions;
+    let solid = Solid::Box { min: [-2.0, -2.0, -0.05], max: [2.0, 2.0, 0.05] };
+    model.bodies[0].shape = Shape { solid, transform: Transform::default() };
+    let mut measures = Measures::new(&model);
+    measures.sample(&model, 0.0, &(&model, &particles)).unwrap();
+    measures.values()[0]
+}
+
+#[test]
+fn a_plate_without_a_hole_has_a_crater_of_zero() {
+    let at = |k: i32| 0.1 * f64::from(k) + 0.05;
+    let plate: Vec<[f64; 2]> = (-20..20).flat_map(|i| (-20..20).map(move |j| [at(i), at(j)])).collect();
+    // In the corner of four particles, on one, on an edge, anywhere.
+    for point in [[0.0, 0.0], [0.05, 0.05], [0.1, 0.05], [0.013, -0.021]] {
+        assert_eq!(clear_opening(Dimensions::Three, &plate, point), Some(0.0), "{point:?}");
+        close(clear_opening(Dimensions::PlaneStrain, &plate, point), 0.0);
+    }
+}
+
+#[test]
+fn a_hole_in_space_is_as_wide_as_rays_are_free() {
+    let ring = |count: u32| {
+        let angle = move |k: u32| (f64::from(k) + 0.5) / f64::from(count) * std::f64::consts::TAU;
+        (0..count).map(|k| [angle(k).cos(), angle(k).sin()]).collect::<Vec<_>>()
+    };
+    // A particle in the middle of every sector ends its ray half a diagonal of its cell before its centre; six of them all.
+    let corner = 0.05 * 2f64.sqrt();
+    for places in [ring(36), ring(36 * 3), ring(36 * 3 * 5)] {
+        let found = clear_opening(Dimensions::Three, &places, [0.0, 0.0]).unwrap();
+        assert!((found - 2.0 * (1.0 - corner)).abs() < 1e-6, "{found}");
+    }
+    // A quarter knows the rest.
+    let quarter: Vec<_> = ring(36 * 3).into_iter().filter(|p| p[0] > 0.0 && p[1] > 0.0).collect();
+    let found = clear_opening(Dimensions::Three, &quarter, [0.0, 0.0]).unwrap();
+    assert!((found - 2.0 * (1.0 - corner)).abs() < 1e-6, "{found}");
 }
 
 #[test]

@@ -19,7 +19,7 @@ pub use history::HistoryColumn;
 pub use history_read::HistoryTable;
 pub use series::{SeriesEntry, read_series};
 pub use summary::{
-    AuditRecord, EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary, WarningRecord,
+    AuditRecord, BodyRecord, EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary, WarningRecord,
 };
 pub use vtp::{FrameHeader, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};

@@ -73,7 +73,7 @@ pub struct FailureRecord {
     /// Name of its body.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub body: Option<String>,
-    /// Its last position, m.
+    /// Its last finite position, m.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub position: Option<[f64; 3]>,
 }
@@ -144,6 +144,19 @@ impl fmt::Display for WarningRecord {
         }
         write!(f, "; {cure}")
     }
+}
+
+/// What the particles of a body weigh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyRecord {
+    /// Name in the deck.
+    pub name: String,
+    /// Number of particles.
+    pub particles: u64,
+    /// Mass of the particles, kg (per metre of thickness in plane strain, per square metre in one dimension).
+    pub mass: f64,
+    /// Reference density times the volume of the shape, in the same unit; of composed shapes counted, to about a thousandth.
+    pub shape_mass: f64,
 }
 
 /// Wall-clock seconds by stage.
@@ -256,6 +269,9 @@ pub struct Summary {
     pub version: String,
     /// Number of particles.
     pub particles: u64,
+    /// The bodies in deck order.
+    #[serde(default)]
+    pub bodies: Vec<BodyRecord>,
     /// Steps done.
     pub steps: u64,
     /// Time reached, s.

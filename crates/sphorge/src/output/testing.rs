@@ -24,6 +24,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
         velocity_gradient: [[0.0; 3]; 3],
         gradient_centre: [0.0; 3],
         velocity_profile: None,
+        radial_velocity: None,
         temperature: 293.15,
     };
     Model {
@@ -90,6 +91,7 @@ pub(crate) fn summary(seconds: f64) -> Summary {
         deck: "test".into(),
         version: "0.1.0".into(),
         particles: 1000,
+        bodies: Vec::new(),
         steps: 50,
         simulated_time: 6e-5,
         wall_seconds: seconds,

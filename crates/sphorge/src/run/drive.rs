@@ -73,7 +73,8 @@ fn run(
         threads: rayon::current_num_threads(),
         end: simulation.model().time.end,
     });
-    let mut state = RunState::new(directory, simulation, pace).map_err(|source| RunError::Output { source })?;
+    let mut state =
+        RunState::new(directory, simulation, &setup.masses, pace).map_err(|source| RunError::Output { source })?;
 
     let ended = match state.begin(observer).and_then(|()| go_on(&mut state, stop, observer)) {
         Err(Trouble::Engine(failure)) => Ok(Ending::Failed(failure_record(state.simulation.model(), *failure))),

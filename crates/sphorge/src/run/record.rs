@@ -7,11 +7,12 @@ use crate::{
         persist::{Archive, ArchiveError, Persist, persist_option, require},
         persist_fields,
     },
+    geometry::FilledMass,
     measures::Measures,
-    model::{Model, Precision},
+    model::{Body, Model, Precision},
     observed::Observed,
     output::{
-        AuditRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample,
+        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample,
         OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord, measure_unit, write_frame_file,
         write_series,
     },
@@ -21,6 +22,7 @@ use std::{array, time::Instant};
 /// Everything that is written while a run goes on.
 pub(super) struct Recorder {
     directory: RunDirectory,
+    bodies: Vec<BodyRecord>,
     history: History,
     disk: DiskSync,
     measures: Measures,
@@ -56,10 +58,18 @@ struct StepSums {
 }
 
 impl Recorder {
-    pub(super) fn new(directory: RunDirectory, model: &Model) -> Result<Self, OutputError> {
+    /// `masses` of the bodies in deck order, as filled.
+    pub(super) fn new(directory: RunDirectory, model: &Model, masses: &[FilledMass]) -> Result<Self, OutputError> {
         let observed = Observed::new(model);
         let mirrored = array::from_fn(|axis| model.symmetry.iter().any(|plane| plane.axis == axis));
+        let body = |(body, filled): (&Body, &FilledMass)| BodyRecord {
+            name: body.name.clone(),
+            particles: filled.particles as u64,
+            mass: filled.mass,
+            shape_mass: filled.shape_mass,
+        };
         Ok(Self {
+            bodies: model.bodies.iter().zip(masses).map(body).collect(),
             history: History::create(&directory, model, observed.columns())?,
             observed,
             disk: DiskSync::new(),
@@ -235,6 +245,7 @@ impl Recorder {
             deck: model.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             particles: engine.count() as u64,
+            bodies: self.bodies.clone(),
             steps,
             simulated_time: engine.time(),
             wall_seconds: seconds,

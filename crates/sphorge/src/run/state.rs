@@ -12,6 +12,7 @@ use crate::{
         FieldSource, Simulation, StepReport,
         persist::{Archive, ArchiveError, Persist},
     },
+    geometry::FilledMass,
     model::TimeControl,
     output::{EndReason, OutputError, RunDirectory},
 };
@@ -40,12 +41,17 @@ pub(super) struct RunState {
 }
 
 impl RunState {
-    /// A run that has not begun.
-    pub(super) fn new(directory: RunDirectory, simulation: Simulation, pace: Pace) -> Result<Self, OutputError> {
+    /// A run that has not begun, of bodies of these masses.
+    pub(super) fn new(
+        directory: RunDirectory,
+        simulation: Simulation,
+        masses: &[FilledMass],
+        pace: Pace,
+    ) -> Result<Self, OutputError> {
         let model = simulation.model();
         let (time, output) = (model.time.clone(), &model.output);
         Ok(Self {
-            recorder: Recorder::new(directory, model)?,
+            recorder: Recorder::new(directory, model, masses)?,
             frames: Schedule::new(output.frame_interval, time.end),
             rows: Schedule::new(output.history_interval, time.end),
             initial_kinetic: 0.0,

@@ -10,6 +10,7 @@ use crate::{
         persist::{Archive, ArchiveError},
         reduction,
     },
+    geometry::FilledMass,
     model::{Measure, MeasureKind, Model, ParticleSelection, WarningKind},
     output::{EndReason, FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series, testing},
     particles::Particles,
@@ -145,7 +146,8 @@ fn setup(model: Model) -> Setup {
     let mut particles = Particles::new(2);
     particles.velocity[1][0] = 3.0;
     particles.id[1] = 1;
-    Setup { model, particles, deck_text: "title = \"A test\"\n".into(), notes: Vec::new() }
+    let masses = vec![FilledMass { particles: 2, mass: 3.0, shape_mass: 4.0, is_estimate: false }];
+    Setup { model, particles, masses, deck_text: "title = \"A test\"\n".into(), notes: Vec::new() }
 }
 
 fn run(folder: &Path, model: Model, fail_at: Option<f64>) -> Result<Summary, RunError> {
@@ -168,6 +170,8 @@ fn a_run_lands_on_its_output_times_and_says_what_it_did() {
     assert_eq!((summary.status, summary.end_reason), (Status::Completed, EndReason::EndTime));
     assert_eq!((summary.particles, summary.threads, summary.simulated_time), (2, 2, 1.0));
     assert_eq!(summary.engine, "clockwork");
+    let [bar] = &summary.bodies[..] else { panic!("{:?}", summary.bodies) };
+    assert_eq!((bar.name.as_str(), bar.particles, bar.mass, bar.shape_mass), ("bar", 2, 3.0, 4.0));
     assert!((summary.measures["length"].unwrap() - 3.1).abs() < 1e-12);
     assert_eq!(summary.measure_units["length"], "m");
     assert_eq!((summary.energy.kinetic, summary.momentum_drift), ((-5.0f64).exp(), 0.0));

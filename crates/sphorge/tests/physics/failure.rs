@@ -28,6 +28,24 @@ fn an_infinite_velocity_is_found_before_it_spreads() {
     assert!(failure.particle.is_some() && failure.time == 0.0, "{failure}");
 }
 
+#[test]
+fn a_position_that_is_lost_is_told_by_where_the_step_began() {
+    for integrator in ["leapfrog", "predictor-corrector"] {
+        // The square of the speed is beyond double precision.
+        let settings = [("numerics.integrator", integrator), ("numerics.precision", "double")];
+        let settings = settings.map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
+        let setup = deck::load_text("test", COLLISION, &settings).unwrap();
+        let mut particles = setup.particles;
+        particles.velocity.iter_mut().step_by(2).for_each(|v| v[0] = 1e160);
+        let places = particles.position.clone();
+        let mut simulation = Simulation::new(setup.model, particles);
+        let failure = simulation.step(None).unwrap_err();
+        let (id, place) = (failure.particle.unwrap() as usize, failure.position.unwrap());
+        assert!(place.iter().all(|x| x.is_finite()), "{integrator}: {failure}");
+        assert!((0..3).all(|a| (place[a] - places[id][a]).abs() < 1e-3), "{integrator}: {failure}");
+    }
+}
+
 /// A plate that a flux cools without end.
 const COOLED: &str = r#"
 dimensions = "plane-strain"

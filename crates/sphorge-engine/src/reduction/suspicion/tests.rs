@@ -44,6 +44,7 @@ fn model(materials: Vec<Material>) -> Model {
         velocity_gradient: [[0.0; 3]; 3],
         gradient_centre: [0.0; 3],
         velocity_profile: None,
+        radial_velocity: None,
         temperature: 300.0,
     };
     Model {

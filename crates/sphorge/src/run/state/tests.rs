@@ -87,9 +87,9 @@ fn setup() -> Setup {
 
 /// A run that has not begun.
 fn new(folder: &Path) -> RunState {
-    let Setup { model, particles, .. } = setup();
+    let Setup { model, particles, masses, .. } = setup();
     let simulation = Simulation::start(ENGINES[0], model, particles).unwrap();
-    RunState::new(RunDirectory::create(folder, false).unwrap(), simulation, Pace::new()).unwrap()
+    RunState::new(RunDirectory::create(folder, false).unwrap(), simulation, &masses, Pace::new()).unwrap()
 }
 
 fn saved(state: &mut RunState) -> MemoryArchive {
