@@ -193,7 +193,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let points = HeatPoints::new(p, &self.ghosts.columns);
         let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
-        let touching = HeatPoints::new(p, self.contacts.as_ref().map_or(&self.ghosts.columns, |c| c.ghosts(&self.ghosts.columns)));
+        let touching = self.contacts.as_ref().map_or(&self.ghosts, |c| c.ghosts(&self.ghosts));
+        let touching = HeatPoints::new(p, &touching.columns);
         let HeatFlow { table, partial, limits, power, surfaces, .. } = heat;
         let (table, boundaries) = (&*table, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));

@@ -6,7 +6,7 @@
 
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
-use super::ghosts::WithGhosts;
+use super::ghosts::{Ghosts, WithGhosts};
 use crate::ContactLedger;
 use crate::halo::Halo;
 use crate::lanes::PairScalar;
@@ -194,6 +194,28 @@ impl BodyContacts {
         &self.foreign
     }
 
+    /// Force on particle `i` by a particle or ghost `j` of another body, N, where particles are at `places`, m.
+    pub(super) fn force_of_pair(
+        &self,
+        i: usize,
+        j: u32,
+        places: &[Vector<f64>],
+        own: &Particles,
+        ghosts: &Particles,
+        dt: f64,
+    ) -> Vector<f64> {
+        let points = Points {
+            position: WithGhosts::new(places, &ghosts.position),
+            velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
+            mass: WithGhosts::new(&own.mass, &ghosts.mass),
+            body: WithGhosts::new(&own.body, &ghosts.body),
+            overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
+        };
+        self.table.row(i, &[j], &points, dt, &mut vec![PairSums::default(); self.now.len()]).force
+    }
+
     /// Largest stable step over the margin, s.
     pub(super) fn limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
@@ -216,9 +238,9 @@ impl BodyContacts {
         search + self.foreign.bytes() + self.partial.capacity() * size_of::<PairSums>()
     }
 
-    /// Columns of the ghosts its pairs name, where they are not those of the neighbour list.
-    pub(super) fn ghosts<'a>(&'a self, of_list: &'a Particles) -> &'a Particles {
-        self.search.as_ref().map_or(of_list, |search| &search.ghosts.columns)
+    /// The ghosts its pairs name, where they are not those of the neighbour list.
+    pub(super) fn ghosts<'a>(&'a self, of_list: &'a Ghosts) -> &'a Ghosts {
+        self.search.as_ref().map_or(of_list, |search| &search.ghosts)
     }
 
     fn close(&mut self) {
@@ -244,7 +266,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let table = &contacts.table;
         let Particles { position, mass, body, contact_overlap, contact_direction, contact_weight, .. } =
             &mut self.particles;
-        let ghosts = contacts.ghosts(&self.ghosts.columns);
+        let ghosts = &contacts.ghosts(&self.ghosts).columns;
         let positions = WithGhosts::new(position, &ghosts.position);
         let masses = WithGhosts::new(mass, &ghosts.mass);
         let bodies = WithGhosts::new(body, &ghosts.body);

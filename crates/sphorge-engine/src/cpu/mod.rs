@@ -22,6 +22,7 @@ mod read;
 mod records;
 mod reference_conduction;
 mod search;
+mod section;
 mod smoothing;
 mod stored;
 mod stress_columns;
@@ -327,7 +328,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        Ok(reduction::evaluate(reduction, &self.model, &self.particles))
+        Ok(match *reduction {
+            Reduction::SectionForce(section) => self.section_force(section).map_or_else(Vec::new, |f| f.to_vec()),
+            _ => reduction::evaluate(reduction, &self.model, &self.particles),
+        })
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

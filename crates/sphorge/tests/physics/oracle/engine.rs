@@ -56,6 +56,9 @@ pub(super) struct Oracle {
     pub(super) repulsion: Vec<Tensor<f64>>,
     pub(super) switch: Vec<f64>,
     pub(super) overlap: Vec<Overlap<f64>>,
+    /// Forces between particles as last evaluated, N, each on the first by an image of the second, and where particles then were.
+    pub(super) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
+    pub(super) exerted_at: Vec<Vector<f64>>,
     pub(super) friction_heat: Vec<f64>,
     pub(super) heat_rate: Vec<f64>,
     pub(super) ledger: Ledger,
@@ -116,6 +119,8 @@ impl EngineKind for OracleKind {
             repulsion: uncorrected(n),
             switch: vec![1.0; n],
             overlap: vec![Overlap::default(); n],
+            exerted: Vec::new(),
+            exerted_at: Vec::new(),
             friction_heat: vec![0.0; n],
             heat_rate: vec![0.0; n],
             ledger: Ledger::default(),
@@ -284,6 +289,7 @@ impl Engine for Oracle {
             self.sum_forces();
             self.resist_hourglass();
             self.push_bodies();
+            self.exerted_at.clone_from(&self.p.position);
             self.add_external();
         }
         Ok(())
@@ -343,7 +349,10 @@ impl Engine for Oracle {
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        Ok(reduction::evaluate(reduction, &self.model, &self.p))
+        Ok(match *reduction {
+            Reduction::SectionForce(section) => self.section_force(section).to_vec(),
+            _ => reduction::evaluate(reduction, &self.model, &self.p),
+        })
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

@@ -212,6 +212,7 @@ impl Oracle {
     /// `dv_i/dt = f_i sum_j w'_j (a_i sigma_i + a_j sigma_j + R_ij f^n - Pi_ij I) . grad_i W_ij`, the energy that goes with it, and
     /// `eps sum_j m_j/rho_ij (v_j - v_i) W_ij`.
     pub(super) fn sum_forces(&mut self) {
+        self.exerted.clear();
         let numerics = self.model.numerics.clone();
         let form = numerics.pair_form;
         let p = &self.p;
@@ -227,6 +228,8 @@ impl Oracle {
         let inverse_w = 1.0 / numerics.kernel.w(first.spacing / first.smoothing_length);
         let support = numerics.kernel.support();
         let sums = self.each(|i| {
+            let mut exerted = Vec::new();
+            let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
             let (mut a, mut power, mut xsph, mut mu_max) = ([0.0; 3], 0.0, [0.0; 3], 0.0f64);
             for n in self.pairs(i, &at) {
                 let j = n.j;
@@ -252,18 +255,19 @@ impl Oracle {
                 }
                 let own = apply(&self.stress[i], n.x);
                 let total = plus(plus(own, 1.0, apply(&n.image.tensor(&self.stress[j]), n.x)), 1.0, t_star);
-                let share = match numerics.energy_split {
+                let work = match numerics.energy_split {
                     EnergySplit::OwnStress => plus(own, 0.5, t_star),
                     EnergySplit::Symmetric => total.map(|t| 0.5 * t),
                 };
                 a = plus(a, weight[j] * n.f, total);
-                power -= weight[j] * n.f * dot(share, v);
+                exerted.push((i, j, n.image, total.map(|t| p.mass[i] * f * weight[j] * n.f * t)));
+                power -= weight[j] * n.f * dot(work, v);
             }
-            let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
-            (a.map(|a| f * a), f * power, xsph, mu_max)
+            (a.map(|a| f * a), f * power, xsph, mu_max, exerted)
         });
-        for (i, (a, power, xsph, mu)) in sums.into_iter().enumerate() {
+        for (i, (a, power, xsph, mu, exerted)) in sums.into_iter().enumerate() {
             (self.p.acceleration[i], self.p.energy_rate[i], self.xsph[i]) = (a, power, xsph);
+            self.exerted.extend(exerted);
             if self.total_lagrangian().is_none() {
                 self.mu[i] = mu;
             }
@@ -277,7 +281,7 @@ impl Oracle {
         let spring =
             |i: usize| Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i], p.plastic_strain[i]);
         let sums = self.each(|i| {
-            let (mut a, mut power) = ([0.0; 3], 0.0);
+            let (mut a, mut power, mut exerted) = ([0.0; 3], 0.0, Vec::new());
             for n in self.pairs(i, &self.searched_at) {
                 let x = minus(p.position[i], n.image.point(p.position[n.j]));
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[n.j]));
@@ -287,13 +291,15 @@ impl Oracle {
                 let stress = spring(i).between(spring(n.j)).stress(0.5 * error / lengths);
                 let push = self.initial_volume[i] * self.initial_volume[n.j] * n.w * stress / lengths / p.mass[i];
                 a = plus(a, push, x);
+                exerted.push((i, n.j, n.image, x.map(|x| p.mass[i] * push * x)));
                 power -= 0.5 * push * dot(v, x);
             }
-            (a, power)
+            (a, power, exerted)
         });
-        for (i, (a, power)) in sums.into_iter().enumerate() {
+        for (i, (a, power, exerted)) in sums.into_iter().enumerate() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
             self.p.energy_rate[i] += power;
+            self.exerted.extend(exerted);
         }
     }
 

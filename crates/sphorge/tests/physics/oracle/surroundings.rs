@@ -137,6 +137,7 @@ impl Oracle {
                 );
                 stiffness.add(&law, &kernel, (own.overlap, other.overlap), volumes.0, volumes.1);
                 force = plus(force, 1.0, f.force);
+                self.exerted.push((i, j, n.image, f.force));
                 (heat, rubbed, approach) = (heat + f.damped + f.rubbed, rubbed + f.rubbed, approach.max(f.approach));
                 let (a, b) = (self.p.body[i] as usize, self.p.body[j] as usize);
                 let place = places.iter().position(|&pair| pair == (a.min(b), a.max(b)));
