@@ -191,7 +191,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let form = StressForm {
             pair_form: numerics.pair_form,
             bulk_viscosity: formulation.bulk_viscosity(model),
-            artificial_stress: numerics.artificial_stress.map(|a| a.epsilon),
+            artificial_stress: numerics.artificial_stress.is_some(),
             dimension: super::dimension(model),
         };
 
@@ -199,6 +199,7 @@ impl<T: PairScalar> CpuEngine<T> {
             position,
             reference_position,
             evaluated_velocity,
+            body,
             material,
             density,
             energy,
@@ -231,6 +232,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
         let stretch = &*stretch;
+        let (body, repulsion) = (&*body, &self.repulsion);
         let evaluated_velocity = &*evaluated_velocity;
         // Forces of the total Lagrangian form are summed at initial positions.
         let position = if formulation.is_initial() { &*reference_position } else { &*position };
@@ -270,6 +272,11 @@ impl<T: PairScalar> CpuEngine<T> {
             let energies = energy[particles.clone()].iter().zip(&energy_rate[particles.clone()]);
             for (here, (energy, rate)) in columns.energy.iter_mut().zip(energies) {
                 *here = energy + half * rate;
+            }
+            if form.artificial_stress {
+                for (here, body) in columns.repulsion.iter_mut().zip(&body[particles.clone()]) {
+                    *here = repulsion[*body as usize];
+                }
             }
             if form.bulk_viscosity.is_some() {
                 let lengths = smoothing_length[particles.clone()].iter().zip(&stretch[particles.clone()]);

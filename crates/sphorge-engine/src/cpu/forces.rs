@@ -21,8 +21,8 @@ use sphorge_physics::{SymmetricTensor, Tensor, Vector, artificial_stress};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForceTerms<T> {
     pub(super) viscosity: ViscosityParameters<T>,
-    /// `1 / w(spacing/h)` of the pair factor of the artificial stress, and its exponent.
-    pub(super) artificial_stress: Option<(T, u32)>,
+    /// Exponent of the pair factor of the artificial stress.
+    pub(super) artificial_stress: Option<u32>,
     pub(super) balsara: bool,
     pub(super) xsph: bool,
     pub(super) pair_form: PairForm,
@@ -49,7 +49,7 @@ impl<T: PairScalar> ForceTerms<T> {
         }
         Self {
             viscosity: self.viscosity,
-            artificial_stress: Some(self.artificial_stress.unwrap_or((T::zero(), 1))),
+            artificial_stress: Some(self.artificial_stress.unwrap_or(1)),
             balsara: false,
             xsph: true,
             pair_form: PairForm::VolumeWeighted,
@@ -257,8 +257,8 @@ impl<L: Lanes> Sums<L> {
             if terms.balsara {
                 pi = switched(pi, own.extra[extra::BALSARA], extra_j[extra::BALSARA]);
             }
-            if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
-                let factor = artificial_stress::pair_factor(pair.w, L::splat(inverse_w_spacing), exponent);
+            if let Some(exponent) = terms.artificial_stress {
+                let factor = artificial_stress::pair_factor(pair.w, exponent);
                 let (r_i, r_j) = (symmetric(&own.extra, extra::R), symmetric(&extra_j, extra::R));
                 artificial_stress = artificial_stress::pair_vector::<L, D>(r_i, r_j, factor, x);
             }

@@ -2,8 +2,9 @@
 
 use super::conduction::hold;
 use super::integrate::Motions;
-use crate::model::{BodyContact, Integrator, Model, Search, TemperatureSource};
+use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Search, TemperatureSource};
 use crate::particles::{History, Owner, Particles};
+use sphorge_physics::artificial_stress;
 
 /// Completes the state of particles that have position, velocity, density and temperature.
 pub(super) fn state(model: &Model, particles: &mut Particles) {
@@ -43,4 +44,11 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         particles.origin.clone_from(&particles.position);
     }
     particles.history = History::new(model, particles.len());
+}
+
+/// Coefficient of the artificial stress of each body; nothing without one.
+pub(super) fn repulsion(model: &Model) -> Vec<f64> {
+    let Some(ArtificialStress { epsilon, exponent }) = model.numerics.artificial_stress else { return Vec::new() };
+    let w_spacing = |body: &Body| model.numerics.kernel.w(body.spacing / body.smoothing_length);
+    model.bodies.iter().map(|body| artificial_stress::coefficient(epsilon, w_spacing(body), exponent)).collect()
 }

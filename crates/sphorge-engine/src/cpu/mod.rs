@@ -90,6 +90,8 @@ struct CpuEngine<T: PairScalar> {
     heat: Option<HeatFlow>,
     constants: PairConstants<T>,
     instructions: Instructions,
+    /// Coefficient of the artificial stress, by body; nothing without one.
+    repulsion: Vec<f64>,
     lists: Lists<T>,
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
@@ -152,6 +154,7 @@ impl<T: PairScalar> CpuEngine<T> {
             step: StepState::default(),
             constants,
             instructions: Instructions::best(),
+            repulsion: initial::repulsion(&model),
             particles,
             model,
             restored_density: Vec::new(),

@@ -151,7 +151,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let viscosity = self.formulation.pair_viscosity(&self.model);
         ForceTerms {
             viscosity: ViscosityParameters { alpha: T::of(viscosity.alpha), beta: T::of(viscosity.beta) },
-            artificial_stress: numerics.artificial_stress.map(|a| (T::of(self.inverse_w_spacing()), a.exponent)),
+            artificial_stress: numerics.artificial_stress.map(|a| a.exponent),
             balsara: numerics.balsara,
             xsph: numerics.xsph != 0.0,
             pair_form: numerics.pair_form,
@@ -223,12 +223,5 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                 }
             });
-    }
-
-    /// `1 / w(spacing/h)` of the artificial stress: shapes, not kernels, so that bodies of other spacings have the same ratio.
-    fn inverse_w_spacing(&self) -> f64 {
-        // Spacing over smoothing length is the same in every body: that of the first.
-        let ratio = self.model.bodies.first().map_or(1.0, |b| b.spacing / b.smoothing_length);
-        1.0 / self.model.numerics.kernel.w(ratio)
     }
 }

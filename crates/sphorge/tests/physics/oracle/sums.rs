@@ -191,7 +191,10 @@ impl Oracle {
                 None => multiply(&sigma.to_tensor(), &self.correction[i]),
             };
             if let Some(a) = numerics.artificial_stress {
-                self.repulsion[i] = artificial_stress::artificial_stress(sigma, a.epsilon, self.dimension).to_tensor();
+                let body = &self.model.bodies[self.p.body[i] as usize];
+                let at_spacing = numerics.kernel.w(body.spacing / body.smoothing_length);
+                let of_body = artificial_stress::coefficient(a.epsilon, at_spacing, a.exponent);
+                self.repulsion[i] = artificial_stress::artificial_stress(sigma, of_body, self.dimension).to_tensor();
             }
             self.switch[i] = if numerics.balsara { balsara(&l, c, h) } else { 1.0 };
         }
@@ -224,8 +227,6 @@ impl Oracle {
             false => momentum_weight(form, p.mass[i], p.density[i]),
         });
         let at = self.places(p.position.clone());
-        let first = &self.model.bodies[0];
-        let inverse_w = 1.0 / numerics.kernel.w(first.spacing / first.smoothing_length);
         let support = numerics.kernel.support();
         let sums = self.each(|i| {
             let mut exerted = Vec::new();
@@ -244,7 +245,7 @@ impl Oracle {
                     t_star = plus(t_star, -scaled_pressure(form, pi, p.density[i], p.density[j]), n.x);
                     if let Some(stress) = numerics.artificial_stress {
                         let w = numerics.kernel.w(n.r / n.h);
-                        let f = artificial_stress::pair_factor(w, inverse_w, stress.exponent);
+                        let f = artificial_stress::pair_factor(w, stress.exponent);
                         t_star = plus(t_star, f, apply(&self.repulsion[i], n.x));
                         t_star = plus(t_star, f, apply(&n.image.tensor(&self.repulsion[j]), n.x));
                     }
