@@ -61,7 +61,7 @@ words! {
     }
     TemperatureWord, "source of temperature", TemperatureSource {
         "plastic-work" => TemperatureSource::PlasticWork, "heat of plastic work";
-        "energy" => TemperatureSource::Energy, "internal energy less cold, elastic and stored energy: for shock heating";
+        "energy" => TemperatureSource::Energy, "internal energy less cold, elastic and stored energy and the work of the artificial stress: for shock heating";
     }
     ReturnRuleWord, "return rule", ReturnRule {
         "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";

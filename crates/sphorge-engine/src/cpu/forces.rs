@@ -27,6 +27,8 @@ pub(super) struct ForceTerms<T> {
     pub(super) xsph: bool,
     pub(super) pair_form: PairForm,
     pub(super) energy_split: EnergySplit,
+    /// Whether the power of the artificial stress is summed apart, too.
+    pub(super) artificial_power: bool,
 }
 
 impl<T: PairScalar> ForceTerms<T> {
@@ -39,6 +41,7 @@ impl<T: PairScalar> ForceTerms<T> {
             && !self.balsara
             && self.pair_form == PairForm::VolumeWeighted
             && self.energy_split == EnergySplit::OwnStress
+            && !self.artificial_power
     }
 
     /// The same terms; if `DEFAULT`, in a form the compiler knows.
@@ -54,6 +57,7 @@ impl<T: PairScalar> ForceTerms<T> {
             xsph: true,
             pair_form: PairForm::VolumeWeighted,
             energy_split: EnergySplit::OwnStress,
+            artificial_power: false,
         }
     }
 }
@@ -65,6 +69,8 @@ pub(super) struct ForceSum<T> {
     pub(super) acceleration: Vector<T>,
     /// Rate of the specific internal energy, W/kg.
     pub(super) energy_rate: T,
+    /// The part of it that is the artificial stress's; zero unless asked for.
+    pub(super) artificial_power: T,
     /// `sum_j m_j/rho_mean (v_j - v_i) W_ij`, m/s.
     pub(super) xsph: Vector<T>,
     /// Largest `|mu_ij|` of approaching pairs, m/s.
@@ -219,13 +225,14 @@ fn weigh<L: Lanes, const D: usize>(
 #[derive(Clone, Copy)]
 struct Sums<L> {
     forces: ForceSums<L>,
+    artificial_power: L,
     xsph: Vector<L>,
 }
 
 impl<L: Lanes> Sums<L> {
     #[inline(always)]
     fn zero() -> Self {
-        Self { forces: ForceSums::zero(), xsph: [L::zero(); 3] }
+        Self { forces: ForceSums::zero(), artificial_power: L::zero(), xsph: [L::zero(); 3] }
     }
 
     /// Third pass over a SIMD vector of pairs: the forces.
@@ -270,6 +277,9 @@ impl<L: Lanes> Sums<L> {
         let force =
             PairForce { x: *x, v: pair.v, own_stress, other_stress, artificial_stress, pi, weighted_f: pair.r2 };
         self.forces.add::<D>(terms.energy_split, &force);
+        if terms.artificial_power {
+            self.artificial_power += force.artificial_power::<D>();
+        }
     }
 
     /// All lanes together.
@@ -277,7 +287,8 @@ impl<L: Lanes> Sums<L> {
     fn total(&self) -> ForceSum<L::Element> {
         let ([ax, ay, az], [x, y, z]) = (self.forces.acceleration, self.xsph);
         let [ax, ay, az, x, y, z, energy_rate] = L::sums([ax, ay, az, x, y, z, self.forces.energy_rate]);
-        ForceSum { acceleration: [ax, ay, az], energy_rate, xsph: [x, y, z], ..ForceSum::zero() }
+        let artificial_power = self.artificial_power.sum();
+        ForceSum { acceleration: [ax, ay, az], energy_rate, artificial_power, xsph: [x, y, z], ..ForceSum::zero() }
     }
 }
 
@@ -321,7 +332,8 @@ impl<T: PairScalar> ForceSum<T> {
     /// Nothing summed.
     #[inline(always)]
     pub(super) fn zero() -> Self {
-        Self { acceleration: [T::zero(); 3], energy_rate: T::zero(), xsph: [T::zero(); 3], mu: T::zero() }
+        let zero = T::zero();
+        Self { acceleration: [zero; 3], energy_rate: zero, artificial_power: zero, xsph: [zero; 3], mu: zero }
     }
 }
 

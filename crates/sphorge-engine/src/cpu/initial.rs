@@ -33,6 +33,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
         (Owner::Heat, model.thermal.conduction),
         (Owner::Contact, model.contact != BodyContact::Sph),
+        (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
     ];
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {

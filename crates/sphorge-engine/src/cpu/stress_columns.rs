@@ -25,6 +25,8 @@ pub(super) struct StressColumns {
     pub(super) energy: [f64; BLOCK],
     /// Smoothing length, m; only with bulk viscosity.
     pub(super) smoothing_length: [f64; BLOCK],
+    /// Work of the artificial stress in the energy, J/kg; zero unless booked.
+    pub(super) artificial_energy: [f64; BLOCK],
     /// Coefficient of the artificial stress; only with one.
     pub(super) repulsion: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
@@ -42,6 +44,7 @@ impl StressColumns {
             density: zero,
             energy: zero,
             smoothing_length: zero,
+            artificial_energy: zero,
             repulsion: zero,
             pressure: zero,
             sound_speed: zero,

@@ -126,6 +126,9 @@ impl<T: PairScalar> ForceSweep<'_, T> {
     }
 }
 
+/// What the force sum of a block writes: acceleration, energy rate, XSPH velocity, `mu`.
+type ForceColumns<'a> = (&'a mut [Vector<f64>], &'a mut [f64], &'a mut [Vector<f64>], &'a mut [f64]);
+
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether sums use corrected gradients.
     pub(super) fn corrected(&self) -> bool {
@@ -156,6 +159,7 @@ impl<T: PairScalar> CpuEngine<T> {
             xsph: numerics.xsph != 0.0,
             pair_form: numerics.pair_form,
             energy_split: numerics.energy_split,
+            artificial_power: self.model.books_artificial_energy(),
         }
     }
 
@@ -198,30 +202,42 @@ impl<T: PairScalar> CpuEngine<T> {
             corrected: self.corrected(),
             terms: &terms,
         };
-        let Particles { acceleration, energy_rate, mass, xsph, mu, .. } = &mut self.particles;
+        let Particles { acceleration, energy_rate, mass, xsph, mu, artificial_power, .. } = &mut self.particles;
         let mass = &*mass;
         let room = || [ForceSum::zero(); BLOCK];
-        (
+        let sum_block = |sums: &mut [ForceSum<T>; BLOCK], b: usize, columns: ForceColumns<'_>, powers: &mut [f64]| {
+            let (a, e, x, mu) = columns;
+            sweep.block(b, &list.blocks()[b], stored.map(|s| s.block(b)), default_terms, sums);
+            for (k, sum) in sums.iter().enumerate().take(a.len()) {
+                let i = b * BLOCK + k;
+                let weight = sweep.records.force[i][super::records::force::WEIGHT].to_f64();
+                let outer = pair::momentum_factor(pair_form, mass[i], weight);
+                a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
+                e[k] = sum.energy_rate.to_f64() * outer;
+                x[k] = sum.xsph.map(|v| v.to_f64() * strength);
+                if mu_of_pairs {
+                    mu[k] = sum.mu.to_f64();
+                }
+                if let Some(power) = powers.get_mut(k) {
+                    *power = sum.artificial_power.to_f64() * outer;
+                }
+            }
+        };
+        let blocks = (
             acceleration.par_chunks_mut(BLOCK),
             energy_rate.par_chunks_mut(BLOCK),
             xsph.par_chunks_mut(BLOCK),
             mu.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
-            .enumerate()
-            .for_each_init(room, |sums, (b, (a, e, x, mu))| {
-                sweep.block(b, &list.blocks()[b], stored.map(|s| s.block(b)), default_terms, sums);
-                for (k, sum) in sums.iter().enumerate().take(a.len()) {
-                    let i = b * BLOCK + k;
-                    let weight = sweep.records.force[i][super::records::force::WEIGHT].to_f64();
-                    let outer = pair::momentum_factor(pair_form, mass[i], weight);
-                    a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
-                    e[k] = sum.energy_rate.to_f64() * outer;
-                    x[k] = sum.xsph.map(|v| v.to_f64() * strength);
-                    if mu_of_pairs {
-                        mu[k] = sum.mu.to_f64();
-                    }
-                }
-            });
+            .enumerate();
+        // Where it is not asked for, the column is empty.
+        if artificial_power.is_empty() {
+            blocks.for_each_init(room, |sums, (b, columns)| sum_block(sums, b, columns, &mut []));
+        } else {
+            blocks
+                .zip(artificial_power.par_chunks_mut(BLOCK))
+                .for_each_init(room, |sums, ((b, columns), powers)| sum_block(sums, b, columns, powers));
+        }
     }
 }

@@ -70,6 +70,11 @@ impl Material {
         )
     }
 
+    /// Specific energy of a density (kg/m³) on the isotherm of the reference temperature, J/kg, with the tension cut-off.
+    pub fn cold_energy(&self, density: f64) -> f64 {
+        self.bounded_pressure().cold_energy(density, self.reference_temperature, self.specific_heat)
+    }
+
     /// Young's modulus at rest, Pa.
     pub fn young_modulus(&self) -> f64 {
         let c = self.equation_of_state.pressure(self.density, 0.0).sound_speed;

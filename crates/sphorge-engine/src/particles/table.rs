@@ -26,6 +26,8 @@ pub enum Owner {
     Heat,
     /// Contact between bodies.
     Contact,
+    /// Artificial stress where temperature is that of the energy.
+    ArtificialEnergy,
     /// The reference configuration of the total Lagrangian form.
     Reference,
 }
@@ -269,6 +271,11 @@ columns! {
         Same[IntermediateSums], None;
     pub(crate) friction_heat: f64 = 0.0, Contact, Internal("W/kg", "heat of contact friction at the last force sum"),
         Unmirrored[], None;
+
+    pub(crate) artificial_energy: f64 = 0.0, ArtificialEnergy,
+        Internal("J/kg", "work of the artificial stress in the internal energy"), Unmirrored[], None;
+    pub(crate) artificial_power: f64 = 0.0, ArtificialEnergy,
+        Internal("W/kg", "power of the artificial stress at the last force sum"), Unmirrored[], None;
 
     pub(crate) reference_position: Vector<f64> = [0.0; 3], Reference, Internal("m", "initial position X"), Point[Search], None;
     // m² in plane strain, m in one dimension.

@@ -60,6 +60,9 @@ pub(super) struct Oracle {
     pub(super) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
     pub(super) exerted_at: Vec<Vector<f64>>,
     pub(super) friction_heat: Vec<f64>,
+    /// Work and power of the artificial stress, J/kg and W/kg.
+    pub(super) artificial_energy: Vec<f64>,
+    pub(super) artificial_power: Vec<f64>,
     pub(super) heat_rate: Vec<f64>,
     pub(super) ledger: Ledger,
     pub(super) accounts: Accounts,
@@ -122,6 +125,8 @@ impl EngineKind for OracleKind {
             exerted: Vec::new(),
             exerted_at: Vec::new(),
             friction_heat: vec![0.0; n],
+            artificial_energy: vec![0.0; n],
+            artificial_power: vec![0.0; n],
             heat_rate: vec![0.0; n],
             ledger: Ledger::default(),
             accounts: Accounts::new(&model, dimension),
@@ -180,6 +185,7 @@ impl Oracle {
         let (after, mass) = (self.held(i, time, plus(before, dt, a)), self.p.mass[i]);
         self.p.velocity[i] = after;
         self.p.energy[i] += dt * self.p.energy_rate[i];
+        self.artificial_energy[i] += dt * self.artificial_power[i];
         for k in 0..3 {
             let (pair, mean) = (a[k] - external[k], 0.5 * (before[k] + after[k]));
             let impulse = mass * (after[k] - before[k] - pair * dt);

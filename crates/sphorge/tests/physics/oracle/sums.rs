@@ -135,7 +135,7 @@ impl Oracle {
     }
 
     /// Trial stress, equation of state, return mapping over a time `dt`; what flows counts only if `commit`. The deviator.
-    fn flow(&mut self, i: usize, energy: f64, dt: f64, commit: bool) -> SymmetricTensor<f64> {
+    fn flow(&mut self, i: usize, (energy, artificial): (f64, f64), dt: f64, commit: bool) -> SymmetricTensor<f64> {
         let (model, source) = (self.model.clone(), self.model.numerics.temperature);
         let m = &model.materials[self.p.material[i] as usize];
         let rho = self.p.density[i];
@@ -162,10 +162,10 @@ impl Oracle {
                 p.temperature[i] += heat::temperature_rise_from_plastic_work(beta, after.plastic_work, rho, cp);
             }
             TemperatureSource::Energy => {
-                let cold = m.equation_of_state.cold_energy(rho, t0, cp);
+                let cold = m.cold_energy(rho);
                 let elastic = heat::elastic_energy(after.deviator, shear, rho);
                 let stored = (1.0 - beta) * p.plastic_work[i];
-                p.temperature[i] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
+                p.temperature[i] = heat::temperature_from_energy(t0, energy - artificial, cold, elastic, stored, cp);
             }
         }
         after.deviator
@@ -177,7 +177,8 @@ impl Oracle {
         let commit = numerics.integrator == Integrator::Leapfrog;
         for i in 0..self.p.len() {
             let energy = self.p.energy[i] + 0.5 * self.dt * self.p.energy_rate[i];
-            let deviator = self.flow(i, energy, self.dt_to_evaluation(), commit);
+            let artificial = self.artificial_energy[i] + 0.5 * self.dt * self.artificial_power[i];
+            let deviator = self.flow(i, (energy, artificial), self.dt_to_evaluation(), commit);
             let (rho, c, h) = (self.p.density[i], self.p.sound_speed[i], self.p.smoothing_length[i]);
             let l = self.p.velocity_gradient[i];
             let mut pressure = self.p.pressure[i];
@@ -204,7 +205,7 @@ impl Oracle {
     pub(super) fn commit_stress(&mut self) {
         for i in 0..self.p.len() {
             self.p.density[i] = density_after(self.base_density[i], &self.p.velocity_gradient[i], self.dt);
-            self.flow(i, self.p.energy[i], self.dt, true);
+            self.flow(i, (self.p.energy[i], self.artificial_energy[i]), self.dt, true);
         }
     }
 
@@ -232,10 +233,11 @@ impl Oracle {
             let mut exerted = Vec::new();
             let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
             let (mut a, mut power, mut xsph, mut mu_max) = ([0.0; 3], 0.0, [0.0; 3], 0.0f64);
+            let mut artificial = 0.0;
             for n in self.pairs(i, &at) {
                 let j = n.j;
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[j]));
-                let mut t_star = [0.0; 3];
+                let (mut t_star, mut repulsion) = ([0.0; 3], [0.0; 3]);
                 if self.total_lagrangian().is_none() {
                     let mu = viscosity_mu(dot(v, n.x), n.r * n.r, n.h);
                     let inverse_rho = inverse_density_mean(p.density[i], p.density[j]);
@@ -246,8 +248,9 @@ impl Oracle {
                     if let Some(stress) = numerics.artificial_stress {
                         let w = numerics.kernel.w(n.r / n.h);
                         let f = artificial_stress::pair_factor(w, stress.exponent);
-                        t_star = plus(t_star, f, apply(&self.repulsion[i], n.x));
-                        t_star = plus(t_star, f, apply(&n.image.tensor(&self.repulsion[j]), n.x));
+                        repulsion = plus(repulsion, f, apply(&self.repulsion[i], n.x));
+                        repulsion = plus(repulsion, f, apply(&n.image.tensor(&self.repulsion[j]), n.x));
+                        t_star = plus(t_star, 1.0, repulsion);
                     }
                     xsph = plus(xsph, -numerics.xsph * p.mass[j] * inverse_rho * n.w, v);
                     if n.r < support * n.h {
@@ -263,10 +266,12 @@ impl Oracle {
                 a = plus(a, weight[j] * n.f, total);
                 exerted.push((i, j, n.image, total.map(|t| p.mass[i] * f * weight[j] * n.f * t)));
                 power -= weight[j] * n.f * dot(work, v);
+                artificial -= 0.5 * weight[j] * n.f * dot(repulsion, v);
             }
-            (a.map(|a| f * a), f * power, xsph, mu_max, exerted)
+            (a.map(|a| f * a), (f * power, f * artificial), xsph, mu_max, exerted)
         });
-        for (i, (a, power, xsph, mu, exerted)) in sums.into_iter().enumerate() {
+        for (i, (a, (power, artificial), xsph, mu, exerted)) in sums.into_iter().enumerate() {
+            self.artificial_power[i] = artificial;
             (self.p.acceleration[i], self.p.energy_rate[i], self.xsph[i]) = (a, power, xsph);
             self.exerted.extend(exerted);
             if self.total_lagrangian().is_none() {
