@@ -76,7 +76,16 @@ impl<T: Scalar> PenaltyParameters<T> {
     }
 }
 
-/// Penalty contact with Coulomb friction: acceleration, m/s^2.
+/// What a wall does to a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WallPush<T> {
+    /// m/s^2.
+    pub acceleration: Vector<T>,
+    /// Power friction turns to heat, W/kg; never negative.
+    pub rubbed: T,
+}
+
+/// Penalty contact with Coulomb friction.
 ///
 /// Surfaces touch when the particle, a ball of that `radius` (m), does. Along the normal: `a_n = max(k d + b u, 0)` at a penetration
 /// `d = radius - distance > 0` with speed of approach `u`, else zero: damping alone never pulls. Friction:
@@ -89,7 +98,7 @@ pub fn penalty_contact<T: Scalar>(
     radius: T,
     velocity: Vector<T>,
     dt: T,
-) -> Vector<T> {
+) -> WallPush<T> {
     let zero = T::zero();
     let n = gap.normal;
     let approach_speed = -dot(velocity, n);
@@ -97,14 +106,16 @@ pub fn penalty_contact<T: Scalar>(
     let penetration = radius - gap.distance;
     let mut normal = zero;
     let mut drag = zero;
+    let slip2 = dot(sliding, sliding);
     if penetration > zero {
         normal = (p.stiffness * penetration + p.damping * approach_speed).max(zero);
-        let speed = dot(sliding, sliding).sqrt();
+        let speed = slip2.sqrt();
         if speed > zero && dt > zero {
             drag = (p.friction * normal / speed).min(T::one() / dt);
         }
     }
-    [0, 1, 2].map(|a| normal * n[a] + -drag * sliding[a])
+    let acceleration = [0, 1, 2].map(|a| normal * n[a] + -drag * sliding[a]);
+    WallPush { acceleration, rubbed: drag * slip2 }
 }
 
 #[cfg(test)]
@@ -159,10 +170,16 @@ mod tests {
     fn penalty_by_hand() {
         // d = 0.005 - 0.003: k d + b u = 1e6 0.002 + 100 3 = 2300; mu 0.2: 460 along -(3, 0, 4)/5.
         let p = PenaltyParameters { stiffness: 1.0e6, damping: 100.0, friction: 0.2 };
-        assert_near(penalty_contact(p, &at(0.003), 0.005, [3.0, -3.0, 4.0], 1e-5), [-276.0, 2300.0, -368.0]);
+        assert_near(
+            penalty_contact(p, &at(0.003), 0.005, [3.0, -3.0, 4.0], 1e-5).acceleration,
+            [-276.0, 2300.0, -368.0],
+        );
+        // 460 m/s^2 against a slip of 5 m/s.
+        let rubbed = penalty_contact(p, &at(0.003), 0.005, [3.0, -3.0, 4.0], 1e-5).rubbed;
+        assert!((rubbed - 2300.0).abs() < 1e-9, "{rubbed}");
         // On a slope, behind the plane, no sliding: 1e6 0.006 - 100 10 = 5000 along the normal.
         let gap = Gap { distance: -0.001, normal: [0.6, 0.0, -0.8] };
-        assert_near(penalty_contact(p, &gap, 0.005, [6.0, 0.0, -8.0], 1e-5), [3000.0, 0.0, -4000.0]);
+        assert_near(penalty_contact(p, &gap, 0.005, [6.0, 0.0, -8.0], 1e-5).acceleration, [3000.0, 0.0, -4000.0]);
         // From c/l: (0.5 (1000/0.1)^2, 2 0.25 sqrt(that)).
         let p = PenaltyParameters::from_sound_speed(1000.0f64, 0.1, 0.5, 0.25, 0.1);
         assert!((p.stiffness - 5.0e7).abs() < 1e-6 && (p.damping - 3_535.533_905_932_738).abs() < 1e-9);
@@ -176,13 +193,13 @@ mod tests {
         let p = PenaltyParameters { stiffness: 1.0e6, damping: 1.0e4, friction: 0.5 };
         let touching = at(0.003);
         // Leaving fast: damping would pull.
-        assert_near(penalty_contact(p, &touching, 0.005, [1.0, 10.0, 0.0], 1e-5), [0.0; 3]);
+        assert_near(penalty_contact(p, &touching, 0.005, [1.0, 10.0, 0.0], 1e-5).acceleration, [0.0; 3]);
         // Not touching.
-        assert_near(penalty_contact(p, &at(0.007), 0.005, [1.0, -50.0, 0.0], 1e-5), [0.0; 3]);
+        assert_near(penalty_contact(p, &at(0.007), 0.005, [1.0, -50.0, 0.0], 1e-5).acceleration, [0.0; 3]);
         // Slow sliding: just stopped within the step.
-        let slow = penalty_contact(p, &touching, 0.005, [0.0, 0.0, -1e-4], 1e-5);
+        let slow = penalty_contact(p, &touching, 0.005, [0.0, 0.0, -1e-4], 1e-5).acceleration;
         assert!((slow[2] * 1e-5 - 1e-4).abs() < 1e-18);
         // No sliding, no friction, nothing undefined.
-        assert_near(penalty_contact(p, &touching, 0.005, [0.0; 3], 0.0), [0.0, 2000.0, 0.0]);
+        assert_near(penalty_contact(p, &touching, 0.005, [0.0; 3], 0.0).acceleration, [0.0, 2000.0, 0.0]);
     }
 }

@@ -287,15 +287,14 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Warms particles by the heat of friction, where temperature is not that of the internal energy anyway.
     pub(super) fn warm_by_friction(&mut self) {
         let model = &*self.model;
-        if self.contacts.is_none() || model.numerics.temperature != TemperatureSource::PlasticWork {
+        if model.numerics.temperature != TemperatureSource::PlasticWork {
             return;
         }
         let dt = self.step.dt;
         let Particles { temperature, material, friction_heat, .. } = &mut self.particles;
-        temperature.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, t)| {
-            if friction_heat[i] > 0.0 {
-                *t += dt * friction_heat[i] / model.materials[material[i] as usize].specific_heat;
-            }
+        let columns = temperature.par_iter_mut().with_min_len(BLOCK).zip(&*friction_heat).zip(&*material);
+        columns.filter(|((_, heat), _)| **heat > 0.0).for_each(|((t, heat), material)| {
+            *t += dt * heat / model.materials[*material as usize].specific_heat;
         });
     }
 }

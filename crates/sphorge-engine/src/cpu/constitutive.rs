@@ -454,7 +454,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Whether the temperature of a particle that stays elastic does not change.
     fn only_flow_heats(&self) -> bool {
         let by_flow = self.model.numerics.temperature == TemperatureSource::PlasticWork;
-        by_flow && self.heat.is_none() && self.contacts.is_none()
+        by_flow && self.heat.is_none() && self.particles.friction_heat.is_empty()
     }
 
     /// Adds the strain of the step to what adaptive search looks at.

@@ -2,7 +2,8 @@
 //!
 //! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
 //! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
-//! the energy balance, what damping and friction take heats both particles by halves.
+//! the energy balance, what damping takes heats both particles by halves, what
+//! friction takes by their effusivities.
 
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
@@ -15,6 +16,7 @@ use crate::neighbors::{BLOCK, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_each};
 use rayon::prelude::*;
+use sphorge_physics::conduction::friction_share;
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
@@ -47,6 +49,8 @@ struct Table {
     specific_volume: Vec<f64>,
     smoothing_length: Vec<f64>,
     laws: Vec<ContactLaw<f64>>,
+    /// Share of the heat of friction that the first takes up.
+    friction_shares: Vec<f64>,
 }
 
 /// Sums over the pairs of two bodies, the first with the lower index.
@@ -92,6 +96,14 @@ impl Table {
         };
         let laws = (0..bodies.len()).flat_map(|a| (0..bodies.len()).map(move |b| (a, b))).map(|(a, b)| law(a, b));
         let laws = laws.collect();
+        let effusivities: Vec<f64> = model.bodies.iter().map(|b| model.materials[b.material].effusivity()).collect();
+        let share = |a: usize, b: usize| {
+            let share = friction_share(effusivities[a.min(b)], effusivities[a.max(b)]);
+            // Both shares are one to the last digit.
+            if a <= b { share } else { 1.0 - share }
+        };
+        let count = bodies.len();
+        let friction_shares = (0..count * count).map(|k| share(k / count, k % count)).collect();
         Self {
             kernel,
             dimension,
@@ -99,6 +111,7 @@ impl Table {
             specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
             smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
             laws,
+            friction_shares,
         }
     }
 
@@ -344,8 +357,8 @@ impl<T: PairScalar> CpuEngine<T> {
                     for axis in 0..3 {
                         acceleration[k][axis] += push.force[axis] / mass[i];
                     }
-                    energy_rate[k] += 0.5 * push.heat / mass[i];
-                    friction_heat[k] = 0.5 * push.friction / mass[i];
+                    energy_rate[k] += push.heat / mass[i];
+                    friction_heat[k] = push.friction / mass[i];
                     mu[k] = mu[k].max(push.approach);
                     *limit = limit.min(push.limit);
                 }
@@ -358,7 +371,7 @@ impl<T: PairScalar> CpuEngine<T> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
     force: Vector<f64>,
-    /// Power that turns to heat in all its pairs, W.
+    /// Power that turns to heat of its own in all its pairs, W.
     heat: f64,
     /// Friction's part of it, W.
     friction: f64,
@@ -400,8 +413,9 @@ impl Table {
                     sum.force[k] += force.force[k];
                 }
             }
-            push.heat += force.damped + force.rubbed;
-            push.friction += force.rubbed;
+            let friction = self.friction_shares[a * self.bodies + b] * force.rubbed;
+            push.heat += 0.5 * force.damped + friction;
+            push.friction += friction;
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
             sum.friction += 0.5 * force.rubbed;

@@ -1,8 +1,9 @@
 //! Walls and gravity.
 
 use super::CpuEngine;
-use super::walls::wall_acceleration;
+use super::walls::{Walls, wall_push};
 use crate::lanes::PairScalar;
+use crate::model::Wall;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -35,10 +36,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     let i = b * BLOCK + k;
                     let mut sum = model.gravity;
                     for ((wall, state), power) in model.walls.iter().zip(&walls.states).zip(&mut *power) {
-                        let push = wall_acceleration(model, wall, state, body[i], position[i], velocity[i], dt);
+                        let push = wall_push(model, wall, state, body[i], position[i], velocity[i], dt);
                         for axis in 0..3 {
-                            sum[axis] += push[axis];
-                            *power += mass[i] * push[axis] * velocity[i][axis];
+                            sum[axis] += push.acceleration[axis];
+                            *power += mass[i] * push.acceleration[axis] * velocity[i][axis];
                         }
                     }
                     external[k] = sum;
@@ -48,7 +49,44 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             });
         self.walls.power = power;
+        if model.walls.iter().any(Wall::rubs) {
+            self.rub_at_walls();
+        }
         self.walls.book(dt);
+    }
+
+    /// Heats particles by the friction of walls, which take up none of it: what they give is the work of where they move.
+    fn rub_at_walls(&mut self) {
+        let (model, dt, contacts) = (&*self.model, self.step.dt, self.contacts.is_some());
+        let Particles { energy_rate, position, body, mass, evaluated_velocity, friction_heat, .. } =
+            &mut self.particles;
+        let Walls { states, power, rubbed, .. } = &mut self.walls;
+        let states = &*states;
+        (
+            energy_rate.par_chunks_mut(BLOCK),
+            friction_heat.par_chunks_mut(BLOCK),
+            power.par_chunks_mut(model.walls.len()),
+            rubbed.par_iter_mut(),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, (energy_rate, friction_heat, power, rubbed))| {
+                *rubbed = 0.0;
+                if !contacts {
+                    friction_heat.fill(0.0);
+                }
+                for k in 0..energy_rate.len() {
+                    let i = b * BLOCK + k;
+                    for ((wall, state), power) in model.walls.iter().zip(states).zip(&mut *power) {
+                        let (x, v) = (position[i], evaluated_velocity[i]);
+                        let heat = wall_push(model, wall, state, body[i], x, v, dt).rubbed;
+                        friction_heat[k] += heat;
+                        energy_rate[k] += heat;
+                        *rubbed += mass[i] * heat;
+                        *power += mass[i] * heat;
+                    }
+                }
+            });
     }
 
     /// Force of every wall on the particles as they are now, N.
@@ -58,9 +96,9 @@ impl<T: PairScalar> CpuEngine<T> {
             let mut sum = [0.0; 3];
             for i in 0..p.len() {
                 let v = p.evaluated_velocity[i];
-                let push = wall_acceleration(&self.model, wall, state, p.body[i], p.position[i], v, self.step.dt);
+                let push = wall_push(&self.model, wall, state, p.body[i], p.position[i], v, self.step.dt);
                 for axis in 0..3 {
-                    sum[axis] += p.mass[i] * push[axis];
+                    sum[axis] += p.mass[i] * push.acceleration[axis];
                 }
             }
             sum

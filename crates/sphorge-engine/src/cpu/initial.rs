@@ -2,7 +2,7 @@
 
 use super::conduction::hold;
 use super::integrate::Motions;
-use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Search, TemperatureSource};
+use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Search, TemperatureSource, Wall};
 use crate::particles::{History, Owner, Particles};
 use sphorge_physics::artificial_stress;
 
@@ -33,6 +33,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
         (Owner::Heat, model.thermal.conduction),
         (Owner::Contact, model.contact != BodyContact::Sph),
+        (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
         (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
     ];

@@ -145,12 +145,13 @@ fn kick(
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts, the work of the
-    /// artificial stress.
+    /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts, the heat of friction
+    /// that walls give back of what they take, the work of the artificial stress.
     fn book_rates(&mut self, dt: f64) {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(dt);
         }
+        self.external.work += dt * self.walls.friction;
         let Particles { artificial_energy, artificial_power, .. } = &mut self.particles;
         let columns = artificial_energy.par_iter_mut().with_min_len(BLOCK).zip(&*artificial_power);
         columns.for_each(|(energy, power)| *energy += dt * power);

@@ -4,7 +4,7 @@ use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
 use crate::neighbors::BLOCK;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column, persist_each};
 use sphorge_physics::Vector;
-use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
+use sphorge_physics::wall::{Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
 
 /// Present place of a wall.
 #[derive(Clone, Debug)]
@@ -55,6 +55,9 @@ pub(super) struct Walls {
     pub(super) work: Vec<f64>,
     /// Power of the last forces, W, by block of particles and wall, so that its sum does not depend on threads.
     pub(super) power: Vec<f64>,
+    /// Heat of friction at the last forces, W, by block of particles, and of all.
+    pub(super) rubbed: Vec<f64>,
+    pub(super) friction: f64,
 }
 
 impl Walls {
@@ -65,11 +68,14 @@ impl Walls {
             time: 0.0,
             work: vec![0.0; walls],
             power: vec![0.0; count.div_ceil(BLOCK) * walls.max(1)],
+            rubbed: vec![0.0; count.div_ceil(BLOCK)],
+            friction: 0.0,
         }
     }
 
     /// Takes the power of the last forces over `dt` to the work done.
     pub(super) fn book(&mut self, dt: f64) {
+        self.friction = self.rubbed.iter().sum();
         let walls = self.work.len();
         for block in self.power.chunks_exact(walls.max(1)) {
             for (work, power) in self.work.iter_mut().zip(block) {
@@ -92,14 +98,15 @@ crate::persist_fields!(WallState { displacement, velocity });
 impl Persist for Walls {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
+        self.friction.persist(&format!("{name}.friction"), archive)?;
         persist_column(&mut self.work, &format!("{name}.work"), archive)?;
         persist_each(&mut self.states, name, archive)
     }
 }
 
-/// Acceleration a wall gives a particle of body `body` at `x` with velocity `v`, m/s². `dt` bounds friction: it can stop
-/// the sliding within the step, never turn it.
-pub(super) fn wall_acceleration(
+/// What a wall does to a particle of body `body` at `x` with velocity `v`. `dt` bounds friction: it can stop the sliding within the
+/// step, never turn it.
+pub(super) fn wall_push(
     model: &Model,
     wall: &Wall,
     state: &WallState,
@@ -107,13 +114,16 @@ pub(super) fn wall_acceleration(
     x: Vector<f64>,
     v: Vector<f64>,
     dt: f64,
-) -> Vector<f64> {
-    let Some(gap) = state.gap(&wall.surface, x) else { return [0.0; 3] };
+) -> WallPush<f64> {
+    let Some(gap) = state.gap(&wall.surface, x) else { return WallPush::default() };
     let body = &model.bodies[body as usize];
     let sound_speed = model.materials[body.material].equation_of_state.reference_sound_speed();
     let relative = [0, 1, 2].map(|a| v[a] - state.velocity[a]);
     match wall.contact {
-        WallContact::MonaghanKos { range } => monaghan_kos(&gap, relative, range, sound_speed, body.smoothing_length),
+        WallContact::MonaghanKos { range } => {
+            let acceleration = monaghan_kos(&gap, relative, range, sound_speed, body.smoothing_length);
+            WallPush { acceleration, rubbed: 0.0 }
+        }
         WallContact::Penalty { stiffness, damping, friction } => {
             let parameters =
                 PenaltyParameters::from_sound_speed(sound_speed, body.spacing, stiffness, damping, friction);

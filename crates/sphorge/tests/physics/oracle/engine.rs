@@ -60,6 +60,8 @@ pub(super) struct Oracle {
     pub(super) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
     pub(super) exerted_at: Vec<Vector<f64>>,
     pub(super) friction_heat: Vec<f64>,
+    /// Heat of friction at walls, W.
+    pub(super) wall_friction: f64,
     /// Work and power of the artificial stress, J/kg and W/kg.
     pub(super) artificial_energy: Vec<f64>,
     pub(super) artificial_power: Vec<f64>,
@@ -125,6 +127,7 @@ impl EngineKind for OracleKind {
             exerted: Vec::new(),
             exerted_at: Vec::new(),
             friction_heat: vec![0.0; n],
+            wall_friction: 0.0,
             artificial_energy: vec![0.0; n],
             artificial_power: vec![0.0; n],
             heat_rate: vec![0.0; n],

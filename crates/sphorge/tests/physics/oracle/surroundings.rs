@@ -7,9 +7,10 @@ use sphorge::model::{
     BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
     WallContact, WallSurface,
 };
+use sphorge_physics::Dimension;
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, lattice, pair_conductivity,
-    surface_area, surface_conductance,
+    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, friction_share, lattice,
+    pair_conductivity, surface_area, surface_conductance,
 };
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -21,8 +22,7 @@ use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
 };
 use sphorge_physics::total_lagrangian::{limiting_length, smallest_stretch};
-use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
-use sphorge_physics::{Dimension, Vector};
+use sphorge_physics::wall::{Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
 
 /// What the last evaluation of forces left for the accounts, and constants by body.
 #[derive(Default)]
@@ -112,6 +112,7 @@ impl Oracle {
     /// Forces between bodies and their heat.
     pub(super) fn push_bodies(&mut self) {
         self.accounts.contacts.fill(ContactLedger::default());
+        self.friction_heat.fill(0.0);
         self.accounts.contact_limit = f64::INFINITY;
         let places = self.model.contact_pairs();
         for i in 0..self.p.len() {
@@ -138,7 +139,9 @@ impl Oracle {
                 stiffness.add(&law, &kernel, (own.overlap, other.overlap), volumes.0, volumes.1);
                 force = plus(force, 1.0, f.force);
                 self.exerted.push((i, j, n.image, f.force));
-                (heat, rubbed, approach) = (heat + f.damped + f.rubbed, rubbed + f.rubbed, approach.max(f.approach));
+                let share = friction_share(self.material(i).effusivity(), self.material(j).effusivity());
+                (heat, rubbed) = (heat + 0.5 * f.damped + share * f.rubbed, rubbed + share * f.rubbed);
+                approach = approach.max(f.approach);
                 let (a, b) = (self.p.body[i] as usize, self.p.body[j] as usize);
                 let place = places.iter().position(|&pair| pair == (a.min(b), a.max(b)));
                 let account = &mut self.accounts.contacts[place.expect("a pair of bodies")];
@@ -152,8 +155,8 @@ impl Oracle {
             }
             let mass = self.p.mass[i];
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0 / mass, force);
-            self.p.energy_rate[i] += 0.5 * heat / mass;
-            (self.friction_heat[i], self.mu[i]) = (0.5 * rubbed / mass, approach);
+            self.p.energy_rate[i] += heat / mass;
+            (self.friction_heat[i], self.mu[i]) = (rubbed / mass, approach);
             if !pairs.is_empty() {
                 let limit = stiffness.limit(&self.overlap[i], self.rest_volume(i), mass);
                 self.accounts.contact_limit = self.accounts.contact_limit.min(limit);
@@ -163,6 +166,7 @@ impl Oracle {
 
     /// Adds the powers of the last evaluation over a time, s.
     pub(super) fn book_contacts(&mut self, dt: f64) {
+        self.ledger.external_work += dt * self.wall_friction;
         self.ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
         for (works, now) in self.ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
             works.stored_energy += dt * now.stored_energy;
@@ -180,20 +184,22 @@ impl Oracle {
         }
     }
 
-    /// Acceleration of a particle by a wall as it stands where forces are evaluated, m/s^2.
-    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> Vector<f64> {
+    /// What a wall does to a particle as it stands where forces are evaluated.
+    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> WallPush<f64> {
         let shift = [0, 1, 2].map(|a| integral(&wall.velocity[a], time));
         let x = minus(self.p.position[i], shift);
         let gap = match wall.surface {
             WallSurface::Plane { point, normal } => Some(Gap::to_plane(x, point, normal)),
             WallSurface::Segment { from, to } => Gap::to_segment(x, from, to),
         };
-        let Some(gap) = gap else { return [0.0; 3] };
+        let Some(gap) = gap else { return WallPush::default() };
         let body = &self.model.bodies[self.p.body[i] as usize];
         let c = self.material(i).equation_of_state.reference_sound_speed();
         let v = minus(self.evaluated[i], [0, 1, 2].map(|a| wall.velocity[a].at(time)));
         match wall.contact {
-            WallContact::MonaghanKos { range } => monaghan_kos(&gap, v, range, c, body.smoothing_length),
+            WallContact::MonaghanKos { range } => {
+                WallPush { acceleration: monaghan_kos(&gap, v, range, c, body.smoothing_length), rubbed: 0.0 }
+            }
             WallContact::Penalty { stiffness, damping, friction } => {
                 let parameters = PenaltyParameters::from_sound_speed(c, body.spacing, stiffness, damping, friction);
                 penalty_contact(parameters, &gap, 0.5 * body.spacing, v, self.dt)
@@ -205,14 +211,26 @@ impl Oracle {
     pub(super) fn add_external(&mut self) {
         let time = self.time + self.dt_to_evaluation();
         self.external = self.each(|i| {
-            let pushes = self.model.walls.iter().map(|wall| self.wall_push(wall, time, i));
+            let pushes = self.model.walls.iter().map(|wall| self.wall_push(wall, time, i).acceleration);
             pushes.fold(self.model.gravity, |sum, push| plus(sum, 1.0, push))
         });
         for i in 0..self.p.len() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, self.external[i]);
         }
+        // Walls are adiabatic: what friction takes heats the particle.
+        let rubbed = |i: usize| self.model.walls.iter().map(|wall| self.wall_push(wall, time, i).rubbed).sum::<f64>();
+        let rubbed = self.each(rubbed);
+        self.wall_friction = rubbed.iter().zip(&self.p.mass).map(|(heat, mass)| heat * mass).sum();
+        for (i, heat) in rubbed.into_iter().enumerate() {
+            self.friction_heat[i] += heat;
+            self.p.energy_rate[i] += heat;
+        }
         let power = |wall: &Wall| -> f64 {
-            (0..self.p.len()).map(|i| self.p.mass[i] * dot(self.wall_push(wall, time, i), self.evaluated[i])).sum()
+            let of = |i: usize| {
+                let push = self.wall_push(wall, time, i);
+                self.p.mass[i] * (dot(push.acceleration, self.evaluated[i]) + push.rubbed)
+            };
+            (0..self.p.len()).map(of).sum()
         };
         let powers: Vec<f64> = self.model.walls.iter().map(power).collect();
         self.ledger.wall_work.resize(powers.len(), 0.0);
@@ -406,7 +424,7 @@ impl Oracle {
         // Walls stand where forces were evaluated: half a step ago with the predictor–corrector.
         let back = if model.numerics.integrator == Integrator::Leapfrog { 0.0 } else { 0.5 * self.dt };
         let of_wall = |wall: &Wall| {
-            let push = |i: usize| self.wall_push(wall, self.time - back, i).map(|a| p.mass[i] * a);
+            let push = |i: usize| self.wall_push(wall, self.time - back, i).acceleration.map(|a| p.mass[i] * a);
             (0..p.len()).map(push).fold([0.0; 3], |sum, push| plus(sum, 1.0, push))
         };
         let of_motion = |k: usize| {
