@@ -283,6 +283,25 @@ fn a_collision_that_conducts_keeps_its_energy() {
     }
 }
 
+#[test]
+fn heat_does_not_cross_a_gap() {
+    // Faces a spacing apart, and half of one nearer.
+    let passed = |gap: &str, contact: &str, search: &str| {
+        let deck = PLATE.replace(r#"min = ["50 mm", "0 mm"]"#, &format!(r#"min = ["{gap}", "0 mm"]"#))
+            + "temperature = \"400 K\"\n";
+        let overrides = [("contact", contact), ("search", search), ("thermal.boundary", "[]")];
+        let mut simulation = simulation(&deck, &overrides);
+        let before = simulation.ledger().unwrap().bodies[0].energies.internal;
+        run_to(&mut simulation, 1.0);
+        simulation.ledger().unwrap().bodies[0].energies.internal - before
+    };
+    for (contact, search) in [("kernel-sum", "skin"), ("penalty", "skin"), ("penalty", "total-lagrangian")] {
+        let touching = passed("50 mm", contact, search);
+        assert!(touching > 1e3, "{contact} {search}: {touching}");
+        assert_eq!(passed("55 mm", contact, search), 0.0, "{contact} {search}");
+    }
+}
+
 /// A block that slides on a floor, or on another body, pressed on it by its weight.
 const SLIDING: &str = r#"
 dimensions = "plane-strain"

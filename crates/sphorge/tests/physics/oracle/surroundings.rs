@@ -10,7 +10,7 @@ use sphorge::model::{
 use sphorge_physics::Dimension;
 use sphorge_physics::conduction::{
     HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, friction_share, lattice,
-    pair_conductivity, surface_area, surface_conductance,
+    pair_conductivity, surface_area, surface_conductance, touch,
 };
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -310,12 +310,23 @@ impl Oracle {
             }
             added_flow(self.material(i).conductivity, gradient, &self.deformation[i], &self.correction[i])
         });
+        // The other body whose face each particle touches: that of the nearest particle.
+        let cell = |i: usize| cell_size(d, p.mass[i] / p.density[i]);
+        let touched = self.each(|i| {
+            let others = self.pairs(i, &p.position).chain(self.contacts(i)).filter(|n| p.body[n.j] != p.body[i]);
+            let near = others.filter(|n| touch(n.r * n.r, cell(i), cell(n.j)));
+            near.min_by(|a, b| a.r.total_cmp(&b.r)).map(|n| p.body[n.j])
+        });
         let mut powers = vec![0.0; model.thermal.boundaries.len()];
         let mut limit = f64::INFINITY;
         let rates = self.each(|i| {
             let mut sum = Inflow::default();
             for n in self.pairs(i, at).chain(self.contacts(i)) {
                 let j = n.j;
+                let (a, b) = (p.body[i], p.body[j]);
+                if a != b && touched[i] != Some(b) && touched[j] != Some(a) {
+                    continue;
+                }
                 let pair = HeatPair {
                     volumes: (volume[i], volume[j]),
                     conductivity: pair_conductivity(self.material(i).conductivity, self.material(j).conductivity),
