@@ -90,7 +90,7 @@ words! {
         "penalty" => false, "linear penalty with damping and friction; pushes only";
     }
     BodyContactWord, "contact between bodies", bool {
-        "kernel-sum" => false, "particles of other bodies are neighbours like any other, as in the papers: bodies stick";
+        "kernel-sum" => false, "particles of other bodies are neighbours like any other, as in the papers: bodies stick, and while a gap between them closes they are compressed before they touch (aluminium plates at 2 km/s: 1.2 times the Hugoniot pressure from face to face, 1.7 times from a gap of a spacing on; with `penalty` 1.07 times from any gap)";
         "penalty" => true, "bodies push each other and never pull, with damping and friction";
     }
     AxisWord, "axis", usize {
