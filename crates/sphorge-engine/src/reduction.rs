@@ -10,7 +10,6 @@ use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
 use crate::particles::{Column, Particles};
 use sphorge_physics::Vector;
-use sphorge_physics::kernel::{CubicSpline, KernelShape};
 
 /// A number per particle: a field, of which one component may be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +75,8 @@ pub enum Reduction<'a> {
         /// Sign of the coordinate: +1 or -1.
         direction: f64,
     },
-    /// Force through a plane, N: x, y, z.
+    /// Force through a plane, N: x, y, z. Of an engine alone, which knows the forces between particles, and of that only once it
+    /// has evaluated them.
     SectionForce(&'a Section),
     /// `id` and distance (m) of the particle nearest to a point.
     Nearest {
@@ -174,7 +174,8 @@ pub fn evaluate(reduction: &Reduction<'_>, model: &Model, particles: &Particles)
             let Some(values) = Values::of(particles, quantity) else { return Vec::new() };
             return select(of).slabs(&values, axis, direction);
         }
-        Reduction::SectionForce(section) => return section_force(section, model, particles).to_vec(),
+        // Forces between particles are in no column.
+        Reduction::SectionForce(_) => None,
         Reduction::Nearest { point, body } => {
             let nearest = particles.nearest(point, body);
             return nearest.map_or_else(Vec::new, |(i, distance)| vec![f64::from(particles.id[i]), distance]);
@@ -311,30 +312,4 @@ impl Selected<'_> {
         let filled = slabs.into_iter().filter(|slab| slab[0] > 0.0);
         filled.flat_map(|[count, place, value]| [place / count, value / count]).collect()
     }
-}
-
-/// `sum V sigma n w(d)` with the volume `V = m/rho`, the Cauchy stress, the distance `d` from the plane and the cubic spline of one
-/// dimension with the spacing of the body as smoothing length: the integral of the traction over the plane, smoothed over two
-/// spacings on either side, N.
-fn section_force(section: &Section, model: &Model, particles: &Particles) -> Vector<f64> {
-    let mut force = [0.0; 3];
-    for i in 0..particles.len() {
-        let body = particles.body[i] as usize;
-        if section.body.is_some_and(|wanted| wanted != body) {
-            continue;
-        }
-        let spacing = model.bodies[body].spacing;
-        let x = particles.position[i];
-        let distance = (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum::<f64>().abs();
-        let weight = CubicSpline::w(distance / spacing) / spacing;
-        if weight > 0.0 {
-            let volume = particles.mass[i] / particles.density[i];
-            let stress = particles.deviator[i].to_tensor();
-            for a in 0..3 {
-                let shear = (0..3).map(|b| stress[a][b] * section.normal[b]).sum::<f64>();
-                force[a] += volume * weight * (shear - particles.pressure[i] * section.normal[a]);
-            }
-        }
-    }
-    force
 }

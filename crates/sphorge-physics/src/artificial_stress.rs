@@ -4,29 +4,41 @@
 //! the pair stress a repulsion `R_ij f^n`, `f = W(r_ij)/W(spacing)` (Fraser Eq 15-17), with `R_ij = R_i/rho_i^2 +
 //! R_j/rho_j^2` and, in the principal frame of `sigma_i`, `R_i = -eps sigma_i` for each positive principal stress, rotated
 //! back. Fraser Eq 18 leaves out the density and the principal frame. `eps = 0.3`; `n = 4` in Gray, 6 in Fraser.
+//!
+//! Bodies may differ in their smoothing length over spacing. Each particle's tensor is over the `W(spacing)^n` of its own body, so
+//! `W(r_ij)^n` is all a pair adds.
 
 use crate::pair::stress_vector;
 use crate::tensile_part::tensile_part;
 use crate::{Dimension, Real, SymmetricTensor, Vector};
 
-/// `R_i` in Pa, before division by the square of the density; never tensile.
+/// `eps/w(spacing/h)^n`, the coefficient of particles whose neighbours at one spacing have the shape `w` of the kernel.
+#[inline(always)]
+pub fn coefficient<T: Real>(epsilon: T, w_spacing: T, exponent: u32) -> T {
+    epsilon / w_spacing.powu(exponent)
+}
+
+/// `R_i/w(spacing/h)^n` in Pa, before division by the square of the density, with the [`coefficient`] of the particle; never tensile.
 ///
 /// Only directions the case computes in take part: in plane strain the in-plane principal frame, so `R_zz = 0`; in one
 /// dimension `xx` alone.
 #[inline(always)]
-pub fn artificial_stress<T: Real>(sigma: SymmetricTensor<T>, epsilon: T, dimension: Dimension) -> SymmetricTensor<T> {
-    tensile_part(sigma, dimension) * -epsilon
+pub fn artificial_stress<T: Real>(
+    sigma: SymmetricTensor<T>,
+    coefficient: T,
+    dimension: Dimension,
+) -> SymmetricTensor<T> {
+    tensile_part(sigma, dimension) * -coefficient
 }
 
-/// `f^n`, `f = W(r_ij)/W(spacing)`: how strongly a pair feels the artificial stress. `inverse_w_spacing` is `1/W(spacing)`
-/// in the unit of `w_ij`.
+/// `w(r_ij/h)^n`: how strongly a pair feels the artificial stresses of its particles.
 #[inline(always)]
-pub fn pair_factor<T: Real>(w_ij: T, inverse_w_spacing: T, exponent: u32) -> T {
-    (w_ij * inverse_w_spacing).powu(exponent)
+pub fn pair_factor<T: Real>(w_ij: T, exponent: u32) -> T {
+    w_ij.powu(exponent)
 }
 
 /// `R_ij f^n . x_ij` along the `D` axes computed in, with `R_ij` the sum of both particles' tensors, which are scaled as their
-/// stresses are; `factor = f^n` ([`pair_factor`]).
+/// stresses are, and the [`pair_factor`].
 #[inline(always)]
 pub fn pair_vector<T: Real, const D: usize>(
     r_i: SymmetricTensor<T>,
@@ -91,8 +103,10 @@ mod tests {
 
     #[test]
     fn pair_factor_by_hand() {
-        assert_eq!(pair_factor(3.0f64, 0.5, 4), 5.0625);
-        assert_eq!(pair_factor(0.0f64, 0.5, 6), 0.0);
+        // 0.3 (3/2)^4; 0.2 (0.5/0.25)^3.
+        assert_eq!(pair_factor(3.0f64, 4) * coefficient(0.3, 2.0, 4), 0.3 * 5.0625);
+        assert_eq!(pair_factor(0.5f64, 3) * coefficient(0.2, 0.25, 3), 1.6);
+        assert_eq!(pair_factor(0.0f64, 6), 0.0);
         // (2 + 4, -1 + 3) . (5, -2) = 26 with the shear 2, times 0.5; yy -3: 10 + 6 = 16.
         let (r_i, r_j) = (
             SymmetricTensor { xy: -1.0, ..SymmetricTensor::diagonal(2.0, -3.0, 9.0) },

@@ -63,6 +63,32 @@ pub fn pair_conductivity<T: Scalar>(k_i: T, k_j: T) -> T {
     if sum > T::zero() { T::of(4.0) * (k_i * k_j) / sum } else { T::zero() }
 }
 
+/// Effusivity `sqrt(k rho c)`, W s^(1/2)/(m^2 K), of conductivity (W/(m K)), density (kg/m^3) and specific heat (J/(kg K)).
+#[inline(always)]
+pub fn effusivity<T: Real>(conductivity: T, density: T, specific_heat: T) -> T {
+    (conductivity * density * specific_heat).sqrt()
+}
+
+/// Share of the heat of friction between two bodies that the first takes up, `b_1/(b_1 + b_2)` with the effusivities `b`: two half spaces that
+/// rub on each other are then as warm as each other at their faces (Carslaw & Jaeger 1959, section 2.9). Half where one of the
+/// effusivities is not known, which is zero or infinite.
+#[inline(always)]
+pub fn friction_share(b_1: f64, b_2: f64) -> f64 {
+    let is_known = |b: f64| b > 0.0 && b < f64::INFINITY;
+    if is_known(b_1) && is_known(b_2) { b_1 / (b_1 + b_2) } else { 0.5 }
+}
+
+/// Distance, in the mean cells of two particles of different bodies, from which on their faces do not touch.
+const TOUCHING: f64 = 1.5;
+
+/// Whether particles of different bodies at a distance whose square is given (m^2), with these edges of their cells (m), have faces that
+/// touch: less than half a spacing apart. On faces that touch, particles lie one spacing apart, in staggered rows up to 1.22.
+#[inline(always)]
+pub fn touch(r2: f64, cell_i: f64, cell_j: f64) -> bool {
+    let reach = TOUCHING * 0.5 * (cell_i + cell_j);
+    r2 < reach * reach
+}
+
 /// What flows to a particle, and what it sees of surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inflow<T> {
@@ -208,6 +234,23 @@ pub fn cell_size(dimension: Dimension, volume: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn friction_heats_by_effusivity_by_hand() {
+        // Steel: sqrt(50 7800 460) = 13 394; aluminium: sqrt(200 2700 900) = 22 045.
+        let (steel, aluminium) = (effusivity(50.0, 7800.0, 460.0), effusivity(200.0, 2700.0, 900.0f64));
+        assert!((steel - 13_394.028_5).abs() < 1e-3 && (aluminium - 22_045.407_7).abs() < 1e-3, "{steel} {aluminium}");
+        assert!((friction_share(steel, aluminium) - 0.377_941_35).abs() < 1e-7, "{}", friction_share(steel, aluminium));
+        assert_eq!((friction_share(3.0, 1.0), friction_share(1.0, 3.0)), (0.75, 0.25));
+        assert_eq!((friction_share(0.0, 3.0), friction_share(f64::INFINITY, f64::INFINITY)), (0.5, 0.5));
+    }
+
+    #[test]
+    fn faces_touch_up_to_half_a_spacing() {
+        assert!(touch(1.49 * 1.49, 1.0, 1.0) && !touch(1.51 * 1.51, 1.0, 1.0));
+        // Cells of 1 and 2 mm: up to 2.25 mm.
+        assert!(touch(2.24e-3 * 2.24e-3, 1e-3, 2e-3) && !touch(2.26e-3 * 2.26e-3, 2e-3, 1e-3));
+    }
 
     #[test]
     fn lattice_sums_by_hand() {

@@ -18,8 +18,9 @@ pub fn temperature_rise_from_plastic_work<T: Scalar>(
 
 /// Temperature of a specific internal energy `e`: `T = T_0 + (e - e_cold - e_elastic - e_stored) / c_p`.
 ///
+/// `e` has no part of forces that keep particles apart and are no stress of the material, such as the artificial stress.
 /// `cold_energy` is the energy of the density on the isotherm `T_0`
-/// ([`EquationOfState::cold_energy`](crate::eos::EquationOfState::cold_energy)), `elastic_energy` that of the deviatoric
+/// ([`BoundedPressure::cold_energy`](crate::eos::BoundedPressure::cold_energy)), `elastic_energy` that of the deviatoric
 /// stress ([`elastic_energy`]), `stored_plastic` the share `(1 - beta)` of plastic work kept in the lattice. All J/kg.
 #[inline(always)]
 pub fn temperature_from_energy<T: Scalar>(

@@ -81,8 +81,10 @@ impl<T: Scalar> PenaltyParameters<T> {
 pub struct WallPush<T> {
     /// Acceleration, m/s^2.
     pub acceleration: Vector<T>,
-    /// Power per mass that damping and friction turn to heat, W/kg; never negative.
+    /// Power damping and friction turn to heat, W/kg; never negative.
     pub heat: T,
+    /// Friction's part of it, W/kg.
+    pub rubbed: T,
 }
 
 /// Penalty contact with Coulomb friction.
@@ -107,7 +109,7 @@ pub fn penalty_contact<T: Scalar>(
     let penetration = radius - gap.distance;
     let mut normal = zero;
     let mut drag = zero;
-    let mut heat = zero;
+    let (mut heat, mut rubbed) = (zero, zero);
     if penetration > zero {
         let elastic = p.stiffness * penetration;
         normal = (elastic + p.damping * approach_speed).max(zero);
@@ -115,9 +117,10 @@ pub fn penalty_contact<T: Scalar>(
         if speed > zero && dt > zero {
             drag = (p.friction * normal / speed).min(T::one() / dt);
         }
-        heat = (normal - elastic) * approach_speed + drag * speed * speed;
+        rubbed = drag * speed * speed;
+        heat = (normal - elastic) * approach_speed + rubbed;
     }
-    WallPush { acceleration: [0, 1, 2].map(|a| normal * n[a] + -drag * sliding[a]), heat }
+    WallPush { acceleration: [0, 1, 2].map(|a| normal * n[a] + -drag * sliding[a]), heat, rubbed }
 }
 
 #[cfg(test)]
@@ -175,7 +178,7 @@ mod tests {
         let push = penalty_contact(p, &at(0.003), 0.005, [3.0, -3.0, 4.0], 1e-5);
         assert_near(push.acceleration, [-276.0, 2300.0, -368.0]);
         // Damping 300 at 3 m/s, friction 460 at 5 m/s.
-        assert!((push.heat - 3200.0).abs() < 1e-9);
+        assert!((push.heat - 3200.0).abs() < 1e-9 && (push.rubbed - 2300.0).abs() < 1e-9);
         // On a slope, behind the plane, no sliding: 1e6 0.006 - 100 10 = 5000 along the normal.
         let gap = Gap { distance: -0.001, normal: [0.6, 0.0, -0.8] };
         let push = penalty_contact(p, &gap, 0.005, [6.0, 0.0, -8.0], 1e-5);

@@ -57,7 +57,7 @@ tables! {
         stiffness: Option<Given<Number>>, example 1.0, default 1.0;
         /// Damping as a share of critical, 0 to 1.
         damping: Option<Given<Number>>, example 0.1, default 0.1;
-        /// Coulomb coefficient.
+        /// Coulomb coefficient. The wall is adiabatic: all the heat of friction goes to the body.
         friction: Option<Given<Number>>, example 0.2, default 0.0;
     }
 

@@ -17,7 +17,8 @@ tables! {
         stiffness: Option<Given<Number>>, example 2.0, default 1.0;
         /// Damping as a share of critical, 0 to 1.
         damping: Option<Given<Number>>, example 0.5, default 0.3;
-        /// Coulomb coefficient.
+        /// Coulomb coefficient. The heat of friction is shared in proportion to the effusivities sqrt(k rho c) of the materials, by halves
+        /// where a conductivity is not given.
         friction: Option<Given<Number>>, example 0.1, default 0.0;
     }
 }

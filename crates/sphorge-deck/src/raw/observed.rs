@@ -20,10 +20,10 @@ tables! {
     }
 
     /// A plane fixed in space, the force through which is written: columns `section.NAME.normal_force` and `section.NAME.force_x` to
-    /// `_z` of `history.csv`. The force is the sum over particles of volume times stress times normal, weighted across the plane by
-    /// the cubic B-spline with the spacing as smoothing length: stress integrated over the plane, smoothed over two spacings either
-    /// side. It is what the material ahead of the plane (where the normal points) does to that behind; along the normal positive in
-    /// tension. With planes of symmetry it is that of the part that is there.
+    /// `_z` of `history.csv`. It is what the material ahead of the plane (where the normal points) does to that behind; along the
+    /// normal positive in tension: the sum of all forces between particles on either side, contact between bodies among them. What is
+    /// behind takes up exactly that and what acts on it from outside, so the section of a bar at rest has the force of its grip,
+    /// however far it is stretched. With planes of symmetry it is that of the part that is there.
     RawSection {
         /// Name of the section.
         name: Word, example "waist";
@@ -31,7 +31,7 @@ tables! {
         point: VectorOf<Length>, example ["250 mm", "0 mm", "0 mm"];
         /// Normal of the plane, any length.
         normal: VectorOf<Number>, example [1, 0, 0];
-        /// Only particles of this body.
+        /// Only forces between particles of this body.
         body: Option<Word>, example "bar", otherwise "all";
     }
 }

@@ -5,7 +5,8 @@ use super::super::value::*;
 use std::ops::Range;
 
 tables! {
-    /// Heat that flows between particles and through boundaries (Cleary & Monaghan 1999).
+    /// Heat that flows between particles and through boundaries (Cleary & Monaghan 1999), between bodies where their faces are less than
+    /// half a spacing apart.
     #[derive(Default)]
     RawThermal {
         /// Whether heat flows; `false` turns a table with boundaries off.

@@ -6,7 +6,7 @@
 
 use super::CpuEngine;
 use super::conduction_table::Table;
-use super::ghosts::WithGhosts;
+use super::ghosts::{Ghosts, WithGhosts};
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
 use crate::HeatLedger;
 use crate::lanes::PairScalar;
@@ -15,10 +15,10 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use rayon::prelude::*;
-use sphorge_physics::conduction::{Inflow, cell_size, surface_area, surface_conductance};
+use sphorge_physics::conduction::{Inflow, cell_size, surface_area, surface_conductance, touch};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
-use sphorge_physics::{Vector, tensor::dot};
+use sphorge_physics::{Dimension, Vector, tensor::dot};
 
 /// Share of its own time step after which a flow beside mechanics is summed again.
 const RENEWAL: f64 = 0.1;
@@ -49,6 +49,8 @@ pub(super) struct HeatFlow {
     surfaces: bool,
     /// Whether the flow is summed again in this step.
     due: bool,
+    /// The other body whose face each particle touches, that of the nearest particle: its index plus one, zero for none.
+    touched: Vec<u32>,
 }
 
 impl HeatFlow {
@@ -69,6 +71,7 @@ impl HeatFlow {
             steps: 0,
             surfaces: model.thermal.boundaries.iter().any(|b| on_surface(b.kind)),
             due: false,
+            touched: vec![0; if model.bodies.len() > 1 { particles } else { 0 }],
         })
     }
 
@@ -84,7 +87,7 @@ impl HeatFlow {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity())
+        8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity()) + 4 * self.touched.capacity()
     }
 }
 
@@ -121,11 +124,17 @@ struct HeatPoints<'a> {
     body: WithGhosts<'a, u32>,
     mass: WithGhosts<'a, f64>,
     density: WithGhosts<'a, f64>,
+    touched: &'a [u32],
+    /// Particles the ghosts stand for.
+    sources: &'a [u32],
 }
 
 impl<'a> HeatPoints<'a> {
-    fn new(p: &'a Particles, ghosts: &'a Particles) -> Self {
+    fn new(p: &'a Particles, ghosts: &'a Ghosts, touched: &'a [u32]) -> Self {
+        let (ghosts, sources) = (&ghosts.columns, ghosts.halo.rows());
         Self {
+            touched,
+            sources,
             position: WithGhosts::new(&p.position, &ghosts.position),
             smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
             temperature: WithGhosts::new(&p.temperature, &ghosts.temperature),
@@ -134,15 +143,37 @@ impl<'a> HeatPoints<'a> {
             density: WithGhosts::new(&p.density, &ghosts.density),
         }
     }
+
+    /// The nearest particle of another body among neighbours whose faces touch that of particle `i`: its distance squared, m², and its body.
+    fn nearest_touching(&self, i: usize, row: &[u32], dimension: Dimension) -> Option<(f64, u32)> {
+        let (x_i, cell) = (self.position.at(i), |j: usize| cell_size(dimension, self.mass.at(j) / self.density.at(j)));
+        let touching = |&j: &u32| {
+            let (j, x) = (j as usize, self.position.at(j as usize));
+            let d = [0, 1, 2].map(|a| x_i[a] - x[a]);
+            let is_other = self.body.at(j) != self.body.at(i);
+            (is_other && touch(dot(d, d), cell(i), cell(j))).then(|| (dot(d, d), self.body.at(j)))
+        };
+        row.iter().filter_map(touching).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Whether heat passes between two particles: of one body, or of two whose faces touch at one of them.
+    fn are_joined(&self, i: usize, j: usize) -> bool {
+        let (a, b) = (self.body.at(i), self.body.at(j));
+        let source = || j.checked_sub(self.touched.len()).map_or(j, |ghost| self.sources[ghost] as usize);
+        a == b || self.touched[i] == b + 1 || self.touched[source()] == a + 1
+    }
 }
 
 impl Table {
     fn add(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &HeatPoints<'_>) {
-        let HeatPoints { position, smoothing_length, temperature, body, mass, density } = points;
+        let HeatPoints { position, smoothing_length, temperature, body, mass, density, .. } = points;
         let volume = mass.at(i) / density.at(i);
         let x_i = position.at(i);
         for &j in row {
             let j = j as usize;
+            if !points.are_joined(i, j) {
+                continue;
+            }
             let x_j = position.at(j);
             let x = [0, 1, 2].map(|k| x_i[k] - x_j[k]);
             let h = pair_smoothing_length(smoothing_length.at(i), smoothing_length.at(j));
@@ -190,12 +221,30 @@ impl<T: PairScalar> CpuEngine<T> {
         (heat.age, heat.steps) = (0.0, 0);
         let mut rates = std::mem::take(&mut self.particles.heat_rate);
         let p = &self.particles;
-        let points = HeatPoints::new(p, &self.ghosts.columns);
         let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
-        let touching =
-            HeatPoints::new(p, self.contacts.as_ref().map_or(&self.ghosts.columns, |c| c.ghosts(&self.ghosts.columns)));
-        let HeatFlow { table, partial, limits, power, surfaces, .. } = heat;
+        let touching = self.contacts.as_ref().map_or(&self.ghosts, |c| c.ghosts(&self.ghosts));
+        let HeatFlow { table, partial, limits, power, surfaces, touched, .. } = heat;
+        {
+            let (near, far) = (HeatPoints::new(p, &self.ghosts, &[]), HeatPoints::new(p, touching, &[]));
+            let dimension = table.dimension;
+            touched.par_chunks_mut(BLOCK).enumerate().for_each(|(b, touched)| {
+                let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
+                for (k, touched) in touched.iter_mut().enumerate() {
+                    let i = b * BLOCK + k;
+                    let mut nearest = None;
+                    if reference.is_none() {
+                        nearest = near.nearest_touching(i, list.row(i), dimension);
+                    }
+                    if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
+                        nearest = nearest.or(far.nearest_touching(i, row, dimension));
+                    }
+                    *touched = nearest.map_or(0, |(_, body)| body + 1);
+                }
+            });
+        }
+        let points = HeatPoints::new(p, &self.ghosts, touched);
+        let touching = HeatPoints::new(p, touching, touched);
         let (table, boundaries) = (&*table, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (rates.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
@@ -287,15 +336,14 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Warms particles by the heat of friction, where temperature is not that of the internal energy anyway.
     pub(super) fn warm_by_friction(&mut self) {
         let model = &*self.model;
-        if self.contacts.is_none() || model.numerics.temperature != TemperatureSource::PlasticWork {
+        if model.numerics.temperature != TemperatureSource::PlasticWork {
             return;
         }
         let dt = self.step.dt;
         let Particles { temperature, material, friction_heat, .. } = &mut self.particles;
-        temperature.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, t)| {
-            if friction_heat[i] > 0.0 {
-                *t += dt * friction_heat[i] / model.materials[material[i] as usize].specific_heat;
-            }
+        let columns = temperature.par_iter_mut().with_min_len(BLOCK).zip(&*friction_heat).zip(&*material);
+        columns.filter(|((_, heat), _)| **heat > 0.0).for_each(|((t, heat), material)| {
+            *t += dt * heat / model.materials[*material as usize].specific_heat;
         });
     }
 }

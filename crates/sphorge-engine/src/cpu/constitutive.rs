@@ -135,7 +135,15 @@ impl<'a> FlowColumns<'a> {
         columns.set_deviator(k, update.deviator);
         if step.commit {
             material.flow_law.evolve(&update.step(state, particles.dt), history);
-            self.commit(k, &update, material, shear_modulus, step.temperature, density, columns.energy[k]);
+            self.commit(
+                k,
+                &update,
+                material,
+                shear_modulus,
+                step.temperature,
+                density,
+                columns.energy[k] - columns.artificial_energy[k],
+            );
         }
     }
 
@@ -162,7 +170,7 @@ impl<'a> FlowColumns<'a> {
             }
             TemperatureSource::Energy => {
                 let (t0, cp) = (material.reference_temperature, material.specific_heat);
-                let cold = material.equation_of_state.cold_energy(density, t0, cp);
+                let cold = material.cold_energy(density);
                 let elastic = heat::elastic_energy(update.deviator, shear_modulus, density);
                 let stored = (1.0 - material.taylor_quinney) * self.plastic_work[k];
                 self.temperature[k] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
@@ -191,7 +199,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let form = StressForm {
             pair_form: numerics.pair_form,
             bulk_viscosity: formulation.bulk_viscosity(model),
-            artificial_stress: numerics.artificial_stress.map(|a| a.epsilon),
+            artificial_stress: numerics.artificial_stress.is_some(),
             dimension: super::dimension(model),
         };
 
@@ -199,6 +207,7 @@ impl<T: PairScalar> CpuEngine<T> {
             position,
             reference_position,
             evaluated_velocity,
+            body,
             material,
             density,
             energy,
@@ -216,8 +225,11 @@ impl<T: PairScalar> CpuEngine<T> {
             pressure,
             sound_speed,
             history,
+            artificial_energy,
+            artificial_power,
             ..
         } = &mut self.particles;
+        let (artificial_energy, artificial_power) = (&*artificial_energy, &*artificial_power);
         let (history, slots, history_width) = history.parts();
         let step = StressStep {
             materials: &model.materials,
@@ -231,6 +243,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
         let stretch = &*stretch;
+        let (body, repulsion) = (&*body, &self.repulsion);
         let evaluated_velocity = &*evaluated_velocity;
         // Forces of the total Lagrangian form are summed at initial positions.
         let position = if formulation.is_initial() { &*reference_position } else { &*position };
@@ -270,6 +283,15 @@ impl<T: PairScalar> CpuEngine<T> {
             let energies = energy[particles.clone()].iter().zip(&energy_rate[particles.clone()]);
             for (here, (energy, rate)) in columns.energy.iter_mut().zip(energies) {
                 *here = energy + half * rate;
+            }
+            let works = artificial_energy.iter().zip(artificial_power).skip(first);
+            for (here, (energy, power)) in columns.artificial_energy.iter_mut().zip(works) {
+                *here = energy + half * power;
+            }
+            if form.artificial_stress {
+                for (here, body) in columns.repulsion.iter_mut().zip(&body[particles.clone()]) {
+                    *here = repulsion[*body as usize];
+                }
             }
             if form.bulk_viscosity.is_some() {
                 let lengths = smoothing_length[particles.clone()].iter().zip(&stretch[particles.clone()]);
@@ -370,8 +392,10 @@ impl<T: PairScalar> CpuEngine<T> {
             pressure,
             sound_speed,
             history,
+            artificial_energy,
             ..
         } = &mut self.particles;
+        let artificial_energy = &*artificial_energy;
         let (history, slots, history_width) = history.parts();
         let step = StressStep {
             materials: &model.materials,
@@ -409,7 +433,12 @@ impl<T: PairScalar> CpuEngine<T> {
                     *rho = stress::density_after(*base, l, dt);
                 }
                 columns.density[..s.len()].copy_from_slice(rho);
-                columns.energy[..s.len()].copy_from_slice(&energy[particles]);
+                columns.energy[..s.len()].copy_from_slice(&energy[particles.clone()]);
+                for (here, energy) in
+                    columns.artificial_energy.iter_mut().zip(artificial_energy.iter().skip(particles.start))
+                {
+                    *here = *energy;
+                }
                 let inputs = ElasticInputs { material, deviator: s, velocity_gradient: l, dt };
                 FlowColumns::new(flow).take_step(&step, columns, &inputs);
                 for (k, s) in s.iter_mut().enumerate() {
@@ -425,7 +454,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Whether the temperature of a particle that stays elastic does not change.
     fn only_flow_heats(&self) -> bool {
         let by_flow = self.model.numerics.temperature == TemperatureSource::PlasticWork;
-        by_flow && self.heat.is_none() && self.contacts.is_none()
+        by_flow && self.heat.is_none() && self.particles.friction_heat.is_empty()
     }
 
     /// Adds the strain of the step to what adaptive search looks at.

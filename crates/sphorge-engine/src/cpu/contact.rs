@@ -2,11 +2,12 @@
 //!
 //! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
 //! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
-//! the energy balance, what damping and friction take heats both particles by halves.
+//! the energy balance, what damping takes heats both particles by halves, what
+//! friction takes by their effusivities.
 
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
-use super::ghosts::WithGhosts;
+use super::ghosts::{Ghosts, WithGhosts};
 use crate::ContactLedger;
 use crate::halo::Halo;
 use crate::lanes::PairScalar;
@@ -15,6 +16,7 @@ use crate::neighbors::{BLOCK, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_each};
 use rayon::prelude::*;
+use sphorge_physics::conduction::friction_share;
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
@@ -47,6 +49,8 @@ struct Table {
     specific_volume: Vec<f64>,
     smoothing_length: Vec<f64>,
     laws: Vec<ContactLaw<f64>>,
+    /// Share of the heat of friction that the first takes up.
+    friction_shares: Vec<f64>,
 }
 
 /// Sums over the pairs of two bodies, the first with the lower index.
@@ -92,6 +96,14 @@ impl Table {
         };
         let laws = (0..bodies.len()).flat_map(|a| (0..bodies.len()).map(move |b| (a, b))).map(|(a, b)| law(a, b));
         let laws = laws.collect();
+        let effusivities: Vec<f64> = model.bodies.iter().map(|b| model.materials[b.material].effusivity()).collect();
+        let share = |a: usize, b: usize| {
+            let share = friction_share(effusivities[a.min(b)], effusivities[a.max(b)]);
+            // Both shares are one to the last digit.
+            if a <= b { share } else { 1.0 - share }
+        };
+        let count = bodies.len();
+        let friction_shares = (0..count * count).map(|k| share(k / count, k % count)).collect();
         Self {
             kernel,
             dimension,
@@ -99,6 +111,7 @@ impl Table {
             specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
             smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
             laws,
+            friction_shares,
         }
     }
 
@@ -194,6 +207,28 @@ impl BodyContacts {
         &self.foreign
     }
 
+    /// Force on particle `i` by a particle or ghost `j` of another body, N, where particles are at `places`, m.
+    pub(super) fn force_of_pair(
+        &self,
+        i: usize,
+        j: u32,
+        places: &[Vector<f64>],
+        own: &Particles,
+        ghosts: &Particles,
+        dt: f64,
+    ) -> Vector<f64> {
+        let points = Points {
+            position: WithGhosts::new(places, &ghosts.position),
+            velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
+            mass: WithGhosts::new(&own.mass, &ghosts.mass),
+            body: WithGhosts::new(&own.body, &ghosts.body),
+            overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
+        };
+        self.table.row(i, &[j], &points, dt, &mut vec![PairSums::default(); self.now.len()]).force
+    }
+
     /// Largest stable step over the margin, s.
     pub(super) fn limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
@@ -216,9 +251,9 @@ impl BodyContacts {
         search + self.foreign.bytes() + self.partial.capacity() * size_of::<PairSums>()
     }
 
-    /// Columns of the ghosts its pairs name, where they are not those of the neighbour list.
-    pub(super) fn ghosts<'a>(&'a self, of_list: &'a Particles) -> &'a Particles {
-        self.search.as_ref().map_or(of_list, |search| &search.ghosts.columns)
+    /// The ghosts its pairs name, where they are not those of the neighbour list.
+    pub(super) fn ghosts<'a>(&'a self, of_list: &'a Ghosts) -> &'a Ghosts {
+        self.search.as_ref().map_or(of_list, |search| &search.ghosts)
     }
 
     fn close(&mut self) {
@@ -244,7 +279,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let table = &contacts.table;
         let Particles { position, mass, body, contact_overlap, contact_direction, contact_weight, .. } =
             &mut self.particles;
-        let ghosts = contacts.ghosts(&self.ghosts.columns);
+        let ghosts = &contacts.ghosts(&self.ghosts).columns;
         let positions = WithGhosts::new(position, &ghosts.position);
         let masses = WithGhosts::new(mass, &ghosts.mass);
         let bodies = WithGhosts::new(body, &ghosts.body);
@@ -314,7 +349,6 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .for_each(|(block, acceleration, energy_rate, mu, sums, limit, friction_heat)| {
                 sums.fill(PairSums::default());
-                friction_heat.fill(0.0);
                 *limit = f64::INFINITY;
                 for (i, row) in block.rows() {
                     let k = i % BLOCK;
@@ -322,8 +356,8 @@ impl<T: PairScalar> CpuEngine<T> {
                     for axis in 0..3 {
                         acceleration[k][axis] += push.force[axis] / mass[i];
                     }
-                    energy_rate[k] += 0.5 * push.heat / mass[i];
-                    friction_heat[k] = 0.5 * push.friction / mass[i];
+                    energy_rate[k] += push.heat / mass[i];
+                    friction_heat[k] += push.friction / mass[i];
                     mu[k] = mu[k].max(push.approach);
                     *limit = limit.min(push.limit);
                 }
@@ -336,7 +370,7 @@ impl<T: PairScalar> CpuEngine<T> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
     force: Vector<f64>,
-    /// Power that turns to heat in all its pairs, W.
+    /// Power that turns to heat of its own in all its pairs, W.
     heat: f64,
     /// Friction's part of it, W.
     friction: f64,
@@ -378,8 +412,9 @@ impl Table {
                     sum.force[k] += force.force[k];
                 }
             }
-            push.heat += force.damped + force.rubbed;
-            push.friction += force.rubbed;
+            let friction = self.friction_shares[a * self.bodies + b] * force.rubbed;
+            push.heat += 0.5 * force.damped + friction;
+            push.friction += friction;
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
             sum.friction += 0.5 * force.rubbed;

@@ -16,6 +16,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Works out what walls and gravity do. A wall meets a particle of the total Lagrangian form at its face, whose distance from the centre
     /// is an arm of the force: its moment is a stress of the particle, so that the face, not the centre, does the work.
     pub(super) fn push_externally(&mut self) {
+        self.rub_at_walls();
         if self.is_alone() {
             return;
         }
@@ -59,6 +60,18 @@ impl<T: PairScalar> CpuEngine<T> {
         self.walls.power = power;
         self.walls.at_faces = at_faces;
         self.stress_faces();
+    }
+
+    /// The heat of friction at walls, to which that of contacts is added.
+    fn rub_at_walls(&mut self) {
+        let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
+        let (model, dt) = (&*self.model, self.step.dt);
+        let (columns, states) = (AtWall::new(&self.particles), &self.walls.states);
+        friction_heat.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, heat)| {
+            let rubbing = model.walls.iter().zip(states).filter(|(wall, _)| wall.rubs());
+            *heat = rubbing.map(|(wall, state)| push(model, wall, state, &columns, i, dt).rubbed).sum();
+        });
+        self.particles.friction_heat = friction_heat;
     }
 
     /// The stress that the moment of the forces at faces is, where the form has one.

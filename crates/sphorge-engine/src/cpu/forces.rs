@@ -21,12 +21,14 @@ use sphorge_physics::{SymmetricTensor, Tensor, Vector, artificial_stress};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForceTerms<T> {
     pub(super) viscosity: ViscosityParameters<T>,
-    /// `1 / w(spacing/h)` of the pair factor of the artificial stress, and its exponent.
-    pub(super) artificial_stress: Option<(T, u32)>,
+    /// Exponent of the pair factor of the artificial stress.
+    pub(super) artificial_stress: Option<u32>,
     pub(super) balsara: bool,
     pub(super) xsph: bool,
     pub(super) pair_form: PairForm,
     pub(super) energy_split: EnergySplit,
+    /// Whether the power of the artificial stress is summed apart, too.
+    pub(super) artificial_power: bool,
 }
 
 impl<T: PairScalar> ForceTerms<T> {
@@ -39,6 +41,7 @@ impl<T: PairScalar> ForceTerms<T> {
             && !self.balsara
             && self.pair_form == PairForm::VolumeWeighted
             && self.energy_split == EnergySplit::OwnStress
+            && !self.artificial_power
     }
 
     /// The same terms; if `DEFAULT`, in a form the compiler knows.
@@ -49,11 +52,12 @@ impl<T: PairScalar> ForceTerms<T> {
         }
         Self {
             viscosity: self.viscosity,
-            artificial_stress: Some(self.artificial_stress.unwrap_or((T::zero(), 1))),
+            artificial_stress: Some(self.artificial_stress.unwrap_or(1)),
             balsara: false,
             xsph: true,
             pair_form: PairForm::VolumeWeighted,
             energy_split: EnergySplit::OwnStress,
+            artificial_power: false,
         }
     }
 }
@@ -65,6 +69,8 @@ pub(super) struct ForceSum<T> {
     pub(super) acceleration: Vector<T>,
     /// Rate of the specific internal energy, W/kg.
     pub(super) energy_rate: T,
+    /// The part of it that is the artificial stress's; zero unless asked for.
+    pub(super) artificial_power: T,
     /// `sum_j m_j/rho_mean (v_j - v_i) W_ij`, m/s.
     pub(super) xsph: Vector<T>,
     /// Largest `|mu_ij|` of approaching pairs, m/s.
@@ -219,13 +225,14 @@ fn weigh<L: Lanes, const D: usize>(
 #[derive(Clone, Copy)]
 struct Sums<L> {
     forces: ForceSums<L>,
+    artificial_power: L,
     xsph: Vector<L>,
 }
 
 impl<L: Lanes> Sums<L> {
     #[inline(always)]
     fn zero() -> Self {
-        Self { forces: ForceSums::zero(), xsph: [L::zero(); 3] }
+        Self { forces: ForceSums::zero(), artificial_power: L::zero(), xsph: [L::zero(); 3] }
     }
 
     /// Third pass over a SIMD vector of pairs: the forces.
@@ -257,8 +264,8 @@ impl<L: Lanes> Sums<L> {
             if terms.balsara {
                 pi = switched(pi, own.extra[extra::BALSARA], extra_j[extra::BALSARA]);
             }
-            if let Some((inverse_w_spacing, exponent)) = terms.artificial_stress {
-                let factor = artificial_stress::pair_factor(pair.w, L::splat(inverse_w_spacing), exponent);
+            if let Some(exponent) = terms.artificial_stress {
+                let factor = artificial_stress::pair_factor(pair.w, exponent);
                 let (r_i, r_j) = (symmetric(&own.extra, extra::R), symmetric(&extra_j, extra::R));
                 artificial_stress = artificial_stress::pair_vector::<L, D>(r_i, r_j, factor, x);
             }
@@ -270,6 +277,9 @@ impl<L: Lanes> Sums<L> {
         let force =
             PairForce { x: *x, v: pair.v, own_stress, other_stress, artificial_stress, pi, weighted_f: pair.r2 };
         self.forces.add::<D>(terms.energy_split, &force);
+        if terms.artificial_power {
+            self.artificial_power += force.artificial_power::<D>();
+        }
     }
 
     /// All lanes together.
@@ -277,7 +287,8 @@ impl<L: Lanes> Sums<L> {
     fn total(&self) -> ForceSum<L::Element> {
         let ([ax, ay, az], [x, y, z]) = (self.forces.acceleration, self.xsph);
         let [ax, ay, az, x, y, z, energy_rate] = L::sums([ax, ay, az, x, y, z, self.forces.energy_rate]);
-        ForceSum { acceleration: [ax, ay, az], energy_rate, xsph: [x, y, z], ..ForceSum::zero() }
+        let artificial_power = self.artificial_power.sum();
+        ForceSum { acceleration: [ax, ay, az], energy_rate, artificial_power, xsph: [x, y, z], ..ForceSum::zero() }
     }
 }
 
@@ -321,7 +332,8 @@ impl<T: PairScalar> ForceSum<T> {
     /// Nothing summed.
     #[inline(always)]
     pub(super) fn zero() -> Self {
-        Self { acceleration: [T::zero(); 3], energy_rate: T::zero(), xsph: [T::zero(); 3], mu: T::zero() }
+        let zero = T::zero();
+        Self { acceleration: [zero; 3], energy_rate: zero, artificial_power: zero, xsph: [zero; 3], mu: zero }
     }
 }
 

@@ -6,7 +6,7 @@ use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
 use super::records::{Records, hourglass as entry};
 use super::sweeps::dispatch_dimension;
-use crate::lanes::{Job, Lanes, PairScalar, run, splat_record};
+use crate::lanes::{Instructions, Job, Lanes, PairScalar, run, splat_record};
 use crate::model::{Formulation, Material};
 use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
@@ -124,7 +124,45 @@ fn hourglass_row<L: Lanes, const D: usize>(
     sum
 }
 
+/// The sums of a block of particles over rows of it.
+struct SpringSweep<'a, T> {
+    records: &'a Records<T>,
+    constants: &'a PairConstants<T>,
+    instructions: Instructions,
+    dimension: Dimension,
+}
+
+impl<T: PairScalar> SpringSweep<'_, T> {
+    fn block(&self, b: usize, block: &Block, sums: &mut [SpringSums<T>; BLOCK]) {
+        let Records { kinematic, hourglass: records, .. } = self.records;
+        let (first, constants) = (b * BLOCK, self.constants);
+        dispatch_dimension!(self.dimension, |D| {
+            run(self.instructions, HourglassJob::<T, D> { kinematic, records, first, block, constants, sums });
+        });
+    }
+}
+
 impl<T: PairScalar> CpuEngine<T> {
+    /// Adds the forces of the springs of some pairs of block `b`, as they last were, N.
+    pub(super) fn add_hourglass_forces(&self, b: usize, rows: &Block, forces: &mut [Vector<f64>]) {
+        if self.records.hourglass.is_empty() {
+            return;
+        }
+        let springs = SpringSweep {
+            records: &self.records,
+            constants: &self.constants,
+            instructions: self.instructions,
+            dimension: super::dimension(&self.model),
+        };
+        let mut sums = [SpringSums::zero(); BLOCK];
+        springs.block(b, rows, &mut sums);
+        for (k, force) in forces.iter_mut().enumerate() {
+            for a in 0..3 {
+                force[a] += self.particles.reference_volume[b * BLOCK + k] * sums[k].acceleration[a].to_f64();
+            }
+        }
+    }
+
     /// Adds the hourglass forces to acceleration and energy rate.
     pub(super) fn resist_hourglass(&mut self) {
         let Formulation::TotalLagrangian { hourglass: strength } = self.model.formulation else { return };
@@ -132,20 +170,19 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         self.pack_hourglass(strength);
-        let (list, instructions, constants) = (&self.lists.list, self.instructions, &self.constants);
-        let (kinematic, records, model) = (&self.records.kinematic, &self.records.hourglass, &self.model);
+        let list = &self.lists.list;
+        let springs = SpringSweep {
+            records: &self.records,
+            constants: &self.constants,
+            instructions: self.instructions,
+            dimension: super::dimension(&self.model),
+        };
         let Particles { acceleration, energy_rate, mass, reference_volume, .. } = &mut self.particles;
         let (mass, volume) = (&*mass, &*reference_volume);
-        let dimension = super::dimension(model);
         (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK)).into_par_iter().enumerate().for_each(
             |(b, (acceleration, energy_rate))| {
                 let mut sums = [SpringSums::zero(); BLOCK];
-                let block = &list.blocks()[b];
-                dispatch_dimension!(dimension, |D| {
-                    let first = b * BLOCK;
-                    let sums = &mut sums;
-                    run(instructions, HourglassJob::<T, D> { kinematic, records, first, block, constants, sums });
-                });
+                springs.block(b, &list.blocks()[b], &mut sums);
                 for k in 0..acceleration.len() {
                     let i = b * BLOCK + k;
                     let factor = volume[i] / mass[i];

@@ -2,8 +2,9 @@
 
 use super::conduction::hold;
 use super::integrate::Motions;
-use crate::model::{BodyContact, Integrator, Model, Search, TemperatureSource};
+use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Search, TemperatureSource, Wall};
 use crate::particles::{History, Owner, Particles};
+use sphorge_physics::artificial_stress;
 
 /// Completes the state of particles that have position, velocity, density and temperature.
 pub(super) fn state(model: &Model, particles: &mut Particles) {
@@ -32,6 +33,8 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
         (Owner::Heat, model.thermal.conduction),
         (Owner::Contact, model.contact != BodyContact::Sph),
+        (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
+        (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
     ];
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {
@@ -43,4 +46,11 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         particles.origin.clone_from(&particles.position);
     }
     particles.history = History::new(model, particles.len());
+}
+
+/// Coefficient of the artificial stress of each body; nothing without one.
+pub(super) fn repulsion(model: &Model) -> Vec<f64> {
+    let Some(ArtificialStress { epsilon, exponent }) = model.numerics.artificial_stress else { return Vec::new() };
+    let w_spacing = |body: &Body| model.numerics.kernel.w(body.spacing / body.smoothing_length);
+    model.bodies.iter().map(|body| artificial_stress::coefficient(epsilon, w_spacing(body), exponent)).collect()
 }

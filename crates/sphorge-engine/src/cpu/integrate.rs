@@ -145,15 +145,24 @@ fn kick(
 }
 
 impl<T: PairScalar> CpuEngine<T> {
+    /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts and walls, the work
+    /// of the artificial stress.
+    fn book_rates(&mut self, dt: f64) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.book(dt);
+        }
+        self.book_walls(dt);
+        let Particles { artificial_energy, artificial_power, .. } = &mut self.particles;
+        let columns = artificial_energy.par_iter_mut().with_min_len(BLOCK).zip(&*artificial_power);
+        columns.for_each(|(energy, power)| *energy += dt * power);
+    }
+
     /// First half kick, drift, and the velocity forces are evaluated with: that of the end of the step, predicted with the last
     /// acceleration. One pass: what it reads and writes is more than the caches hold.
     pub(super) fn leapfrog_begin(&mut self) {
         let dt = self.step.dt;
         let half = 0.5 * dt;
-        if let Some(contacts) = &mut self.contacts {
-            contacts.book(half);
-        }
-        self.book_walls(half);
+        self.book_rates(half);
         self.motions.set_time(&self.model, self.step.time + half);
         self.motions_at_end.set_time(&self.model, self.step.time + dt);
         let Particles {
@@ -203,10 +212,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Second half kick.
     pub(super) fn leapfrog_finish(&mut self) {
         let half = 0.5 * self.step.dt;
-        if let Some(contacts) = &mut self.contacts {
-            contacts.book(half);
-        }
-        self.book_walls(half);
+        self.book_rates(half);
         self.motions.set_time(&self.model, self.step.time + self.step.dt);
         let Particles {
             velocity,
@@ -272,10 +278,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// The whole step with the rates of mid-step.
     pub(super) fn correct(&mut self) {
         let dt = self.step.dt;
-        if let Some(contacts) = &mut self.contacts {
-            contacts.book(dt);
-        }
-        self.book_walls(dt);
+        self.book_rates(dt);
         self.motions.set_time(&self.model, self.step.time + dt);
         let Particles {
             position,

@@ -22,6 +22,7 @@ mod read;
 mod records;
 mod reference_conduction;
 mod search;
+mod section;
 mod smoothing;
 mod stored;
 mod stress_columns;
@@ -89,6 +90,8 @@ struct CpuEngine<T: PairScalar> {
     heat: Option<HeatFlow>,
     constants: PairConstants<T>,
     instructions: Instructions,
+    /// Coefficient of the artificial stress, by body; nothing without one.
+    repulsion: Vec<f64>,
     lists: Lists<T>,
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
@@ -151,6 +154,7 @@ impl<T: PairScalar> CpuEngine<T> {
             step: StepState::default(),
             constants,
             instructions: Instructions::best(),
+            repulsion: initial::repulsion(&model),
             particles,
             model,
             restored_density: Vec::new(),
@@ -331,7 +335,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        Ok(reduction::evaluate(reduction, &self.model, &self.particles))
+        Ok(match *reduction {
+            Reduction::SectionForce(section) => self.section_force(section).map_or_else(Vec::new, |f| f.to_vec()),
+            _ => reduction::evaluate(reduction, &self.model, &self.particles),
+        })
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

@@ -85,6 +85,21 @@ impl<T: PairScalar> StoredBlock<T> {
         self.starts.extend((0..=block.len()).map(|k| block.start(k) as u32));
     }
 
+    /// Distances of some of the pairs, those at `entries` of this block, which are the rows of `part` one behind the other.
+    pub(super) fn part(&self, part: &Block, entries: &[usize]) -> Self {
+        let mut x = vec![T::zero(); 3 * part.padded_len()];
+        let mut entries = entries.iter();
+        for k in 0..part.len() {
+            for (n, &entry) in (part.start(k)..).zip(entries.by_ref().take(part.row(k).len())) {
+                for a in 0..3 {
+                    let place = |at: usize| at / PAD * 3 * PAD + a * PAD + at % PAD;
+                    x[place(n)] = self.x[place(entry)];
+                }
+            }
+        }
+        Self { starts: (0..=part.len()).map(|k| part.start(k) as u32).collect(), x }
+    }
+
     /// Component `a` of the SIMD vector that starts at the padded entry `at` of the block.
     #[inline(always)]
     pub(crate) fn vector<L: Lanes<Element = T>>(&self, at: usize, a: usize) -> L {

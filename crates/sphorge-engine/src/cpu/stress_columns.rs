@@ -25,6 +25,10 @@ pub(super) struct StressColumns {
     pub(super) energy: [f64; BLOCK],
     /// Smoothing length, m; only with bulk viscosity.
     pub(super) smoothing_length: [f64; BLOCK],
+    /// Work of the artificial stress in the energy, J/kg; zero unless booked.
+    pub(super) artificial_energy: [f64; BLOCK],
+    /// Coefficient of the artificial stress; only with one.
+    pub(super) repulsion: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
     pub(super) sound_speed: [f64; BLOCK],
 }
@@ -40,6 +44,8 @@ impl StressColumns {
             density: zero,
             energy: zero,
             smoothing_length: zero,
+            artificial_energy: zero,
+            repulsion: zero,
             pressure: zero,
             sound_speed: zero,
         }
@@ -158,8 +164,8 @@ pub(super) struct StressForm {
     pub(super) pair_form: PairForm,
     /// Where viscosity is a pressure of the particle.
     pub(super) bulk_viscosity: Option<ViscosityParameters<f64>>,
-    /// Coefficient of the artificial stress, where there is one.
-    pub(super) artificial_stress: Option<f64>,
+    /// Whether there is artificial stress.
+    pub(super) artificial_stress: bool,
     pub(super) dimension: Dimension,
 }
 
@@ -192,8 +198,8 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             let [xx, yy, zz, xy, yz, xz] = sigma.to_array();
             // In the order of the record from its stress on.
             L::store_part([xx, yy, zz, xy, yz, xz, density, sound_speed], &mut records[k..], force::S);
-            if let Some(epsilon) = form.artificial_stress {
-                let r = artificial_stress::artificial_stress(sigma, L::splat(epsilon), form.dimension);
+            if form.artificial_stress {
+                let r = artificial_stress::artificial_stress(sigma, L::load(&columns.repulsion[k..]), form.dimension);
                 let [xx, yy, zz, xy, yz, xz] = r.to_array();
                 L::store_part([xx, yy, zz, xy, yz, xz, L::zero(), L::zero()], &mut extras[k..], extra::R);
             }

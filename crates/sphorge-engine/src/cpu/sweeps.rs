@@ -6,13 +6,13 @@ use super::kinematics::PairConstants;
 use super::kinematics::{GradientJob, GradientSum};
 use super::records::{Records, kinematic};
 use super::search::Lists;
-use super::stored::StoredPairs;
+use super::stored::{StoredBlock, StoredPairs};
 use crate::lanes::{Instructions, PairScalar, run};
-use crate::neighbors::{BLOCK, NeighborList};
+use crate::neighbors::{BLOCK, Block, NeighborList};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{Dimension, pair};
+use sphorge_physics::{Dimension, Vector, pair};
 
 /// Runs an expression with the dimension `D` as a compile-time constant.
 macro_rules! dispatch_dimension {
@@ -82,8 +82,6 @@ impl<'a, T: PairScalar> GradientSweep<'a, T> {
 /// The sums of the second sweep, block by block.
 struct ForceSweep<'a, T> {
     records: &'a Records<T>,
-    list: &'a NeighborList,
-    stored: Option<&'a StoredPairs<T>>,
     constants: &'a PairConstants<T>,
     instructions: Instructions,
     dimension: Dimension,
@@ -92,25 +90,34 @@ struct ForceSweep<'a, T> {
 }
 
 impl<T: PairScalar> ForceSweep<'_, T> {
-    /// Sums of the particles of block `b`. Corrected sums have no variant for the default terms: few decks ask for both.
-    fn block(&self, b: usize, default_terms: bool, sums: &mut [ForceSum<T>; BLOCK]) {
+    /// Sums of the particles of block `b` over its `rows`. Corrected sums have no variant for the default terms: few decks ask for both.
+    fn block(
+        &self,
+        b: usize,
+        rows: &Block,
+        stored: Option<&StoredBlock<T>>,
+        default_terms: bool,
+        sums: &mut [ForceSum<T>; BLOCK],
+    ) {
         dispatch_dimension!(self.dimension, |D| match (self.corrected, default_terms) {
-            (true, _) => self.variant::<D, true, false>(b, sums),
-            (false, true) => self.variant::<D, false, true>(b, sums),
-            (false, false) => self.variant::<D, false, false>(b, sums),
+            (true, _) => self.variant::<D, true, false>(b, rows, stored, sums),
+            (false, true) => self.variant::<D, false, true>(b, rows, stored, sums),
+            (false, false) => self.variant::<D, false, false>(b, rows, stored, sums),
         });
     }
 
     fn variant<const D: usize, const CORRECTED: bool, const DEFAULT: bool>(
         &self,
         b: usize,
+        rows: &Block,
+        stored: Option<&StoredBlock<T>>,
         sums: &mut [ForceSum<T>; BLOCK],
     ) {
         let job = ForceJob::<T, D, CORRECTED, DEFAULT> {
             records: self.records,
             first: b * BLOCK,
-            block: &self.list.blocks()[b],
-            stored: self.stored.map(|s| s.block(b)),
+            block: rows,
+            stored,
             constants: self.constants,
             terms: self.terms,
             sums,
@@ -118,6 +125,9 @@ impl<T: PairScalar> ForceSweep<'_, T> {
         run(self.instructions, job);
     }
 }
+
+/// What the force sum of a block writes: acceleration, energy rate, XSPH velocity, `mu`.
+type ForceColumns<'a> = (&'a mut [Vector<f64>], &'a mut [f64], &'a mut [Vector<f64>], &'a mut [f64]);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether sums use corrected gradients.
@@ -138,65 +148,96 @@ impl<T: PairScalar> CpuEngine<T> {
         self.step.pairs = self.particles.neighbors.iter().map(|&n| u64::from(n)).sum();
     }
 
-    /// Acceleration by pair forces, energy rate, XSPH velocity.
-    pub(super) fn sum_forces(&mut self) {
-        let model = &*self.model;
-        let numerics = &model.numerics;
-        let dimension = super::dimension(model);
-        let pair_form = numerics.pair_form;
-        let viscosity = self.formulation.pair_viscosity(model);
-        let mu_of_pairs = self.formulation.bulk_viscosity(model).is_none();
-        let terms = ForceTerms {
+    /// What pairs do to each other beside their stress.
+    fn force_terms(&self) -> ForceTerms<T> {
+        let numerics = &self.model.numerics;
+        let viscosity = self.formulation.pair_viscosity(&self.model);
+        ForceTerms {
             viscosity: ViscosityParameters { alpha: T::of(viscosity.alpha), beta: T::of(viscosity.beta) },
-            artificial_stress: numerics.artificial_stress.map(|a| (T::of(self.inverse_w_spacing()), a.exponent)),
+            artificial_stress: numerics.artificial_stress.map(|a| a.exponent),
             balsara: numerics.balsara,
             xsph: numerics.xsph != 0.0,
-            pair_form,
+            pair_form: numerics.pair_form,
             energy_split: numerics.energy_split,
-        };
-        let default_terms = terms.are_default(numerics.kernel);
-        let strength = numerics.xsph;
+            artificial_power: self.model.books_artificial_energy(),
+        }
+    }
+
+    /// Forces on the particles of block `b` by some of their pairs, N, in the state forces were last evaluated in.
+    pub(super) fn forces_of_rows(&self, b: usize, rows: &Block, stored: Option<&StoredBlock<T>>) -> Vec<Vector<f64>> {
+        let terms = self.force_terms();
         let sweep = ForceSweep {
             records: &self.records,
-            list: &self.lists.list,
-            stored: self.lists.stored.as_ref(),
             constants: &self.constants,
             instructions: self.instructions,
-            dimension,
+            dimension: super::dimension(&self.model),
             corrected: self.corrected(),
             terms: &terms,
         };
-        let Particles { acceleration, energy_rate, mass, xsph, mu, .. } = &mut self.particles;
+        let mut sums = [ForceSum::zero(); BLOCK];
+        sweep.block(b, rows, stored, terms.are_default(self.model.numerics.kernel), &mut sums);
+        let force = |k: usize| {
+            let (i, mass) = (b * BLOCK + k, self.particles.mass[b * BLOCK + k]);
+            let weight = self.records.force[i][super::records::force::WEIGHT].to_f64();
+            let outer = mass * pair::momentum_factor(terms.pair_form, mass, weight);
+            sums[k].acceleration.map(|a| outer * a.to_f64())
+        };
+        (0..rows.len()).map(force).collect()
+    }
+
+    /// Acceleration by pair forces, energy rate, XSPH velocity.
+    pub(super) fn sum_forces(&mut self) {
+        let numerics = &self.model.numerics;
+        let pair_form = numerics.pair_form;
+        let mu_of_pairs = self.formulation.bulk_viscosity(&self.model).is_none();
+        let terms = self.force_terms();
+        let default_terms = terms.are_default(numerics.kernel);
+        let strength = numerics.xsph;
+        let (list, stored) = (&self.lists.list, self.lists.stored.as_ref());
+        let sweep = ForceSweep {
+            records: &self.records,
+            constants: &self.constants,
+            instructions: self.instructions,
+            dimension: super::dimension(&self.model),
+            corrected: self.corrected(),
+            terms: &terms,
+        };
+        let Particles { acceleration, energy_rate, mass, xsph, mu, artificial_power, .. } = &mut self.particles;
         let mass = &*mass;
         let room = || [ForceSum::zero(); BLOCK];
-        (
+        let sum_block = |sums: &mut [ForceSum<T>; BLOCK], b: usize, columns: ForceColumns<'_>, powers: &mut [f64]| {
+            let (a, e, x, mu) = columns;
+            sweep.block(b, &list.blocks()[b], stored.map(|s| s.block(b)), default_terms, sums);
+            for (k, sum) in sums.iter().enumerate().take(a.len()) {
+                let i = b * BLOCK + k;
+                let weight = sweep.records.force[i][super::records::force::WEIGHT].to_f64();
+                let outer = pair::momentum_factor(pair_form, mass[i], weight);
+                a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
+                e[k] = sum.energy_rate.to_f64() * outer;
+                x[k] = sum.xsph.map(|v| v.to_f64() * strength);
+                if mu_of_pairs {
+                    mu[k] = sum.mu.to_f64();
+                }
+                if let Some(power) = powers.get_mut(k) {
+                    *power = sum.artificial_power.to_f64() * outer;
+                }
+            }
+        };
+        let blocks = (
             acceleration.par_chunks_mut(BLOCK),
             energy_rate.par_chunks_mut(BLOCK),
             xsph.par_chunks_mut(BLOCK),
             mu.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
-            .enumerate()
-            .for_each_init(room, |sums, (b, (a, e, x, mu))| {
-                sweep.block(b, default_terms, sums);
-                for (k, sum) in sums.iter().enumerate().take(a.len()) {
-                    let i = b * BLOCK + k;
-                    let weight = sweep.records.force[i][super::records::force::WEIGHT].to_f64();
-                    let outer = pair::momentum_factor(pair_form, mass[i], weight);
-                    a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
-                    e[k] = sum.energy_rate.to_f64() * outer;
-                    x[k] = sum.xsph.map(|v| v.to_f64() * strength);
-                    if mu_of_pairs {
-                        mu[k] = sum.mu.to_f64();
-                    }
-                }
-            });
-    }
-
-    /// `1 / w(spacing/h)` of the artificial stress: shapes, not kernels, so that bodies of other spacings have the same ratio.
-    fn inverse_w_spacing(&self) -> f64 {
-        // Spacing over smoothing length is the same in every body: that of the first.
-        let ratio = self.model.bodies.first().map_or(1.0, |b| b.spacing / b.smoothing_length);
-        1.0 / self.model.numerics.kernel.w(ratio)
+            .enumerate();
+        // Where it is not asked for, the column is empty.
+        if artificial_power.is_empty() {
+            blocks.for_each_init(room, |sums, (b, columns)| sum_block(sums, b, columns, &mut []));
+        } else {
+            blocks
+                .zip(artificial_power.par_chunks_mut(BLOCK))
+                .for_each_init(room, |sums, ((b, columns), powers)| sum_block(sums, b, columns, powers));
+        }
     }
 }

@@ -113,6 +113,8 @@ pub(super) struct Push {
     pub(super) acceleration: Vector<f64>,
     /// Heat of damping and friction, all of which stays in the particle, W/kg.
     pub(super) heat: f64,
+    /// Friction's part of it, W/kg.
+    pub(super) rubbed: f64,
     /// Where the wall meets the particle, from its centre in the initial configuration, m; zero where it meets the centre.
     pub(super) face: Vector<f64>,
     /// Velocity of that point, m/s.
@@ -140,8 +142,9 @@ pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWa
             let parameters =
                 PenaltyParameters::from_sound_speed(sound_speed, body.spacing, stiffness, damping, friction);
             let (radius, face, velocity) = columns.face(body.spacing, i, gap.normal);
-            let WallPush { acceleration, heat } = penalty_contact(parameters, &gap, radius, relative(velocity), dt);
-            Push { acceleration, heat, face, velocity }
+            let WallPush { acceleration, heat, rubbed } =
+                penalty_contact(parameters, &gap, radius, relative(velocity), dt);
+            Push { acceleration, heat, rubbed, face, velocity }
         }
     }
 }

@@ -54,6 +54,16 @@ pub struct Wall {
     pub contact: WallContact,
 }
 
+impl Wall {
+    /// Whether its friction heats what slides along it.
+    pub fn rubs(&self) -> bool {
+        match self.contact {
+            WallContact::MonaghanKos { .. } => false,
+            WallContact::Penalty { friction, .. } => friction > 0.0,
+        }
+    }
+}
+
 /// Geometry of a wall.
 #[derive(Clone, Copy, Debug)]
 pub enum WallSurface {

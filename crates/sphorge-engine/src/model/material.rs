@@ -1,5 +1,6 @@
 //! Materials.
 
+use sphorge_physics::conduction::effusivity;
 use sphorge_physics::eos::{BoundedPressure, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
 use sphorge_physics::total_lagrangian::young_modulus;
@@ -68,6 +69,16 @@ impl Material {
             self.specific_heat,
             self.reference_temperature,
         )
+    }
+
+    /// Effusivity at rest, W s^(1/2)/(m² K); zero or infinite where conductivity or specific heat is not given.
+    pub fn effusivity(&self) -> f64 {
+        effusivity(self.conductivity, self.density, self.specific_heat)
+    }
+
+    /// Specific energy of a density (kg/m³) on the isotherm of the reference temperature, J/kg, with the tension cut-off.
+    pub fn cold_energy(&self, density: f64) -> f64 {
+        self.bounded_pressure().cold_energy(density, self.reference_temperature, self.specific_heat)
     }
 
     /// Young's modulus at rest, Pa.

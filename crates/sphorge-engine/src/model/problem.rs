@@ -1,5 +1,6 @@
 //! A whole problem.
 
+use super::numerics::TemperatureSource;
 use super::{
     Body, BodyContact, Dimensions, Formulation, Material, Measure, Numerics, OutputControl, PrescribedMotion, Region,
     Search, Section, SymmetryPlane, Thermal, TimeControl, Tracer, Wall, WarningLimits,
@@ -66,5 +67,10 @@ impl Model {
             BodyContact::Penalty(_) => self.bodies.len(),
         };
         (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect()
+    }
+
+    /// Whether the work of the artificial stress is booked apart: where temperature is that of the energy, of which it is no heat.
+    pub fn books_artificial_energy(&self) -> bool {
+        self.numerics.temperature == TemperatureSource::Energy && self.numerics.artificial_stress.is_some()
     }
 }

@@ -33,6 +33,12 @@ impl Frame {
     pub(crate) fn encode<T: PairScalar>(&self, p: &Vector<f64>) -> [T; 3] {
         [0, 1, 2].map(|a| T::encode((p[a] - self.origin[a]) * self.inverse_unit))
     }
+
+    /// The position that records carry, m.
+    pub(crate) fn decode<T: PairScalar>(&self, p: &[T; 3]) -> Vector<f64> {
+        let zero = T::encode(0.0);
+        [0, 1, 2].map(|a| self.origin[a] + T::coordinate_difference(p[a], zero).to_f64() * self.unit)
+    }
 }
 
 crate::persist_fields!(Frame { origin, unit, inverse_unit });

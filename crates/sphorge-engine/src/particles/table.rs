@@ -26,6 +26,10 @@ pub enum Owner {
     Heat,
     /// Contact between bodies.
     Contact,
+    /// Friction between bodies or at walls.
+    Friction,
+    /// Artificial stress where temperature is that of the energy.
+    ArtificialEnergy,
     /// The reference configuration of the total Lagrangian form.
     Reference,
 }
@@ -270,8 +274,12 @@ columns! {
         Internal("1/m", "- gradient of the contact overlap, away from other bodies"), Vector[IntermediateSums], None;
     pub(crate) contact_weight: f64 = 0.0, Contact, Internal("m^2", "sum_j V_i V_j |dW/dr| over other bodies"),
         Same[IntermediateSums], None;
-    pub(crate) friction_heat: f64 = 0.0, Contact, Internal("W/kg", "heat of contact friction at the last force sum"),
-        Unmirrored[], None;
+    pub(crate) friction_heat: f64 = 0.0, Friction, Internal("W/kg", "heat of friction at the last force sum"), Unmirrored[], None;
+
+    pub(crate) artificial_energy: f64 = 0.0, ArtificialEnergy,
+        Internal("J/kg", "work of the artificial stress in the internal energy"), Unmirrored[], None;
+    pub(crate) artificial_power: f64 = 0.0, ArtificialEnergy,
+        Internal("W/kg", "power of the artificial stress at the last force sum"), Unmirrored[], None;
 
     pub(crate) reference_position: Vector<f64> = [0.0; 3], Reference, Internal("m", "initial position X"), Point[Search], None;
     // m² in plane strain, m in one dimension.

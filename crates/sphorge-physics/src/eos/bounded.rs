@@ -41,10 +41,50 @@ impl<T: Real> BoundedPressure<T> {
     }
 }
 
+/// Steps to the density of the cut-off; each halves what is left of the distance or does better.
+const STEPS_TO_CUT_OFF: u32 = 60;
+
+impl BoundedPressure<f64> {
+    /// Specific energy, J/kg, on the isotherm of a reference temperature (K): that of the law
+    /// ([`EquationOfState::cold_energy`]) down to the density `rho_s` where it pulls with the spall pressure `p_s`, from there on
+    /// `e(rho_s) + p_s (1/rho - 1/rho_s)`, since the pressure no longer depends on anything.
+    pub fn cold_energy(&self, density: f64, reference_temperature: f64, specific_heat: f64) -> f64 {
+        let rest = self.law.reference_density();
+        let cold = |density: f64| {
+            let energy = self.law.cold_energy(density, reference_temperature, specific_heat);
+            (energy, self.law.pressure(density, energy).pressure - self.least_pressure)
+        };
+        let (energy, margin) = cold(density);
+        if density >= rest || margin >= 0.0 {
+            return energy;
+        }
+        // The secant where it stays well inside, else the middle.
+        let (mut low, mut high) = ((density, margin), (rest, -self.least_pressure));
+        for _ in 0..STEPS_TO_CUT_OFF {
+            let width = high.0 - low.0;
+            if width <= 1e-12 * rest {
+                break;
+            }
+            let share = (low.1 / (low.1 - high.1)).clamp(0.0, 1.0);
+            let at = low.0 + width * if (0.05..0.95).contains(&share) { share } else { 0.5 };
+            let (_, margin) = cold(at);
+            if margin < 0.0 {
+                low = (at, margin)
+            } else {
+                high = (at, margin)
+            }
+            if margin.abs() <= -1e-12 * self.least_pressure {
+                (low, high) = ((at, margin), (at, margin));
+            }
+        }
+        cold(high.0).0 - self.least_pressure * (1.0 / density - 1.0 / high.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::eos::Linear;
+    use crate::eos::{EquationConstants, Linear, MieGruneisenHugoniot};
 
     /// K = 8000 4000^2 = 128 GPa, no heat in the pressure.
     fn steel(spall_pressure: f64, specific_heat: f64) -> BoundedPressure<f64> {
@@ -67,5 +107,44 @@ mod tests {
         // 450 300 = 135 kJ/kg, less than 0.01 c0^2 = 160 kJ/kg.
         assert_eq!(steel(1e9, 450.0).least_energy, -135e3);
         assert_eq!(steel(1e9, f64::INFINITY).least_energy, -160e3);
+    }
+
+    #[test]
+    fn beyond_the_cut_off_the_cold_energy_is_the_work_of_the_spall_pressure() {
+        // Linear: e = c^2 (ln r + 1/r - 1), r = rho/rho_0; 2 GPa is reached at r = 1 - 1/64, 7875 kg/m^3.
+        let law = steel(2e9, 450.0);
+        let of_law = |r: f64| 16e6 * (r.ln() + 1.0 / r - 1.0);
+        for density in [8400.0, 8000.0, 7900.0] {
+            let (found, expected) = (law.cold_energy(density, 300.0, 450.0), of_law(density / 8000.0));
+            assert!((found - expected).abs() < 1e-6 * expected.max(1.0), "{density}: {found} {expected}");
+        }
+        for density in [7800.0, 6000.0, 800.0] {
+            let expected = of_law(63.0 / 64.0) + 2e9 * (1.0 / density - 1.0 / 7875.0);
+            let found = law.cold_energy(density, 300.0, 450.0);
+            assert!((found / expected - 1.0).abs() < 1e-7, "{density}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn what_expands_without_heat_cools_and_stays_above_absolute_zero() {
+        // Aluminium: T_0 (rho/rho_0)^Gamma until it spalls, then as it is.
+        let (t_0, cp) = (300.0, 900.0);
+        let law = EquationOfState::MieGruneisenHugoniot(MieGruneisenHugoniot::new(&[2700.0, 5300.0, 1.5, 1.7]));
+        let law = BoundedPressure::new(&law, 1.5e9, cp, t_0);
+        let (mut rho, mut energy, mut spalled) = (2700.0, 0.0, 0.0);
+        for _ in 0..200_000 {
+            let (step, half) = (-0.01, -0.005);
+            let slope = |rho: f64, e: f64| law.at(rho, e).pressure / (rho * rho);
+            energy += step * slope(rho + half, energy + half * slope(rho, energy));
+            rho += step;
+            let temperature = t_0 + (energy - law.cold_energy(rho, t_0, cp)) / cp;
+            if law.at(rho, energy).pressure > -1.5e9 {
+                spalled = t_0 * (rho / 2700.0).powf(1.7);
+                assert!((temperature - spalled).abs() < 1e-3, "{rho}: {temperature} {spalled}");
+            } else {
+                assert!((temperature - spalled).abs() < 0.5, "{rho}: {temperature} {spalled}");
+            }
+        }
+        assert!(rho < 701.0 && spalled < 295.0, "{rho} {spalled}");
     }
 }

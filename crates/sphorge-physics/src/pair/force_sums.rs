@@ -40,6 +40,18 @@ pub struct PairForce<T> {
     pub weighted_f: T,
 }
 
+impl<T: Real> PairForce<T> {
+    /// What the artificial stress adds to the energy rate of the particle, half of its work, along the `D` axes computed in.
+    #[inline(always)]
+    pub fn artificial_power<const D: usize>(&self) -> T {
+        let mut work = T::zero();
+        for a in 0..D {
+            work = self.artificial_stress[a].mul_add(self.v[a], work);
+        }
+        -(T::of(0.5) * work * self.weighted_f)
+    }
+}
+
 /// Sums of one particle over its neighbours, still without the factor of the form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceSums<T> {
@@ -133,6 +145,8 @@ mod tests {
         sums.add::<3>(EnergySplit::Symmetric, &pair());
         // t . v / 2 = (-5 + 28)/2 = 11.5.
         assert_eq!(sums.energy_rate, 5.75);
+        // Of the artificial stress alone: (-9 - 5 + 2)/2, in the plane (-9 - 5)/2, times 0.5.
+        assert_eq!((pair().artificial_power::<3>(), pair().artificial_power::<2>()), (-3.0, -3.5));
         // In the plane: s . v = 4.5 - 6.5.
         let mut sums = ForceSums::zero();
         sums.add::<2>(EnergySplit::OwnStress, &pair());

@@ -72,6 +72,46 @@ shape.union = [
 velocity-profile = { along = "x", amplitude = ["100 m/s", "0 m/s"], rows = [["-1 mm", 1.0], ["1 mm", -1.0]] }
 "#;
 
+/// A flat section with a slot of 4 mm, of soft material, flattened at 10 m/s.
+const HOLLOW: &str = r#"
+dimensions = "plane-strain"
+method = "updated-lagrangian"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double", viscosity = { alpha = 1.0, beta = 1.0 } }
+time = { end = "1 ms" }
+
+[material.soft]
+density = "1000 kg/m^3"
+young-modulus = "1 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "section"
+material = "soft"
+shape.difference = [
+    { box = { min = ["-40 mm", "0 mm"], max = ["40 mm", "12 mm"] } },
+    { box = { min = ["-34 mm", "4 mm"], max = ["34 mm", "8 mm"] } },
+]
+
+[[region]]
+name = "bottom"
+shape = { box = { min = ["-24 mm", "0 mm"], max = ["24 mm", "1 mm"] } }
+
+[[region]]
+name = "top"
+shape = { box = { min = ["-24 mm", "11 mm"], max = ["24 mm", "12 mm"] } }
+
+[[motion]]
+region = "bottom"
+velocity = ["0 m/s", "0 m/s"]
+
+[[motion]]
+region = "top"
+velocity = ["0 m/s", "-10 m/s"]
+"#;
+
 /// A run to a time, audited every ten steps; the worst of all audits.
 fn run(deck: &str, search: &str, end: f64) -> (Simulation, Audit) {
     let mut simulation = simulation(deck, &[("search", search), ("audit", "10")]);
@@ -82,6 +122,8 @@ fn run(deck: &str, search: &str, end: f64) -> (Simulation, Audit) {
             worst.missed_pairs = worst.missed_pairs.max(audit.missed_pairs);
             worst.missed_foreign_pairs = worst.missed_foreign_pairs.max(audit.missed_foreign_pairs);
             worst.momentum_residual = worst.momentum_residual.max(audit.momentum_residual);
+            worst.density_rate_error = worst.density_rate_error.max(audit.density_rate_error);
+            worst.force_error = worst.force_error.max(audit.force_error);
         }
     }
     (simulation, worst)
@@ -149,6 +191,17 @@ fn pieces_of_one_body_are_strangers() {
     let (guarded, audit) = run(TWO_PIECES, GUARDED, end);
     assert!(audit.momentum_residual < 1e-14, "{audit:?}");
     assert!((left(&guarded) - left(&reference)).abs() < 0.1, "{} {}", left(&guarded), left(&reference));
+}
+
+#[test]
+fn a_slot_that_closes_is_seen() {
+    let end = 0.45e-3;
+    let force = |s: &Simulation| s.ledger().unwrap().motion_forces[0][1];
+    let (reference, _) = run(HOLLOW, EVERY_STEP, end);
+    let (guarded, audit) = run(HOLLOW, GUARDED, end);
+    println!("{audit:?} {} {}", force(&guarded), force(&reference));
+    assert!(audit.density_rate_error < 1e-4 && audit.force_error < 1e-4, "{audit:?}");
+    assert!((force(&guarded) / force(&reference) - 1.0).abs() < 1e-2, "{} {}", force(&guarded), force(&reference));
 }
 
 #[test]

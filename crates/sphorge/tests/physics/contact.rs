@@ -384,6 +384,6 @@ fn feet_of_blocks_in_total_lagrangian_form_converge_to_that_of_finite_elements()
         let edge = row[across - 1] + 0.5 * (row[across - 1] - row[across - 2]);
         1.0 - edge / FOOT
     });
-    assert!(deviations[0].abs() < 0.09 && deviations[1].abs() < 0.05, "{deviations:?}");
+    assert!(deviations[0].abs() < 0.1 && deviations[1].abs() < 0.06, "{deviations:?}");
     assert!(deviations[1] < 0.75 * deviations[0], "{deviations:?}");
 }

@@ -286,6 +286,123 @@ fn a_collision_that_conducts_keeps_its_energy() {
 }
 
 #[test]
+fn heat_does_not_cross_a_gap() {
+    // Faces a spacing apart, and half of one nearer.
+    let passed = |gap: &str, contact: &str, search: &str| {
+        let deck = PLATE.replace(r#"min = ["50 mm", "0 mm"]"#, &format!(r#"min = ["{gap}", "0 mm"]"#))
+            + "temperature = \"400 K\"\n";
+        let overrides = [("contact", contact), ("search", search), ("thermal.boundary", "[]")];
+        let mut simulation = simulation(&deck, &overrides);
+        let before = simulation.ledger().unwrap().bodies[0].energies.internal;
+        run_to(&mut simulation, 1.0);
+        simulation.ledger().unwrap().bodies[0].energies.internal - before
+    };
+    for (contact, search) in [("kernel-sum", "skin"), ("penalty", "skin"), ("penalty", "total-lagrangian")] {
+        let touching = passed("50 mm", contact, search);
+        assert!(touching > 1e3, "{contact} {search}: {touching}");
+        assert_eq!(passed("55 mm", contact, search), 0.0, "{contact} {search}");
+    }
+}
+
+/// A block that slides on a floor, or on another body, pressed on it by its weight.
+const SLIDING: &str = r#"
+dimensions = "plane-strain"
+method = "updated-lagrangian"
+particles = { spacing = "10 mm" }
+numerics = { precision = "double" }
+time = { end = "20 ms" }
+gravity = ["0 m/s^2", "-20 km/s^2"]
+
+[material.metal]
+density = "2000 kg/m^3"
+young-modulus = "50 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+specific-heat = "500 J/(kg K)"
+conductivity = "20 W/(m K)"
+
+[[body]]
+name = "block"
+material = "metal"
+shape = { box = { min = ["-50 mm", "0 mm"], max = ["50 mm", "60 mm"] } }
+velocity = ["20 m/s", "0 m/s"]
+"#;
+
+/// Heat of a body by its temperature, J/m.
+fn warmth(simulation: &Simulation, body: u32) -> f64 {
+    let p = simulation.particles().unwrap();
+    let of = |i: usize| {
+        let material = &simulation.model().materials[p.material[i] as usize];
+        p.mass[i] * material.specific_heat * (p.temperature[i] - material.reference_temperature)
+    };
+    (0..p.len()).filter(|&i| p.body[i] == body).map(of).sum()
+}
+
+#[test]
+fn friction_on_a_wall_heats_the_body_that_slides() {
+    let floor = r#"
+[[wall]]
+name = "floor"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+contact = { penalty = { friction = 0.2 } }
+"#;
+    for (integrator, temperature) in
+        [("leapfrog", "plastic-work"), ("leapfrog", "energy"), ("predictor-corrector", "plastic-work")]
+    {
+        let overrides = [("numerics.integrator", integrator), ("numerics.temperature", temperature)];
+        let mut simulation = simulation(&format!("{SLIDING}{floor}"), &overrides);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger().unwrap();
+        run_to(&mut simulation, 2e-3);
+        let ledger = simulation.ledger().unwrap();
+        let drift = ledger.total_energy() - first.total_energy() - ledger.external_work;
+        assert!(drift.abs() < 1e-12 * first.total.energies.kinetic, "{overrides:?}: {drift:e}");
+        // What the motion along the floor has lost is in the block.
+        let (before, after) = (first.total.momentum[0], ledger.total.momentum[0]);
+        let lost = (before * before - after * after) / (2.0 * first.total.mass);
+        let heat = warmth(&simulation, 0);
+        assert!(lost > 0.3 * first.total.energies.kinetic, "{lost}");
+        assert!((heat / lost - 1.0).abs() < 0.03, "{overrides:?}: {heat} of {lost}");
+    }
+}
+
+#[test]
+fn friction_between_bodies_heats_them_by_their_effusivities() {
+    let table = r#"
+[material.other]
+base = "metal"
+
+[[body]]
+name = "table"
+material = "other"
+shape = { box = { min = ["-100 mm", "-40 mm"], max = ["100 mm", "0 mm"] } }
+"#;
+    let share = |conductivity: &str| {
+        let overrides = [
+            ("contact", "{ penalty = { friction = 0.3 } }"),
+            ("material.other.conductivity", conductivity),
+            ("gravity", "[\"0 m/s^2\", \"0 m/s^2\"]"),
+            ("body.block.velocity", "[\"20 m/s\", \"-5 m/s\"]"),
+        ];
+        let mut simulation = simulation(&format!("{SLIDING}{table}"), &overrides);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger().unwrap().total_energy();
+        run_to(&mut simulation, 0.1e-3);
+        let ledger = simulation.ledger().unwrap();
+        assert!((ledger.total_energy() / first - 1.0).abs() < 1e-12);
+        let heats = [0, 1].map(|body| warmth(&simulation, body));
+        let rubbed = ledger.contacts[0].friction_work;
+        assert!(rubbed > 0.0 && ((heats[0] + heats[1]) / rubbed - 1.0).abs() < 0.02, "{heats:?} {rubbed}");
+        heats[0] / (heats[0] + heats[1])
+    };
+    // Nine times the conductivity is three times the effusivity.
+    assert!((share("180 W/(m K)") - 0.25).abs() < 1e-9);
+    assert!((share("20 W/(m K)") - 0.5).abs() < 1e-9);
+    assert!((share("0 W/(m K)") - 0.5).abs() < 1e-9);
+}
+
+#[test]
 fn threads_do_not_change_a_bit() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -3,7 +3,8 @@
 //! Space is divided into cells twice as wide as the kernel reaches. Two particles within reach of each other now were in
 //! adjacent cells when they were sorted, as long as none has moved by more than half of the reach since. So every pair of
 //! contact candidates is found by looking at cells: a particle is among contact candidates if the cells around it hold another body, another
-//! fragment of its own body, or material that came from farther apart than such cells can hold.
+//! fragment of its own body, material that came from farther apart than such cells can hold, or free surfaces that face each other, as those
+//! of a slot do before it closes.
 
 use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
 use crate::particles::Particles;
@@ -21,6 +22,12 @@ const FARTHEST: f64 = 6.2;
 /// Particles that were farther apart at the start than this, in units of the support, do not hold fragments together.
 const PARTED: f64 = 1.5;
 
+/// Mean unit vector from its neighbours to a particle, from which on it counts as one of a free surface; on a flat one 0.4.
+const EXPOSED: f64 = 0.15;
+
+/// Cosine of the angle of the normals of two surfaces, below which they face each other; those of a corner of the material do not.
+const FACING: f64 = -0.3;
+
 /// Cells, and what is in them.
 #[derive(Debug, Default)]
 pub(super) struct ContactCandidates {
@@ -30,6 +37,8 @@ pub(super) struct ContactCandidates {
     displacement_at_sort: DisplacementBound,
     fragments: Fragments,
     contents: Vec<Content>,
+    /// Outward unit normals of particles on free surfaces, zero for the others.
+    normals: Vec<Vector<f64>>,
     candidates_near: Vec<bool>,
     is_candidate: Vec<bool>,
 }
@@ -92,17 +101,58 @@ impl ContactCandidates {
                 content.add(&Content { fragments: (fragment, fragment), low: at, high: at });
             }
         });
-        let contents = &self.contents;
+        self.find_normals(particles, list, support);
+        let (cells, contents, normals) = (&self.cells, &self.contents, &self.normals);
+        let faces = |i: usize, j: usize| {
+            let d: Vector<f64> = [0, 1, 2].map(|a| particles.position[j][a] - particles.position[i][a]);
+            dot(normals[i], normals[j]) < FACING
+                && dot(d, d) < size * size
+                && dot(d, normals[i]) > 0.0
+                && dot(d, normals[j]) < 0.0
+        };
+        // As far apart as particles may be that come within reach before they are sorted again.
+        let exposed = |c: usize| cells.members(c).iter().map(|&i| i as usize).filter(|&i| normals[i] != [0.0; 3]);
+        let holds_faces = |c: usize| {
+            let around = || cells.cells_around(c).flat_map(exposed);
+            around().any(|i| around().any(|j| faces(i, j)))
+        };
         self.candidates_near.resize(cells.cells(), false);
         self.candidates_near.par_iter_mut().enumerate().for_each(|(c, has_candidates)| {
             *has_candidates = !cells.members(c).is_empty() && {
                 let mut around = Content::NOTHING;
                 cells.cells_around(c).for_each(|other| around.add(&contents[other]));
-                around.holds_candidates(FARTHEST * size)
+                around.holds_candidates(FARTHEST * size) || holds_faces(c)
             };
         });
         self.is_candidate.clear();
         self.is_candidate.extend((0..particles.len()).map(|i| self.candidates_near[cells.cell_of(i)]));
+    }
+
+    /// Normals of free surfaces: away from the neighbours of the same body, of which those that were farther apart at the start do not
+    /// count, so that a slot that has closed still has its surfaces.
+    fn find_normals(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
+        let Particles { position, body, smoothing_length, origin, .. } = particles;
+        self.normals.resize(particles.len(), [0.0; 3]);
+        self.normals.par_iter_mut().enumerate().for_each(|(i, normal)| {
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for &j in list.row(i) {
+                let j = j as usize;
+                if j >= position.len() || body[i] != body[j] {
+                    continue;
+                }
+                let reach = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
+                let [d, at_start] = [position, origin].map(|x| [0, 1, 2].map(|a| x[i][a] - x[j][a]));
+                let r = dot(d, d).sqrt();
+                if r > 0.0 && r < reach && dot(at_start, at_start) < (PARTED * reach).powi(2) {
+                    count += 1.0;
+                    for a in 0..3 {
+                        sum[a] += d[a] / r;
+                    }
+                }
+            }
+            let length = dot(sum, sum).sqrt();
+            *normal = if length > EXPOSED * count { sum.map(|c| c / length) } else { [0.0; 3] };
+        });
     }
 
     /// Whether the particle may have contact candidates within reach.
@@ -132,6 +182,7 @@ impl ContactCandidates {
             + 4 * self.fragments.of.capacity()
             + size_of::<Content>() * self.contents.capacity()
             + self.candidates_near.capacity()
+            + 24 * self.normals.capacity()
             + self.is_candidate.capacity()
     }
 }
@@ -242,5 +293,30 @@ mod tests {
         then[4][1] += 100.0;
         let near = flags(&now, &then);
         assert!(near[4] && near[5] && !near[9], "{near:?}");
+    }
+
+    #[test]
+    fn faces_of_a_slot_are_candidates_and_the_outside_is_not() {
+        // A bar of 60 by 12 that is slit from its right end to its middle, 2 wide.
+        let mut points = Vec::new();
+        for x in 0..60 {
+            for y in 0..12 {
+                if x < 30 || !(5..7).contains(&y) {
+                    points.push([f64::from(x), f64::from(y), 0.0]);
+                }
+            }
+        }
+        let mut particles = Particles::new(points.len());
+        particles.position.clone_from(&points);
+        (particles.searched_at, particles.origin) = (points.clone(), points.clone());
+        particles.smoothing_length.fill(0.6);
+        let list = brute_force(&points, points.len(), &Reach::new(&particles.smoothing_length, 2.0));
+        let mut candidates = ContactCandidates::default();
+        candidates.refresh(&particles, &list, DisplacementBound::default(), 1.6, 2.0);
+        for (i, [x, y, _]) in points.into_iter().enumerate() {
+            let in_slot = x > 35.0 && (y == 4.0 || y == 7.0);
+            assert!(!in_slot || candidates.is_candidate(i), "{x} {y}");
+            assert!(x > 20.0 || !candidates.is_candidate(i), "{x} {y}");
+        }
     }
 }

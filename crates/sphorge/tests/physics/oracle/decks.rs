@@ -54,6 +54,7 @@ pub(super) const BARS: &[Case] = &[
     case("temperature of energy, wendland-c4", COLLISION, &[EVERY, OF_ENERGY, ("numerics.kernel", "wendland-c4")], 30),
     case("following smoothing lengths", COLLISION, &[EVERY, FOLLOW, BALSARA], 30),
     case("following smoothing lengths, skin", COLLISION, &[("search", "skin"), FOLLOW, PREDICTOR], 30),
+    case("unlike smoothing", COLLISION, &[EVERY, ("body.hammer.smoothing", "1.5")], 30),
     case(
         "frozen lists",
         COLLISION,

@@ -59,7 +59,13 @@ pub(super) struct Oracle {
     pub(super) repulsion: Vec<Tensor<f64>>,
     pub(super) switch: Vec<f64>,
     pub(super) overlap: Vec<Overlap<f64>>,
+    /// Forces between particles as last evaluated, N, each on the first by an image of the second, and where particles then were.
+    pub(super) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
+    pub(super) exerted_at: Vec<Vector<f64>>,
     pub(super) friction_heat: Vec<f64>,
+    /// Work and power of the artificial stress, J/kg and W/kg.
+    pub(super) artificial_energy: Vec<f64>,
+    pub(super) artificial_power: Vec<f64>,
     pub(super) heat_rate: Vec<f64>,
     pub(super) ledger: Ledger,
     pub(super) accounts: Accounts,
@@ -121,7 +127,11 @@ impl EngineKind for OracleKind {
             repulsion: uncorrected(n),
             switch: vec![1.0; n],
             overlap: vec![Overlap::default(); n],
+            exerted: Vec::new(),
+            exerted_at: Vec::new(),
             friction_heat: vec![0.0; n],
+            artificial_energy: vec![0.0; n],
+            artificial_power: vec![0.0; n],
             heat_rate: vec![0.0; n],
             ledger: Ledger::default(),
             accounts: Accounts::new(&model, dimension),
@@ -180,6 +190,7 @@ impl Oracle {
         let (after, mass) = (self.held(i, time, plus(before, dt, a)), self.p.mass[i]);
         self.p.velocity[i] = after;
         self.p.energy[i] += dt * self.p.energy_rate[i];
+        self.artificial_energy[i] += dt * self.artificial_power[i];
         for k in 0..3 {
             let (pair, mean) = (a[k] - external[k], 0.5 * (before[k] + after[k]));
             let impulse = mass * (after[k] - before[k] - pair * dt);
@@ -294,6 +305,7 @@ impl Engine for Oracle {
             self.sum_forces();
             self.resist_hourglass();
             self.push_bodies();
+            self.exerted_at.clone_from(&self.p.position);
             self.add_external();
         }
         Ok(())
@@ -355,7 +367,10 @@ impl Engine for Oracle {
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        Ok(reduction::evaluate(reduction, &self.model, &self.p))
+        Ok(match *reduction {
+            Reduction::SectionForce(section) => self.section_force(section).to_vec(),
+            _ => reduction::evaluate(reduction, &self.model, &self.p),
+        })
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

@@ -6,6 +6,7 @@
 mod decks;
 mod engine;
 mod pairs;
+mod section;
 mod sums;
 mod surroundings;
 
@@ -13,8 +14,8 @@ use super::setup::COLLISION;
 use decks::{BARS, BLOCKS, CORNER, Case, LINE, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE};
 use engine::OracleKind;
 use sphorge::deck;
-use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, Simulation};
-use sphorge::{Model, Particles};
+use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation};
+use sphorge::{Model, Particles, model::Section};
 
 /// Rounding of double precision after some tens of steps, of which 3e-12 is reached, and of single precision, of which 4e-5 is.
 const ROUNDING: f64 = 3e-11;
@@ -128,6 +129,21 @@ fn of_ledgers(a: &Ledger, b: &Ledger) -> Vec<Difference> {
     differences
 }
 
+/// Forces through sections of everything and of the first body, square to each axis and askew, over the largest of them.
+fn of_sections(a: &Simulation, b: &Simulation, p: &Particles) -> Difference {
+    let (mut largest, mut scale) = (0.0f64, 0.0f64);
+    let middle = [0, 1, 2].map(|k| p.position.iter().map(|x| x[k]).sum::<f64>() / p.len() as f64);
+    for normal in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.8, 0.0]] {
+        for body in [None, Some(0)] {
+            let section = Section { name: "section".into(), point: middle, normal, body };
+            let [f, g] = [a, b].map(|simulation| simulation.reduce(&Reduction::SectionForce(&section)).unwrap());
+            largest = f.iter().zip(&g).fold(largest, |largest, (f, g)| largest.max((f - g).abs()));
+            scale = g.iter().fold(scale, |scale, g| scale.max(g.abs()));
+        }
+    }
+    Difference { of: "sections".into(), relative: if largest == 0.0 { 0.0 } else { largest / scale } }
+}
+
 /// Runs the engine for processors with some choices of its own beside the oracle; the largest difference on the way.
 fn apart(case: &Case, fast: &[(&str, &str)]) -> Difference {
     let (mut cpu, mut oracle) = (start(&Cpu, case, fast), start(&OracleKind, case, &[]));
@@ -140,6 +156,7 @@ fn apart(case: &Case, fast: &[(&str, &str)]) -> Difference {
         if step == case.steps {
             let (p, q) = (cpu.particles().unwrap(), oracle.particles().unwrap());
             differences.extend(FIELDS.iter().map(|field| of_field(field, oracle.model(), [&p, &q, &first])));
+            differences.push(of_sections(&cpu, &oracle, &q));
             differences.extend(of_ledgers(&cpu.ledger().unwrap(), &oracle.ledger().unwrap()));
         }
         for difference in differences {

@@ -135,7 +135,7 @@ impl Oracle {
     }
 
     /// Trial stress, equation of state, return mapping over a time `dt`; what flows counts only if `commit`. The deviator.
-    fn flow(&mut self, i: usize, energy: f64, dt: f64, commit: bool) -> SymmetricTensor<f64> {
+    fn flow(&mut self, i: usize, (energy, artificial): (f64, f64), dt: f64, commit: bool) -> SymmetricTensor<f64> {
         let (model, source) = (self.model.clone(), self.model.numerics.temperature);
         let m = &model.materials[self.p.material[i] as usize];
         let rho = self.p.density[i];
@@ -162,10 +162,10 @@ impl Oracle {
                 p.temperature[i] += heat::temperature_rise_from_plastic_work(beta, after.plastic_work, rho, cp);
             }
             TemperatureSource::Energy => {
-                let cold = m.equation_of_state.cold_energy(rho, t0, cp);
+                let cold = m.cold_energy(rho);
                 let elastic = heat::elastic_energy(after.deviator, shear, rho);
                 let stored = (1.0 - beta) * p.plastic_work[i];
-                p.temperature[i] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
+                p.temperature[i] = heat::temperature_from_energy(t0, energy - artificial, cold, elastic, stored, cp);
             }
         }
         after.deviator
@@ -177,7 +177,8 @@ impl Oracle {
         let commit = numerics.integrator == Integrator::Leapfrog;
         for i in 0..self.p.len() {
             let energy = self.p.energy[i] + 0.5 * self.dt * self.p.energy_rate[i];
-            let deviator = self.flow(i, energy, self.dt_to_evaluation(), commit);
+            let artificial = self.artificial_energy[i] + 0.5 * self.dt * self.artificial_power[i];
+            let deviator = self.flow(i, (energy, artificial), self.dt_to_evaluation(), commit);
             let (rho, c, h) = (self.p.density[i], self.p.sound_speed[i], self.p.smoothing_length[i]);
             let l = self.p.velocity_gradient[i];
             let mut pressure = self.p.pressure[i];
@@ -195,7 +196,10 @@ impl Oracle {
                 None => multiply(&sigma.to_tensor(), &self.correction[i]),
             };
             if let Some(a) = numerics.artificial_stress {
-                self.repulsion[i] = artificial_stress::artificial_stress(sigma, a.epsilon, self.dimension).to_tensor();
+                let body = &self.model.bodies[self.p.body[i] as usize];
+                let at_spacing = numerics.kernel.w(body.spacing / body.smoothing_length);
+                let of_body = artificial_stress::coefficient(a.epsilon, at_spacing, a.exponent);
+                self.repulsion[i] = artificial_stress::artificial_stress(sigma, of_body, self.dimension).to_tensor();
             }
             self.switch[i] = if numerics.balsara { balsara(&l, c, h) } else { 1.0 };
         }
@@ -205,7 +209,7 @@ impl Oracle {
     pub(super) fn commit_stress(&mut self) {
         for i in 0..self.p.len() {
             self.p.density[i] = density_after(self.base_density[i], &self.p.velocity_gradient[i], self.dt);
-            self.flow(i, self.p.energy[i], self.dt, true);
+            self.flow(i, (self.p.energy[i], self.artificial_energy[i]), self.dt, true);
         }
     }
 
@@ -216,6 +220,7 @@ impl Oracle {
     /// `dv_i/dt = f_i sum_j w'_j (a_i sigma_i + a_j sigma_j + R_ij f^n - Pi_ij I) . grad_i W_ij`, the energy that goes with it, and
     /// `eps sum_j m_j/rho_ij (v_j - v_i) W_ij`.
     pub(super) fn sum_forces(&mut self) {
+        self.exerted.clear();
         let numerics = self.model.numerics.clone();
         let form = numerics.pair_form;
         let p = &self.p;
@@ -227,15 +232,16 @@ impl Oracle {
             false => momentum_weight(form, p.mass[i], p.density[i]),
         });
         let at = self.places(p.position.clone());
-        let first = &self.model.bodies[0];
-        let inverse_w = 1.0 / numerics.kernel.w(first.spacing / first.smoothing_length);
         let support = numerics.kernel.support();
         let sums = self.each(|i| {
+            let mut exerted = Vec::new();
+            let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
             let (mut a, mut power, mut xsph, mut mu_max) = ([0.0; 3], 0.0, [0.0; 3], 0.0f64);
+            let mut artificial = 0.0;
             for n in self.pairs(i, &at) {
                 let j = n.j;
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[j]));
-                let mut t_star = [0.0; 3];
+                let (mut t_star, mut repulsion) = ([0.0; 3], [0.0; 3]);
                 if self.total_lagrangian().is_none() {
                     let mu = viscosity_mu(dot(v, n.x), n.r * n.r, n.h);
                     let inverse_rho = inverse_density_mean(p.density[i], p.density[j]);
@@ -245,9 +251,10 @@ impl Oracle {
                     t_star = plus(t_star, -scaled_pressure(form, pi, p.density[i], p.density[j]), n.x);
                     if let Some(stress) = numerics.artificial_stress {
                         let w = numerics.kernel.w(n.r / n.h);
-                        let f = artificial_stress::pair_factor(w, inverse_w, stress.exponent);
-                        t_star = plus(t_star, f, apply(&self.repulsion[i], n.x));
-                        t_star = plus(t_star, f, apply(&n.image.tensor(&self.repulsion[j]), n.x));
+                        let f = artificial_stress::pair_factor(w, stress.exponent);
+                        repulsion = plus(repulsion, f, apply(&self.repulsion[i], n.x));
+                        repulsion = plus(repulsion, f, apply(&n.image.tensor(&self.repulsion[j]), n.x));
+                        t_star = plus(t_star, 1.0, repulsion);
                     }
                     xsph = plus(xsph, -numerics.xsph * p.mass[j] * inverse_rho * n.w, v);
                     if n.r < support * n.h {
@@ -256,18 +263,21 @@ impl Oracle {
                 }
                 let own = apply(&self.stress[i], n.x);
                 let total = plus(plus(own, 1.0, apply(&n.image.tensor(&self.stress[j]), n.x)), 1.0, t_star);
-                let share = match numerics.energy_split {
+                let work = match numerics.energy_split {
                     EnergySplit::OwnStress => plus(own, 0.5, t_star),
                     EnergySplit::Symmetric => total.map(|t| 0.5 * t),
                 };
                 a = plus(a, weight[j] * n.f, total);
-                power -= weight[j] * n.f * dot(share, v);
+                exerted.push((i, j, n.image, total.map(|t| p.mass[i] * f * weight[j] * n.f * t)));
+                power -= weight[j] * n.f * dot(work, v);
+                artificial -= 0.5 * weight[j] * n.f * dot(repulsion, v);
             }
-            let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
-            (a.map(|a| f * a), f * power, xsph, mu_max)
+            (a.map(|a| f * a), (f * power, f * artificial), xsph, mu_max, exerted)
         });
-        for (i, (a, power, xsph, mu)) in sums.into_iter().enumerate() {
+        for (i, (a, (power, artificial), xsph, mu, exerted)) in sums.into_iter().enumerate() {
+            self.artificial_power[i] = artificial;
             (self.p.acceleration[i], self.p.energy_rate[i], self.xsph[i]) = (a, power, xsph);
+            self.exerted.extend(exerted);
             if self.total_lagrangian().is_none() {
                 self.mu[i] = mu;
             }
@@ -281,7 +291,7 @@ impl Oracle {
         let spring =
             |i: usize| Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i], p.plastic_strain[i]);
         let sums = self.each(|i| {
-            let (mut a, mut power) = ([0.0; 3], 0.0);
+            let (mut a, mut power, mut exerted) = ([0.0; 3], 0.0, Vec::new());
             for n in self.pairs(i, &self.searched_at) {
                 let x = minus(p.position[i], n.image.point(p.position[n.j]));
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[n.j]));
@@ -291,13 +301,15 @@ impl Oracle {
                 let stress = spring(i).between(spring(n.j)).stress(0.5 * error / lengths);
                 let push = self.initial_volume[i] * self.initial_volume[n.j] * n.w * stress / lengths / p.mass[i];
                 a = plus(a, push, x);
+                exerted.push((i, n.j, n.image, x.map(|x| p.mass[i] * push * x)));
                 power -= 0.5 * push * dot(v, x);
             }
-            (a, power)
+            (a, power, exerted)
         });
-        for (i, (a, power)) in sums.into_iter().enumerate() {
+        for (i, (a, power, exerted)) in sums.into_iter().enumerate() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
             self.p.energy_rate[i] += power;
+            self.exerted.extend(exerted);
         }
     }
 

@@ -8,8 +8,8 @@ use sphorge::model::{
     WallContact, WallSurface,
 };
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, lattice, pair_conductivity,
-    surface_area, surface_conductance,
+    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, friction_share, lattice,
+    pair_conductivity, surface_area, surface_conductance, touch,
 };
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -42,11 +42,12 @@ pub(super) struct Accounts {
     heat_steps: u32,
 }
 
-/// What a wall does to a particle: acceleration, m/s^2, power, W/kg, and where it touches, in the initial configuration, m.
+/// What a wall does to a particle: acceleration, m/s^2, power and heat of friction, W/kg, and where it touches, in the initial configuration, m.
 #[derive(Default)]
 struct AtFace {
     push: Vector<f64>,
     power: f64,
+    rubbed: f64,
     xi: Vector<f64>,
 }
 
@@ -148,7 +149,10 @@ impl Oracle {
                 );
                 stiffness.add(&law, &kernel, (own.overlap, other.overlap), volumes.0, volumes.1);
                 force = plus(force, 1.0, f.force);
-                (heat, rubbed, approach) = (heat + f.damped + f.rubbed, rubbed + f.rubbed, approach.max(f.approach));
+                self.exerted.push((i, j, n.image, f.force));
+                let share = friction_share(self.material(i).effusivity(), self.material(j).effusivity());
+                (heat, rubbed) = (heat + 0.5 * f.damped + share * f.rubbed, rubbed + share * f.rubbed);
+                approach = approach.max(f.approach);
                 let (a, b) = (self.p.body[i] as usize, self.p.body[j] as usize);
                 let place = places.iter().position(|&pair| pair == (a.min(b), a.max(b)));
                 let account = &mut self.accounts.contacts[place.expect("a pair of bodies")];
@@ -162,8 +166,9 @@ impl Oracle {
             }
             let mass = self.p.mass[i];
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0 / mass, force);
-            self.p.energy_rate[i] += 0.5 * heat / mass;
-            (self.friction_heat[i], self.mu[i]) = (0.5 * rubbed / mass, approach);
+            self.p.energy_rate[i] += heat / mass;
+            self.friction_heat[i] += rubbed / mass;
+            self.mu[i] = approach;
             if !pairs.is_empty() {
                 let limit = stiffness.limit(&self.overlap[i], self.rest_volume(i), mass);
                 self.accounts.contact_limit = self.accounts.contact_limit.min(limit);
@@ -218,7 +223,8 @@ impl Oracle {
                     v = minus(v, apply(&self.p.velocity_gradient[i], apply(f, xi)));
                 }
                 let push = penalty_contact(parameters, &gap, radius, minus(v, wall_velocity), self.dt);
-                AtFace { push: push.acceleration, power: dot(push.acceleration, v) + push.heat, xi }
+                let power = dot(push.acceleration, v) + push.heat;
+                AtFace { push: push.acceleration, power, rubbed: push.rubbed, xi }
             }
         }
     }
@@ -230,11 +236,14 @@ impl Oracle {
         self.external = vec![self.model.gravity; self.p.len()];
         self.external_power = vec![0.0; self.p.len()];
         self.face_stress = vec![[[0.0; 3]; 3]; self.p.len()];
+        self.friction_heat = vec![0.0; self.p.len()];
         self.accounts.wall_power = vec![0.0; walls.len()];
         for (k, wall) in walls.iter().enumerate() {
             for i in 0..self.p.len() {
-                let AtFace { push, power, xi } = self.wall_push(wall, time, i);
+                let AtFace { push, power, rubbed, xi } = self.wall_push(wall, time, i);
                 self.external[i] = plus(self.external[i], 1.0, push);
+                // Walls are adiabatic: what friction takes heats the particle.
+                self.friction_heat[i] += rubbed;
                 self.external_power[i] += power - dot(push, self.evaluated[i]);
                 self.accounts.wall_power[k] += self.p.mass[i] * power;
                 let scale = self.p.mass[i] / self.initial_volume[i];
@@ -334,6 +343,13 @@ impl Oracle {
             }
             added_flow(self.material(i).conductivity, gradient, &self.deformation[i], &self.correction[i])
         });
+        // The other body whose face each particle touches: that of the nearest particle.
+        let cell = |i: usize| cell_size(d, p.mass[i] / p.density[i]);
+        let touched = self.each(|i| {
+            let others = self.pairs(i, &p.position).chain(self.contacts(i)).filter(|n| p.body[n.j] != p.body[i]);
+            let near = others.filter(|n| touch(n.r * n.r, cell(i), cell(n.j)));
+            near.min_by(|a, b| a.r.total_cmp(&b.r)).map(|n| p.body[n.j])
+        });
         let mut powers = vec![0.0; model.thermal.boundaries.len()];
         let mut limit = f64::INFINITY;
         let rates = self.each(|i| {
@@ -341,6 +357,10 @@ impl Oracle {
             let touching = self.contacts(i).map(|n| (n, false));
             for (n, initial) in self.pairs(i, at).map(|n| (n, initial)).chain(touching) {
                 let j = n.j;
+                let (a, b) = (p.body[i], p.body[j]);
+                if a != b && touched[i] != Some(b) && touched[j] != Some(a) {
+                    continue;
+                }
                 let volume = |i: usize| if initial { self.initial_volume[i] } else { p.mass[i] / p.density[i] };
                 let pair = HeatPair {
                     volumes: (volume(i), volume(j)),

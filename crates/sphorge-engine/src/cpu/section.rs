@@ -1,0 +1,148 @@
+//! The force through a section: what particles ahead of the plane do to those behind it.
+//!
+//! Every pair whose particles stand on either side counts with the whole force between them: stress, viscosity, artificial stress,
+//! hourglass springs, contact. The sums are those of the step, over the pairs that cross alone, so what is behind the plane takes
+//! up exactly this force and those from outside.
+
+use super::CpuEngine;
+use super::ghosts::Ghosts;
+use super::records::force;
+use crate::lanes::PairScalar;
+use crate::model::Section;
+use crate::neighbors::{BLOCK, Block};
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::Vector;
+
+/// An image that is shifted by less than this across the plane, in spacings, is shifted along it.
+const ALONG: f64 = 1e-3;
+
+/// Where particles and ghosts stand.
+struct Sides {
+    /// Distance ahead of the plane, m.
+    ahead: Vec<f64>,
+    /// Whether the particle, or the one a ghost stands for, counts.
+    counts: Vec<bool>,
+    /// Whether the pair with a ghost crosses the plane a second time, as the pair of its particle with a ghost of the other.
+    twice: Vec<bool>,
+}
+
+impl Sides {
+    /// Of particles at `places` (m) and of their images.
+    fn new(section: &Section, particles: &Particles, places: &[Vector<f64>], ghosts: &Ghosts, spacing: f64) -> Self {
+        let ahead = |x: &Vector<f64>| (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum();
+        let of_body = |&body: &u32| section.body.is_none_or(|wanted| wanted == body as usize);
+        let count = places.len();
+        let images = &ghosts.columns.position[..ghosts.count()];
+        let mut sides = Self {
+            ahead: places.iter().chain(images).map(ahead).collect(),
+            counts: particles.body.iter().map(of_body).collect(),
+            twice: vec![true; count],
+        };
+        for (ghost, &source) in ghosts.halo.rows().iter().enumerate() {
+            let source = source as usize;
+            let shift = sides.ahead[count + ghost] - sides.ahead[source];
+            sides.counts.push(sides.counts[source]);
+            sides.twice.push(shift.abs() <= ALONG * spacing);
+        }
+        sides
+    }
+
+    /// How much of the force of `j` on `i` goes through the plane, seen from behind.
+    fn share(&self, i: usize, j: usize) -> f64 {
+        let (own, other) = (self.ahead[i] >= 0.0, self.ahead[j] >= 0.0);
+        if own == other || !self.counts[i] || !self.counts[j] {
+            return 0.0;
+        }
+        // The other half comes from the row of the other particle.
+        let whole = if self.twice[j] { 0.5 } else { 1.0 };
+        if own { -whole } else { whole }
+    }
+}
+
+/// Pairs of a block whose share is the same but for its sign.
+#[derive(Default)]
+struct Crossing {
+    block: Block,
+    /// Their places among the padded entries of the block they are of.
+    entries: Vec<usize>,
+}
+
+impl Crossing {
+    fn of(block: &Block, first: usize, sides: &Sides, share: f64) -> Option<Self> {
+        let mut crossing = Self::default();
+        crossing.block.clear();
+        for k in 0..block.len() {
+            let i = first + k;
+            for (n, &j) in block.row(k).iter().enumerate() {
+                if sides.share(i, j as usize).abs() == share {
+                    crossing.block.push(j);
+                    crossing.entries.push(block.start(k) + n);
+                }
+            }
+            crossing.block.end_row(i as u32);
+        }
+        (!crossing.entries.is_empty()).then_some(crossing)
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Force of the material ahead of a plane on that behind it where forces were last evaluated, N; none before they were.
+    pub(super) fn section_force(&self, section: &Section) -> Option<Vector<f64>> {
+        if self.records.force.len() < self.particles.len() || self.lists.list.blocks().is_empty() {
+            return None;
+        }
+        let (p, spacing) = (&self.particles, self.model.spacing);
+        let places: Vec<Vector<f64>> = if self.formulation.is_initial() {
+            p.position.clone()
+        } else {
+            let of = |record: &[T; force::LEN]| self.records.frame.decode(&[0, 1, 2].map(|a| record[force::X + a]));
+            self.records.force[..p.len()].iter().map(of).collect()
+        };
+        let sides = Sides::new(section, p, &places, &self.ghosts, spacing);
+        let blocks: Vec<Vector<f64>> = self
+            .lists
+            .list
+            .blocks()
+            .par_iter()
+            .enumerate()
+            .map(|(b, block)| {
+                let mut sum = [0.0; 3];
+                for share in [0.5, 1.0] {
+                    let Some(crossing) = Crossing::of(block, b * BLOCK, &sides, share) else { continue };
+                    let stored =
+                        self.lists.stored.as_ref().map(|s| s.block(b).part(&crossing.block, &crossing.entries));
+                    let mut forces = self.forces_of_rows(b, &crossing.block, stored.as_ref());
+                    self.add_hourglass_forces(b, &crossing.block, &mut forces);
+                    for (k, force) in forces.iter().enumerate() {
+                        let sign = if sides.ahead[b * BLOCK + k] >= 0.0 { -share } else { share };
+                        add(&mut sum, sign, force);
+                    }
+                }
+                sum
+            })
+            .collect();
+        let mut force = [0.0; 3];
+        blocks.iter().for_each(|part| add(&mut force, 1.0, part));
+        if let Some(contacts) = &self.contacts {
+            let ghosts = contacts.ghosts(&self.ghosts);
+            let sides = Sides::new(section, p, &places, ghosts, spacing);
+            for (i, row) in contacts.foreign().blocks().iter().flat_map(|block| block.rows()) {
+                for &j in row {
+                    let share = sides.share(i, j as usize);
+                    if share != 0.0 {
+                        let push = contacts.force_of_pair(i, j, &places, p, &ghosts.columns, self.step.dt);
+                        add(&mut force, share, &push);
+                    }
+                }
+            }
+        }
+        Some(force)
+    }
+}
+
+fn add(sum: &mut Vector<f64>, s: f64, part: &Vector<f64>) {
+    for a in 0..3 {
+        sum[a] += s * part[a];
+    }
+}
