@@ -19,6 +19,7 @@ macro_rules! shipped {
 }
 
 shipped! {
+    "iron-plate",
     "taylor-plate",
     "taylor-bar",
     "taylor-bar-42crmo4",

@@ -28,9 +28,9 @@ tables! {
         /// Largest share of the particles of a body that cannot break (no `spall-pressure`, no damage) with fewer neighbours than a
         /// gradient needs, beyond those at the start.
         lost_neighbors: Option<Given<Number>>, example 0.01, default 0.001;
-        /// Largest distance of a particle from the box of the initial bodies, over the length of that box and the way at the highest
         /// Largest depth of a particle behind a symmetry plane, in spacings of its body.
         behind_symmetry: Option<Given<Number>>, example 0.2, default 0.5;
+        /// Largest distance of a particle from the box of the initial bodies, over the length of that box and the way at the highest
         /// speed given.
         far_away: Option<Given<Number>>, example 10, default 3.0;
         /// Largest compression `1 - rho_0/rho` over `1/S`, the largest that a shock reaches.

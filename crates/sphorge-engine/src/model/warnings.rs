@@ -135,7 +135,7 @@ impl WarningKind {
                 "behind-symmetry",
                 0.5,
                 "depth of a particle behind a symmetry plane over the spacing",
-                "the body has folded through its image: refine, lower `time.courant`, or set a wall in place of the plane",
+                "the body has folded through its image: choose a spacing whose first layer stands half of it from the plane (`sphorge check` names some), or set a penalty wall in place of the plane",
             ),
             Self::FarAway => above(
                 "far-away",

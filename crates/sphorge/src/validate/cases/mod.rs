@@ -10,6 +10,7 @@ mod heat_slab;
 mod heat_solutions;
 mod high_shear;
 mod homogeneous;
+mod iron_plate;
 mod oscillating_plate;
 mod penetration;
 mod plate_impact;
@@ -25,6 +26,7 @@ use super::Case;
 
 /// Every case, in the order they are shown in.
 pub const CASES: &[Case] = &[
+    iron_plate::CASE,
     taylor_plate::CASE,
     taylor_bar::CASE,
     taylor_bar_42crmo4::CASE,

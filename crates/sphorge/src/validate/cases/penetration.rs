@@ -29,7 +29,13 @@ pub(super) const CASE: Case = Case {
         },
         ExpectedWarning {
             name: "pairing",
-            reason: "fragments of two particles fly in the debris, a tenth of the disc at 0.4 mm",
+            reason: "a tenth of the disc (0.107 at 0.4 mm) lies in pairs at 2.7 us, behind the shock where release pulls it apart, not late \
+                     in the debris: numerical fracture that the artificial stress does not prevent",
+        },
+        ExpectedWarning {
+            name: "hot",
+            reason: "the artificial stress takes up to 12 MJ/kg out of 4 % of the particles, whose internal energy ends below zero; \
+                     temperature leaves its work out, and is then above what their energy allows",
         },
         ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
         ExpectedWarning {

@@ -1,0 +1,71 @@
+//! Taylor impact of an iron plate by the default method, beside finite elements of the same model.
+
+use super::super::{
+    Bounds, Case, Effort, Finding, ReferenceKind, Unit, Variant,
+    findings::Findings,
+    picture::{Picture, Subject},
+    runs::Runs,
+};
+
+const SPACINGS: &str = "spacings";
+
+/// Height and width of the foot (m), largest strain and temperature (K): finite elements, 8 x 54, on a wall that lets go
+/// (`reference/finite-elements/taylor_bar.json`).
+const ELEMENTS: [f64; 4] = [20.685e-3, 18.039e-3, 1.756, 573.2];
+
+/// Particles across, spacing, and what of each number may be missed at it.
+const ACROSS: [(&str, &str, [f64; 4]); 2] =
+    [("12 across", "0.6365 mm", [0.01, 0.03, 0.15, 0.05]), ("24 across", "0.31825 mm", [0.005, 0.01, 0.05, 0.02])];
+
+pub(super) const CASE: Case = Case {
+    name: "iron-plate",
+    title: "Taylor impact of an Armco iron plate, default method",
+    about: "The plate of Patiño et al., with geometry, material and load alone in the deck, beside finite elements of the same model: \
+            plane strain, rigid wall without friction that lets go.",
+    deck: "iron-plate",
+    expected_warnings: &[],
+    variants,
+    judge,
+    pictures: &[
+        Picture {
+            series: SPACINGS,
+            subject: Subject::BeforeAfter("plastic_strain"),
+            caption: "Plastic strain, before and at 60 us",
+        },
+        Picture {
+            series: SPACINGS,
+            subject: Subject::History(&["height", "width"]),
+            caption: "Height and width over time",
+        },
+    ],
+};
+
+fn variants(effort: Effort) -> Vec<Variant> {
+    let at = |row: &(&str, &str, [f64; 4])| Variant::of_series(row.0, SPACINGS).spacing(row.1);
+    match effort {
+        Effort::Quick => vec![at(&ACROSS[0])],
+        Effort::Full => ACROSS.iter().map(at).collect(),
+    }
+}
+
+fn judge(runs: &Runs, findings: &mut Findings) {
+    for run in runs.series(SPACINGS) {
+        let Some((_, _, asked)) = ACROSS.iter().find(|row| run.label() == row.0) else { continue };
+        let numbers = [
+            ("height", Unit::MILLIMETRE, "height"),
+            ("width of the foot", Unit::MILLIMETRE, "width"),
+            ("largest plastic strain", Unit::NONE, "max_plastic_strain"),
+            ("largest temperature", Unit::KELVIN, "max_temperature"),
+        ];
+        for (k, (name, unit, measure)) in numbers.into_iter().enumerate() {
+            let finding = Finding::new(name, unit, run.label(), run.measure(measure));
+            let finding = finding.beside(ReferenceKind::Published, "finite elements", ELEMENTS[k]);
+            findings
+                .add(finding.must(Bounds::Relative(asked[k]), "finite elements of the same plate, constants and wall"));
+        }
+    }
+    findings.note(
+        "The strain of the finite elements still rises by 9 % from 5 x 34 to 8 x 54, their height and width by 0.2 and 1.1 %. On a wall that \
+         does not let go the foot is 17.15 mm wide.",
+    );
+}
