@@ -122,13 +122,13 @@ pub struct Ledger {
     pub bodies: Vec<BodyLedger>,
     /// Sums over everything.
     pub total: BodyLedger,
-    /// Work done on the particles by walls, gravity and prescribed motion since the start, J; of walls with the heat of their friction,
-    /// which goes to the particles.
+    /// Work done on the particles by walls, gravity and prescribed motion since the start, J; of walls with the heat of friction
+    /// and damping, which goes to the particles.
     pub external_work: f64,
     /// Impulse of walls, gravity and prescribed motion since the start, N s.
     pub external_impulse: [f64; 3],
     /// Work done by each wall since the start, J, in deck order: its force times the velocity of the particles where forces are summed,
-    /// and the heat of its friction,
+    /// and the heat of its friction and damping,
     /// so that the sum over walls differs from their share of `external_work` by what is of first order in the step.
     pub wall_work: Vec<f64>,
     /// Energy the integrator booked into the internal energy since the start, J: the work of pair forces at the velocity they were

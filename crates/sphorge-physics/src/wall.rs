@@ -183,7 +183,7 @@ mod tests {
         let gap = Gap { distance: -0.001, normal: [0.6, 0.0, -0.8] };
         let push = penalty_contact(p, &gap, 0.005, [6.0, 0.0, -8.0], 1e-5);
         assert_near(push.acceleration, [3000.0, 0.0, -4000.0]);
-        assert!((push.heat - 1e4).abs() < 1e-9);
+        assert!((push.heat - 1e4).abs() < 1e-9 && push.rubbed == 0.0);
         // From c/l: (0.5 (1000/0.1)^2, 2 0.25 sqrt(that)).
         let p = PenaltyParameters::from_sound_speed(1000.0f64, 0.1, 0.5, 0.25, 0.1);
         assert!((p.stiffness - 5.0e7).abs() < 1e-6 && (p.damping - 3_535.533_905_932_738).abs() < 1e-9);
