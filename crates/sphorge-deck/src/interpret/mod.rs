@@ -315,21 +315,27 @@ fn check_together(
         let message = "the total Lagrangian form is integrated by leapfrog";
         let help = "choose `integrator = \"leapfrog\"`, or a method that sums over the present neighbours: \
                     `method = \"updated-lagrangian\"`";
-        problems.push(Fault::new("not-together", message, key.span(), "not with this method, the default").help(help));
+        problems.push(Fault::new("not-together", message, key.span(), "not in the total Lagrangian form").help(help));
     }
-    if let (Some(strategy), Some(how), Some(contact), Some(search)) = (strategy, contact, &raw.contact, &raw.search)
+    // A deck that names neither search nor method has the default one.
+    let with_search = |fault: Fault| match (&raw.search, &raw.method) {
+        (Some(search), _) => fault.also(search.span(), "not with this search"),
+        (None, Some(method)) => fault.also(method.span(), "not with this method"),
+        (None, None) => fault,
+    };
+    if let (Some(strategy), Some(how), Some(contact)) = (strategy, contact, &raw.contact)
         && let Some((message, help)) = without_contact(strategy, how, raw.body.len())
     {
         let fault = Fault::new("not-together", message, contact.span(), "this contact");
-        problems.push(fault.also(search.span(), "not with this search").help(help));
+        problems.push(with_search(fault).help(help));
     }
     let cell = [&raw.periodic.x, &raw.periodic.y, &raw.periodic.z].into_iter().flatten().next();
-    if let (Some(Formulation::TotalLagrangian { .. }), true, Some(cell), Some(search)) =
-        (strategy.map(|s| s.formulation), raw.body.len() > 1, cell, &raw.search)
+    if let (Some(Formulation::TotalLagrangian { .. }), true, Some(cell)) =
+        (strategy.map(|s| s.formulation), raw.body.len() > 1, cell)
     {
         let message = "bodies in the total Lagrangian form do not meet across the ends of a periodic cell";
         let fault = Fault::new("not-together", message, cell.span.clone(), "periodic");
-        problems.push(fault.also(search.span(), "not with this search").help("choose another `search`"));
+        problems.push(with_search(fault).help("choose `method = \"updated-lagrangian\"`"));
     }
 }
 
@@ -338,7 +344,7 @@ fn without_contact(strategy: Strategy, contact: BodyContact, bodies: usize) -> O
     match (strategy.formulation, strategy.search, contact) {
         (Formulation::TotalLagrangian { .. }, _, BodyContact::Sph) if bodies > 1 => Some((
             "the total Lagrangian form sums over the particles of one body, so bodies cannot meet in kernel sums",
-            "choose `contact = \"penalty\"`, which is its default, or another `search`",
+            "choose `contact = \"penalty\"`, which is its default, or `method = \"updated-lagrangian\"`",
         )),
         (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_)) => Some((
             "lists of the start hold no body that arrives, so bodies cannot meet in a contact",

@@ -302,6 +302,15 @@ fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
     let problem = fault(&kernel_sum(&two));
     assert_eq!(problem.code(), "not-together", "{problem}");
     assert!(problem.to_string().contains("cannot meet in kernel sums"), "{problem}");
+    // The same where the form is that of the default method, or of one that is named.
+    for named in ["", "method = \"total-lagrangian\""] {
+        let deck = kernel_sum(&two).replace("search = \"total-lagrangian\"", named);
+        let problem = fault(&deck);
+        assert!(problem.to_string().contains("cannot meet in kernel sums"), "{named}: {problem}");
+        let deck = two.replace("search = \"total-lagrangian\"", named);
+        let cell = deck.replace("[[wall]]", "[periodic]\nx = [\"-3.9 mm\", \"3.9 mm\"]\n[[wall]]");
+        assert!(fault(&cell).to_string().contains("across the ends of a periodic cell"), "{named}");
+    }
     let cell = two.replace("[[wall]]", "[periodic]\nx = [\"-3.9 mm\", \"3.9 mm\"]\n[[wall]]");
     let problem = fault(&cell);
     assert!(problem.to_string().contains("across the ends of a periodic cell"), "{problem}");
