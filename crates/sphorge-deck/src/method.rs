@@ -2,7 +2,7 @@
 
 use crate::defaults;
 use crate::strategy::Strategy;
-use sphorge_engine::model::{ArtificialStress, Formulation, Integrator, Search};
+use sphorge_engine::model::{Arrangement, ArtificialStress, Formulation, Integrator, Search};
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub(crate) struct Choices {
     pub(crate) artificial_stress: Option<ArtificialStress>,
     pub(crate) xsph: f64,
     pub(crate) wall: WallContactKind,
+    /// Arrangement of the particles of bodies that rings can fill.
+    pub(crate) round: Arrangement,
 }
 
 /// Which contact a wall has.
@@ -38,6 +40,7 @@ const UPDATED: Choices = Choices {
     artificial_stress: None,
     xsph: 0.0,
     wall: WallContactKind::MonaghanKos,
+    round: Arrangement::Square,
 };
 
 impl Method {
@@ -54,7 +57,13 @@ impl Method {
         let (epsilon, exponent) = defaults::ARTIFICIAL_STRESS;
         match self {
             Self::TotalLagrangian => {
-                Choices { strategy: Strategy::total(defaults::HOURGLASS), wall: WallContactKind::Penalty, ..UPDATED }
+                // A square lattice has steps for a round surface, and corners beyond it: a bar of twelve particles across is 4 % too wide.
+                Choices {
+                    strategy: Strategy::total(defaults::HOURGLASS),
+                    wall: WallContactKind::Penalty,
+                    round: Arrangement::Rings,
+                    ..UPDATED
+                }
             }
             Self::UpdatedLagrangian => UPDATED,
             Self::Patino => Choices {

@@ -17,17 +17,21 @@ const SMOOTHING_RANGE: Bound = Bound::Between(0.6, 4.0);
 pub(crate) struct ParticleDefaults {
     spacing: Option<f64>,
     smoothing: Option<f64>,
-    arrangement: Option<Arrangement>,
+    /// None where it is not given; the outer one where what is given is wrong.
+    arrangement: Option<Option<Arrangement>>,
+    /// Arrangement of bodies that rings can fill, where none is given.
+    round: Arrangement,
     placement: Option<LatticePlacement>,
 }
 
 impl ParticleDefaults {
-    /// `spacing` has been read already.
-    pub(crate) fn read(raw: &RawParticles, spacing: Option<f64>, problems: &mut Problems) -> Self {
+    /// `spacing` has been read already; `round` is what the method has for bodies that rings can fill.
+    pub(crate) fn read(raw: &RawParticles, spacing: Option<f64>, round: Arrangement, problems: &mut Problems) -> Self {
         Self {
             spacing,
             smoothing: smoothing(raw.smoothing.as_ref(), Some(defaults::SMOOTHING), problems),
-            arrangement: chosen(raw.lattice.as_ref(), Some(Arrangement::default()), problems),
+            arrangement: raw.lattice.as_ref().map_or(Some(None), |word| word.get(problems).map(Some)),
+            round,
             placement: chosen(raw.placement.as_ref(), Some(LatticePlacement::default()), problems),
         }
     }
@@ -53,12 +57,14 @@ fn lattice(
     particles: &ParticleDefaults,
     problems: &mut Problems,
 ) -> Option<Lattice> {
-    let arrangement = chosen(raw.lattice.as_ref(), particles.arrangement, problems);
+    let given = raw.lattice.as_ref().map_or(particles.arrangement, |word| word.get(problems).map(Some));
     let placement = chosen(raw.placement.as_ref(), particles.placement, problems);
-    let (arrangement, placement, shape) = (arrangement?, placement?, shape?);
+    let (given, placement, shape) = (given?, placement?, shape?);
     if matches!(shape.solid, Solid::Cloud { .. }) {
         return Some(Lattice::default());
     }
+    let is_round = placement == LatticePlacement::CellCentres && rings_fill(shape, dimensions);
+    let arrangement = given.unwrap_or(if is_round { particles.round } else { Arrangement::default() });
     let at = raw.lattice.as_ref().map_or(raw.name.span(), |word| word.span());
     if arrangement == Arrangement::Rings && !rings_fill(shape, dimensions) {
         let message = "rings fill a `disc`, a `cylinder`, or a `difference` or `intersection` that begins with one";

@@ -89,7 +89,8 @@ tables! {
         /// Smoothing length over spacing, h / spacing.
         smoothing: Option<Given<Number>>, example 1.2, default 1.2;
         /// How particles are arranged.
-        lattice: Option<Choice<ArrangementWord>>, example "hexagonal", default "square";
+        lattice: Option<Choice<ArrangementWord>>, example "hexagonal",
+            otherwise "`rings` in the total Lagrangian form for bodies they fill, else `square`";
         /// Where a square or cubic lattice sits in a shape.
         placement: Option<Choice<PlacementWord>>, example "on-faces", default "cell-centres";
     }

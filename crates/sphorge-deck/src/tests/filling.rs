@@ -2,6 +2,7 @@
 
 use crate::load_text;
 use sphorge_engine::Particles;
+use sphorge_engine::model::Arrangement;
 
 fn deck(dimensions: &str, rest: &str) -> Particles {
     let text = format!(
@@ -139,19 +140,43 @@ fn proposed(note: &str) -> Vec<&str> {
 fn a_lattice_that_does_not_end_at_a_symmetry_plane_is_told_with_spacings_that_do() {
     // 40 layers of 0.63 mm in 25.4 mm: (25.4 - 39 0.63)/2 = 0.415. 0.8 % is missing in the length, the section has 120 squares
     // where its circle has 114.9.
-    let told = notes(&copper_bar("spacing = \"0.63 mm\""));
+    let told = notes(&copper_bar("spacing = \"0.63 mm\", lattice = \"square\""));
     assert_eq!(told.len(), 1, "{told:?}");
     let expected = "body `bar`: its particles weigh 3.6 % more than its shape, its first layer stands 0.4150 mm from the symmetry plane across z, not half a spacing, 0.3150 mm; ";
     assert!(told[0].starts_with(expected), "{told:?}");
     let proposed = proposed(&told[0]);
     assert_eq!(proposed.len(), 2, "{told:?}");
     for spacing in proposed {
-        let told = notes(&copper_bar(&format!("spacing = \"{spacing}\"")));
+        let told = notes(&copper_bar(&format!("spacing = \"{spacing}\", lattice = \"square\"")));
         assert_eq!(told, Vec::<String>::new(), "at {spacing}");
     }
     // 40 layers of 0.635 mm end at the plane, and so do rings.
-    assert_eq!(notes(&copper_bar("spacing = \"0.635 mm\"")), Vec::<String>::new());
+    assert_eq!(notes(&copper_bar("spacing = \"0.635 mm\", lattice = \"square\"")), Vec::<String>::new());
     assert_eq!(notes(&copper_bar("spacing = \"0.63 mm\", lattice = \"rings\"")), Vec::<String>::new());
+}
+
+#[test]
+fn a_round_body_gets_rings_from_the_total_lagrangian_form_alone_and_where_the_deck_says_nothing_else() {
+    let arrangement = |top: &str, particles: &str| {
+        let bar = copper_bar(&format!("spacing = \"0.635 mm\"{particles}"));
+        let text = format!("{top}{}", bar.replace("symmetry = [{ axis = \"z\" }]\n", ""));
+        let setup = load_text("deck", &text, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+        setup.model.bodies[0].lattice.arrangement
+    };
+    assert_eq!(arrangement("", ""), Arrangement::Rings);
+    assert_eq!(arrangement("method = \"updated-lagrangian\"\n", ""), Arrangement::Square);
+    assert_eq!(arrangement("method = \"fraser\"\nsearch = \"total-lagrangian\"\n", ""), Arrangement::Rings);
+    assert_eq!(arrangement("", ", lattice = \"hexagonal\""), Arrangement::Hexagonal);
+    assert_eq!(arrangement("", ", placement = \"on-faces\""), Arrangement::Square);
+    let boxed = load_text(
+        "deck",
+        &format!(
+            "dimensions = \"3d\"\ntime = {{ end = 1 }}\nparticles = {{ spacing = 0.5 }}\n\
+        [[body]]\nname = \"b\"\nmaterial = \"ofhc-copper\"\nshape = {{ box = {{ min = [0, 0, 0], max = [1, 1, 1] }} }}\n"
+        ),
+        &[],
+    );
+    assert_eq!(boxed.map_err(|_| ()).unwrap().model.bodies[0].lattice.arrangement, Arrangement::Square);
 }
 
 #[test]

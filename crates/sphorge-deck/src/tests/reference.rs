@@ -49,7 +49,9 @@ A lattice is anchored to its shape and turns with it, so a symmetric shape gets 
 - `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
   each, a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
   quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
-  what its shape does. Further parts of a `difference` or `intersection` cut particles away.
+  what its shape does. Further parts of a `difference` or `intersection` cut particles away. The total Lagrangian form has it for all
+  bodies it fills, unless the deck says otherwise: corners of a cubic lattice reach beyond a round surface, and a bar of 12 particles
+  across gets a foot 4 % too wide.
 - A body has to be at least one spacing thick. Bodies that touch share a face: their outermost particles are then one spacing
   apart. Bodies overlap, and are refused, where particles come nearer than half of that.
 "#;
