@@ -25,6 +25,8 @@ pub(crate) const ADAPTIVE: AdaptiveSearch =
     AdaptiveSearch { plastic_strain_threshold: 1e-5, accumulate: false, guard: Some(GUARD_STRAIN) };
 /// Strength of the hourglass control of the total Lagrangian form.
 pub(crate) const HOURGLASS: f64 = 10.0;
+/// Principal stretch at which the total Lagrangian form renews its reference configuration.
+pub(crate) const RENEWAL: Option<f64> = Some(8.0);
 /// Stiffness, damping and friction of the penalty contact.
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
 /// Stiffness, damping and friction of the contact between bodies.

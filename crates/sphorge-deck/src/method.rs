@@ -59,7 +59,7 @@ impl Method {
             Self::TotalLagrangian => {
                 // A square lattice has steps for a round surface, and corners beyond it: a bar of twelve particles across is 4 % too wide.
                 Choices {
-                    strategy: Strategy::total(defaults::HOURGLASS),
+                    strategy: Strategy::total(defaults::HOURGLASS, defaults::RENEWAL),
                     wall: WallContactKind::Penalty,
                     round: Arrangement::Rings,
                     ..UPDATED

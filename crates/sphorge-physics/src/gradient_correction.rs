@@ -7,12 +7,12 @@
 use crate::tensor::{determinant, identity, inverse};
 use crate::{Dimension, Scalar, Tensor};
 
-/// Largest component of a correction. A particle in the corner of a block, an eighth of a neighbourhood, needs about 16.
-const LARGEST_COMPONENT: f64 = 30.0;
+/// Largest component of a correction, usually. A particle in the corner of a block, an eighth of a neighbourhood, needs about 16.
+pub const LARGEST_COMPONENT: f64 = 30.0;
 
 /// `B = M^-1`, with a unit on the axes not computed in. The unit tensor, that is no correction, where `M` is singular, inside
-/// out or so ill-conditioned that a component of `B` exceeds 30.
-pub fn gradient_correction<T: Scalar>(moment: &Tensor<T>, dimension: Dimension) -> Tensor<T> {
+/// out or so ill-conditioned that a component of `B` exceeds `largest`.
+pub fn gradient_correction<T: Scalar>(moment: &Tensor<T>, dimension: Dimension, largest: T) -> Tensor<T> {
     let count = dimension.count();
     let mut m = identity();
     for a in 0..count {
@@ -27,7 +27,7 @@ pub fn gradient_correction<T: Scalar>(moment: &Tensor<T>, dimension: Dimension) 
         for a in 0..3 {
             for b in 0..3 {
                 // Not `>`: a component that is not a number must fail.
-                bounded = bounded && inverse[a][b].abs() < T::of(LARGEST_COMPONENT);
+                bounded = bounded && inverse[a][b].abs() < largest;
             }
         }
         if bounded {
@@ -60,7 +60,7 @@ mod tests {
                         }
                     }
                 }
-                let corrected = multiply(&gradient, &gradient_correction(&moment, dimension));
+                let corrected = multiply(&gradient, &gradient_correction(&moment, dimension, LARGEST_COMPONENT));
                 for p in 0..3 {
                     for q in 0..dimension.count() {
                         assert!((corrected[p][q] - a[p][q]).abs() < 1e-10 * 120.0, "{dimension:?} {i}");
@@ -78,10 +78,16 @@ mod tests {
         let inside_out = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let broken = [[f64::NAN; 3]; 3];
         for moment in [zero(), flat, nearly_flat, inside_out, broken] {
-            assert_eq!(gradient_correction(&moment, Dimension::Three), unit);
+            assert_eq!(gradient_correction(&moment, Dimension::Three, LARGEST_COMPONENT), unit);
         }
         // Axes not computed in do not count.
-        assert_eq!(gradient_correction(&[[0.5, 0.0, 0.0], [0.0; 3], [0.0; 3]], Dimension::One)[0][0], 2.0);
-        assert_eq!(gradient_correction(&flat, Dimension::Two), unit);
+        assert_eq!(
+            gradient_correction(&[[0.5, 0.0, 0.0], [0.0; 3], [0.0; 3]], Dimension::One, LARGEST_COMPONENT)[0][0],
+            2.0
+        );
+        assert_eq!(gradient_correction(&flat, Dimension::Two, LARGEST_COMPONENT), unit);
+        let half = [[0.5, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(gradient_correction(&half, Dimension::Three, 1.9), unit);
+        assert_eq!(gradient_correction(&half, Dimension::Three, 2.1)[0][0], 2.0);
     }
 }

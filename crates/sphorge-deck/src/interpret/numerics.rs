@@ -17,6 +17,8 @@ use sphorge_physics::parameter::Bound;
 
 /// Exponents above give a force that is zero or infinite in all but name.
 const LARGEST_EXPONENT: u64 = 16;
+/// Stretches at which the reference configuration may be renewed: above those of elastic bodies.
+const RENEWAL_RANGE: Bound = Bound::Between(1.1, 100.0);
 
 /// More frames or rows than these are a slip of units, and would fill a disk.
 const MOST_FRAMES: f64 = 1e5;
@@ -211,12 +213,26 @@ fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> O
     let corrected = or_default!(raw.form, true, |f: &Choice<FormulationWord>| f.get(problems));
     let hourglass =
         or_default!(raw.hourglass, defaults::HOURGLASS, |h: &Given<Number>| h.within(Bound::NonNegative, problems));
-    if let (Some(false), Some(given)) = (corrected, &raw.hourglass) {
-        let fault = Fault::new("not-together", "the frozen form has no hourglass control", given.span(), "not used");
-        problems.push(fault.help("leave `hourglass` or `form = \"frozen\"` out"));
+    let renewal = or_default!(raw.renewal, defaults::RENEWAL, |r: &Given<Number>| renewal(r, problems));
+    let unused = [("hourglass control", "hourglass", &raw.hourglass), ("renewal", "renewal", &raw.renewal)];
+    for (what, key, given) in unused {
+        if let (Some(false), Some(given)) = (corrected, given) {
+            let message = format!("the frozen form has no {what}");
+            let fault = Fault::new("not-together", message, given.span(), "not used");
+            problems.push(fault.help(format!("leave `{key}` or `form = \"frozen\"` out")));
+        }
     }
-    let hourglass = hourglass?;
-    Some(if corrected? { Strategy::total(hourglass) } else { Strategy::updated(Search::Initial) })
+    let (hourglass, renewal) = (hourglass?, renewal?);
+    Some(if corrected? { Strategy::total(hourglass, renewal) } else { Strategy::updated(Search::Initial) })
+}
+
+/// A stretch, or none.
+fn renewal(given: &Given<Number>, problems: &mut Problems) -> Option<Option<f64>> {
+    let stretch = given.within(Bound::NonNegative, problems)?;
+    if stretch == 0.0 {
+        return Some(None);
+    }
+    given.within(RENEWAL_RANGE, problems).map(Some)
 }
 
 /// Between 0 and 1, both allowed.

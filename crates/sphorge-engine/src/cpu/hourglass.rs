@@ -165,7 +165,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Adds the hourglass forces to acceleration and energy rate.
     pub(super) fn resist_hourglass(&mut self) {
-        let Formulation::TotalLagrangian { hourglass: strength } = self.model.formulation else { return };
+        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return };
         if strength == 0.0 {
             return;
         }

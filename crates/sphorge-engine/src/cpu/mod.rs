@@ -21,6 +21,7 @@ mod prefetch;
 mod read;
 mod records;
 mod reference_conduction;
+mod renewal;
 mod search;
 mod section;
 mod smoothing;
@@ -96,8 +97,10 @@ struct CpuEngine<T: PairScalar> {
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
     restored_density: Vec<f64>,
-    /// Gradient correction of the initial configuration is known.
+    /// Gradient correction of the reference configuration is known.
     reference_corrected: bool,
+    /// By body, whether its reference configuration has been renewed.
+    has_come_apart: Vec<bool>,
 }
 
 /// The step being taken.
@@ -155,6 +158,7 @@ impl<T: PairScalar> CpuEngine<T> {
             constants,
             instructions: Instructions::best(),
             repulsion: initial::repulsion(&model),
+            has_come_apart: vec![false; model.bodies.len()],
             particles,
             model,
             restored_density: Vec::new(),

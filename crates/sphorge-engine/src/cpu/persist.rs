@@ -23,6 +23,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.external.persist("external", archive)?;
         self.step.persist("step", archive)?;
         self.reference_corrected.persist("reference_corrected", archive)?;
+        self.has_come_apart.persist("has_come_apart", archive)?;
         if let Some(contacts) = &mut self.contacts {
             contacts.persist("contacts", archive)?;
         }

@@ -158,6 +158,8 @@ pub(super) struct AtWall<'a> {
     pub(super) velocity_gradient: &'a [Tensor<f64>],
     /// Empty where the formulation has none.
     pub(super) deformation: &'a [Tensor<f64>],
+    /// That of the reference configuration; empty where that is the initial one.
+    earlier_deformation: &'a [Tensor<f64>],
 }
 
 impl<'a> AtWall<'a> {
@@ -168,23 +170,30 @@ impl<'a> AtWall<'a> {
             body: &p.body,
             velocity_gradient: &p.velocity_gradient,
             deformation: &p.deformation,
+            earlier_deformation: &p.earlier_deformation,
         }
     }
 
     /// A distance within which the surface of particle `i` is, m.
     fn farthest(&self, spacing: f64, i: usize) -> f64 {
-        let stretch =
-            self.deformation.get(i).map_or(1.0, |f| f.as_flattened().iter().map(|c| c * c).sum::<f64>().sqrt());
-        0.5 * spacing * stretch
+        let stretch = |f: Tensor<f64>| f.as_flattened().iter().map(|c| c * c).sum::<f64>().sqrt();
+        0.5 * spacing * self.whole_deformation(i).map_or(1.0, stretch)
     }
 
-    /// Half the extent of particle `i` along a normal (m), the place in the initial configuration of its point farthest against the
+    /// Deformation gradient of particle `i` since the start, where the formulation has one.
+    fn whole_deformation(&self, i: usize) -> Option<Tensor<f64>> {
+        let f = self.deformation.get(i)?;
+        Some(self.earlier_deformation.get(i).map_or(*f, |earlier| tensor::multiply(f, earlier)))
+    }
+
+    /// Half the extent of particle `i` along a normal (m), the place in the reference configuration of its point farthest against the
     /// normal, from the centre (m), with the sign turned, and the velocity of that point (m/s).
     fn face(&self, spacing: f64, i: usize, normal: Vector<f64>) -> (f64, Vector<f64>, Vector<f64>) {
         let velocity = self.velocity[i];
-        let Some(f) = self.deformation.get(i) else { return (0.5 * spacing, [0.0; 3], velocity) };
-        let face = extreme_point(spacing, f, normal);
-        let arm = tensor::apply(f, face);
+        let Some(f) = self.whole_deformation(i) else { return (0.5 * spacing, [0.0; 3], velocity) };
+        let initial = extreme_point(spacing, &f, normal);
+        let face = self.earlier_deformation.get(i).map_or(initial, |earlier| tensor::apply(earlier, initial));
+        let arm = tensor::apply(&f, initial);
         let spin = tensor::apply(&self.velocity_gradient[i], arm);
         (dot(normal, arm), face, [0, 1, 2].map(|a| velocity[a] - spin[a]))
     }

@@ -122,10 +122,14 @@ pub enum Formulation {
     /// The present one: Cauchy stress over present neighbours.
     #[default]
     UpdatedLagrangian,
-    /// The initial one: deformation gradient and first Piola–Kirchhoff stress with corrected gradients over initial neighbours.
+    /// The initial one, or the one at its last renewal: deformation gradient and first Piola–Kirchhoff stress with corrected gradients over
+    /// the neighbours there.
     TotalLagrangian {
         /// Strength of the hourglass control, zero for none.
         hourglass: f64,
+        /// Principal stretch, or one over it, at which the present configuration becomes the one the sums are taken in; `None`: the
+        /// initial one for good.
+        renewal: Option<f64>,
     },
 }
 

@@ -32,6 +32,8 @@ pub enum Owner {
     ArtificialEnergy,
     /// The reference configuration of the total Lagrangian form.
     Reference,
+    /// Its renewal.
+    Renewal,
 }
 
 /// Who may name a field.
@@ -288,7 +290,9 @@ columns! {
     pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
-        Internal("", "smallest principal stretch since the start"), Unmirrored[], None;
+        Internal("", "smallest principal stretch from the reference configuration"), Unmirrored[], None;
+    pub(crate) earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
+        Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;
 }
 
 impl Particles {

@@ -301,6 +301,8 @@ impl Pieces {
     fn find(model: &Model, p: &Particles, is_whole: &impl Fn(usize) -> bool) -> Self {
         let support = model.numerics.kernel.support();
         let reach = support * p.smoothing_length.iter().copied().fold(0.0, f64::max);
+        // What hangs together in the configuration the sums are taken in.
+        let position = if p.reference_position.is_empty() { &p.position } else { &p.reference_position };
         let mut pieces = Self {
             piece: (0..p.len() as u32).collect(),
             sizes: vec![0; p.len()],
@@ -309,9 +311,9 @@ impl Pieces {
         let any = (0..p.len()).any(is_whole);
         if any && reach > 0.0 && reach.is_finite() {
             let mut grid = CellGrid::default();
-            grid.sort(&p.position, reach);
+            grid.sort(position, reach);
             for i in (0..p.len()).filter(|&i| is_whole(i)) {
-                for (begin, end) in grid.runs_around(&p.position[i]) {
+                for (begin, end) in grid.runs_around(&position[i]) {
                     // Each pair once.
                     for j in grid.order()[begin..end]
                         .iter()
@@ -320,7 +322,7 @@ impl Pieces {
                     {
                         let (a, b) = (pieces.root(i), pieces.root(j));
                         let h = p.smoothing_length[i].max(p.smoothing_length[j]);
-                        let squared = || (0..3).map(|a| (p.position[i][a] - p.position[j][a]).powi(2)).sum::<f64>();
+                        let squared = || (0..3).map(|a| (position[i][a] - position[j][a]).powi(2)).sum::<f64>();
                         // Most are together already.
                         if a != b && squared() < (support * h).powi(2) {
                             pieces.piece[a.max(b)] = a.min(b) as u32;

@@ -153,11 +153,8 @@ impl Watch {
             self.particles_at = Some(clock.step);
             self.look_at_particles(engine, engine.model(), clock)?;
         }
-        // Sums over the neighbours of the start know neither an instability in tension nor a neighbour that is lost.
-        if engine.model().formulation != Formulation::UpdatedLagrangian {
-            return Ok(());
-        }
-        if due(self.pairs_at, PAIR_STEPS) {
+        // Sums over the neighbours of the start know no instability in tension.
+        if engine.model().formulation == Formulation::UpdatedLagrangian && due(self.pairs_at, PAIR_STEPS) {
             self.pairs_at = Some(clock.step);
             self.look_at_pairs(engine, clock)?;
         }

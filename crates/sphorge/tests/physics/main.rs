@@ -9,6 +9,7 @@ mod failure;
 mod heat;
 mod oracle;
 mod persist;
+mod renewal;
 mod sections;
 mod setup;
 mod spall;

@@ -1,5 +1,5 @@
-//! The total Lagrangian form: sums over the initial neighbours at the initial positions `X`, whose formulas are those of
-//! [`sphorge_physics::total_lagrangian`].
+//! The total Lagrangian form: sums over the neighbours in the reference configuration at the positions `X` there, whose formulas are those
+//! of [`sphorge_physics::total_lagrangian`]. That is the initial configuration, until a body comes apart ([`crate::cpu::renewal`]).
 //!
 //! The Cauchy stress follows from the velocity gradient by the same laws as in the other form. There is no tensile instability:
 //! artificial stress, XSPH and density restoration are left out of the model. Viscosity is a pressure of the particle: a viscosity of
@@ -15,9 +15,10 @@ use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
+use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
 use sphorge_physics::total_lagrangian::{deform, density as density_of, first_piola, smallest_stretch};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
-use sphorge_physics::{Dimension, SymmetricTensor, Tensor, gradient_correction, tensor};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, tensor};
 
 pub(super) struct TotalLagrangian;
 
@@ -142,17 +143,24 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     }
 }
 
-/// The gradient correction of the initial configuration.
+/// Largest component of the correction in a body that has come apart, twice that at a flat free surface. What has few neighbours on one
+/// side is common there, and rates of ten times the plain gradient are noise that takes energy: with the usual bound the internal energy
+/// of the disc of `penetration` falls below zero.
+const LARGEST_APART: f64 = 4.0;
+
+/// The gradient correction of the reference configuration.
 fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
     let dimension: Dimension = crate::cpu::dimension(&engine.model);
     let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
-    let correction = &mut engine.particles.correction;
+    let Particles { correction, body, .. } = &mut engine.particles;
+    let (body, has_come_apart) = (&*body, &engine.has_come_apart);
     correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
         let mut sums = [GradientSum::zero(); BLOCK];
         sweep.block(b, true, &mut sums);
         for (k, b_i) in correction.iter_mut().enumerate() {
             let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
-            *b_i = gradient_correction::gradient_correction(&moment, dimension);
+            let bound = if has_come_apart[body[b * BLOCK + k] as usize] { LARGEST_APART } else { LARGEST_COMPONENT };
+            *b_i = gradient_correction(&moment, dimension, bound);
         }
     });
 }

@@ -10,8 +10,9 @@ use crate::model::{GradientCorrection, Integrator, Model};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
+use sphorge_physics::gradient_correction::{self, LARGEST_COMPONENT};
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{SymmetricTensor, Tensor, Vector, gradient_correction, pair, stress, tensor};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector, pair, stress, tensor};
 
 pub(super) struct UpdatedLagrangian;
 
@@ -63,7 +64,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
             if let Some(b_i) = correction {
                 let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
-                *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                *b_i = gradient_correction::gradient_correction(&moment, dimension, LARGEST_COMPONENT);
                 l = tensor::multiply(&l, &tensor::transpose(b_i));
             }
             *rho = stress::density_after(*rho, &l, dt);
@@ -118,7 +119,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             for (k, b_i) in correction.iter_mut().enumerate() {
                 let scale = pair::gradient_factor(form, density[b * BLOCK + k]);
                 let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64() * scale));
-                *b_i = gradient_correction::gradient_correction(&moment, dimension);
+                *b_i = gradient_correction::gradient_correction(&moment, dimension, LARGEST_COMPONENT);
             }
         });
     }

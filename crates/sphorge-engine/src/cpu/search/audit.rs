@@ -33,7 +33,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(in super::super) fn audit_lists(&mut self) -> Audit {
         // Those of the lists may be older.
         let (mut points, mut smoothing_length) = (Vec::new(), Vec::new());
-        place(&self.particles, &self.ghosts, &mut points, &mut smoothing_length);
+        place(&self.particles, &self.ghosts, false, &mut points, &mut smoothing_length);
         let count = self.particles.len();
         let factor = self.model.numerics.kernel.support();
         let lists = &self.lists;

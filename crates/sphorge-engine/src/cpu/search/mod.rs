@@ -139,7 +139,7 @@ impl<T: PairScalar> CpuEngine<T> {
             }
             Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
             Search::Initial => {
-                let report = if stale {
+                let report = if stale || self.renew_references() {
                     self.search_all()
                 } else {
                     self.follow_frame();
@@ -199,7 +199,7 @@ impl<T: PairScalar> CpuEngine<T> {
             self.lists.searcher.forget();
             self.lists.candidates.forget();
         }
-        if self.ghosts.halo.rebuild(&self.particles.position, ghost_reach) {
+        if self.ghosts.halo.rebuild(searched_positions(&self.particles, self.formulation.is_initial()), ghost_reach) {
             self.lists.searcher.forget();
         }
         self.place_points();
@@ -219,6 +219,10 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         }
         self.set_frame(frame);
+        if self.has_come_apart.contains(&true) {
+            // Bodies are elsewhere than their reference configurations.
+            self.frame_all();
+        }
         self.take_contacts();
         self.lists.displacement_at_search = self.lists.displacement;
         self.lists.searches += 1;
@@ -254,7 +258,7 @@ impl<T: PairScalar> CpuEngine<T> {
     fn place_points(&mut self) {
         self.ghosts.exchange(FieldSet::Search, &self.particles);
         let Lists { points, smoothing_length, .. } = &mut self.lists;
-        place(&self.particles, &self.ghosts, points, smoothing_length);
+        place(&self.particles, &self.ghosts, self.formulation.is_initial(), points, smoothing_length);
         if let Some(least) = least_searched(&self.model, self.contacts.as_ref()) {
             let body = WithGhosts::new(&self.particles.body, &self.ghosts.columns.body);
             let raise = |(i, h): (usize, &mut f64)| *h = h.max(least[body.at(i) as usize]);
@@ -267,6 +271,11 @@ impl<T: PairScalar> CpuEngine<T> {
         if self.lists.displacement.is_within(self.lists.displacement_at_frame, self.largest_reach()) {
             return;
         }
+        self.frame_all();
+    }
+
+    /// Makes a frame around the positions as they are and those of the reference configuration.
+    fn frame_all(&mut self) {
         let (mut low, mut high) = bounds(&self.particles.position);
         if self.formulation.is_initial() {
             let (other_low, other_high) = bounds(&self.particles.reference_position);
@@ -304,15 +313,28 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-/// Positions (m) and smoothing lengths (m) of particles and ghosts.
-fn place(particles: &Particles, ghosts: &Ghosts, points: &mut Vec<Vector<f64>>, smoothing_length: &mut Vec<f64>) {
+/// Positions neighbours are searched at, m, of particles or ghosts: on request those of the reference configuration.
+fn searched_positions(particles: &Particles, is_reference: bool) -> &[Vector<f64>] {
+    if is_reference { &particles.reference_position } else { &particles.position }
+}
+
+/// [`searched_positions`] and smoothing lengths (m) of particles and ghosts.
+fn place(
+    particles: &Particles,
+    ghosts: &Ghosts,
+    is_reference: bool,
+    points: &mut Vec<Vector<f64>>,
+    smoothing_length: &mut Vec<f64>,
+) {
     let (count, ghost_count) = (particles.len(), ghosts.count());
+    let own = searched_positions(particles, is_reference);
+    let ghost = searched_positions(&ghosts.columns, is_reference);
     points.resize(count + ghost_count, [0.0; 3]);
     smoothing_length.resize(count + ghost_count, 0.0);
-    let copy_points = || copy(&particles.position, points);
+    let copy_points = || copy(own, points);
     let copy_lengths = || copy(&particles.smoothing_length, smoothing_length);
     rayon::join(copy_points, copy_lengths);
-    points[count..].copy_from_slice(&ghosts.columns.position[..ghost_count]);
+    points[count..].copy_from_slice(&ghost[..ghost_count]);
     smoothing_length[count..].copy_from_slice(&ghosts.columns.smoothing_length[..ghost_count]);
 }
 

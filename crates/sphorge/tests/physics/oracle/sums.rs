@@ -3,7 +3,7 @@
 use super::engine::Oracle;
 use super::pairs::{apply, minus, plus};
 use sphorge::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
-use sphorge_physics::gradient_correction::gradient_correction;
+use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
 use sphorge_physics::hourglass::Spring;
 use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::pair::{
@@ -31,7 +31,7 @@ impl Oracle {
     pub(super) fn total_lagrangian(&self) -> Option<f64> {
         match self.model.formulation {
             Formulation::UpdatedLagrangian => None,
-            Formulation::TotalLagrangian { hourglass } => Some(hourglass),
+            Formulation::TotalLagrangian { hourglass, .. } => Some(hourglass),
         }
     }
 
@@ -45,7 +45,7 @@ impl Oracle {
         for n in self.pairs(i, at) {
             add_dyad(&mut moment, -g * weight[n.j] * n.f, n.x, n.x);
         }
-        gradient_correction(&moment, self.dimension)
+        gradient_correction(&moment, self.dimension, LARGEST_COMPONENT)
     }
 
     /// `L_i = g_i sum_j w_j (v_j - v_i) ⊗ B_i grad_i W_ij` and `drho/dt = -rho tr L`, at the middle of the step.

@@ -141,3 +141,16 @@ fn a_strike_in_space_resumes() {
         resumes(search, || start(IN_SPACE, search, &[]), &[14], 30);
     }
 }
+
+#[test]
+fn a_body_whose_reference_is_renewed_resumes() {
+    let end = |renewal: &str| {
+        let search = format!("{{ total-lagrangian = {{ renewal = {renewal} }} }}");
+        let new = || start(STRIKE, &search, &[]);
+        resumes(&format!("renewal {renewal}"), new, &[40, 110], 150);
+        let mut simulation = new();
+        run_steps(&mut simulation, 150);
+        simulation.particles().unwrap().position.clone()
+    };
+    assert_ne!(end("1.1"), end("0"), "nothing was renewed");
+}

@@ -1,0 +1,62 @@
+//! Renewal of the reference configuration: what the total Lagrangian form does about material that comes apart.
+//!
+//! Sums over the initial neighbours keep together what was together, and are right for a foot that is pressed flat. Where a body is
+//! stretched beyond a bound it has come apart, and from then on its present configuration takes the place of the reference one again and
+//! again: positions, volumes and neighbours are those of now, deformation gradients begin at one. State is not touched: stress, density,
+//! energy and plastic strain belong to the particle, and forces stay pairwise. Parts with no neighbours in common are pieces then.
+
+use super::CpuEngine;
+use crate::lanes::PairScalar;
+use crate::model::Formulation;
+use crate::neighbors::BLOCK;
+use rayon::prelude::*;
+use sphorge_physics::tensor::{identity, multiply};
+use sphorge_physics::total_lagrangian::{is_deformed, is_stretched};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Principal stretch, or one over it, at which the reference configuration of a body that has come apart is renewed. A hypervelocity
+/// impact (`penetration`) gives the same crater within 5 % from 1.5 to 3; below, noise of the springs that are set anew takes energy.
+const AGAIN: f64 = 2.0;
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Makes the present configuration of the bodies that are deformed too far their reference. The lists are stale then. Returns whether
+    /// there was one.
+    pub(super) fn renew_references(&mut self) -> bool {
+        let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else { return false };
+        let p = &mut self.particles;
+        let has_come_apart = &mut self.has_come_apart;
+        let is_due: Vec<AtomicBool> = has_come_apart.iter().map(|_| AtomicBool::new(false)).collect();
+        p.deformation.par_iter().zip(&p.body).with_min_len(BLOCK).for_each(|(f, &body)| {
+            let body = body as usize;
+            if if has_come_apart[body] { is_deformed(f, AGAIN) } else { is_stretched(f, bound) } {
+                is_due[body].store(true, Ordering::Relaxed);
+            }
+        });
+        let is_due: Vec<bool> = is_due.into_iter().map(AtomicBool::into_inner).collect();
+        if !is_due.contains(&true) {
+            return false;
+        }
+        for (apart, due) in has_come_apart.iter_mut().zip(&is_due) {
+            *apart |= due;
+        }
+        self.ghosts.halo.wrap(&mut p.position);
+        let of_now = (&p.body, &p.position, &p.mass, &p.density);
+        let reference = (&mut p.reference_position, &mut p.reference_volume, &mut p.earlier_deformation);
+        let since = (&mut p.deformation, &mut p.smallest_stretch);
+        let particles = (of_now.into_par_iter(), reference.into_par_iter(), since.into_par_iter()).into_par_iter();
+        particles.with_min_len(BLOCK).for_each(
+            |((&body, position, mass, density), (reference, volume, earlier), (f, stretch))| {
+                if is_due[body as usize] {
+                    *reference = *position;
+                    *volume = mass / density;
+                    *earlier = multiply(f, earlier);
+                    *f = identity();
+                    *stretch = 1.0;
+                }
+            },
+        );
+        self.reference_corrected = false;
+        self.lists.stale = true;
+        true
+    }
+}
