@@ -70,6 +70,7 @@ SUMMARY = [
 # Shipped decks: end of the run, s; the place, mm, of the particle the history follows; overrides.
 DECKS = {
     "taylor-plate": (12e-6, (0.4, 0.9), "particles.spacing=0.6e-3"),
+    "iron-plate": (12e-6, (0.4, 0.9), "particles.spacing=0.6365e-3"),
     "taylor-bar": (8e-6, (0.6, 0.2, 1.1), "particles.spacing=1.0e-3"),
     "taylor-bar-42crmo4": (20e-6, (0.5, 0.3, 1.0), "particles.spacing=0.81e-3"),
     "copper-bar": (30e-6, (0.6, 0.3, 1.0), "particles.spacing=0.94074e-3"),
@@ -289,6 +290,10 @@ def record(options):
     shipped = set(re.findall(r"^│ (\S+) +┆", decks, re.MULTILINE)) - {"name"}
     if shipped != set(DECKS):
         sys.exit(f"the table and the program have different decks: {', '.join(sorted(shipped ^ set(DECKS)))}")
+    schema = subprocess.run([options.binary, "schema"], capture_output=True, encoding="utf-8", check=True).stdout
+    words = {choice["const"] for choice in json.loads(schema)["$defs"]["SearchWord"]["oneOf"]}
+    if missing := words - set(SEARCHES):
+        sys.exit(f"the program has searches that are not in the table: {', '.join(sorted(missing))}")
     if unknown := set(options.only or []) - set(DECKS) - set(VARIANTS):
         sys.exit(f"not in the table: {', '.join(sorted(unknown))}")
     store, runs, start = Store(options.out), {}, time.monotonic()

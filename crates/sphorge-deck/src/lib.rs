@@ -31,3 +31,9 @@ mod tests;
 pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
+
+/// The words of the key `search`, one for each neighbour search.
+pub fn search_words() -> Vec<&'static str> {
+    use value::Choices;
+    choice::SearchWord::table().into_iter().map(|row| row.0).collect()
+}

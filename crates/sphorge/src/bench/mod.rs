@@ -45,8 +45,6 @@ pub const CASES: &[BenchCase] = &[
 ];
 /// Values of `numerics.precision` that are measured.
 const PRECISIONS: &[&str] = &["mixed", "double"];
-/// Values of `search` that are measured.
-const STRATEGIES: &[&str] = &["every-step", "skin", "adaptive"];
 
 /// How to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +88,7 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
         let asked = |case: &&BenchCase| options.cases.is_empty() || options.cases.iter().any(|name| name == case.deck);
         for case in CASES.iter().filter(asked) {
             for &precision in PRECISIONS {
-                for &search in STRATEGIES {
+                for search in deck::search_words() {
                     observe(&format!("{}, {precision}, {search}", case.deck));
                     let overrides = [("numerics.precision", precision), ("search", search)]
                         .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
