@@ -17,7 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from solver import solve
-from strength import JohnsonCook
+from strength import JohnsonCook, ZerilliArmstrongFcc
 
 
 RESULT = Path(__file__).with_suffix(".json")
@@ -49,8 +49,14 @@ def metal(rho, G, Cp, strength, T0=293.15):
 
 COPPER = metal(8960.0, 46e9, 383.0, JohnsonCook(90e6, 292e6, 0.31, 0.025, 1.09, 293.15, 1356.0))
 COPPER = mie_gruneisen(COPPER, 3940.0, 1.49, 2.0)
+COPPER_ZERILLI = metal(8930.0, 47.7e9, 383.0, ZerilliArmstrongFcc(65e6, 890e6, 0.0028, 0.000115))
+COPPER_ZERILLI = mie_gruneisen(COPPER_ZERILLI, 3940.0, 1.489, 2.02)
 IRON = metal(7890.0, 80e9, 452.0, JohnsonCook(175e6, 380e6, 0.32, 0.060, 0.55, 293.15, 1811.0))
 IRON = mie_gruneisen(IRON, 3630.0, 1.80, 1.81, polynomial=True)
+STEEL_4340 = metal(7830.0, 75.8e9, 477.0, JohnsonCook(792e6, 510e6, 0.26, 0.014, 1.03, 293.15, 1793.0))
+STEEL_4340 = mie_gruneisen(STEEL_4340, 4578.0, 1.33, 1.67)
+ALUMINIUM = metal(2703.0, 27.6e9, 885.0, JohnsonCook(324e6, 114e6, 0.42, 0.002, 1.34, 293.15, 933.6))
+ALUMINIUM = mie_gruneisen(ALUMINIUM, 5240.0, 1.40, 1.97)
 # The bar with published finite-element answers tells that these elements can be trusted.
 STEEL = metal(7830.0, 206.9e9 / 2.6, 460.0, JohnsonCook(806e6, 614e6, 0.168, 0.0089, 1.1, 293.15, 1813.15))
 STEEL |= {"K": 206.9e9 / 1.2, "pressure": lambda compression, energy: 206.9e9 / 1.2 * (compression - 1)}
@@ -60,19 +66,29 @@ BODIES = {
     "copper-bar": (COPPER, 0.0254, 0.00381, 90e-6, True),
     "taylor-bar-42crmo4": (STEEL, 0.0324, 0.0032, 80e-6, True),
     "taylor-plate": (IRON, 0.02546, 0.0038, 60e-6, False),
+    "copper-zerilli-bar": (COPPER_ZERILLI, 0.0254, 0.00381, 90e-6, True),
+    "iron-bar": (IRON, 0.0254, 0.00381, 90e-6, True),
+    "4340-bar": (STEEL_4340, 0.0254, 0.00381, 90e-6, True),
+    "4340-short-bar": (STEEL_4340, 0.0127, 0.00381, 90e-6, True),
+    "6061-bar": (ALUMINIUM, 0.02347, 0.00381, 90e-6, True),
     # That of `external_forces.rs` among the tests.
     "block": (COPPER, 0.006, 0.003, 16e-6, False),
 }
 # Body, speed, friction, whether the wall lets go, meshes (elements across the radius and along the length).
 CASES = [
-    ("taylor-bar-42crmo4", 287.0, 0.0, False, [(6, 60), (9, 90)]),
+    ("taylor-bar-42crmo4", 287.0, 0.0, False, [(6, 60), (9, 90), (12, 120)]),
     ("taylor-plate", 200.0, 0.0, False, [(5, 34), (8, 54), (12, 80)]),
     ("copper-bar", 130.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
     ("copper-bar", 146.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
     ("copper-bar", 190.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
     # Elements twice as tall: those of the foot are pressed so flat that they set the step.
-    ("copper-bar", 250.0, 0.0, False, [(5, 20), (8, 32)]),
-    ("copper-bar", 300.0, 0.0, False, [(4, 16), (5, 20)]),
+    ("copper-bar", 250.0, 0.0, False, [(5, 20), (8, 32), (12, 48)]),
+    ("copper-bar", 300.0, 0.0, False, [(4, 16), (5, 20), (8, 32), (12, 48)]),
+    ("copper-zerilli-bar", 190.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
+    ("iron-bar", 221.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
+    ("4340-bar", 208.0, 0.0, False, [(5, 35), (8, 56), (12, 84)]),
+    ("4340-short-bar", 282.0, 0.0, False, [(5, 17), (8, 28), (12, 42)]),
+    ("6061-bar", 262.0, 0.0, False, [(5, 32), (8, 52), (12, 78)]),
     ("taylor-plate", 200.0, 0.1, False, [(8, 54)]),
     ("taylor-plate", 200.0, 0.3, False, [(8, 54)]),
     ("copper-bar", 190.0, 0.1, False, [(8, 56)]),
