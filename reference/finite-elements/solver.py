@@ -1,7 +1,8 @@
 """Explicit finite elements for an impact on a rigid wall: four-node elements with mean dilatation, axisymmetric or in plane strain.
 
 The wall is z = 0. The foot of the body slides on it, with Coulomb friction or none, and stays on it unless the wall lets go; other
-nodes that reach the wall stop there and may leave. Strength is Johnson-Cook with the heat of plastic work; pressure is a function of compression and energy.
+nodes that reach the wall stop there and may leave. Strength is a law of `strength.py`, with the heat of plastic work; pressure is a
+function of compression and energy.
 
 A body has `across` x `along` elements between its axis (r = 0, of revolution or of symmetry) and its side. Arrays hold one
 number per integration point and element, (4, elements), or per corner and element. Masses and energies are per radian, or for half
@@ -32,22 +33,21 @@ def points(r, z, axisymmetric):
 
 
 def plastic_increment(metal, equivalent, strain, T, dt, guess):
-    """Plastic strain of the step that brings the stress `equivalent` to the yield stress of Johnson-Cook: Newton in a bracket."""
-    softening = 1 - np.clip((T - metal["T0"]) / (metal["Tm"] - metal["T0"]), 0, 1) ** metal["m"]
+    """Plastic strain of the step that brings the stress `equivalent` to the yield stress: Newton in a bracket."""
+    law, G = metal["strength"], metal["G"]
+    thermal = law.thermal(T)
     found = np.zeros_like(equivalent)
-    at = np.nonzero(equivalent > (metal["A"] + metal["B"] * strain ** metal["n"]) * softening)
-    q, p, soft = equivalent[at], strain[at], softening[at]
-    low, high = np.zeros_like(q), q / (3 * metal["G"])
+    at = np.nonzero(equivalent > law.stress(strain, found, dt, thermal)[0])
+    q, p, thermal = equivalent[at], strain[at], thermal[at]
+    low, high = np.zeros_like(q), q / (3 * G)
     g = np.clip(guess[at], 1e-3 * high, high)
     for _ in range(60):
-        hardening = metal["B"] * (p + g) ** metal["n"]
-        rate = 1 + metal["C"] * np.log(np.maximum(g / dt, 1))
-        over = q - 3 * metal["G"] * g - (metal["A"] + hardening) * rate * soft
+        stress, slope = law.stress(p, g, dt, thermal)
+        over = q - 3 * G * g - stress
         if not over.size or np.max(np.abs(over) / q) < 1e-9:
             break
         low, high = np.where(over > 0, g, low), np.where(over > 0, high, g)
-        slope = hardening * metal["n"] / (p + g) * rate + (metal["A"] + hardening) * metal["C"] / g * (g > dt)
-        newton = g + over / (3 * metal["G"] + slope * soft)
+        newton = g + over / (3 * G + slope)
         g = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
     found[at] = g
     return found

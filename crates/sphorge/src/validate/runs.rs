@@ -1,7 +1,7 @@
 //! The runs of a case.
 
 use super::Variant;
-use crate::output::{HistoryTable, Summary};
+use crate::output::{FrameFile, HistoryTable, RunDirectory, Summary, read_series};
 use std::path::PathBuf;
 
 /// What a run left behind.
@@ -54,6 +54,14 @@ impl Run {
     /// A measure of the deck at the end, SI.
     pub(super) fn measure(&self, name: &str) -> Option<f64> {
         *self.summary()?.measures.get(name)?
+    }
+
+    /// Positions of all particles in the first and in the last frame, in one order, m.
+    pub(super) fn first_and_last_positions(&self) -> Option<[Vec<[f64; 3]>; 2]> {
+        self.finished()?;
+        let frames = read_series(&RunDirectory::open(&self.directory).ok()?).ok()?;
+        let positions = |(_, file): &(f64, PathBuf)| FrameFile::open(file).ok()?.positions().ok();
+        Some([positions(frames.first()?)?, positions(frames.last()?)?])
     }
 
     /// A column of the history.

@@ -1,8 +1,9 @@
 //! The cases, one file each.
 
+mod bar_elements;
+mod bar_outline;
 mod bullet;
 mod convecting_block;
-mod copper_bar;
 mod disc_on_plate;
 mod elastic_bar;
 mod elastic_plastic_piston;
@@ -18,6 +19,7 @@ mod rotating_rod;
 mod rubber_rings;
 mod taylor_bar;
 mod taylor_bar_42crmo4;
+mod taylor_bars;
 mod taylor_plate;
 mod tensile;
 mod two_materials;
@@ -30,7 +32,7 @@ pub const CASES: &[Case] = &[
     taylor_plate::CASE,
     taylor_bar::CASE,
     taylor_bar_42crmo4::CASE,
-    copper_bar::CASE,
+    taylor_bars::CASE,
     high_shear::CASE,
     penetration::CASE,
     disc_on_plate::CASE,

@@ -1,0 +1,81 @@
+//! Bars in finite elements: what `reference/finite-elements/taylor_bar.py` found of them.
+
+use serde::Deserialize;
+
+/// A bar on a rigid wall without friction that holds its foot.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct BarInElements {
+    body: String,
+    /// m/s
+    speed: f64,
+    friction: f64,
+    lets_go: bool,
+    /// Coarse to fine.
+    meshes: Vec<Mesh>,
+}
+
+/// What one mesh says.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Mesh {
+    /// Across the radius and along the bar.
+    pub(super) elements: [u32; 2],
+    /// Over the first one.
+    pub(super) length: f64,
+    /// Over the first one.
+    pub(super) foot_diameter: f64,
+    pub(super) plastic_strain: f64,
+    /// K
+    pub(super) temperature: f64,
+    pub(super) outline: Outline,
+}
+
+/// Radius of the side at heights from the wall to the top, evenly apart.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Outline {
+    pub(super) radius_mm: Vec<f64>,
+}
+
+impl Mesh {
+    /// Length and foot over the first ones, largest strain.
+    pub(super) fn numbers(&self) -> [f64; 3] {
+        [self.length, self.foot_diameter, self.plastic_strain]
+    }
+}
+
+impl BarInElements {
+    /// The finest mesh, and what the next coarser one deviates from it, as shares of its [`Mesh::numbers`].
+    pub(super) fn finest(&self) -> Option<(&Mesh, [f64; 3])> {
+        let [.., coarser, finest] = &self.meshes[..] else { return None };
+        let (coarse, fine) = (coarser.numbers(), finest.numbers());
+        Some((finest, std::array::from_fn(|k| coarse[k] / fine[k] - 1.0)))
+    }
+}
+
+/// The bar of this name at this speed, m/s.
+pub(super) fn bar_in_elements(body: &str, speed: f64) -> Option<BarInElements> {
+    #[derive(Deserialize)]
+    struct Written {
+        cases: Vec<BarInElements>,
+    }
+    let text = include_str!("../../../../../reference/finite-elements/taylor_bar.json");
+    // A file of ours: a test reads it.
+    let written: Written = serde_json::from_str(text).ok()?;
+    written.cases.into_iter().find(|of| of.body == body && of.speed == speed && of.friction == 0.0 && !of.lets_go)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_finest_mesh_of_the_wall_that_holds_is_read() {
+        let bar = bar_in_elements("copper-bar", 190.0).unwrap();
+        let (mesh, coarser) = bar.finest().unwrap();
+        assert_eq!(mesh.elements, [12, 84]);
+        assert!((mesh.length - 0.682_6).abs() < 1e-4 && (mesh.temperature - 520.5).abs() < 0.1);
+        assert!((coarser[1] + 0.003_8).abs() < 1e-4);
+        // Half the foot, at the wall.
+        assert!((mesh.outline.radius_mm[0] / 3.81 - mesh.foot_diameter).abs() < 1e-4);
+        assert!(bar_in_elements("copper-bar", 191.0).is_none());
+    }
+}
