@@ -21,6 +21,8 @@ pub(crate) struct Choices {
     pub(crate) artificial_stress: Option<ArtificialStress>,
     pub(crate) xsph: f64,
     pub(crate) wall: WallContactKind,
+    /// Linear and quadratic constant of the artificial viscosity.
+    pub(crate) viscosity: (f64, f64),
     /// Arrangement of the particles of bodies that rings can fill.
     pub(crate) round: Arrangement,
 }
@@ -40,6 +42,7 @@ const UPDATED: Choices = Choices {
     artificial_stress: None,
     xsph: 0.0,
     wall: WallContactKind::MonaghanKos,
+    viscosity: defaults::VISCOSITY,
     round: Arrangement::Square,
 };
 
@@ -61,6 +64,7 @@ impl Method {
                 Choices {
                     strategy: Strategy::total(defaults::HOURGLASS, defaults::RENEWAL),
                     wall: WallContactKind::Penalty,
+                    viscosity: defaults::BULK_VISCOSITY,
                     round: Arrangement::Rings,
                     ..UPDATED
                 }

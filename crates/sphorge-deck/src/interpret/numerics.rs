@@ -47,7 +47,7 @@ pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Proble
     let mls_interval = or_default!(raw.mls_interval, None, |n: &crate::value::Count| n.positive(problems).map(Some));
     let smoothing_length =
         or_default!(raw.smoothing_length, SmoothingLength::Constant, |given| smoothing_length(given, problems));
-    let viscosity = viscosity(raw, problems);
+    let viscosity = viscosity(raw, usual.viscosity, problems);
     let artificial_stress = artificial_stress(raw, usual.artificial_stress, problems);
     let (viscosity_alpha, viscosity_beta, balsara) = viscosity?;
     Some(Numerics {
@@ -104,8 +104,8 @@ fn smoothing_length(
     Some(SmoothingLength::FollowDensity { factor: factor? })
 }
 
-fn viscosity(raw: &RawNumerics, problems: &mut Problems) -> Option<(f64, f64, bool)> {
-    let (default_alpha, default_beta) = defaults::VISCOSITY;
+fn viscosity(raw: &RawNumerics, usual: (f64, f64), problems: &mut Problems) -> Option<(f64, f64, bool)> {
+    let (default_alpha, default_beta) = usual;
     let table = match &raw.viscosity {
         None => return Some((default_alpha, default_beta, false)),
         Some(ScalarOr::Scalar(flag)) => {

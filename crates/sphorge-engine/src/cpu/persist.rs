@@ -12,6 +12,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// - who the ghosts are; their columns follow;
     /// - where walls stand; what prescribed motions are is in their tables and the time;
     /// - work, impulse, energy of density restorations, steps begun, pairs;
+    /// - which bodies have come apart;
     /// - contacts: pairs, powers and works; heat: the last flow, its age, its accounts and limits;
     /// - lists with their kept distances, the displacement bounds and positions that say when they are renewed, who is among strangers,
     ///   and the order of the cells, which is that of the rows;
@@ -24,6 +25,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.step.persist("step", archive)?;
         self.reference_corrected.persist("reference_corrected", archive)?;
         self.has_come_apart.persist("has_come_apart", archive)?;
+        require(self.has_come_apart.len() == self.model.bodies.len(), "has_come_apart")?;
         if let Some(contacts) = &mut self.contacts {
             contacts.persist("contacts", archive)?;
         }
