@@ -84,6 +84,7 @@ DECKS = {
     "plate-impact": (7.5e-6, (0.3,)),
     "elastic-plastic-piston": (8e-6, (6.1,), "particles.spacing=0.2e-3"),
     "homogeneous": (0.15e-3, (110, 70, 30), "particles.spacing=0.125"),
+    "pulled": (0.02e-3, (0.3, 0.7), "particles.spacing=1e-3"),
     "elastic-bar": (10e-6, (3.1, 0.7, 0.3), "particles.spacing=0.54e-3"),
     "oscillating-plate": (15e-3, (101, 7), "particles.spacing=4e-3"),
     "rubber-rings": (60e-6, (-1.5, 3.1), "particles.spacing=2.5e-3"),

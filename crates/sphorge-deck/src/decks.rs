@@ -32,6 +32,7 @@ shipped! {
     "plate-impact",
     "elastic-plastic-piston",
     "homogeneous",
+    "pulled",
     "elastic-bar",
     "oscillating-plate",
     "rubber-rings",

@@ -73,6 +73,14 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             ));
             findings.add(period);
             findings.add(energy.must(Bounds::AtMost(1e-2), "the settings conserve; the step is of second order"));
+            let booked = run.summary().map(|s| s.energy.integration.abs());
+            let first = run.column("kinetic_energy").and_then(|column| column.first().copied());
+            let booked = booked.zip(first).map(|(booked, first)| booked / first);
+            let quantity = "energy booked by the integrator over the kinetic energy at the start";
+            findings.add(Finding::new(quantity, Unit::PERCENT, run.label(), booked).must(
+                Bounds::AtMost(0.1),
+                "a wave with a sharp front that nothing damps; third order in the step (`tests/physics/conservation.rs`)",
+            ));
         } else {
             findings.add(speed);
             findings.add(period);

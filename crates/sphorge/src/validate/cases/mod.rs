@@ -15,6 +15,7 @@ mod iron_plate;
 mod oscillating_plate;
 mod penetration;
 mod plate_impact;
+mod pulled;
 mod rotating_rod;
 mod rubber_rings;
 mod taylor_bar;
@@ -37,6 +38,7 @@ pub const CASES: &[Case] = &[
     penetration::CASE,
     disc_on_plate::CASE,
     tensile::CASE,
+    pulled::CASE,
     bullet::CASE,
     plate_impact::CASE,
     elastic_plastic_piston::CASE,

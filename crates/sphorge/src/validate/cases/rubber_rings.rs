@@ -1,7 +1,7 @@
 //! Colliding rubber rings: Gray, Monaghan & Swift (2001).
 
 use super::super::{
-    Bounds, Case, Effort, Finding, Unit, Variant,
+    Bounds, Case, Effort, Finding, ReferenceKind, Unit, Variant,
     findings::Findings,
     picture::{Picture, Subject},
     runs::Runs,
@@ -14,12 +14,17 @@ const CHOICES: &str = "choices";
 /// Speed of each ring before the collision, m/s.
 const SPEED: f64 = 237.9;
 
+/// Speed after over speed before by finite elements, 16 across and 192 around half a ring (`reference/finite-elements/rubber_rings.py`); with 10 x 120
+/// elements it is 0.798.
+const ELEMENTS: f64 = 0.8;
+
 pub(super) const CASE: Case = Case {
     name: "rubber-rings",
     title: "Colliding rubber rings",
     about: "Gray, Monaghan & Swift (2001), with the constants of PySPH's example: two elastic rings collide, flatten, and must part \
-            without a torn particle. The fewest neighbours any particle ever had tell a tear; the edges of the rings, that they \
-            parted. Part of the energy stays in vibrations of the rings.",
+            without a torn particle. The edges of the rings tell that they parted, and finite elements of the same rings how fast. Part \
+            of the energy stays in vibrations of the rings. Sums over current neighbours need a wider kernel: there, the fewest \
+            neighbours any particle ever had tell a tear.",
     deck: "rubber-rings",
     expected_warnings: &[],
     variants,
@@ -45,8 +50,17 @@ fn variants(effort: Effort) -> Vec<Variant> {
     };
     let mut variants = refinements(SPACING, "", spacings);
     if effort == Effort::Full {
-        let cubic = Variant::of_series("1 mm, cubic spline over 1.2 spacings", CHOICES).spacing("1 mm");
-        variants.push(cubic.set("numerics.kernel", "cubic-spline").set("particles.smoothing", "1.2"));
+        let current = |label: &str| {
+            Variant::of_series(label, CHOICES)
+                .spacing("1 mm")
+                .set("method", "updated-lagrangian")
+                .set("contact", "penalty")
+                .set("numerics.artificial-stress", "{ epsilon = 0.3, exponent = 4 }")
+                .set("numerics.xsph", "0.5")
+        };
+        let wide = current("current neighbours, Wendland C2 over 1.6 spacings").set("numerics.kernel", "wendland-c2");
+        variants.push(wide.set("particles.smoothing", "1.6"));
+        variants.push(current("current neighbours, cubic spline over 1.2 spacings"));
     }
     variants
 }
@@ -59,12 +73,15 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             finding("gap between the rings at 0.4 ms", Unit::MILLIMETRE, gap)
                 .must(Bounds::AtLeast(3.0 * run.spacing), "they part: three spacings, beyond the reach of the contact"),
         );
-        findings.add(finding("fewest neighbours of any particle", Unit::NONE, run.measure("fewest_neighbors")).must(
-            Bounds::AtLeast(9.0),
-            "no torn particle: those at the edges have 13 and more, a lone pair of rows 6",
-        ));
         let share = run.measure("rebound_speed").map(|v| v / SPEED);
-        findings.add(finding("speed after over speed before", Unit::NONE, share));
+        findings.add(
+            finding("speed after over speed before", Unit::NONE, share)
+                .beside(ReferenceKind::Published, "finite elements, 16 x 192", ELEMENTS)
+                .must(
+                    Bounds::Relative(if run.spacing > 1.2e-3 { 0.02 } else { 0.01 }),
+                    "ten rows of particles across; six, at low resolution, are as far off as six elements, 1.1 %",
+                ),
+        );
         let drift = run.summary().map(|s| s.largest_momentum_drift);
         findings.add(
             finding("drift of linear momentum", Unit::NONE, drift)
@@ -73,6 +90,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     }
     for run in runs.series(CHOICES) {
         let fewest = run.measure("fewest_neighbors");
-        findings.add(Finding::new("fewest neighbours of any particle (it tears)", Unit::NONE, run.label(), fewest));
+        findings.add(Finding::new(
+            "fewest neighbours of any particle (with few, it tears)",
+            Unit::NONE,
+            run.label(),
+            fewest,
+        ));
     }
 }

@@ -270,7 +270,10 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             let finding = converged
                 .iter()
                 .fold(finding, |finding, of| finding.beside(ReferenceKind::Published, &of.name(), of.plastic_strain));
-            finding.must(Bounds::Relative(0.05), "eight-node elements of 2.5 mm have converged within 2 %")
+            finding.must(
+                Bounds::Relative(0.03),
+                "eight-node elements of 2.5 mm have converged within 2 %; four-node ones of 5 mm have 0.132",
+            )
         } else {
             beside_elements(finding, run, true)
         });
@@ -282,7 +285,8 @@ fn judge(runs: &Runs, findings: &mut Findings) {
          of the grips, 55 mm from the middle, strains by 0.023 at 5 mm where elements have 0.009 and the total Lagrangian form 0.007. Without \
          hardening both run into the neck and their strain is that of no mesh. The total Lagrangian form strains more with finer particles, as elements do: \
          0.200, 0.258 and 0.293 at 10, 5 and 2.5 mm. With hardening it has the strain of \
-         the elements all along the bar: its hourglass springs soften with the secant modulus. Springs that keep Young's modulus hold up \
+         the elements all along the bar, 0.116 at 10 mm and 0.132 at 5 mm, as four-node elements of these sizes have in a calculation of \
+         our own (`reference/finite-elements/tensile_bar.py`: 0.116, 0.132, 0.135 at 10, 5, 2.5 mm): what is left is resolution. Its hourglass springs soften with the secant modulus. Springs that keep Young's modulus hold up \
          the neck, 0.104 at 10 mm instead of 0.116; with none it strains by 0.140.",
     );
     for run in perfect().chain(series(HARDENING)) {
