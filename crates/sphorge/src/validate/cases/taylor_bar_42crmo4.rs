@@ -44,7 +44,7 @@ pub(super) const CASE: Case = Case {
 
 fn variants(effort: Effort) -> Vec<Variant> {
     let spacings: &[&str] = match effort {
-        // Whole layers in the length; 5, 7, 9 and 12 particles across the radius.
+        // 5, 7, 9 and 12 rings.
         Effort::Quick => &["0.635294 mm"],
         Effort::Full => &["0.635294 mm", "0.456338 mm", "0.356044 mm", FINEST],
     };
@@ -91,7 +91,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         "The hourglass control decides the foot. Its springs soften and yield with the metal. Springs that stay elastic hold up the \
          flow (foot of 8.8 mm at ten times Young's modulus), and where they are weak enough not to (0.3), particles of the foot broke \
          down to melting at twelve across while the step did not follow the compression. Sums over current neighbours find the \
-         foot too wide. Axisymmetric finite elements of our own (`reference/finite-elements`) give 26.55 mm, 11.19 mm, 1.84 and \
-         871 K.",
+         foot too wide. Axisymmetric finite elements of our own (`reference/finite-elements`) give 26.53 mm, 11.23 mm, 1.87 and \
+         879 K.",
     );
 }
