@@ -170,10 +170,8 @@ fn a_round_body_gets_rings_from_the_total_lagrangian_form_alone_and_where_the_de
     assert_eq!(arrangement("", ", placement = \"on-faces\""), Arrangement::Square);
     let boxed = load_text(
         "deck",
-        &format!(
-            "dimensions = \"3d\"\ntime = {{ end = 1 }}\nparticles = {{ spacing = 0.5 }}\n\
-        [[body]]\nname = \"b\"\nmaterial = \"ofhc-copper\"\nshape = {{ box = {{ min = [0, 0, 0], max = [1, 1, 1] }} }}\n"
-        ),
+        "dimensions = \"3d\"\ntime = { end = 1 }\nparticles = { spacing = 0.5 }\n\
+        [[body]]\nname = \"b\"\nmaterial = \"ofhc-copper\"\nshape = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n",
         &[],
     );
     assert_eq!(boxed.map_err(|_| ()).unwrap().model.bodies[0].lattice.arrangement, Arrangement::Square);
