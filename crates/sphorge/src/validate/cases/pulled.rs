@@ -307,8 +307,8 @@ impl Metal {
     }
 }
 
-/// Elongation of the extensometer at which the stress waves of the start have died down.
-const QUIET: f64 = 0.08;
+/// Elongation of the extensometer at which the stress waves of the start have died down: they are 1.9 % of the force of the strip at 8 %.
+const QUIET: f64 = 0.1;
 
 /// How far force and plastic strain of the middle are from what the law says of the stretch of the extensometer: the largest deviation of the
 /// force from [`QUIET`] on, and that of the strain at the end.
@@ -386,7 +386,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             let finding = |quantity: &str, value| Finding::new(quantity, Unit::PERCENT, run.label(), value);
             findings.add(finding("largest deviation of the force from the law", off.map(|off| off.0)).must(
                 Bounds::AtMost(0.015),
-                "waves of the start are left: 0.9 % and 1.2 % in the strips at first, 0.2 % in the rod",
+                "waves of the start are left: 1.2 % and 1.3 % in the strips, 0.2 % in the rod",
             ));
             findings.add(
                 finding("deviation of the plastic strain at the end", off.map(|off| off.1))

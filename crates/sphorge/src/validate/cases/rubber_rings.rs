@@ -60,7 +60,8 @@ fn variants(effort: Effort) -> Vec<Variant> {
         };
         let wide = current("current neighbours, Wendland C2 over 1.6 spacings").set("numerics.kernel", "wendland-c2");
         variants.push(wide.set("particles.smoothing", "1.6"));
-        variants.push(current("current neighbours, cubic spline over 1.2 spacings"));
+        // Torn rings are what it shows.
+        variants.push(current("current neighbours, cubic spline over 1.2 spacings").may_fail());
     }
     variants
 }
