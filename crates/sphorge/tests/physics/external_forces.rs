@@ -72,7 +72,7 @@ contact = { penalty = { stiffness = 1.0, damping = 0.3, friction = 0.25 } }
 }
 
 /// A block of copper strikes a wall at rest, in the total Lagrangian form, whose particles a wall meets at their faces.
-const STRUCK_WALL: &str = r#"
+pub(crate) const STRUCK_WALL: &str = r#"
 dimensions = "plane-strain"
 search = "total-lagrangian"
 particles = { spacing = "0.5 mm" }

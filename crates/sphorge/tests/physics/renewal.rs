@@ -1,25 +1,8 @@
 //! Renewal of the reference configuration of the total Lagrangian form.
 
+use super::external_forces::STRUCK_WALL;
 use super::setup::{by_id, run_to, simulation};
 use sphorge::engine::Simulation;
-
-/// A copper block that strikes a wall: pressed to 0.76 of its height, its foot twice as wide.
-const STRUCK: &str = r#"
-dimensions = "plane-strain"
-particles = { spacing = "0.5 mm" }
-numerics = { precision = "double" }
-time = { end = "16 us" }
-
-[[body]]
-name = "block"
-material = "ofhc-copper"
-shape = { box = { min = ["-3 mm", "0 mm"], max = ["3 mm", "6 mm"] } }
-velocity = ["0 m/s", "-200 m/s"]
-
-[[wall]]
-name = "anvil"
-plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
-"#;
 
 /// A copper strip whose ends are pulled apart at 100 m/s each.
 const PULLED: &str = r#"
@@ -70,7 +53,7 @@ fn shape(simulation: &Simulation) -> [f64; 4] {
 #[test]
 fn a_renewed_foot_is_pressed_as_one_that_is_not_and_loses_nothing() {
     let run = |renewal: &str| {
-        let mut simulation = with(STRUCK, renewal);
+        let mut simulation = with(STRUCK_WALL, renewal);
         let supplied = simulation.ledger().unwrap().total.energies.kinetic;
         run_to(&mut simulation, 16e-6);
         let ledger = simulation.ledger().unwrap();

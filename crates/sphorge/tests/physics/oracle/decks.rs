@@ -31,6 +31,7 @@ const OF_ENERGY: (&str, &str) = ("numerics.temperature", "energy");
 const FOLLOW: (&str, &str) = ("numerics.smoothing-length", "follow-density");
 
 const TOTAL: (&str, &str) = ("search", "total-lagrangian");
+const RENEWED: (&str, &str) = ("search", "{ total-lagrangian = { renewal = 1.1 } }");
 
 /// Two blocks that strike each other off centre: the kernel sums.
 pub(super) const BARS: &[Case] = &[
@@ -395,6 +396,7 @@ pub(super) const PRESSED: &[Case] = &[
         40,
     ),
     case("total lagrangian, heat", STRUCK, &[], 40),
+    case("total lagrangian, renewed", STRUCK, &[RENEWED], 40),
     case("total lagrangian, temperature of energy", STRUCK, &[OF_ENERGY, ("numerics.kernel", "wendland-c2")], 40),
 ];
 
@@ -402,6 +404,9 @@ pub(super) const PRESSED: &[Case] = &[
 pub(super) const ROD: &[Case] = &[
     case("total lagrangian, two bodies", CORNERED, &[TOTAL], 40),
     case("total lagrangian, periodic", CELL, &[TOTAL], 40),
+    case("total lagrangian, renewed, two bodies", CORNERED, &[RENEWED], 40),
+    case("total lagrangian, renewed, walls", WALLS, &[RENEWED], 40),
+    case("total lagrangian, renewed, periodic", CELL, &[RENEWED], 40),
 ];
 
 /// Cases for every search: bodies that meet, flow and turn.

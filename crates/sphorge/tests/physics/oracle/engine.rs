@@ -52,6 +52,10 @@ pub(super) struct Oracle {
     pub(super) weight: Vec<f64>,
     pub(super) correction: Vec<Tensor<f64>>,
     pub(super) deformation: Vec<Tensor<f64>>,
+    /// Of the configuration the sums are taken in, from the start; by body whether that has been renewed; whether it just was.
+    pub(super) earlier_deformation: Vec<Tensor<f64>>,
+    pub(super) has_come_apart: Vec<bool>,
+    pub(super) is_renewed: bool,
     pub(super) initial_volume: Vec<f64>,
     pub(super) history: Vec<Vec<f64>>,
     /// Scaled stress and artificial stress, and Balsara's switch.
@@ -121,6 +125,9 @@ impl EngineKind for OracleKind {
             weight: vec![0.0; n],
             correction: uncorrected(n),
             deformation: uncorrected(n),
+            earlier_deformation: uncorrected(n),
+            has_come_apart: vec![false; model.bodies.len()],
+            is_renewed: true,
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,
             stress: uncorrected(n),
@@ -246,7 +253,11 @@ impl Engine for Oracle {
             });
         }
         if self.total_lagrangian().is_some() && !self.rows.is_empty() {
-            self.foreign = self.near().1;
+            if self.renew() {
+                self.rows = self.near(&self.searched_at).0;
+                self.is_renewed = true;
+            }
+            self.foreign = self.near(&self.p.position).1;
         }
         let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
         if due {

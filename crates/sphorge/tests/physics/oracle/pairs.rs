@@ -94,12 +94,12 @@ impl Oracle {
                 x[axis] = low + (x[axis] - low).rem_euclid(high - low);
             }
         }
-        (self.rows, self.foreign) = self.near();
+        (self.rows, self.foreign) = self.near(&self.p.position);
         self.searched_at = self.p.position.clone();
     }
 
-    /// The neighbours of every particle where it is now: those of the kernel sums, and those of other bodies it is in contact with.
-    pub(super) fn near(&self) -> (Rows, Rows) {
+    /// The neighbours of every particle at these places: those of the kernel sums, and those of other bodies it is in contact with.
+    pub(super) fn near(&self, at: &[Vector<f64>]) -> (Rows, Rows) {
         let model = &self.model;
         let skin = if let Search::Skin { fraction } = model.search { fraction } else { 0.0 };
         let support = model.numerics.kernel.support();
@@ -116,8 +116,8 @@ impl Oracle {
                 let is_foreign = apart && p.body[i] != p.body[j];
                 let h = pair_smoothing_length(searched_h(i), searched_h(j)) * (1.0 + skin);
                 for (k, image) in self.images.iter().enumerate().filter(|(k, _)| *k > 0 || i != j) {
-                    let x = minus(p.position[i], image.point(p.position[j]));
-                    if dot(x, x) < (support * h).powi(2) && image.is_of(model, p.position[j]) {
+                    let x = minus(at[i], image.point(at[j]));
+                    if dot(x, x) < (support * h).powi(2) && image.is_of(model, at[j]) {
                         let list = if is_foreign { &mut foreign } else { &mut rows };
                         list[i].push((j, k));
                     }

@@ -13,7 +13,7 @@ use sphorge_physics::pair::{
 use sphorge_physics::return_mapping::return_mapping;
 use sphorge_physics::stress::{density_after, predicted_density, trial_deviator};
 use sphorge_physics::tensor::{dot, identity, multiply, transpose};
-use sphorge_physics::total_lagrangian::{deform, density, first_piola, smallest_stretch};
+use sphorge_physics::total_lagrangian::{deform, density, first_piola, is_stretched, smallest_stretch};
 use sphorge_physics::viscosity::{
     ViscosityParameters, balsara, bulk_mu, bulk_viscosity, viscosity_mu, viscous_pressure,
 };
@@ -39,13 +39,37 @@ impl Oracle {
         self.total_lagrangian().is_some() || self.model.numerics.gradient_correction == GradientCorrection::Linear
     }
 
+    /// Bodies with a particle that is stretched beyond the bound take their present configuration for the one of the sums, and from then on
+    /// whenever one is stretched or pressed by a factor of two. Whether there was one.
+    pub(super) fn renew(&mut self) -> bool {
+        let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else { return false };
+        let too_far = |body: usize, f: &Tensor<f64>| match self.has_come_apart[body] {
+            true => is_stretched(f, 2.0) || smallest_stretch(f) < 0.5,
+            false => is_stretched(f, bound),
+        };
+        let body = |i: usize| self.p.body[i] as usize;
+        let due = |b: usize| (0..self.p.len()).any(|i| body(i) == b && too_far(b, &self.deformation[i]));
+        let due: Vec<bool> = (0..self.has_come_apart.len()).map(due).collect();
+        for i in (0..self.p.len()).filter(|&i| due[self.p.body[i] as usize]).collect::<Vec<_>>() {
+            self.searched_at[i] = self.p.position[i];
+            self.initial_volume[i] = self.p.mass[i] / self.p.density[i];
+            self.earlier_deformation[i] = multiply(&self.deformation[i], &self.earlier_deformation[i]);
+            self.deformation[i] = identity();
+        }
+        for (apart, due) in self.has_come_apart.iter_mut().zip(&due) {
+            *apart |= due;
+        }
+        due.contains(&true)
+    }
+
     /// `B_i`, the inverse of `g_i sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`.
     fn correction_of(&self, i: usize, g: f64, weight: &[f64], at: &[Vector<f64>]) -> Tensor<f64> {
         let mut moment = tensor::zero();
         for n in self.pairs(i, at) {
             add_dyad(&mut moment, -g * weight[n.j] * n.f, n.x, n.x);
         }
-        gradient_correction(&moment, self.dimension, LARGEST_COMPONENT)
+        let largest = if self.has_come_apart[self.p.body[i] as usize] { 4.0 } else { LARGEST_COMPONENT };
+        gradient_correction(&moment, self.dimension, largest)
     }
 
     /// `L_i = g_i sum_j w_j (v_j - v_i) ⊗ B_i grad_i W_ij` and `drho/dt = -rho tr L`, at the middle of the step.
@@ -62,7 +86,7 @@ impl Oracle {
             Some(_) => self.initial_volume.clone(),
             None => self.each(|i| gradient_weight(form, self.p.mass[i], rho[i])),
         };
-        if self.is_corrected() && (self.total_lagrangian().is_none() || self.dt == 0.0) {
+        if self.is_corrected() && (self.total_lagrangian().is_none() || std::mem::take(&mut self.is_renewed)) {
             self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, rho[i]), &self.weight, &at));
         }
         let gradients = self.each(|i| {

@@ -16,7 +16,7 @@ use sphorge_physics::contact::{
 };
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::pair::mean;
-use sphorge_physics::tensor::dot;
+use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
 };
@@ -217,10 +217,11 @@ impl Oracle {
                 let parameters = PenaltyParameters::from_sound_speed(c, body.spacing, stiffness, damping, friction);
                 let (mut radius, mut xi, mut v) = (0.5 * body.spacing, [0.0; 3], v);
                 if self.total_lagrangian().is_some() {
-                    let f = &self.deformation[i];
-                    xi = extreme_point(body.spacing, f, gap.normal);
-                    radius = dot(gap.normal, apply(f, xi));
-                    v = minus(v, apply(&self.p.velocity_gradient[i], apply(f, xi)));
+                    let f = multiply(&self.deformation[i], &self.earlier_deformation[i]);
+                    let initial = extreme_point(body.spacing, &f, gap.normal);
+                    xi = apply(&self.earlier_deformation[i], initial);
+                    radius = dot(gap.normal, apply(&f, initial));
+                    v = minus(v, apply(&self.p.velocity_gradient[i], apply(&f, initial)));
                 }
                 let push = penalty_contact(parameters, &gap, radius, minus(v, wall_velocity), self.dt);
                 let power = dot(push.acceleration, v) + push.heat;
