@@ -2,9 +2,7 @@
 
 use super::conduction::hold;
 use super::integrate::Motions;
-use crate::model::{
-    ArtificialStress, Body, BodyContact, Formulation, Integrator, Model, Search, TemperatureSource, Wall,
-};
+use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Search, TemperatureSource, Wall};
 use crate::particles::{History, Owner, Particles};
 use sphorge_physics::artificial_stress;
 
@@ -38,7 +36,6 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
         (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
-        (Owner::Renewal, matches!(model.formulation, Formulation::TotalLagrangian { renewal: Some(_), .. })),
     ];
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {
         particles.allocate(owner);

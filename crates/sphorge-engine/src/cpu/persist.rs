@@ -3,6 +3,7 @@
 use super::CpuEngine;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
+use crate::particles::Owner;
 use crate::persist::{Archive, ArchiveError, Persist, require};
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -18,14 +19,18 @@ impl<T: PairScalar> CpuEngine<T> {
     ///   and the order of the cells, which is that of the rows;
     /// - the frame of the records. Records and scratch are made anew in every step.
     pub(super) fn persist_all(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.has_come_apart.persist("has_come_apart", archive)?;
+        require(self.has_come_apart.len() == self.model.bodies.len(), "has_come_apart")?;
+        if self.has_come_apart.contains(&true) {
+            // Its columns are there from the first renewal on.
+            self.particles.allocate(Owner::Renewal);
+        }
         self.particles.persist("particles", archive)?;
         self.ghosts.halo.persist("halo", archive)?;
         self.walls.persist("walls", archive)?;
         self.external.persist("external", archive)?;
         self.step.persist("step", archive)?;
         self.reference_corrected.persist("reference_corrected", archive)?;
-        self.has_come_apart.persist("has_come_apart", archive)?;
-        require(self.has_come_apart.len() == self.model.bodies.len(), "has_come_apart")?;
         if let Some(contacts) = &mut self.contacts {
             contacts.persist("contacts", archive)?;
         }

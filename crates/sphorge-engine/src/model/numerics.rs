@@ -127,8 +127,8 @@ pub enum Formulation {
     TotalLagrangian {
         /// Strength of the hourglass control, zero for none.
         hourglass: f64,
-        /// Principal stretch, or one over it, at which the present configuration becomes the one the sums are taken in; `None`: the
-        /// initial one for good.
+        /// Principal stretch at which a body has come apart, and its present configuration becomes the one the sums are taken in;
+        /// `None`: the initial one for good.
         renewal: Option<f64>,
     },
 }

@@ -32,7 +32,7 @@ pub enum Owner {
     ArtificialEnergy,
     /// The reference configuration of the total Lagrangian form.
     Reference,
-    /// Its renewal.
+    /// Its renewal; there from the first on.
     Renewal,
 }
 
