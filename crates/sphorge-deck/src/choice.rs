@@ -76,7 +76,7 @@ words! {
         "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
         "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";
         "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser), and all a guard finds";
-        "total-lagrangian" => Strategy::total(defaults::HOURGLASS, defaults::RENEWAL), "none after the start: sums over the initial neighbours, until a body comes apart";
+        "total-lagrangian" => Strategy::total(defaults::HOURGLASS, defaults::RENEWAL, true), "none after the start: sums over the initial neighbours, until a body comes apart";
     }
     GuardWord, "guard of the adaptive search", Option<f64> {
         "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and contact candidates are searched too, gradients are those of the positions as they are";
@@ -87,8 +87,8 @@ words! {
         "frozen" => false, "lists and kernel values of the start in the sums of the other strategies (Fraser, Table 1)";
     }
     MethodWord, "method", Method {
-        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture until a body is stretched eightfold; bodies and walls meet in penalty contacts, but no body meets itself; leapfrog";
-        "updated-lagrangian" => Method::UpdatedLagrangian, "sums over the present neighbours, lists with a skin; bodies meet in kernel sums, walls push by Monaghan & Kos; leapfrog. For folds and debris that meet again";
+        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture until a body is stretched eightfold; bodies meet walls, each other and themselves in penalty contacts; leapfrog";
+        "updated-lagrangian" => Method::UpdatedLagrangian, "sums over the present neighbours, lists with a skin; bodies meet in kernel sums, walls push by Monaghan & Kos; leapfrog. For debris that meets again";
         "patino" => Method::Patino, "that of Patiño et al.: the present neighbours, searched every step; artificial stress 0.3 with exponent 4, XSPH 0.5, predictor-corrector";
         "fraser" => Method::Fraser, "that of Fraser et al.: the present neighbours, adaptive search with its guard; artificial stress 0.3 with exponent 6, XSPH 0.5, leapfrog";
     }

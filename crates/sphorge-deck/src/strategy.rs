@@ -17,8 +17,8 @@ impl Strategy {
     }
 
     /// The total Lagrangian form, whose lists are those of the start.
-    pub(crate) const fn total(hourglass: f64, renewal: Option<f64>) -> Self {
-        Self { search: Search::Initial, formulation: Formulation::TotalLagrangian { hourglass, renewal } }
+    pub(crate) const fn total(hourglass: f64, renewal: Option<f64>, self_contact: bool) -> Self {
+        Self { search: Search::Initial, formulation: Formulation::TotalLagrangian { hourglass, renewal, self_contact } }
     }
 
     /// Takes out of the choices what the formulation does without; what to tell the user whose keys had asked for it.

@@ -18,6 +18,8 @@
 //!   if single pairs touched.
 //! - Stiffness grows with the overlap: bodies that have met at several km/s do not pass through each other.
 //!
+//! A body meets itself in the same way, where surfaces of it face each other ([`face_each_other`]).
+//!
 //! Damping and friction act along and across the direction `n_ij` of the difference of both overlap gradients, which points from
 //! one body to the other and turns its sign with the pair.
 
@@ -28,6 +30,17 @@ use crate::{Dimension, Real, Scalar, Vector};
 
 /// Overlap over which damping comes in, so that it does not jump at first touch.
 const ONSET: f64 = 0.2;
+
+/// Cosine of the angle between the normals of two surfaces below which they may meet; those of an edge or a corner do not.
+const FACING: f64 = -0.3;
+
+/// Whether surfaces with these outward unit normals face each other at places `x = x_i - x_j` (m) apart: the normals are opposite and
+/// each place is on the outer side of the other.
+#[inline]
+pub fn face_each_other<T: Scalar>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>) -> bool {
+    let zero = T::zero();
+    dot(normal_i, normal_j) < T::of(FACING) && dot(x, normal_i) < zero && dot(x, normal_j) > zero
+}
 
 /// A flat body seen from outside: kernel sums over its lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,6 +54,11 @@ pub struct FlatBody {
 /// Kernel sums at a distance `gap` (m) from the outermost layer of a flat body with this spacing and smoothing length, averaged
 /// over the position along the surface.
 pub fn flat_body(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap: f64) -> FlatBody {
+    flat_layers(kernel, dimension, spacing, h, gap, i32::MAX)
+}
+
+/// The same of a flat body's outermost `layers` alone.
+fn flat_layers(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap: f64, layers: i32) -> FlatBody {
     // Rows within the support, and positions between two rows.
     let rows = (kernel.support() * h / spacing) as i32 + 1;
     const SHIFTS: i32 = 8;
@@ -50,7 +68,7 @@ pub fn flat_body(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap
     let across = |used: bool| if used { (SHIFTS, rows) } else { (1, 0) };
     let ((shifts_x, rows_x), (shifts_z, rows_z)) = (across(d >= 2), across(d >= 3));
     for (shift_x, shift_z) in (0..shifts_x).flat_map(|a| (0..shifts_z).map(move |b| (a, b))) {
-        for layer in 0..=rows {
+        for layer in 0..(rows + 1).min(layers) {
             let y = gap + f64::from(layer) * spacing;
             for (row_x, row_z) in (-rows_x..=rows_x).flat_map(|a| (-rows_z..=rows_z).map(move |b| (a, b))) {
                 let x = spacing * (f64::from(row_x) + f64::from(shift_x) / f64::from(shifts_x));
@@ -113,12 +131,26 @@ impl ContactLaw<f64> {
         b: &ContactBody,
         strength: ContactStrength,
     ) -> Self {
+        Self::of_layers(kernel, dimension, a, b, strength, i32::MAX)
+    }
+
+    /// The contact of a body with itself, of which particles of the surface alone take part: the outermost layer.
+    pub fn with_itself(kernel: Kernel, dimension: Dimension, body: &ContactBody, strength: ContactStrength) -> Self {
+        Self::of_layers(kernel, dimension, body, body, strength, 1)
+    }
+
+    fn of_layers(
+        kernel: Kernel,
+        dimension: Dimension,
+        a: &ContactBody,
+        b: &ContactBody,
+        strength: ContactStrength,
+        layers: i32,
+    ) -> Self {
+        let flat = |body: &ContactBody, h: f64, gap: f64| flat_layers(kernel, dimension, body.spacing, h, gap, layers);
         let h = 0.5 * (a.smoothing_length + b.smoothing_length);
         let touching = 0.5 * (a.spacing + b.spacing);
-        let (from_a, from_b) = (
-            flat_body(kernel, dimension, b.spacing, h, touching),
-            flat_body(kernel, dimension, a.spacing, h, touching),
-        );
+        let (from_a, from_b) = (flat(b, h, touching), flat(a, h, touching));
         let mean = |x: f64, y: f64| 2.0 * x * y / (x + y);
         let modulus = strength.stiffness * mean(a.bulk_modulus, b.bulk_modulus);
         let impedance = |c: &ContactBody| Real::sqrt(c.density * c.bulk_modulus);
@@ -127,12 +159,12 @@ impl ContactLaw<f64> {
         let response = relative(from_a, a.spacing) + relative(from_b, b.spacing);
         // All pairs across a face, per area: sum over the layers of one body of their volume per area times what the other shows them.
         // It is the same from both sides but for the places along the surface that its mean is taken of.
-        let seen_from = |own: f64, other: f64| -> f64 {
-            let layers = (kernel.support() * h / own) as i32 + 1;
-            let shown = |k: i32| flat_body(kernel, dimension, other, h, touching + f64::from(k) * own).slope * own;
-            (0..=layers).map(shown).sum()
+        let seen_from = |own: f64, other: &ContactBody| -> f64 {
+            let own_layers = ((kernel.support() * h / own) as i32 + 2).min(layers);
+            let shown = |k: i32| flat(other, h, touching + f64::from(k) * own).slope * own;
+            (0..own_layers).map(shown).sum()
         };
-        let pairs = 0.5 * (seen_from(a.spacing, b.spacing) + seen_from(b.spacing, a.spacing));
+        let pairs = 0.5 * (seen_from(a.spacing, b) + seen_from(b.spacing, a));
         Self {
             inverse_sums: (1.0 / from_a.sum, 1.0 / from_b.sum),
             modulus: modulus / (touching * response),
@@ -358,6 +390,19 @@ mod tests {
     const STRENGTH: ContactStrength = ContactStrength { stiffness: 1.0, damping: 0.5, friction: 0.1 };
 
     #[test]
+    fn the_sides_of_a_slot_face_each_other_and_those_of_a_sheet_or_an_edge_do_not() {
+        let (up, down, aside): ([f64; 3], _, _) = ([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]);
+        // The first place stands below the second, aslant.
+        let x = [-0.5, -1.0, 0.0];
+        assert!(face_each_other(x, up, down) && face_each_other(x.map(|c| -c), down, up));
+        assert!(!face_each_other(x, down, up) && !face_each_other(x, up, up) && !face_each_other(x, up, aside));
+        // A slot that opens at 60 degrees, and one at 90.
+        let aslant = |degrees: f64| [degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0];
+        assert!(face_each_other([0.0, -1.0, 0.0], up, aslant(60.0)));
+        assert!(!face_each_other([0.0, -1.0, 0.0], up, aslant(90.0)));
+    }
+
+    #[test]
     fn a_flat_body_by_hand() {
         // In one dimension, h = 1.2 spacings: w(1/1.2) + w(2/1.2) over 1.2, with the cubic spline.
         let flat = flat_body(Kernel::CubicSpline, Dimension::One, 1.0, 1.2, 1.0);
@@ -397,6 +442,23 @@ mod tests {
             }
         }
         (force, energy)
+    }
+
+    #[test]
+    fn surfaces_of_one_body_begin_to_press_a_spacing_apart_with_the_bulk_modulus() {
+        let (kernel, spacing, h) = (Kernel::CubicSpline, STEEL.spacing, STEEL.smoothing_length);
+        let law = ContactLaw::with_itself(kernel, Dimension::One, &STEEL, STRENGTH);
+        let pressure = |gap: f64| {
+            let pair = ContactKernel::new(kernel, Dimension::One, gap, h);
+            let mut seen = Overlap::before_the_first();
+            seen.add(&law, &pair, [gap, 0.0, 0.0], spacing, spacing);
+            let (weight, overlaps) = (pair.weight(spacing, spacing), (seen.overlap, seen.overlap));
+            let (x, direction) = ([gap, 0.0, 0.0], [2.0, 0.0, 0.0]);
+            contact_force(&law, &ContactPair { x, v: [0.0; 3], weight, overlaps, direction, stopping: 0.0 }).force[0]
+        };
+        assert_eq!(pressure(1.001e-3), 0.0);
+        let closed = pressure(1.0e-3 * (1.0 - 1e-4));
+        assert!((closed / (160e9 * 1e-4) - 1.0).abs() < 1e-3, "{closed:.6e}");
     }
 
     #[test]

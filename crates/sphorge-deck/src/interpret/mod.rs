@@ -17,7 +17,7 @@ use super::method::Method;
 use super::raw::{RawDeck, RawRegion};
 use super::report::{Fault, Problems, suggest};
 use super::strategy::Strategy;
-use super::value::{Kind, VectorOf, Word};
+use super::value::{Kind, ScalarOr, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Numerics, Region, Search};
 use sphorge_engine::particles::is_kept;
 use std::ops::Range;
@@ -241,7 +241,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let sections = observed::sections(&raw.section, &scene, problems);
     let warnings = warnings::limits(&raw.warnings, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
-    check_together(raw, strategy, numerics.as_ref(), contact, problems);
+    check_together(raw, dimensions, strategy, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
     if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
         let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
@@ -303,6 +303,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
 /// Choices that exclude each other.
 fn check_together(
     raw: &RawDeck,
+    dimensions: Dimensions,
     strategy: Option<Strategy>,
     numerics: Option<&Numerics>,
     contact: Option<BodyContact>,
@@ -337,6 +338,28 @@ fn check_together(
         let fault = Fault::new("not-together", message, cell.span.clone(), "periodic");
         problems.push(with_search(fault).help("choose `method = \"updated-lagrangian\"`"));
     }
+    if let Some(Formulation::TotalLagrangian { self_contact: true, .. }) = strategy.map(|s| s.formulation) {
+        check_self_contact(raw, dimensions, contact, problems);
+    }
+}
+
+/// A body that is asked to meet itself where it cannot.
+fn check_self_contact(raw: &RawDeck, dimensions: Dimensions, contact: Option<BodyContact>, problems: &mut Problems) {
+    let Some(ScalarOr::Composed(search, _)) = &raw.search else { return };
+    let Some(given) = search.total_lagrangian.as_ref().and_then(|form| form.self_contact.as_ref()) else { return };
+    let (where_not, why) = match (&raw.periodic.x, &raw.periodic.y, &raw.periodic.z) {
+        _ if contact == Some(BodyContact::Sph) => ("in kernel sums", raw.contact.as_ref().map(|c| c.span())),
+        _ if dimensions == Dimensions::One => ("in one dimension", Some(raw.dimensions.span())),
+        (Some(cell), ..) | (_, Some(cell), _) | (.., Some(cell)) => ("in a periodic cell", Some(cell.span.clone())),
+        (None, None, None) => return,
+    };
+    let message = format!("bodies do not meet themselves {where_not}");
+    let fault = Fault::new("not-together", message, given.span(), "not possible");
+    let fault = match why {
+        Some(span) => fault.also(span, "with this"),
+        None => fault,
+    };
+    problems.push(fault.help("leave `self-contact` out"));
 }
 
 /// Why bodies cannot meet in this way with a strategy, and what to do.

@@ -214,16 +214,25 @@ fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> O
     let hourglass =
         or_default!(raw.hourglass, defaults::HOURGLASS, |h: &Given<Number>| h.within(Bound::NonNegative, problems));
     let renewal = or_default!(raw.renewal, defaults::RENEWAL, |r: &Given<Number>| renewal(r, problems));
-    let unused = [("hourglass control", "hourglass", &raw.hourglass), ("renewal", "renewal", &raw.renewal)];
+    let self_contact = or_default!(raw.self_contact, true, |s: &crate::value::Flag| s.get(problems));
+    let unused = [
+        ("hourglass control", "hourglass", raw.hourglass.as_ref().map(|h| h.span())),
+        ("renewal", "renewal", raw.renewal.as_ref().map(|r| r.span())),
+        ("contact of a body with itself", "self-contact", raw.self_contact.as_ref().map(|s| s.span())),
+    ];
     for (what, key, given) in unused {
         if let (Some(false), Some(given)) = (corrected, given) {
             let message = format!("the frozen form has no {what}");
-            let fault = Fault::new("not-together", message, given.span(), "not used");
+            let fault = Fault::new("not-together", message, given, "not used");
             problems.push(fault.help(format!("leave `{key}` or `form = \"frozen\"` out")));
         }
     }
-    let (hourglass, renewal) = (hourglass?, renewal?);
-    Some(if corrected? { Strategy::total(hourglass, renewal) } else { Strategy::updated(Search::Initial) })
+    let (hourglass, renewal, self_contact) = (hourglass?, renewal?, self_contact?);
+    Some(if corrected? {
+        Strategy::total(hourglass, renewal, self_contact)
+    } else {
+        Strategy::updated(Search::Initial)
+    })
 }
 
 /// A stretch, or none.

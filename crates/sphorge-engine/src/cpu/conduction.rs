@@ -165,7 +165,13 @@ impl<'a> HeatPoints<'a> {
 }
 
 impl Table {
-    fn add(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &HeatPoints<'_>) {
+    fn add<'a>(
+        &self,
+        sum: &mut Inflow<f64>,
+        i: usize,
+        row: impl IntoIterator<Item = &'a u32>,
+        points: &HeatPoints<'_>,
+    ) {
         let HeatPoints { position, smoothing_length, temperature, body, mass, density, .. } = points;
         let volume = mass.at(i) / density.at(i);
         let x_i = position.at(i);
@@ -260,7 +266,9 @@ impl<T: PairScalar> CpuEngine<T> {
                         None => table.add(&mut sum, i, list.row(i), &points),
                     }
                     if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
-                        table.add(&mut sum, i, row, &touching);
+                        // Surfaces of one body that face each other are no conductors.
+                        let other_bodies = row.iter().filter(|&&j| touching.body.at(j as usize) != p.body[i]);
+                        table.add(&mut sum, i, other_bodies, &touching);
                     }
                     if *surfaces {
                         for (boundary, total) in boundaries.iter().zip(powers.iter_mut()) {

@@ -1,4 +1,4 @@
-//! Contact between bodies: two passes over the pairs of particles of different bodies.
+//! Contact between bodies: two passes over the pairs of particles of different bodies, and of surfaces of one body that face each other.
 //!
 //! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
 //! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
@@ -8,6 +8,7 @@
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
 use super::ghosts::{Ghosts, WithGhosts};
+use super::self_contact::Surfaces;
 use crate::ContactLedger;
 use crate::halo::Halo;
 use crate::lanes::PairScalar;
@@ -45,6 +46,8 @@ struct Table {
     kernel: Kernel,
     dimension: Dimension,
     bodies: usize,
+    /// Place among the pairs of bodies that have a contact, of those that have one.
+    places: Vec<usize>,
     /// `1/rho` at rest.
     specific_volume: Vec<f64>,
     smoothing_length: Vec<f64>,
@@ -91,6 +94,9 @@ impl Table {
             .collect();
         // One law for both orders of a pair, so that forces are opposite to the last digit.
         let law = |a: usize, b: usize| {
+            if a == b {
+                return ContactLaw::with_itself(kernel, dimension, &bodies[a], strength);
+            }
             let law = ContactLaw::new(kernel, dimension, &bodies[a.min(b)], &bodies[a.max(b)], strength);
             if a <= b { law } else { law.turned() }
         };
@@ -103,11 +109,16 @@ impl Table {
             if a <= b { share } else { 1.0 - share }
         };
         let count = bodies.len();
+        let mut places = vec![usize::MAX; count * count];
+        for (place, (a, b)) in model.contact_pairs().into_iter().enumerate() {
+            (places[a * count + b], places[b * count + a]) = (place, place);
+        }
         let friction_shares = (0..count * count).map(|k| share(k / count, k % count)).collect();
         Self {
             kernel,
             dimension,
-            bodies: bodies.len(),
+            bodies: count,
+            places,
             specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
             smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
             laws,
@@ -126,11 +137,6 @@ impl Table {
     }
 }
 
-/// Place of a pair of bodies `a < b` among all pairs, in the order of the first, then of the second.
-fn pair_index(bodies: usize, a: usize, b: usize) -> usize {
-    a * (2 * bodies - a - 1) / 2 + b - a - 1
-}
-
 /// Particles and ghosts, as the contact reads them.
 #[derive(Clone, Copy)]
 struct Points<'a> {
@@ -141,6 +147,7 @@ struct Points<'a> {
     overlap: WithGhosts<'a, f64>,
     direction: WithGhosts<'a, Vector<f64>>,
     weight: WithGhosts<'a, f64>,
+    surfaces: Surfaces<'a>,
 }
 
 impl Points<'_> {
@@ -155,12 +162,11 @@ fn difference(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
 }
 
 impl BodyContacts {
-    /// `None` where bodies meet in the kernel sum, or where there is but one. With a halo, pairs are searched apart from the neighbour
+    /// `None` where bodies meet in the kernel sum, or where there is nothing to meet. With a halo, pairs are searched apart from the neighbour
     /// list.
     pub(super) fn new(model: &Model, particles: usize, halo: Option<Box<dyn Halo>>) -> Option<Self> {
         let model::BodyContact::Penalty(strength) = model.contact else { return None };
-        let bodies = model.bodies.len();
-        let pairs = bodies * bodies.saturating_sub(1) / 2;
+        let pairs = model.contact_pairs().len();
         if pairs == 0 {
             return None;
         }
@@ -185,7 +191,7 @@ impl BodyContacts {
 
     /// Takes the pairs of different bodies out of a list that was just rebuilt.
     pub(super) fn take_pairs(&mut self, list: &mut NeighborList, body: WithGhosts<'_, u32>) {
-        self.foreign.take_from(list, |j| body.at(j as usize));
+        self.foreign.take_from(list, |i, j| body.at(i) != body.at(j));
     }
 
     /// Adds the powers of the last evaluation over a time `dt`, s.
@@ -194,6 +200,21 @@ impl BodyContacts {
             works.stored += dt * now.stored;
             works.friction += dt * now.friction;
             works.damped += dt * now.damped;
+        }
+    }
+
+    /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
+    pub(super) fn release(&mut self, body: usize, particles: &mut Particles) {
+        let Some(works) = self.works.get_mut(self.table.places[body * self.table.bodies + body]) else { return };
+        let Particles { energy, mass, body: bodies, contact_overlap, .. } = particles;
+        let pressed = |i: usize| if bodies[i] as usize == body { contact_overlap[i].max(0.0).powi(2) } else { 0.0 };
+        let all: f64 = (0..mass.len()).map(|i| mass[i] * pressed(i)).sum();
+        if all > 0.0 {
+            let held = std::mem::take(&mut works.stored);
+            works.damped += held;
+            for (i, energy) in energy.iter_mut().enumerate() {
+                *energy += held * pressed(i) / all;
+            }
         }
     }
 
@@ -225,6 +246,7 @@ impl BodyContacts {
             overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
             direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
             weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
+            surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
         };
         self.table.row(i, &[j], &points, dt, &mut vec![PairSums::default(); self.now.len()]).force
     }
@@ -277,12 +299,22 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn overlap_bodies(&mut self) {
         let Some(contacts) = &self.contacts else { return };
         let table = &contacts.table;
-        let Particles { position, mass, body, contact_overlap, contact_direction, contact_weight, .. } =
-            &mut self.particles;
+        let Particles {
+            position,
+            mass,
+            body,
+            contact_overlap,
+            contact_direction,
+            contact_weight,
+            reference_normal,
+            deformation,
+            ..
+        } = &mut self.particles;
         let ghosts = &contacts.ghosts(&self.ghosts).columns;
         let positions = WithGhosts::new(position, &ghosts.position);
         let masses = WithGhosts::new(mass, &ghosts.mass);
         let bodies = WithGhosts::new(body, &ghosts.body);
+        let surfaces = Surfaces::new(reference_normal, deformation, ghosts);
         (
             contacts.foreign.blocks().par_iter(),
             contact_overlap.par_chunks_mut(BLOCK),
@@ -299,6 +331,9 @@ impl<T: PairScalar> CpuEngine<T> {
                         let j = j as usize;
                         let b = bodies.at(j) as usize;
                         let x = difference(positions.at(i), positions.at(j));
+                        if a == b && !surfaces.face(i, j, x) {
+                            continue;
+                        }
                         let kernel = table.kernel(a, b, dot(x, x).sqrt());
                         sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
                     }
@@ -323,6 +358,8 @@ impl<T: PairScalar> CpuEngine<T> {
             contact_direction,
             contact_weight,
             friction_heat,
+            reference_normal,
+            deformation,
             ..
         } = &mut self.particles;
         let BodyContacts { foreign, search, table, partial, limits, now, .. } = contacts;
@@ -335,6 +372,7 @@ impl<T: PairScalar> CpuEngine<T> {
             overlap: WithGhosts::new(contact_overlap, &ghosts.contact_overlap),
             direction: WithGhosts::new(contact_direction, &ghosts.contact_direction),
             weight: WithGhosts::new(contact_weight, &ghosts.contact_weight),
+            surfaces: Surfaces::new(reference_normal, deformation, ghosts),
         };
         let (table, mass, dt) = (&*table, &*mass, self.step.dt);
         (
@@ -389,9 +427,12 @@ impl Table {
         for &j in row {
             let j = j as usize;
             let b = points.body.at(j) as usize;
+            let x = difference(points.position.at(i), points.position.at(j));
+            if a == b && !points.surfaces.face(i, j, x) {
+                continue;
+            }
             let law = self.law(a, b);
             let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
-            let x = difference(points.position.at(i), points.position.at(j));
             let kernel = self.kernel(a, b, dot(x, x).sqrt());
             let other_volume = other_mass * self.specific_volume[b];
             let (weight, overlaps) = (kernel.weight(volume, other_volume), (own.overlap, other.overlap));
@@ -405,7 +446,7 @@ impl Table {
             };
             let force = contact_force(law, &pair);
             push.approach = push.approach.max(force.approach);
-            let sum = &mut sums[pair_index(self.bodies, a.min(b), a.max(b))];
+            let sum = &mut sums[self.places[a * self.bodies + b]];
             for k in 0..3 {
                 push.force[k] += force.force[k];
                 if a < b {
@@ -437,21 +478,5 @@ impl Persist for BodyContacts {
         }
         persist_each(&mut self.now, &format!("{name}.now"), archive)?;
         persist_each(&mut self.works, &format!("{name}.works"), archive)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pairs_of_bodies_are_counted_without_gaps() {
-        let mut next = 0;
-        for a in 0..5 {
-            for b in a + 1..5 {
-                assert_eq!(pair_index(5, a, b), next);
-                next += 1;
-            }
-        }
     }
 }

@@ -6,12 +6,13 @@
 use super::CpuEngine;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::search::{differ_beyond, moved_beyond};
+use super::self_contact::Surfaces;
 use crate::halo::{FieldSet, Halo};
 use crate::lanes::{Instructions, PairScalar};
 use crate::neighbors::{DisplacementBound, ForeignList, NeighborList, Reach, Searcher};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, require};
-use sphorge_physics::Vector;
+use sphorge_physics::{Vector, tensor::dot};
 
 /// Skin of the search, in reaches of the contact.
 const SKIN: f64 = 0.2;
@@ -23,12 +24,15 @@ pub(super) struct ContactSearch {
     support: f64,
     /// Smoothing length of the contact by body, m.
     smoothing_length_of: Vec<f64>,
-    /// All pairs of the last search; those of different bodies are taken out of it.
-    list: NeighborList,
-    searcher: Searcher,
-    /// Positions (m) and smoothing lengths (m) of particles and ghosts at the last search.
+    /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'.
+    members: Vec<u32>,
+    /// Their positions, m, and smoothing lengths, m, and all their pairs.
     points: Vec<Vector<f64>>,
     smoothing_length: Vec<f64>,
+    list: NeighborList,
+    searcher: Searcher,
+    /// Positions of the particles at the last search, m.
+    searched_at: Vec<Vector<f64>>,
     /// Reading of the displacement bound at the last search.
     displacement: DisplacementBound,
     is_made: bool,
@@ -41,10 +45,12 @@ impl ContactSearch {
             ghosts: Ghosts::new(halo),
             support,
             smoothing_length_of,
-            list: NeighborList::default(),
-            searcher: Searcher::default(),
+            members: Vec::new(),
             points: Vec::new(),
             smoothing_length: Vec::new(),
+            list: NeighborList::default(),
+            searcher: Searcher::default(),
+            searched_at: Vec::new(),
             displacement: DisplacementBound::default(),
             is_made: false,
         }
@@ -54,21 +60,29 @@ impl ContactSearch {
     fn is_due(&self, particles: &Particles, displacement: DisplacementBound) -> bool {
         let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
         let half = 0.5 * SKIN * self.support * smallest;
-        let then = || &self.points[..particles.len()];
         // Images in symmetry planes are displaced otherwise than their sources.
-        let differ = || !self.ghosts.halo.is_empty() || differ_beyond(&particles.position, then(), 2.0 * half);
+        let differ =
+            || !self.ghosts.halo.is_empty() || differ_beyond(&particles.position, &self.searched_at, 2.0 * half);
         !self.is_made
             || (!displacement.is_within(self.displacement, half)
-                && moved_beyond(&particles.position, then(), half)
+                && moved_beyond(&particles.position, &self.searched_at, half)
                 && differ())
     }
 
-    /// Finds the pairs of different bodies within the reach of the contact and its skin.
+    /// Makes the next search due, of other particles.
+    pub(super) fn forget(&mut self) {
+        self.is_made = false;
+        self.searcher.forget();
+    }
+
+    /// Finds the pairs of different bodies, and those of surfaces of one body that are no neighbours in its reference configuration, within
+    /// the reach of the contact and its skin. What `has_come_apart` is renewed often, and meets itself in the sums.
     fn search(
         &mut self,
         particles: &Particles,
         displacement: DisplacementBound,
         instructions: Instructions,
+        has_come_apart: &[bool],
         foreign: &mut ForeignList,
     ) {
         let factor = self.support * (1.0 + SKIN);
@@ -77,20 +91,50 @@ impl ContactSearch {
             self.searcher.forget();
         }
         self.ghosts.exchange(FieldSet::Search, particles);
+        // Surfaces are as they were at the last evaluation.
+        self.ghosts.exchange(FieldSet::Stress, particles);
+        let own = self.find_members(particles);
         let ghosts = &self.ghosts.columns;
-        let ghost_count = self.ghosts.count();
+        let (position, body) =
+            (WithGhosts::new(&particles.position, &ghosts.position), WithGhosts::new(&particles.body, &ghosts.body));
         self.points.clear();
-        self.points.extend_from_slice(&particles.position);
-        self.points.extend_from_slice(&ghosts.position[..ghost_count]);
-        let body = WithGhosts::new(&particles.body, &ghosts.body);
+        self.points.extend(self.members.iter().map(|&i| position.at(i as usize)));
         self.smoothing_length.clear();
-        let all = 0..self.points.len();
-        self.smoothing_length.extend(all.map(|j| self.smoothing_length_of[body.at(j) as usize]));
+        self.smoothing_length
+            .extend(self.members.iter().map(|&i| self.smoothing_length_of[body.at(i as usize) as usize]));
         let reach = Reach::new(&self.smoothing_length, factor);
-        self.searcher.search(&self.points, particles.len(), &reach, displacement, instructions, &mut self.list);
-        foreign.take_from(&mut self.list, |j| body.at(j as usize));
+        self.searcher.search(&self.points, own, &reach, displacement, instructions, &mut self.list);
+        let meets_itself = !particles.reference_normal.is_empty();
+        let surfaces = Surfaces::new(&particles.reference_normal, &particles.deformation, ghosts);
+        let reference = WithGhosts::new(&particles.reference_position, &ghosts.reference_position);
+        foreign.gather(&self.list, &self.members, particles.len(), |i, j| {
+            let of = body.at(i) as usize;
+            if of != body.at(j) as usize {
+                return true;
+            }
+            if !meets_itself || has_come_apart[of] || !surfaces.may_face(i, j) {
+                return false;
+            }
+            let (x, other) = (reference.at(i), reference.at(j));
+            let apart: Vector<f64> = [0, 1, 2].map(|a| x[a] - other[a]);
+            dot(apart, apart) >= (self.support * self.smoothing_length_of[of]).powi(2)
+        });
+        self.searched_at.clone_from(&particles.position);
         self.displacement = displacement;
         self.is_made = true;
+    }
+
+    /// Finds who is searched; how many of them are particles.
+    fn find_members(&mut self, particles: &Particles) -> usize {
+        let normal = WithGhosts::new(&particles.reference_normal, &self.ghosts.columns.reference_normal);
+        let is_one_body = self.smoothing_length_of.len() == 1;
+        let is_member = |i: &u32| !is_one_body || normal.at(*i as usize) != [0.0; 3];
+        let (count, all) = (particles.len() as u32, (particles.len() + self.ghosts.count()) as u32);
+        self.members.clear();
+        self.members.extend((0..count).filter(is_member));
+        let own = self.members.len();
+        self.members.extend((count..all).filter(is_member));
+        own
     }
 
     /// Bytes held.
@@ -99,7 +143,8 @@ impl ContactSearch {
             + self.ghosts.columns.bytes()
             + self.list.bytes()
             + self.searcher.bytes()
-            + 32 * self.points.capacity()
+            + 36 * self.points.capacity()
+            + 24 * self.searched_at.capacity()
     }
 }
 
@@ -109,7 +154,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let displacement = self.lists.displacement;
         let Some(contacts) = &mut self.contacts else { return };
         let Some(search) = contacts.search.as_mut().filter(|s| s.is_due(&self.particles, displacement)) else { return };
-        search.search(&self.particles, displacement, self.instructions, &mut contacts.foreign);
+        search.search(&self.particles, displacement, self.instructions, &self.has_come_apart, &mut contacts.foreign);
         // Those that lose their neighbours in other bodies overlap no more.
         let p = &mut self.particles;
         p.contact_overlap.fill(0.0);
@@ -119,7 +164,8 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Brings the columns of the images the contact reads to those of the particles.
     pub(super) fn exchange_contact_ghosts(&mut self, fields: FieldSet) {
-        if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
+        let Some(contacts) = self.contacts.as_mut().filter(|contacts| !contacts.foreign.is_empty()) else { return };
+        if let Some(search) = &mut contacts.search {
             search.ghosts.exchange(fields, &self.particles);
         }
     }
@@ -130,7 +176,7 @@ impl Persist for ContactSearch {
         let of = |field: &str| format!("{name}.{field}");
         self.ghosts.halo.persist(&of("halo"), archive)?;
         self.searcher.persist(&of("searcher"), archive)?;
-        self.points.persist(&of("points"), archive)?;
+        self.searched_at.persist(&of("searched_at"), archive)?;
         self.displacement.persist(&of("displacement"), archive)?;
         self.is_made.persist(&of("is_made"), archive)
     }
@@ -141,11 +187,10 @@ impl ContactSearch {
     pub(super) fn complete(&mut self, particles: &Particles, name: &str) -> Result<(), ArchiveError> {
         let rows = self.ghosts.halo.rows();
         require(rows.iter().all(|&row| (row as usize) < particles.len()), &format!("{name}.halo"))?;
-        let all = particles.len() + rows.len();
-        let fits = !self.is_made || self.points.len() == all && self.searcher.fits(all);
-        require(fits, &format!("{name}.points"))?;
         // They take what does not change between searches with each search, and the next one may be far.
         self.ghosts.exchange(FieldSet::Search, particles);
-        Ok(())
+        self.find_members(particles);
+        let fits = self.searched_at.len() == particles.len() && self.searcher.fits(self.members.len());
+        require(!self.is_made || fits, &format!("{name}.searched_at"))
     }
 }

@@ -24,6 +24,7 @@ mod reference_conduction;
 mod renewal;
 mod search;
 mod section;
+mod self_contact;
 mod smoothing;
 mod stored;
 mod stress_columns;

@@ -39,7 +39,10 @@ impl<T: PairScalar> CpuEngine<T> {
         if !is_due.contains(&true) {
             return false;
         }
-        for (apart, due) in has_come_apart.iter_mut().zip(&is_due) {
+        for (body, (apart, due)) in has_come_apart.iter_mut().zip(&is_due).enumerate() {
+            if let (Some(contacts), false, true) = (&mut self.contacts, *apart, due) {
+                contacts.release(body, p);
+            }
             *apart |= due;
         }
         p.allocate(Owner::Renewal);

@@ -130,6 +130,8 @@ pub enum Formulation {
         /// Principal stretch at which a body has come apart, and its present configuration becomes the one the sums are taken in;
         /// `None`: the initial one for good.
         renewal: Option<f64>,
+        /// Whether a body meets itself where it folds, as [`super::Model::has_self_contact`] has it.
+        self_contact: bool,
     },
 }
 

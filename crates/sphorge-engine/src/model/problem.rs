@@ -60,13 +60,22 @@ pub struct Model {
 }
 
 impl Model {
-    /// Pairs of bodies that have a contact of their own, the lower index first, in order.
+    /// Pairs of bodies that have a contact of their own, the lower index first, in order; a body with itself among them where it has one.
     pub fn contact_pairs(&self) -> Vec<(usize, usize)> {
         let count = match self.contact {
             BodyContact::Sph => 0,
             BodyContact::Penalty(_) => self.bodies.len(),
         };
-        (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect()
+        let first = if self.has_self_contact() { 0 } else { 1 };
+        (0..count).flat_map(|a| (a + first..count).map(move |b| (a, b))).collect()
+    }
+
+    /// Whether bodies meet themselves in the contact: in the total Lagrangian form, where no end of the space is joined to another.
+    pub fn has_self_contact(&self) -> bool {
+        matches!(self.formulation, Formulation::TotalLagrangian { self_contact: true, .. })
+            && matches!(self.contact, BodyContact::Penalty(_))
+            && self.dimensions != Dimensions::One
+            && self.periodic.iter().all(Option::is_none)
     }
 
     /// Whether the work of the artificial stress is booked apart: where temperature is that of the energy, of which it is no heat.

@@ -1,10 +1,10 @@
-//! Neighbours in other bodies, taken out of the neighbour list where bodies meet in a contact of their own.
+//! Neighbours in contact, of other bodies mostly, taken out of the neighbour list where bodies meet in a contact of their own.
 
 use super::{BLOCK, Block, NeighborList};
 use crate::persist::{Archive, ArchiveError, Persist, persist_all};
 use rayon::prelude::*;
 
-/// Rows of the few particles that have neighbours in other bodies, by block like [`NeighborList`].
+/// Rows of the few particles that have neighbours in contact, by block like [`NeighborList`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ForeignList {
     blocks: Vec<ForeignBlock>,
@@ -21,19 +21,44 @@ pub(crate) struct ForeignBlock {
 }
 
 impl ForeignList {
-    /// Moves the neighbours whose body is another one out of a list that was just rebuilt; the order of a row stays.
-    pub(crate) fn take_from(&mut self, list: &mut NeighborList, body: impl Fn(u32) -> u32 + Sync) {
+    /// Moves those pairs of a particle and a neighbour that are in contact out of a list that was just rebuilt; the order of a row stays.
+    pub(crate) fn take_from(&mut self, list: &mut NeighborList, is_in_contact: impl Fn(usize, usize) -> bool + Sync) {
         self.blocks.resize_with(list.blocks().len(), ForeignBlock::default);
         (list.blocks_mut().par_iter_mut(), self.blocks.par_iter_mut()).into_par_iter().enumerate().for_each(
             |(b, (block, foreign))| {
-                foreign.owners.clear();
-                foreign.ends.clear();
-                foreign.indices.clear();
+                foreign.clear();
                 for k in 0..block.len() {
-                    foreign.take_row((b * BLOCK + k) as u32, k, block, &body);
+                    foreign.take_row((b * BLOCK + k) as u32, k, block, &is_in_contact);
                 }
             },
         );
+    }
+
+    /// Takes those pairs that are in contact from a list of some points: `members` says which of `count` particles each of its rows is, in
+    /// ascending order, and behind them which ghosts its further points are.
+    pub(crate) fn gather(
+        &mut self,
+        list: &NeighborList,
+        members: &[u32],
+        count: usize,
+        is_in_contact: impl Fn(usize, usize) -> bool + Sync,
+    ) {
+        self.blocks.resize_with(count.div_ceil(BLOCK), ForeignBlock::default);
+        let row_of = |i: usize| members.partition_point(|&member| (member as usize) < i.min(count));
+        self.blocks.par_iter_mut().enumerate().for_each(|(b, foreign)| {
+            foreign.clear();
+            for row in row_of(b * BLOCK)..row_of((b + 1) * BLOCK) {
+                let own = members[row];
+                let neighbours = list.row(row).iter().map(|&k| members[k as usize]);
+                foreign.indices.extend(neighbours.filter(|&j| is_in_contact(own as usize, j as usize)));
+                foreign.end_row(own);
+            }
+        });
+    }
+
+    /// No pairs at all.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.blocks.iter().all(|block| block.owners.is_empty())
     }
 
     /// The blocks, particle `i` in block `i / BLOCK`.
@@ -49,24 +74,33 @@ impl ForeignList {
 }
 
 impl ForeignBlock {
-    fn take_row(&mut self, own: u32, k: usize, block: &mut Block, body: &impl Fn(u32) -> u32) {
-        let own_body = body(own);
-        let first = self.indices.len();
+    fn take_row(&mut self, own: u32, k: usize, block: &mut Block, is_in_contact: &impl Fn(usize, usize) -> bool) {
         let indices = &mut self.indices;
         block.retain_in_row(k, own, |j| {
-            let same = body(j) == own_body;
-            if !same {
+            let is_in_contact = is_in_contact(own as usize, j as usize);
+            if is_in_contact {
                 indices.push(j);
             }
-            same
+            !is_in_contact
         });
-        if self.indices.len() > first {
+        self.end_row(own);
+    }
+
+    fn clear(&mut self) {
+        self.owners.clear();
+        self.ends.clear();
+        self.indices.clear();
+    }
+
+    /// Makes what was added since the last row that of a particle, if there is any.
+    fn end_row(&mut self, own: u32) {
+        if self.indices.len() as u32 > self.ends.last().copied().unwrap_or(0) {
             self.owners.push(own);
             self.ends.push(self.indices.len() as u32);
         }
     }
 
-    /// Particles that have neighbours in other bodies, with these neighbours.
+    /// Particles that have neighbours in contact, with these neighbours.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, &[u32])> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         let row =
@@ -120,15 +154,27 @@ mod tests {
         }
         // Bodies 0, 0, 0, 1.
         let mut foreign = ForeignList::default();
-        foreign.take_from(&mut list, |j| j / 3);
+        foreign.take_from(&mut list, |i, j| i / 3 != j / 3);
         assert_eq!(list.row(0), [1, 2]);
         assert_eq!(list.blocks()[0].padded_row(0, 4), [1, 2, 0, 0]);
         assert_eq!(list.row(1), [0, 2]);
         assert!(list.row(3).is_empty());
         let rows: Vec<_> = foreign.blocks()[0].rows().map(|(own, row)| (own, row.to_vec())).collect();
         assert_eq!(rows, [(0, vec![3]), (3, vec![0])]);
+        // A list of particles 1 and 3 and a ghost, 4, that are 0, 1 and 2 there; pairs with particle 1 do not count.
+        let mut some = NeighborList::default();
+        some.resize(2);
+        let block = &mut some.blocks_mut()[0];
+        block.clear();
+        for (own, row) in [vec![1, 2], vec![2, 0]].into_iter().enumerate() {
+            row.iter().for_each(|&j| block.push(j));
+            block.end_row(own as u32);
+        }
+        foreign.gather(&some, &[1, 3, 4], 4, |_, j| j != 1);
+        let rows: Vec<_> = foreign.blocks()[0].rows().map(|(own, row)| (own, row.to_vec())).collect();
+        assert_eq!(rows, [(1, vec![3, 4]), (3, vec![4])]);
         // A second search starts from nothing.
-        foreign.take_from(&mut list, |_| 0);
+        foreign.take_from(&mut list, |_, _| false);
         assert_eq!(foreign.blocks()[0].rows().count(), 0);
     }
 }

@@ -26,6 +26,8 @@ pub enum Owner {
     Heat,
     /// Contact between bodies.
     Contact,
+    /// Contact of a body with itself.
+    SelfContact,
     /// Friction between bodies or at walls.
     Friction,
     /// Artificial stress where temperature is that of the energy.
@@ -291,6 +293,8 @@ columns! {
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
         Internal("", "smallest principal stretch from the reference configuration"), Unmirrored[], None;
+    pub(crate) reference_normal: Vector<f64> = [0.0; 3], SelfContact,
+        Internal("1/m", "outward normal of the surface in the reference configuration, zero inside"), Vector[Search], None;
     pub(crate) earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;
 }

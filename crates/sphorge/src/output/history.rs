@@ -170,12 +170,17 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     let contact_pairs = model.contact_pairs();
     if !contact_pairs.is_empty() {
         let sum = |of: fn(&ContactLedger) -> f64| ledger.contacts.iter().map(of).sum::<f64>();
-        let stored = "energy the contacts between bodies hold: work against their elastic force so far";
+        let stored = "energy the contacts of bodies hold: work against their elastic force so far";
         row.number("contact_stored_energy", "J", stored, sum(|c| c.stored_energy));
-        row.number("contact_friction_work", "J", "heat of friction between bodies so far", sum(|c| c.friction_work));
+        row.number(
+            "contact_friction_work",
+            "J",
+            "heat of friction in contacts of bodies so far",
+            sum(|c| c.friction_work),
+        );
         row.number("contact_damping_work", "J", "heat of contact damping so far", sum(|c| c.damping_work));
     }
-    let meaning = "kinetic plus internal energy, and what contacts between bodies hold";
+    let meaning = "kinetic plus internal energy, and what contacts of bodies hold";
     row.number("total_energy", "J", meaning, ledger.total_energy());
     let drift = "total energy less external work, boundary heat and initial total, over the energy in play";
     row.number("energy_drift", "", drift, sample.energy_drift);
@@ -209,10 +214,12 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         row.number(&format!("heat.{}", boundary.name), "J", "heat that came in through the boundary so far", *heat);
     }
     for ((a, b), contact) in contact_pairs.into_iter().zip(&ledger.contacts) {
-        let (a, b) = (&model.bodies[a].name, &model.bodies[b].name);
-        let name = format!("contact.{a}.{b}");
-        row.vector(&format!("{name}.force"), "N", "force of the first body on the second", contact.force);
-        let stored = "work of the two bodies against the elastic contact force so far";
+        let name = format!("contact.{}.{}", model.bodies[a].name, model.bodies[b].name);
+        // The forces of a body on itself cancel.
+        if a != b {
+            row.vector(&format!("{name}.force"), "N", "force of the first body on the second", contact.force);
+        }
+        let stored = "work against the elastic force of the contact so far";
         row.number(&format!("{name}.stored_energy"), "J", stored, contact.stored_energy);
         row.number(&format!("{name}.friction_work"), "J", "heat of friction so far", contact.friction_work);
         row.number(&format!("{name}.damping_work"), "J", "heat of contact damping so far", contact.damping_work);

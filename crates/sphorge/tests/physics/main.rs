@@ -11,6 +11,7 @@ mod oracle;
 mod persist;
 mod renewal;
 mod sections;
+mod self_contact;
 mod setup;
 mod spall;
 mod symmetry;

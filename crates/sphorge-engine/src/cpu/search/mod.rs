@@ -36,7 +36,7 @@ pub(super) struct Lists<T> {
     pub(super) stale: bool,
     searcher: Searcher,
     /// Positions of particles and ghosts at the last search, m.
-    points: Vec<Vector<f64>>,
+    pub(super) points: Vec<Vector<f64>>,
     /// Smoothing lengths of particles and ghosts at the last search, not below those of the contact between bodies, m.
     pub(super) smoothing_length: Vec<f64>,
     /// Smallest smoothing length of a particle, and largest that is searched with, m.
@@ -140,7 +140,9 @@ impl<T: PairScalar> CpuEngine<T> {
             Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
             Search::Initial => {
                 let report = if stale || self.renew_references() {
-                    self.search_all()
+                    let report = self.search_all();
+                    self.find_surfaces();
+                    report
                 } else {
                     self.follow_frame();
                     self.keep_lists()

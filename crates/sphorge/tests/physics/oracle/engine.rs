@@ -56,6 +56,8 @@ pub(super) struct Oracle {
     pub(super) earlier_deformation: Vec<Tensor<f64>>,
     pub(super) has_come_apart: Vec<bool>,
     pub(super) is_renewed: bool,
+    /// Outward normals there, of any length, of particles on a surface.
+    pub(super) normal: Vec<Option<Vector<f64>>>,
     pub(super) initial_volume: Vec<f64>,
     pub(super) history: Vec<Vec<f64>>,
     /// Scaled stress and artificial stress, and Balsara's switch.
@@ -128,6 +130,7 @@ impl EngineKind for OracleKind {
             earlier_deformation: uncorrected(n),
             has_come_apart: vec![false; model.bodies.len()],
             is_renewed: true,
+            normal: vec![None; n],
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,
             stress: uncorrected(n),
@@ -262,6 +265,9 @@ impl Engine for Oracle {
         let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
         if due {
             self.search();
+        }
+        if self.is_renewed && self.model.has_self_contact() {
+            self.find_surfaces();
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
     }

@@ -2,7 +2,8 @@
 
 use super::engine::Oracle;
 use sphorge::model::{BodyContact, Model, Search};
-use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot};
+use sphorge_physics::contact::{face_each_other, flat_body};
+use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot, total_lagrangian::surface_normal};
 
 /// A mirror or a shift by axis, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,6 +126,48 @@ impl Oracle {
             }
         }
         (rows, foreign)
+    }
+
+    /// Finds the surfaces of the configuration the sums are taken in, midway between what the outermost layer of a flat body has of the kernel
+    /// gradient and what the one behind it has.
+    pub(super) fn find_surfaces(&mut self) {
+        let (kernel, dimension) = (self.model.numerics.kernel, self.dimension);
+        self.normal = self.each(|i| {
+            let body = &self.model.bodies[self.p.body[i] as usize];
+            let mut outward = [0.0; 3];
+            for n in self.pairs(i, &self.searched_at) {
+                outward = plus(outward, -n.f * self.initial_volume[n.j], n.x);
+            }
+            let missing = |layer: f64| {
+                flat_body(kernel, dimension, body.spacing, body.smoothing_length, layer * body.spacing).slope
+            };
+            let is_outermost = dot(outward, outward).sqrt() > 0.5 * (missing(1.0) + missing(2.0));
+            is_outermost.then_some(outward)
+        });
+    }
+
+    /// Adds the contacts of bodies with themselves as they are now: particles that are no neighbours in the sums and face each other.
+    pub(super) fn meet_themselves(&mut self) {
+        if !self.model.has_self_contact() {
+            return;
+        }
+        for i in 0..self.p.len() {
+            let body = self.p.body[i] as usize;
+            let reach = self.model.numerics.kernel.support() * self.model.bodies[body].smoothing_length;
+            let Some(own) = self.normal[i].filter(|_| !self.has_come_apart[body]) else { continue };
+            let own = surface_normal(&self.deformation[i], own);
+            for j in (0..self.p.len()).filter(|&j| self.p.body[j] as usize == body) {
+                let Some(other) = self.normal[j] else { continue };
+                let other = surface_normal(&self.deformation[j], other);
+                for (k, image) in self.images.iter().enumerate() {
+                    let [now, then] = [&self.p.position, &self.searched_at].map(|x| minus(x[i], image.point(x[j])));
+                    let is_near = dot(now, now) < reach * reach && image.is_of(&self.model, self.p.position[j]);
+                    if is_near && dot(then, then) >= reach * reach && face_each_other(now, own, image.vector(other)) {
+                        self.foreign[i].push((j, k));
+                    }
+                }
+            }
+        }
     }
 
     /// Places the sums are taken at, of particles that are at `now`.

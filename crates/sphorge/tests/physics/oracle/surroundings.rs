@@ -66,6 +66,9 @@ impl Accounts {
             .collect();
         let law = |a: usize, b: usize| match model.contact {
             BodyContact::Sph => ContactLaw::default(),
+            BodyContact::Penalty(strength) if a == b => {
+                ContactLaw::with_itself(kernel, dimension, &bodies[a], strength)
+            }
             BodyContact::Penalty(strength) => ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength),
         };
         let all = || 0..bodies.len();
@@ -108,6 +111,7 @@ impl Oracle {
 
     /// `s_i = sum_j V_j W_ij / S_ab - 1`.
     pub(super) fn overlap_bodies(&mut self) {
+        self.meet_themselves();
         self.overlap = self.each(|i| {
             let mut sum = Overlap::default();
             for (count, n) in self.contacts(i).enumerate() {
@@ -355,7 +359,7 @@ impl Oracle {
         let mut limit = f64::INFINITY;
         let rates = self.each(|i| {
             let mut sum = Inflow::default();
-            let touching = self.contacts(i).map(|n| (n, false));
+            let touching = self.contacts(i).filter(|n| p.body[n.j] != p.body[i]).map(|n| (n, false));
             for (n, initial) in self.pairs(i, at).map(|n| (n, initial)).chain(touching) {
                 let j = n.j;
                 let (a, b) = (p.body[i], p.body[j]);

@@ -1,0 +1,86 @@
+//! Contact of a body with itself in the total Lagrangian form, whose sums know no neighbours but those of the reference configuration.
+//!
+//! Particles of the outermost layer of a body have a normal. Those of one body that are no neighbours in the reference configuration are in
+//! contact, by the law of different bodies, where their surfaces face each other: sides of a fold or a slot do, those of a sheet, an edge
+//! or a foot that is pressed flat do not. Images of the body in symmetry planes are met alike.
+
+use super::CpuEngine;
+use super::ghosts::WithGhosts;
+use crate::lanes::PairScalar;
+use crate::model::Body;
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::contact::{face_each_other, flat_body};
+use sphorge_physics::total_lagrangian::surface_normal;
+use sphorge_physics::{Tensor, Vector, tensor::dot};
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Finds the surfaces of the reference configuration, whose lists were just made.
+    pub(super) fn find_surfaces(&mut self) {
+        if !self.model.has_self_contact() {
+            return;
+        }
+        let (list, points) = (&self.lists.list, &self.lists.points);
+        let (kernel, dimension) = (self.model.numerics.kernel, super::dimension(&self.model));
+        let bodies = &self.model.bodies;
+        // What a flat surface has, midway between its outermost layer and the one behind it: the sum over the layers that are not there.
+        let missing =
+            |b: &Body, layer: f64| flat_body(kernel, dimension, b.spacing, b.smoothing_length, layer * b.spacing);
+        let exposed = |b: &Body| 0.5 * (missing(b, 1.0).slope + missing(b, 2.0).slope);
+        let exposed: Vec<f64> = bodies.iter().map(exposed).collect();
+        let p = &mut self.particles;
+        let volume = WithGhosts::new(&p.reference_volume, &self.ghosts.columns.reference_volume);
+        let columns = (&mut p.reference_normal, &p.body).into_par_iter();
+        columns.enumerate().for_each(|(i, (normal, &body))| {
+            let h = bodies[body as usize].smoothing_length;
+            let mut outward = [0.0; 3];
+            for &j in list.row(i) {
+                let x = [0, 1, 2].map(|a| points[i][a] - points[j as usize][a]);
+                let weight = volume.at(j as usize) * kernel.slope(dimension, dot(x, x).sqrt(), h);
+                for a in 0..3 {
+                    outward[a] += weight * x[a];
+                }
+            }
+            *normal = if dot(outward, outward).sqrt() > exposed[body as usize] { outward } else { [0.0; 3] };
+        });
+        if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
+            search.forget();
+        }
+    }
+}
+
+/// The surfaces of bodies that meet themselves.
+#[derive(Clone, Copy)]
+pub(super) struct Surfaces<'a> {
+    reference_normal: WithGhosts<'a, Vector<f64>>,
+    deformation: WithGhosts<'a, Tensor<f64>>,
+}
+
+/// Cosine of the angle between normals from which on surfaces do not face each other before the next search: to turn from there until they
+/// do takes 35 degrees, which moves neighbours on a surface by more than the skin of the search.
+const TURNED_AWAY: f64 = 0.3;
+
+impl<'a> Surfaces<'a> {
+    /// Of particles, with the ghosts behind them; empty where no body meets itself.
+    pub(super) fn new(normal: &'a [Vector<f64>], deformation: &'a [Tensor<f64>], ghosts: &'a Particles) -> Self {
+        Self {
+            reference_normal: WithGhosts::new(normal, &ghosts.reference_normal),
+            deformation: WithGhosts::new(deformation, &ghosts.deformation),
+        }
+    }
+
+    /// Whether both particles are of a surface, and may face each other before the next search.
+    pub(super) fn may_face(&self, i: usize, j: usize) -> bool {
+        let is_inside = |i: usize| self.reference_normal.at(i) == [0.0; 3];
+        !is_inside(i) && !is_inside(j) && dot(self.normal(i), self.normal(j)) < TURNED_AWAY
+    }
+
+    fn normal(&self, i: usize) -> Vector<f64> {
+        surface_normal(&self.deformation.at(i), self.reference_normal.at(i))
+    }
+
+    /// Whether particles of one body that are `x = x_i - x_j` (m) apart face each other now.
+    pub(super) fn face(&self, i: usize, j: usize, x: Vector<f64>) -> bool {
+        face_each_other(x, self.normal(i), self.normal(j))
+    }
+}
