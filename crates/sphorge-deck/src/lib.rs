@@ -3,6 +3,7 @@
 //! Text, with `--set` overrides worked in -> raw structs (`raw`, the only place a key is declared) -> model in SI units
 //! (`interpret`) -> particles ([`sphorge_engine::geometry`]).
 
+mod advice;
 mod choice;
 pub mod decks;
 mod declare;
@@ -28,6 +29,7 @@ mod written;
 #[cfg(test)]
 mod tests;
 
+pub use advice::{Advice, advice};
 pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use report::{DeckReport, Problem};
 pub use schema::schema;

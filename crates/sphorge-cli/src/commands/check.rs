@@ -7,6 +7,7 @@ use crate::{
     readable, table, terminal,
 };
 use clap::Args;
+use sphorge::deck::{Advice, advice};
 use sphorge::forecast::{Forecast, ForecastOptions, forecast};
 
 /// Wall-clock seconds spent on steps.
@@ -30,14 +31,16 @@ pub(crate) struct CheckArguments {
 
 pub(crate) fn execute(arguments: CheckArguments) -> Ending {
     let setup = arguments.deck.find()?.load()?;
-    setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
+    let advice = advice(&setup.model, &setup.particles);
+    setup.notes.iter().chain(&advice.notes).for_each(|note| terminal::note(&format!("note: {note}")));
     let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
-    terminal::print(&report(&forecast))?;
+    terminal::print(&report(&forecast, &advice))?;
     Ok(Outcome::Done)
 }
 
-fn report(forecast: &Forecast) -> String {
+fn report(forecast: &Forecast, advice: &Advice) -> String {
+    let about = if advice.step_shrinks { "at least" } else { "about" };
     let unit = forecast.mass_unit();
     let rows = forecast.bodies.iter().map(|body| {
         let filled = &body.filled;
@@ -59,6 +62,7 @@ fn report(forecast: &Forecast) -> String {
     let bodies = table::columns(&head, &[2, 3, 4, 5, 6], rows.collect());
     let particles = forecast.particles();
     let facts = [
+        ("method", advice.method.clone()),
         ("particles", format!("{}, {:.1} neighbours each", readable::count(particles as u64), forecast.mean_neighbors)),
         (
             "first time step",
@@ -71,7 +75,7 @@ fn report(forecast: &Forecast) -> String {
                     format!("{}, the most the deck allows", readable::count(most))
                 }
                 _ => format!(
-                    "about {} to {}",
+                    "{about} {} to {}",
                     readable::count(forecast.expected_steps),
                     readable::quantity(forecast.end, "s")
                 ),
@@ -80,7 +84,7 @@ fn report(forecast: &Forecast) -> String {
         (
             "run time",
             format!(
-                "about {} on {} ({} a step)",
+                "{about} {} on {} ({} a step)",
                 readable::duration(forecast.run_seconds),
                 readable::threads(forecast.threads),
                 readable::duration(forecast.seconds_per_step),
