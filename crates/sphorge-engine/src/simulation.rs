@@ -219,7 +219,16 @@ impl Simulation {
                 (dt, reason) = (0.5 * left, LimitReason::Output);
             }
         }
-        Ok((dt, reason))
+        if self.clock.time + dt > self.clock.time {
+            return Ok((dt, reason));
+        }
+        let message = format!(
+            "the time step ({}) is {:.3e} s, which does not move the time: an acceleration, a speed or a stiffness is too large, or \
+             `time.courant` too small",
+            reason.name(),
+            dt.abs()
+        );
+        Err(self.date(RunFailure { field: "time step", ..RunFailure::of_engine(message) }))
     }
 
     fn date(&self, failure: RunFailure) -> RunFailure {

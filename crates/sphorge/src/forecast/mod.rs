@@ -95,8 +95,14 @@ pub enum ForecastError {
     #[diagnostic(help("ask for fewer with `--threads N`"))]
     Threads(String),
     /// The deck can be read but not stepped.
-    #[error("the deck cannot take its first steps: {0}")]
-    Failed(#[from] RunFailure),
+    #[error("the run fails: {0}")]
+    Failed(RunFailure),
+}
+
+impl From<RunFailure> for ForecastError {
+    fn from(failure: RunFailure) -> Self {
+        Self::Failed(failure)
+    }
 }
 
 /// Forecasts the run of a deck.
@@ -121,7 +127,10 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
     // The first step touches memory for the first time: it is taken, not timed.
     simulation.step(None)?;
     let (mut steps, start, start_time) = (0_u64, Instant::now(), simulation.time());
-    while steps == 0 || start.elapsed().as_secs_f64() < seconds {
+    let is_over = |simulation: &Simulation| {
+        simulation.time() >= model.time.end || model.time.max_steps.is_some_and(|most| simulation.steps() >= most)
+    };
+    while steps == 0 || start.elapsed().as_secs_f64() < seconds && !is_over(&simulation) {
         simulation.step(None)?;
         steps += 1;
     }
@@ -243,6 +252,11 @@ mod tests {
         assert!((forecast.first_step - 0.3 * 1.2 * 0.8e-3 / speed).abs() < 1e-3 * forecast.first_step);
         assert_eq!(forecast.first_reason, LimitReason::SoundSpeed);
         assert_eq!(forecast.expected_steps, 20);
+        // Steps are taken no farther than a run would go, however long they may last.
+        let setup = load_text("test", DECK, &[("time.end".into(), "100 ns".into())]).unwrap();
+        let started = Instant::now();
+        super::forecast(setup, &ForecastOptions { threads: Some(1), seconds: 1000.0 }).unwrap();
+        assert!(started.elapsed().as_secs() < 500);
         // Twenty steps of 48 ns are short of the first frame interval: the initial frame and that of the end.
         assert_eq!(forecast.frames, 2);
         assert!(forecast.output_bytes > 2 * frame_bytes(&model, &particles));

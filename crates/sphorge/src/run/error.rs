@@ -5,7 +5,7 @@ use crate::{
     model::Model,
     output::{FailureRecord, OutputError, Summary},
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why [`super::execute`] did not return a summary.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -43,10 +43,7 @@ pub enum RunError {
     },
     /// The solution broke down. All frames and rows up to then are on the disk, `summary.json` says `failed`.
     #[error("the run failed in {failure}")]
-    #[diagnostic(
-        code(sphorge::run::failed),
-        help("frames and history up to that time are in {}; look at the last frame near the place", directory.display())
-    )]
+    #[diagnostic(code(sphorge::run::failed), help("{}", what_is_kept(directory)))]
     Failed {
         /// What happened.
         failure: Box<FailureRecord>,
@@ -73,6 +70,17 @@ impl RunError {
             Self::Directory(_) | Self::Threads { .. } | Self::Unsupported { .. } => 2,
             Self::Start { .. } | Self::Failed { .. } | Self::Output { .. } => 1,
         }
+    }
+}
+
+/// What a run that failed has left.
+fn what_is_kept(directory: &Path) -> String {
+    let place = directory.display();
+    // The list of frames is there with the first of them.
+    if directory.join("fields.pvd").exists() {
+        format!("frames and history up to that time are in {place}; look at the last frame near the place")
+    } else {
+        format!("it failed before the first frame: {place} holds the deck and `summary.json` alone")
     }
 }
 
