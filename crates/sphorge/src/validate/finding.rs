@@ -54,6 +54,8 @@ pub enum ReferenceKind {
     Exact,
     /// Another code.
     Published,
+    /// The finite elements of `reference/finite-elements`, written for these checks alone.
+    FiniteElements,
     /// Measured.
     Experiment,
     /// Another run of ours.
@@ -66,6 +68,7 @@ impl ReferenceKind {
         match self {
             Self::Exact => "exact",
             Self::Published => "published",
+            Self::FiniteElements => "our elements",
             Self::Experiment => "experiment",
             Self::OtherRun => "ours",
         }

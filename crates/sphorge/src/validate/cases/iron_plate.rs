@@ -63,7 +63,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         for (k, (name, unit, measure)) in numbers.into_iter().enumerate() {
             let start = if k == 3 { START } else { 0.0 };
             let finding = Finding::new(name, unit, run.label(), run.measure(measure).map(|value| value - start));
-            let finding = finding.beside(ReferenceKind::Published, "finite elements", ELEMENTS[k]);
+            let finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", ELEMENTS[k]);
             findings
                 .add(finding.must(Bounds::Relative(asked[k]), "finite elements of the same plate, constants and wall"));
         }

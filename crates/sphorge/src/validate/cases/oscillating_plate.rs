@@ -137,7 +137,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     }
     for run in runs.series(FREE) {
         let finding = Finding::new("period with free ends", Unit::MILLISECOND, run.label(), period(run));
-        let finding = finding.beside(ReferenceKind::Published, "finite elements", FREE_PERIOD);
+        let finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", FREE_PERIOD);
         findings.add(finding.must(Bounds::Relative(0.01), "five particles across and more, with no clamp"));
     }
     let finding = |run: &Run| {

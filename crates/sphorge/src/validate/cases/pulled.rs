@@ -349,7 +349,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
                 let quantity = format!("force at an elongation of {percent}");
                 let finding = Finding::new(quantity, Unit::NONE, run.label(), force(run, share * end));
                 let finding = meshes.iter().rev().fold(finding, |finding, mesh| match mesh.at(share * end, 2) {
-                    Some(force) => finding.beside(ReferenceKind::Published, &mesh.name(), force),
+                    Some(force) => finding.beside(ReferenceKind::FiniteElements, &mesh.name(), force),
                     None => finding,
                 });
                 findings.add(match (series, run.spacing < 0.6e-3) {
@@ -367,7 +367,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
                 run.measure("plastic_strain"),
             );
             let reference = finest.at(end, 3).unwrap_or(f64::NAN);
-            let strain = strain.beside(ReferenceKind::Published, &finest.name(), reference);
+            let strain = strain.beside(ReferenceKind::FiniteElements, &finest.name(), reference);
             findings.add(if series == ROD {
                 strain.must(
                     Bounds::Relative(0.08),

@@ -77,7 +77,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let share = run.measure("rebound_speed").map(|v| v / SPEED);
         findings.add(
             finding("speed after over speed before", Unit::NONE, share)
-                .beside(ReferenceKind::Published, "finite elements, 16 x 192", ELEMENTS)
+                .beside(ReferenceKind::FiniteElements, "finite elements, 16 x 192", ELEMENTS)
                 .must(
                     Bounds::Relative(if run.spacing > 1.2e-3 { 0.02 } else { 0.01 }),
                     "ten rows of particles across; six, at low resolution, are as far off as six elements, 1.1 %",

@@ -228,7 +228,7 @@ impl Bar {
                 findings.add(finding.must(Bounds::AtMost(share), &reason));
                 continue;
             }
-            finding = finding.beside(ReferenceKind::Published, "finite elements", theirs[k]);
+            finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", theirs[k]);
             if let Some((source, value)) = measured(k) {
                 finding = finding.beside(ReferenceKind::Experiment, source, value);
             }
@@ -236,7 +236,7 @@ impl Bar {
         }
         let rise = run.measure("max_temperature").map(|temperature| temperature - START);
         findings.add(Finding::new("largest rise of the temperature", Unit::KELVIN, run.label(), rise).beside(
-            ReferenceKind::Published,
+            ReferenceKind::FiniteElements,
             "finite elements",
             mesh.temperature - START,
         ));
