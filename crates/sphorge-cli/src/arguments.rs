@@ -12,8 +12,8 @@ use clap::{Parser, Subcommand};
     about = "Smoothed-particle hydrodynamics for metals that yield, flow and break",
     after_help = "\
 Start with
-  sphorge run taylor-plate          a Taylor impact, a few seconds
-  sphorge plot out/taylor-plate     pictures of it
+  sphorge run iron-plate            a Taylor impact, a few seconds
+  sphorge plot out/iron-plate       pictures of it
   sphorge decks                     what else is shipped
 
 Exit codes: 0 done, 1 the run failed (what was computed is kept) or, with --strict, is broken, 2 bad input, 130 stopped by the user."

@@ -94,14 +94,15 @@ impl FoundDeck {
     }
 }
 
+/// The shipped deck whose name is most like this one, if any is like it.
+pub(crate) fn nearest(name: &str) -> Option<&'static str> {
+    let known = decks::DECKS.iter().map(|deck| (strsim::normalized_damerau_levenshtein(deck.name, name), deck.name));
+    known.filter(|(likeness, _)| *likeness >= 0.5).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, known)| known)
+}
+
 fn missing(path: &Path, name: &str) -> Failure {
-    let known = decks::DECKS.iter().map(|deck| deck.name);
-    let near = known
-        .map(|known| (strsim::normalized_damerau_levenshtein(known, name), known))
-        .filter(|(likeness, _)| *likeness >= 0.5)
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let help = match near {
-        Some((_, known)) => format!("did you mean the shipped deck `{known}`? `sphorge decks` lists all"),
+    let help = match nearest(name) {
+        Some(known) => format!("did you mean the shipped deck `{known}`? `sphorge decks` lists all"),
         None => "give the path of a deck file, or the name of a shipped deck: `sphorge decks` lists them".to_owned(),
     };
     Failure::bad_input(format!("there is no deck `{}`", path.display()), help)

@@ -1,6 +1,7 @@
 //! `sphorge decks`: the decks that come with the program.
 
 use crate::{
+    deck_arguments::nearest,
     failure::{Ending, Failure, Outcome},
     table, terminal,
 };
@@ -12,7 +13,7 @@ use sphorge::decks::{self, DECKS};
 #[command(after_help = "\
 Examples:
   sphorge decks
-  sphorge decks taylor-plate > my.toml      a deck of your own to start from")]
+  sphorge decks iron-plate > my.toml      a deck of your own to start from")]
 pub(crate) struct DecksArguments {
     /// A shipped deck to print
     #[arg(value_name = "NAME")]
@@ -30,7 +31,8 @@ pub(crate) fn execute(arguments: DecksArguments) -> Ending {
             Some(deck) => deck.text.to_owned(),
             None => {
                 let message = format!("there is no shipped deck `{name}`");
-                return Err(Failure::bad_input(message, "`sphorge decks` lists them"));
+                let near = nearest(&name).map_or(String::new(), |near| format!("did you mean `{near}`? "));
+                return Err(Failure::bad_input(message, format!("{near}`sphorge decks` lists them")));
             }
         },
     };

@@ -15,13 +15,13 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  sphorge plot out/taylor-plate
-  sphorge plot out/taylor-plate --field temperature --frames first,20,last
+  sphorge plot out/iron-plate
+  sphorge plot out/iron-plate --field temperature --frames first,20,last
   sphorge plot out/taylor-bar --field plastic_strain --view xz --section --range 0,1.5
   sphorge plot out/penetration --field plastic_strain --measures
-  sphorge plot out/taylor-plate --column height --column width
+  sphorge plot out/iron-plate --column height --column width
 
-Without --field and --column the usual pictures are drawn. Pictures go to the folder `plots` of the run.")]
+Without --field and --column the usual pictures are drawn; the other options go with --field. Pictures go to the folder `plots` of the run.")]
 pub(crate) struct PlotArguments {
     /// Folder of a run, finished or not
     #[arg(value_name = "DIR")]

@@ -4,12 +4,12 @@ use super::run::parse_threads;
 use crate::{
     failure::{Ending, Failure, Outcome},
     signals::StopFlag,
-    terminal,
+    table, terminal,
 };
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 use sphorge::run::Observer;
-use sphorge::validate::{Case, CaseReport, Effort, ValidateError, ValidateOptions, Variant, Watcher, validate};
+use sphorge::validate::{CASES, Case, CaseReport, Effort, ValidateError, ValidateOptions, Variant, Watcher, validate};
 use std::path::PathBuf;
 
 /// Arguments of `validate`.
@@ -18,6 +18,7 @@ use std::path::PathBuf;
 Examples:
   sphorge validate --quick
   sphorge validate taylor-plate plate-impact
+  sphorge validate --list
 
 Every number of ours is printed beside the published or exact one, with the deviation and what is asked of it. The
 folder holds report.md with pictures, report.json, and every run. Exit code 1 if a check failed.")]
@@ -25,6 +26,9 @@ pub(crate) struct ValidateArguments {
     /// Names of cases [default: all]
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
+    /// List the cases and run none
+    #[arg(long)]
+    list: bool,
     /// Low resolution: about two minutes on two cores
     #[arg(long)]
     quick: bool,
@@ -37,6 +41,11 @@ pub(crate) struct ValidateArguments {
 }
 
 pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
+    if arguments.list {
+        let rows = CASES.iter().map(|case| vec![case.name.to_owned(), case.title.to_owned()]);
+        terminal::print(&table::columns(&["case", "what"], &[], rows.collect()))?;
+        return Ok(Outcome::Done);
+    }
     let options = ValidateOptions {
         directory: arguments.output,
         cases: arguments.cases,

@@ -18,7 +18,7 @@ use sphorge_physics::parameter::Bound;
 /// Exponents above give a force that is zero or infinite in all but name.
 const LARGEST_EXPONENT: u64 = 16;
 /// Stretches at which the reference configuration may be renewed: above those of elastic bodies.
-const RENEWAL_RANGE: Bound = Bound::Between(1.1, 100.0);
+const RENEWAL_RANGE: std::ops::RangeInclusive<f64> = 1.1..=100.0;
 
 /// More frames or rows than these are a slip of units, and would fill a disk.
 const MOST_FRAMES: f64 = 1e5;
@@ -237,11 +237,17 @@ fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> O
 
 /// A stretch, or none.
 fn renewal(given: &Given<Number>, problems: &mut Problems) -> Option<Option<f64>> {
-    let stretch = given.within(Bound::NonNegative, problems)?;
+    let stretch = given.within(Bound::Any, problems)?;
     if stretch == 0.0 {
         return Some(None);
     }
-    given.within(RENEWAL_RANGE, problems).map(Some)
+    if !RENEWAL_RANGE.contains(&stretch) {
+        let (low, high) = (RENEWAL_RANGE.start(), RENEWAL_RANGE.end());
+        let message = format!("the stretch must be between {low} and {high}, or 0 for never");
+        problems.push(Fault::new("out-of-range", message, given.span(), format!("found the number {stretch}")));
+        return None;
+    }
+    Some(Some(stretch))
 }
 
 /// Between 0 and 1, both allowed.
