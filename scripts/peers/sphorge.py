@@ -12,7 +12,7 @@ from . import LENGTH, RADIUS, SPEED, SUPPORT, Run
 DECK = """
 dimensions = "3d"
 search = "{search}"
-particles = {{ spacing = "{spacing} mm", smoothing = {smoothing} }}
+particles = {{ spacing = "{spacing} mm", smoothing = {smoothing}, lattice = "square" }}
 
 [numerics]
 precision = "{precision}"
