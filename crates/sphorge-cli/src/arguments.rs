@@ -28,6 +28,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Run a deck: write fields, history and summary to a folder
     Run(run::RunArguments),
+    /// Go on with a run that was stopped or killed, to the same bits
+    Resume(resume::ResumeArguments),
     /// Say what a deck would do: particles, mass, time step, memory, run time
     Check(check::CheckArguments),
     /// List the shipped decks, or print one
@@ -50,6 +52,7 @@ impl Command {
     pub(crate) fn execute(self) -> Ending {
         match self {
             Self::Run(arguments) => run::execute(arguments),
+            Self::Resume(arguments) => resume::execute(arguments),
             Self::Check(arguments) => check::execute(arguments),
             Self::Decks(arguments) => decks::execute(arguments),
             Self::Materials(arguments) => materials::execute(arguments),

@@ -30,7 +30,7 @@ enum PrecisionArgument {
 }
 
 /// Splits at the first `=`: values may hold more of them.
-fn parse_override(text: &str) -> Result<(String, String), String> {
+pub(crate) fn parse_override(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((path, value)) if !path.trim().is_empty() => Ok((path.trim().to_owned(), value.trim().to_owned())),
         _ => Err("write the key, `=` and the value: `time.end=\"30 us\"`".to_owned()),

@@ -1,6 +1,7 @@
 //! The program `sphorge`: arguments, progress and diagnostics over the library of the same name.
 
 mod arguments;
+mod checkpoint_arguments;
 mod commands;
 mod deck_arguments;
 #[cfg(test)]

@@ -7,6 +7,7 @@ use sphorge::{
     run::{Observer, Progress, RunStart},
 };
 use std::io::{self, IsTerminal};
+use std::path::Path;
 
 /// Ticks of the bar.
 const TICKS: u64 = 1000;
@@ -72,6 +73,15 @@ impl Observer for ProgressDisplay {
 
     fn peak_memory_bytes(&mut self) -> Option<u64> {
         memory::peak_resident_bytes()
+    }
+
+    fn saved(&mut self, checkpoint: &Path, step: u64, time: f64) {
+        let (step, time) = (readable::count(step), readable::quantity(time, "s"));
+        self.lines.print(&format!("saved at step {step}, {time}: {}", checkpoint.display()));
+    }
+
+    fn noted(&mut self, note: &str) {
+        self.lines.print(&format!("note: {note}"));
     }
 
     fn warned(&mut self, warning: &WarningRecord) {

@@ -1,4 +1,5 @@
-//! Ctrl-C and SIGTERM: the first asks the run to stop and write what it has, the second ends the program at once.
+//! Ctrl-C, SIGTERM and the end of a session: the first asks the run to stop and write what it has, the second ends the program at once.
+//! SIGUSR1 asks it to save its state and go on.
 
 use signal_hook::{consts::TERM_SIGNALS, flag, iterator::Signals};
 use std::{
@@ -9,6 +10,40 @@ use std::{
     },
     thread,
 };
+
+/// Signals that end a run.
+fn ending() -> Vec<i32> {
+    let mut signals = TERM_SIGNALS.to_vec();
+    #[cfg(unix)]
+    if !is_ignored(signal_hook::consts::SIGHUP) {
+        signals.push(signal_hook::consts::SIGHUP);
+    }
+    signals
+}
+
+/// Whether the program was started with a signal ignored, as `nohup` does with that of the end of a session; where the system tells.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
+}
+
+/// A flag that SIGUSR1 raises, where there is such a signal.
+///
+/// # Errors
+/// The system refuses the handler.
+pub(crate) fn checkpoint_request() -> io::Result<Option<Arc<AtomicBool>>> {
+    #[cfg(unix)]
+    {
+        let request = Arc::new(AtomicBool::new(false));
+        flag::register(signal_hook::consts::SIGUSR1, Arc::clone(&request))?;
+        Ok(Some(request))
+    }
+    #[cfg(not(unix))]
+    Ok(None)
+}
 
 /// A flag that signals raise, and what is said when the first one has.
 pub(crate) struct StopFlag {
@@ -35,14 +70,14 @@ impl StopFlag {
     /// The system refuses the handlers.
     pub(crate) fn new(on_first: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
         let raised = Arc::new(AtomicBool::new(false));
-        for &signal in TERM_SIGNALS {
+        for signal in ending() {
             // In this order: the first signal finds the flag down and raises it, the second finds it up and ends the program.
             // Every file of a run is complete or absent at any moment, so nothing is lost by that but the work since.
             flag::register_conditional_shutdown(signal, 130, Arc::clone(&raised))?;
             flag::register(signal, Arc::clone(&raised))?;
         }
         let said = Arc::new(Said { once: Once::new(), say: Box::new(on_first) });
-        let mut signals = Signals::new(TERM_SIGNALS)?;
+        let mut signals = Signals::new(ending())?;
         let by_thread = Arc::clone(&said);
         thread::spawn(move || {
             if signals.forever().next().is_some() {

@@ -38,7 +38,8 @@ extent = { body = "bar", axis = "y" }
 
 fn run(folder: &Path, threads: usize) -> Result<(RunDirectory, Summary), RunError> {
     let setup = load_text("plate", DECK, &[]).expect("the deck is right");
-    let options = RunOptions { directory: folder.join(threads.to_string()), overwrite: false, threads: Some(threads) };
+    let options =
+        RunOptions { directory: folder.join(threads.to_string()), threads: Some(threads), ..RunOptions::default() };
     let summary = execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent)?;
     Ok((RunDirectory::open(&options.directory).expect("the folder is there"), summary))
 }
@@ -102,7 +103,7 @@ fn what_is_found_broken_does_not_depend_on_the_number_of_threads() {
     let warnings = |threads: usize| {
         let setup = load_text("plate", DECK, &[("warnings".to_owned(), limits.to_owned())]).expect("the deck is right");
         let directory = folder.path().join(format!("w{threads}"));
-        let options = RunOptions { directory, overwrite: false, threads: Some(threads) };
+        let options = RunOptions { directory, threads: Some(threads), ..RunOptions::default() };
         execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap().warnings
     };
     let one = warnings(1);

@@ -1,6 +1,7 @@
 //! `sphorge run`: a deck becomes a folder of results.
 
 use crate::{
+    checkpoint_arguments::CheckpointArguments,
     deck_arguments::DeckArguments,
     failure::{Ending, Failure, Outcome},
     progress::ProgressDisplay,
@@ -13,7 +14,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use sphorge::{
     engine::{ENGINES, EngineKind},
     output::{BodyRecord, EndReason, RunDirectory, Status, Summary},
-    run::RunOptions,
+    run::{RunError, RunOptions},
 };
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,8 @@ Examples:
   sphorge run my.toml -o out/fine --set particles.spacing=\"0.15 mm\" --threads 8
   sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
 
-Ctrl-C stops the run after the present step; frames, history and summary are complete up to there (exit code 130).
+Ctrl-C stops the run after the present step; frames, history and summary are complete up to there (exit code 130). `sphorge resume` goes
+on from there, or after a crash from the last checkpoint; SIGUSR1 makes one at once.
 
 Checks made during the run warn where it is broken, such as more plastic work than energy or particles that fall together in pairs;
 summary.json lists them, the table [warnings] of a deck sets their limits.")]
@@ -47,6 +49,8 @@ pub(crate) struct RunArguments {
     /// End with exit code 1 if a check found the run broken
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    checkpoints: CheckpointArguments,
 }
 
 /// A number of threads: at least one.
@@ -86,27 +90,34 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     .into_diagnostic()
     .wrap_err("cannot catch Ctrl-C")
     .map_err(Failure::Failed)?;
-    let options =
-        RunOptions { directory: directory.clone(), overwrite: arguments.overwrite, threads: arguments.threads };
+    let options = RunOptions {
+        directory: directory.clone(),
+        overwrite: arguments.overwrite,
+        threads: arguments.threads,
+        checkpoints: arguments.checkpoints.plan()?,
+    };
     let result = sphorge::run::execute(setup, engine, &options, stop.flag(), &mut display);
     stop.finish();
     drop(display);
+    conclude(&result.map_err(failure)?, &directory, arguments.strict)
+}
 
-    match result {
-        Ok(summary) => {
-            terminal::print(&report(&summary, &directory))?;
-            match summary.status {
-                Status::Stopped => Ok(Outcome::Stopped),
-                Status::CompletedWithWarnings if arguments.strict => {
-                    let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
-                    terminal::note(&format!("--strict: the run is broken by {}", names.join(", ")));
-                    Err(Failure::Told)
-                }
-                _ => Ok(Outcome::Done),
-            }
+/// What a run that could not be made or failed is for the user.
+pub(crate) fn failure(error: RunError) -> Failure {
+    if error.exit_code() == 2 { Failure::BadInput(error.into()) } else { Failure::Failed(error.into()) }
+}
+
+/// Tells how a run ended.
+pub(crate) fn conclude(summary: &Summary, directory: &Path, strict: bool) -> Ending {
+    terminal::print(&report(summary, directory))?;
+    match summary.status {
+        Status::Stopped => Ok(Outcome::Stopped),
+        Status::CompletedWithWarnings if strict => {
+            let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
+            terminal::note(&format!("--strict: the run is broken by {}", names.join(", ")));
+            Err(Failure::Told)
         }
-        Err(error) if error.exit_code() == 2 => Err(Failure::BadInput(error.into())),
-        Err(error) => Err(Failure::Failed(error.into())),
+        _ => Ok(Outcome::Done),
     }
 }
 
@@ -166,5 +177,8 @@ fn report(summary: &Summary, directory: &Path) -> String {
     facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
     facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
     facts.push(("pictures", format!("sphorge plot {folder}")));
+    if summary.status == Status::Stopped {
+        facts.push(("go on", format!("sphorge resume {folder}")));
+    }
     table::facts(&facts)
 }

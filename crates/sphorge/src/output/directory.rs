@@ -2,12 +2,15 @@
 
 use super::{
     atomic::{UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
+    checkpoint::is_checkpoint,
     error::{AtPath, OutputError},
 };
 use crate::particles::FIELDS as FIELD_TABLE;
 use std::{
-    fs, io,
+    fs::{self, File, TryLockError},
+    io::{self, Write},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 /// The folder a run writes to, and the files in it:
@@ -20,12 +23,16 @@ use std::{
 /// | `history.csv` | one row per history time |
 /// | `history-columns.json` | name, unit and meaning of each column |
 /// | `summary.json` | how the run ended; written last |
+/// | `checkpoint-*.zip` | what the run can be resumed from, the last two |
 /// | `plots/*.png` | pictures, when asked for |
 ///
 /// Every file is written aside and renamed into place, so a reader sees a complete file or none.
 #[derive(Clone, Debug)]
 pub struct RunDirectory {
     path: PathBuf,
+    /// Held by a run that writes to it, until the last copy of this is dropped.
+    #[expect(dead_code, reason = "held, not read")]
+    lock: Option<Arc<File>>,
 }
 
 /// Top-level files a run writes, the marks of a run folder first.
@@ -41,7 +48,7 @@ impl RunDirectory {
     /// [`OutputError::Read`] if there is no such folder.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         if fs::metadata(path).reading(path)?.is_dir() {
-            Ok(Self { path: path.to_owned() })
+            Ok(Self { path: path.to_owned(), lock: None })
         } else {
             Err(io::Error::new(io::ErrorKind::NotADirectory, "not a folder")).reading(path)
         }
@@ -87,10 +94,35 @@ impl RunDirectory {
             .suffix(UNFINISHED_SUFFIX)
             .tempfile_in(path)
             .map_err(unwritable)?;
-        let directory = Self { path: path.to_owned() };
+        let directory = Self { path: path.to_owned(), lock: Some(lock(path)?) };
         directory.remove_former_run().map_err(unwritable)?;
         fs::create_dir_all(directory.path.join(FIELDS)).map_err(unwritable)?;
         Ok(directory)
+    }
+
+    /// Opens the folder of a run that is to go on: what it says of its end and what it had begun to write are removed.
+    ///
+    /// # Errors
+    /// [`OutputError::Read`] if there is no such folder, [`OutputError::Unwritable`] if it cannot be written to, [`OutputError::Locked`] if
+    /// another run writes to it.
+    pub(crate) fn go_on(path: &Path) -> Result<Self, OutputError> {
+        let directory = Self { path: Self::open(path)?.path, lock: Some(lock(path)?) };
+        let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
+        match fs::remove_file(directory.summary()) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritable(e)),
+            _ => {}
+        }
+        remove_matching(path, is_unfinished).map_err(unwritable)?;
+        remove_matching(&directory.path.join(FIELDS), is_unfinished).map_err(unwritable)?;
+        Ok(directory)
+    }
+
+    /// Removes frames from this number on.
+    pub(crate) fn remove_frames(&self, from: usize) -> Result<(), OutputError> {
+        let is_later = |name: &str| {
+            is_frame(name) && name.trim_end_matches(".vtp").parse().is_ok_and(|index: usize| index >= from)
+        };
+        remove_matching(&self.path.join(FIELDS), is_later).writing(&self.path.join(FIELDS))
     }
 
     /// The folder.
@@ -134,16 +166,37 @@ impl RunDirectory {
                 _ => {}
             }
         }
-        remove_matching(&self.path, is_unfinished)?;
+        remove_matching(&self.path, |name| is_unfinished(name) || is_checkpoint(name))?;
         remove_matching(&self.path.join(FIELDS), |name| is_frame(name) || is_unfinished(name))?;
         remove_matching(&self.path.join(PLOTS), |name| is_picture(name) || is_unfinished(name))
+    }
+}
+
+/// Who writes to the folder.
+const LOCK: &str = ".sphorge-lock";
+
+/// Takes the lock of a folder, which the system gives back when the process ends, however it does; its file names the process. File systems
+/// without locks go without.
+fn lock(path: &Path) -> Result<Arc<File>, OutputError> {
+    let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
+    let name = path.join(LOCK);
+    let file = File::options().read(true).write(true).create(true).truncate(false).open(&name).map_err(unwritable)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let owner = fs::read_to_string(&name).unwrap_or_default();
+            Err(OutputError::Locked { path: path.to_owned(), owner: owner.trim().to_owned() })
+        }
+        Ok(()) | Err(TryLockError::Error(_)) => {
+            let written = file.set_len(0).and_then(|()| writeln!(&file, "process {}", std::process::id()));
+            written.map(|()| Arc::new(file)).map_err(unwritable)
+        }
     }
 }
 
 /// A folder that is empty or that a run wrote.
 fn is_run_or_empty(path: &Path) -> bool {
     let Ok(mut entries) = fs::read_dir(path) else { return false };
-    entries.next().is_none()
+    entries.all(|entry| entry.is_ok_and(|entry| entry.file_name() == LOCK))
         || MARKS.iter().any(|name| path.join(name).is_file())
         // A run that was killed before its first frame.
         || (path.join(DECK).is_file() && path.join(FIELDS).is_dir())
@@ -210,9 +263,37 @@ mod tests {
             fs::write(root.join(name), "x").unwrap();
         }
         RunDirectory::create(root, true).unwrap();
-        assert_eq!(names(root), ["fields", "notes.txt", "plots"]);
+        assert_eq!(names(root), [".sphorge-lock", "fields", "notes.txt", "plots"]);
         assert_eq!(names(&root.join("fields")), ["000003.txt", "mine.vtp"]);
         assert_eq!(names(&root.join("plots")), ["paper.png"]);
+    }
+
+    #[test]
+    fn two_runs_do_not_write_into_one_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().join("run");
+        let first = RunDirectory::create(&root, false).unwrap();
+        fs::write(root.join("summary.json"), "first").unwrap();
+        for refused in [RunDirectory::create(&root, true), RunDirectory::go_on(&root)] {
+            let Err(OutputError::Locked { owner, .. }) = refused else { panic!("{refused:?}") };
+            assert_eq!(owner, format!("process {}", std::process::id()));
+        }
+        assert_eq!(fs::read_to_string(root.join("summary.json")).unwrap(), "first");
+        drop(first);
+        RunDirectory::create(&root, true).unwrap();
+    }
+
+    #[test]
+    fn a_run_that_goes_on_keeps_the_frames_it_had() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::create_dir(root.join("fields")).unwrap();
+        for name in ["summary.json", "fields/000001.vtp", "fields/000002.vtp", "fields/000003.vtp", "fields/mine.vtp"] {
+            fs::write(root.join(name), "x").unwrap();
+        }
+        RunDirectory::go_on(root).unwrap().remove_frames(2).unwrap();
+        assert_eq!(names(&root.join("fields")), ["000001.vtp", "mine.vtp"]);
+        assert_eq!(names(root), [".sphorge-lock", "fields"]);
     }
 
     #[test]

@@ -37,6 +37,18 @@ pub enum OutputError {
         /// What the system said.
         source: io::Error,
     },
+    /// Another run writes to the folder. Nothing was touched.
+    #[error("another run writes to {}: {owner}", path.display())]
+    #[diagnostic(
+        code(sphorge::output::locked),
+        help("choose another folder with `-o DIR`, or wait until that run has ended")
+    )]
+    Locked {
+        /// The folder.
+        path: PathBuf,
+        /// The process, as it calls itself.
+        owner: String,
+    },
     /// A file could not be written.
     #[error("cannot write {}", path.display())]
     #[diagnostic(

@@ -276,6 +276,30 @@ impl History {
         model: &Model,
         observed: &[HistoryColumn],
     ) -> Result<Self, OutputError> {
+        let (mut history, columns) = Self::without_rows(directory, model, observed)?;
+        write_file(&directory.history_columns(), Durability::Disk, |out| {
+            serde_json::to_writer_pretty(&mut *out, &columns)?;
+            out.write_all(b"\n")
+        })?;
+        history.save()?;
+        Ok(history)
+    }
+
+    /// The writer of a history whose rows are loaded before anything is written.
+    pub(crate) fn resumed(
+        directory: &RunDirectory,
+        model: &Model,
+        observed: &[HistoryColumn],
+    ) -> Result<Self, OutputError> {
+        Ok(Self::without_rows(directory, model, observed)?.0)
+    }
+
+    /// The line of names, and the columns.
+    fn without_rows(
+        directory: &RunDirectory,
+        model: &Model,
+        observed: &[HistoryColumn],
+    ) -> Result<(Self, Vec<HistoryColumn>), OutputError> {
         let ledger = Ledger {
             bodies: vec![Default::default(); model.bodies.len()],
             heat: HeatLedger { supplied: vec![0.0; model.thermal.boundaries.len()], exchanged: 0.0 },
@@ -300,14 +324,9 @@ impl History {
             observed: (observed, &vec![None; observed.len()]),
         };
         let columns: Vec<HistoryColumn> = row(model, &sample).cells.into_iter().map(|(column, _)| column).collect();
-        write_file(&directory.history_columns(), Durability::Disk, |out| {
-            serde_json::to_writer_pretty(&mut *out, &columns)?;
-            out.write_all(b"\n")
-        })?;
         let mut history = Self { path: directory.history(), text: Vec::new(), written: 0, pacing: Pacing::new() };
         history.append(columns.iter().map(|column| column.name.clone()))?;
-        history.save()?;
-        Ok(history)
+        Ok((history, columns))
     }
 
     /// Adds a row.

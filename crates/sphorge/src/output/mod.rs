@@ -1,6 +1,7 @@
 //! Sinks: the folder of a run, frames for ParaView, the history, the summary; and reading them back.
 
 mod atomic;
+mod checkpoint;
 mod directory;
 mod error;
 mod history;
@@ -25,6 +26,7 @@ pub use vtp::{FrameHeader, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 
 pub(crate) use atomic::{Durability, write_file};
+pub(crate) use checkpoint::{About, Checkpoint, checkpoints, write_checkpoint};
 pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use series::write_series;
 pub(crate) use sync::DiskSync;

@@ -1,9 +1,10 @@
 //! The loop over time.
 
 use super::{
+    checkpoint::{CheckpointPlan, Keeper},
     error::{RunError, Trouble, failure_record},
     progress::{Observer, Pace, RunStart},
-    state::RunState,
+    state::{Beginning, RunState},
 };
 use crate::{
     deck::Setup,
@@ -16,7 +17,7 @@ use std::{
 };
 
 /// How to run, beside what the deck says.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct RunOptions {
     /// Folder to write to.
     pub directory: PathBuf,
@@ -24,6 +25,8 @@ pub struct RunOptions {
     pub overwrite: bool,
     /// Number of threads; all the machine has if not given.
     pub threads: Option<usize>,
+    /// When it saves its state.
+    pub checkpoints: CheckpointPlan,
 }
 
 /// Runs a deck on an engine from its start to its end time, a stop rule of the deck, or until `stop` becomes true, and writes
@@ -46,22 +49,18 @@ pub fn execute(
     let directory = RunDirectory::create(&options.directory, options.overwrite).map_err(RunError::Directory)?;
     let (deck, text) = (directory.deck(), &setup.deck_text);
     write_file(&deck, Durability::Disk, |out| out.write_all(text.as_bytes())).map_err(RunError::Directory)?;
-    pool.install(|| run(directory, setup, kind, stop, observer))
-}
-
-/// What ends the loop.
-enum Ending {
-    Reached(EndReason),
-    Failed(Box<FailureRecord>),
+    pool.install(|| run(directory, setup, kind, options.checkpoints.clone(), stop, observer))
 }
 
 fn run(
     directory: RunDirectory,
     setup: Setup,
     kind: &dyn EngineKind,
+    plan: CheckpointPlan,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Summary, RunError> {
+    let mut keeper = Keeper::new(plan, setup.model.name.clone(), setup.deck_text, 0.0);
     let pace = Pace::new();
     let path = directory.path().to_owned();
     let simulation = Simulation::start(kind, setup.model, setup.particles)
@@ -73,23 +72,30 @@ fn run(
         threads: rayon::current_num_threads(),
         end: simulation.model().time.end,
     });
-    let mut state =
-        RunState::new(directory, simulation, &setup.masses, pace).map_err(|source| RunError::Output { source })?;
+    let mut state = RunState::new(directory, simulation, &setup.masses, pace, Beginning::New)
+        .map_err(|source| RunError::Output { source })?;
 
-    let ended = match state.begin(observer).and_then(|()| go_on(&mut state, stop, observer)) {
-        Err(Trouble::Engine(failure)) => Ok(Ending::Failed(failure_record(state.simulation.model(), *failure))),
-        Err(Trouble::Output(source)) => Err(source),
-        Ok(reason) => Ok(Ending::Reached(reason)),
-    };
+    let ended = state.begin(observer).and_then(|()| go_on(&mut state, &mut keeper, stop, observer));
+    conclude(state, path, ended, observer)
+}
+
+/// Writes the summary of a run that has come to an end, in the folder `path`.
+pub(super) fn conclude(
+    mut state: RunState,
+    path: PathBuf,
+    ended: Result<EndReason, Trouble>,
+    observer: &mut dyn Observer,
+) -> Result<Summary, RunError> {
     let RunState { simulation, recorder, pace, .. } = &mut state;
     match ended {
-        Ok(Ending::Reached(reason)) => {
+        Ok(reason) => {
             let (summary, written) =
                 recorder.summary(simulation, reason, None, pace.seconds(), observer.peak_memory_bytes());
             written.map_err(|source| RunError::Output { source })?;
             Ok(summary)
         }
-        Ok(Ending::Failed(failure)) => {
+        Err(Trouble::Engine(failure)) => {
+            let failure = failure_record(simulation.model(), *failure);
             let flushed = recorder.flush();
             let memory = observer.peak_memory_bytes();
             let (summary, written) =
@@ -97,7 +103,7 @@ fn run(
             flushed.and(written).map_err(|source| RunError::Output { source })?;
             Err(RunError::Failed { failure, directory: path, summary: Box::new(summary) })
         }
-        Err(source) => {
+        Err(Trouble::Output(source)) => {
             let failure = Box::new(FailureRecord {
                 message: source.to_string(),
                 step: simulation.steps(),
@@ -116,7 +122,12 @@ fn run(
 }
 
 /// Steps from wherever the run is to its end, or until `stop` becomes true.
-fn go_on(state: &mut RunState, stop: &AtomicBool, observer: &mut dyn Observer) -> Result<EndReason, Trouble> {
+pub(super) fn go_on(
+    state: &mut RunState,
+    keeper: &mut Keeper,
+    stop: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> Result<EndReason, Trouble> {
     let stopped = || stop.load(Ordering::Relaxed).then_some(EndReason::User);
     let mut last_report = None;
     let reason = loop {
@@ -124,9 +135,17 @@ fn go_on(state: &mut RunState, stop: &AtomicBool, observer: &mut dyn Observer) -
             break reason;
         }
         let report = state.step(observer)?;
+        keeper.after_step(state, observer)?;
         state.tell(&report, observer, false);
         last_report = Some(report);
     };
+    // Before rows and frames that an unbroken run would not have.
+    match reason {
+        EndReason::User => keeper.at_stop(state, observer)?,
+        EndReason::EndTime | EndReason::KineticEnergy | EndReason::MaxSteps | EndReason::Failure => {
+            keeper.at_end(state, observer)?
+        }
+    }
     state.close(observer)?;
     if let Some(report) = last_report {
         state.tell(&report, observer, true);

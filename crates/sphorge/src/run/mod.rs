@@ -12,18 +12,22 @@
 //! - **Searched fraction**: mean over the steps.
 //! - **Warnings**: what the checks of `docs/warnings.md` found; a run that reaches its end with one is `completed with warnings`.
 
+mod checkpoint;
 mod conservation;
 mod drive;
 mod error;
 mod progress;
 mod record;
+mod resume;
 mod schedule;
 mod state;
 mod watch;
 
+pub use checkpoint::CheckpointPlan;
 pub use drive::{RunOptions, execute};
 pub use error::RunError;
 pub use progress::{Observer, Progress, RunStart, Silent};
+pub use resume::{CHANGEABLE, ResumeError, ResumeOptions, resume};
 
 #[cfg(test)]
 mod tests;

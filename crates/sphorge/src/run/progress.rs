@@ -7,7 +7,10 @@ use crate::{
     },
     output::WarningRecord,
 };
-use std::{path::PathBuf, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 /// A run about to start.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +60,10 @@ pub trait Observer: Send {
     fn progressed(&mut self, _progress: &Progress) {}
     /// Frame `index` at `time` (s) is on the disk.
     fn frame_written(&mut self, _index: usize, _time: f64) {}
+    /// The state has been saved to a file, after a step, at a time (s).
+    fn saved(&mut self, _checkpoint: &Path, _step: u64, _time: f64) {}
+    /// Something the user should know.
+    fn noted(&mut self, _note: &str) {}
     /// A check has found the run broken for the first time.
     fn warned(&mut self, _warning: &WarningRecord) {}
     /// Largest memory of the process since [`Self::started`], bytes, for the summary; `None` where nobody knows.

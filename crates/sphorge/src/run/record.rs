@@ -1,6 +1,6 @@
 //! Writes frames, rows and the summary of a run under way.
 
-use super::{conservation::Conservation, error::Trouble, watch::Watch};
+use super::{conservation::Conservation, error::Trouble, state::Beginning, watch::Watch};
 use crate::{
     engine::{
         Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
@@ -59,7 +59,12 @@ struct StepSums {
 
 impl Recorder {
     /// `masses` of the bodies in deck order, as filled.
-    pub(super) fn new(directory: RunDirectory, model: &Model, masses: &[FilledMass]) -> Result<Self, OutputError> {
+    pub(super) fn new(
+        directory: RunDirectory,
+        model: &Model,
+        masses: &[FilledMass],
+        beginning: Beginning,
+    ) -> Result<Self, OutputError> {
         let observed = Observed::new(model);
         let mirrored = array::from_fn(|axis| model.symmetry.iter().any(|plane| plane.axis == axis));
         let body = |(body, filled): (&Body, &FilledMass)| BodyRecord {
@@ -70,7 +75,10 @@ impl Recorder {
         };
         Ok(Self {
             bodies: model.bodies.iter().zip(masses).map(body).collect(),
-            history: History::create(&directory, model, observed.columns())?,
+            history: match beginning {
+                Beginning::New => History::create(&directory, model, observed.columns())?,
+                Beginning::Resumed => History::resumed(&directory, model, observed.columns())?,
+            },
             observed,
             disk: DiskSync::new(),
             measures: Measures::new(model),
@@ -93,6 +101,20 @@ impl Recorder {
             engine_bytes: 0,
             seconds: 0.0,
         })
+    }
+
+    /// The folder it writes to.
+    pub(super) fn directory(&self) -> &RunDirectory {
+        &self.directory
+    }
+
+    /// Brings the files to what has been loaded: rows, list of frames, and no frames beyond.
+    pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
+        self.directory.remove_frames(self.frames.len())?;
+        if !self.frames.is_empty() {
+            write_series(&self.directory.series(), &self.frames)?;
+        }
+        self.history.flush()
     }
 
     /// Notes the size of the first step before it is taken.

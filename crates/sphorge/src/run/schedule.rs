@@ -37,9 +37,17 @@ impl Schedule {
 }
 
 impl Persist for Schedule {
-    /// Interval and end are those of the model.
+    /// Interval and end are those of the model. Where the interval is another than it was, the next time is the first of its multiples after
+    /// the last time there was.
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.next.persist(&format!("{name}.next"), archive)
+        let mut interval = self.interval;
+        interval.persist(&format!("{name}.interval"), archive)?;
+        self.next.persist(&format!("{name}.next"), archive)?;
+        if interval != self.interval {
+            let passed = self.next.saturating_sub(1) as f64 * interval;
+            self.next = (passed / self.interval * (1.0 + 1e-12)) as u64 + 1;
+        }
+        Ok(())
     }
 }
 

@@ -40,6 +40,15 @@ pub(super) struct RunState {
     kinetic: f64,
 }
 
+/// Whether a run begins or goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beginning {
+    /// Its files are begun with it.
+    New,
+    /// Its files are left alone until its state is loaded.
+    Resumed,
+}
+
 impl RunState {
     /// A run that has not begun, of bodies of these masses.
     pub(super) fn new(
@@ -47,11 +56,12 @@ impl RunState {
         simulation: Simulation,
         masses: &[FilledMass],
         pace: Pace,
+        beginning: Beginning,
     ) -> Result<Self, OutputError> {
         let model = simulation.model();
         let (time, output) = (model.time.clone(), &model.output);
         Ok(Self {
-            recorder: Recorder::new(directory, model, masses)?,
+            recorder: Recorder::new(directory, model, masses, beginning)?,
             frames: Schedule::new(output.frame_interval, time.end),
             rows: Schedule::new(output.history_interval, time.end),
             initial_kinetic: 0.0,
@@ -60,6 +70,16 @@ impl RunState {
             simulation,
             pace,
         })
+    }
+
+    /// Saves everything the steps to come depend on.
+    pub(super) fn save(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.persist("run", archive)
+    }
+
+    /// Loads what was saved.
+    pub(super) fn load(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.persist("run", archive)
     }
 
     /// Writes the first row and the first frame.

@@ -151,7 +151,7 @@ fn setup(model: Model) -> Setup {
 }
 
 fn run(folder: &Path, model: Model, fail_at: Option<f64>) -> Result<Summary, RunError> {
-    let options = RunOptions { directory: folder.join("run"), overwrite: false, threads: Some(2) };
+    let options = RunOptions { directory: folder.join("run"), threads: Some(2), ..RunOptions::default() };
     execute(setup(model), &ClockworkKind(fail_at), &options, &AtomicBool::new(false), &mut Silent)
 }
 

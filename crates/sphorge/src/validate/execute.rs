@@ -9,7 +9,7 @@ use crate::{
     deck, decks,
     engine::ENGINES,
     output::{HistoryTable, RunDirectory, Status},
-    run::{RunError, RunOptions, execute},
+    run::{CheckpointPlan, RunError, RunOptions, execute},
 };
 use std::sync::atomic::AtomicBool;
 
@@ -52,7 +52,10 @@ fn run_variant(
         }
     };
     let spacing = setup.model.spacing;
-    let run_options = RunOptions { directory: directory.clone(), overwrite: true, threads: options.threads };
+    // A case is run again rather than resumed.
+    let checkpoints = CheckpointPlan::default();
+    let run_options =
+        RunOptions { directory: directory.clone(), overwrite: true, threads: options.threads, checkpoints };
     let outcome = match execute(setup, ENGINES[0], &run_options, stop, watcher) {
         Ok(summary) if summary.status == Status::Stopped => {
             return Err(ValidateError::Stopped { directory: options.directory.clone() });

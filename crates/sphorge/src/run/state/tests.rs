@@ -89,7 +89,8 @@ fn setup() -> Setup {
 fn new(folder: &Path) -> RunState {
     let Setup { model, particles, masses, .. } = setup();
     let simulation = Simulation::start(ENGINES[0], model, particles).unwrap();
-    RunState::new(RunDirectory::create(folder, false).unwrap(), simulation, &masses, Pace::new()).unwrap()
+    RunState::new(RunDirectory::create(folder, false).unwrap(), simulation, &masses, Pace::new(), Beginning::New)
+        .unwrap()
 }
 
 fn saved(state: &mut RunState) -> MemoryArchive {

@@ -1,0 +1,241 @@
+//! Runs that are killed, stopped and resumed come to the same end, to the bit.
+#![cfg(unix)]
+
+mod common;
+
+use common::{Ended, Place, files, wait_for};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::Path,
+    process::Command,
+    thread,
+    time::{Duration, Instant},
+};
+
+/// A block that strikes a bar over a wall: a second or two of contact, friction, heat and measures with a memory.
+const STRIKE: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+contact = { penalty = { friction = 0.2 } }
+
+[time]
+end = "40 us"
+
+[output]
+frame-interval = "1 us"
+history-interval = "0.1 us"
+
+[[body]]
+name = "bar"
+material = "ofhc-copper"
+shape = { box = { min = ["-8 mm", "0 mm"], max = ["8 mm", "6 mm"] } }
+
+[[body]]
+name = "hammer"
+material = "armco-iron"
+shape = { box = { min = ["-3 mm", "6.2 mm"], max = ["3 mm", "12.2 mm"] } }
+velocity = ["40 m/s", "-250 m/s"]
+
+[[wall]]
+name = "anvil"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+
+[[measure]]
+name = "peak"
+maximum = { body = "bar", field = "pressure", over-time = true }
+
+[[tracer]]
+name = "tip"
+point = ["0 mm", "3 mm"]
+"#;
+
+fn place() -> Place {
+    let place = Place::new();
+    fs::write(place.path("strike.toml"), STRIKE).unwrap();
+    place
+}
+
+/// What a run leaves, but for the seconds it took and the memory: by name of the file.
+fn story(place: &Place, run: &str) -> BTreeMap<String, Vec<u8>> {
+    let root = place.path(run);
+    let mut story = BTreeMap::new();
+    for file in files(&root) {
+        let name = file.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
+        if name != ".sphorge-lock" && !name.starts_with("checkpoint-") {
+            story.insert(name, fs::read(&file).unwrap());
+        }
+    }
+    let mut summary = place.summary(run);
+    for of_the_machine in [
+        "wall_seconds",
+        "threads",
+        "stage_seconds",
+        "particle_steps_per_second",
+        "pairs_per_second",
+        "peak_memory_bytes",
+        "engine_memory_bytes",
+    ] {
+        assert!(summary.as_object_mut().unwrap().remove(of_the_machine).is_some(), "{of_the_machine}");
+    }
+    story.insert("summary.json".into(), summary.to_string().into_bytes());
+    story
+}
+
+fn same(what: &str, expected: &BTreeMap<String, Vec<u8>>, found: &BTreeMap<String, Vec<u8>>) {
+    let names = |story: &BTreeMap<String, Vec<u8>>| story.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(expected), names(found), "{what}");
+    let differing: Vec<_> =
+        expected.iter().filter(|(name, bytes)| found[*name] != **bytes).map(|(name, _)| name).collect();
+    assert!(differing.is_empty(), "{what}: {differing:?} differ");
+}
+
+/// Whatever is there after a kill is whole: rows, frames, the list of them.
+fn is_readable(root: &Path) {
+    for file in files(root) {
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let bytes = fs::read(&file).unwrap();
+        if name.ends_with(".unfinished") {
+            continue;
+        }
+        match name.rsplit('.').next() {
+            Some("vtp" | "pvd") => assert!(bytes.ends_with(b"</VTKFile>\n"), "{name}"),
+            Some("csv") => {
+                let text = String::from_utf8(bytes).unwrap();
+                let cells = |line: &str| line.split(',').count();
+                assert!(
+                    text.ends_with('\n') && text.lines().all(|line| cells(line) == cells(text.lines().next().unwrap()))
+                );
+            }
+            Some("json") => drop(serde_json::from_slice::<serde_json::Value>(&bytes).unwrap()),
+            _ => {}
+        }
+    }
+}
+
+/// How many kills; `SPHORGE_KILLS=200` for the whole test.
+fn kills() -> u64 {
+    std::env::var("SPHORGE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(12)
+}
+
+#[test]
+fn a_run_killed_again_and_again_ends_as_one_that_was_not() {
+    let place = place();
+    let start = Instant::now();
+    place.run(&["run", "strike.toml", "-o", "whole", "--threads", "2"]).expect_code(0);
+    let (whole, seconds) = (story(&place, "whole"), start.elapsed().as_secs_f64());
+    let often = ["--checkpoint-minutes", "0.001"];
+    let (mut done, mut runs, mut resumed) = (0, 0, 0);
+    while done < kills() {
+        runs += 1;
+        let run = format!("run{runs}");
+        let mut command = place.command(&[["run", "strike.toml", "-o", &run].as_slice(), &often].concat());
+        // It comes to an end at last, since it goes on from where it was.
+        loop {
+            let mut child = command.spawn().unwrap();
+            // Moments that a golden ratio spreads over the time a run takes.
+            let moment = 0.7 * (0.05 + 0.618_034 * done as f64).fract() * seconds;
+            thread::sleep(Duration::from_secs_f64(moment));
+            let is_over = done >= kills() || child.try_wait().unwrap().is_some();
+            if is_over {
+                Ended::from(child.wait_with_output().unwrap()).expect_code(0);
+                break;
+            }
+            child.kill().unwrap();
+            child.wait().unwrap();
+            done += 1;
+            let threads = if done % 2 == 0 { "1" } else { "2" };
+            let is_begun = place.path(&run).exists();
+            if is_begun {
+                is_readable(&place.path(&run));
+            }
+            let has_state =
+                is_begun && files(&place.path(&run)).iter().any(|file| file.to_string_lossy().contains("checkpoint-"));
+            command = if has_state {
+                resumed += 1;
+                place.command(&[["resume", &run, "--threads", threads].as_slice(), &often].concat())
+            } else {
+                let why = if is_begun { "there is no checkpoint in" } else { "cannot read" };
+                place.run(&["resume", &run]).expect_code(2).expect_told(&[why]);
+                place.command(&[["run", "strike.toml", "--overwrite", "-o", &run].as_slice(), &often].concat())
+            };
+        }
+        same(&format!("run {runs} after {done} kills"), &whole, &story(&place, &run));
+    }
+    println!("{done} kills of {runs} runs, {resumed} resumed");
+    assert!(resumed * 2 > done, "{resumed} of {done}");
+}
+
+#[test]
+fn a_run_that_is_stopped_goes_on_and_beyond_its_end() {
+    let place = place();
+    place.run(&["run", "strike.toml", "-o", "whole"]).expect_code(0);
+    let child = place.command(&["run", "strike.toml", "-o", "run"]).spawn().unwrap();
+    wait_for("the tenth frame", || place.path("run/fields/000009.vtp").exists());
+    Command::new("kill").args(["-HUP", &child.id().to_string()]).status().unwrap();
+    let stopped = Ended::from(child.wait_with_output().unwrap()).expect_code(130);
+    assert!(stopped.out.contains("sphorge resume run"), "{}", stopped.out);
+    place
+        .run(&["resume", "run", "--set", "body.bar.temperature=\"300 K\""])
+        .expect_code(2)
+        .expect_told(&["`body.bar.temperature` cannot change"]);
+    place.run(&["resume", "run", "--checkpoint-at-end"]).expect_code(0);
+    same("resumed", &story(&place, "whole"), &story(&place, "run"));
+
+    // Beyond its end, it is the run that had that end from the start, but for the rounding of the time it landed on.
+    let longer = ["--set", "time.end=\"44 us\""];
+    let ended = place.run(&[["resume", "run"].as_slice(), &longer].concat()).expect_code(0);
+    assert!(ended.out.contains("reached its end time at 44 us"), "{}", ended.out);
+    place.run(&[["run", "strike.toml", "-o", "long"].as_slice(), &longer].concat()).expect_code(0);
+    let (long, run) = (story(&place, "long"), story(&place, "run"));
+    assert!(long.keys().eq(run.keys()));
+    let kinetic = |run: &str| place.summary(run)["energy"]["kinetic"].as_f64().unwrap();
+    assert!((kinetic("run") / kinetic("long") - 1.0).abs() < 1e-3, "{} {}", kinetic("run"), kinetic("long"));
+    let rows = |story: &BTreeMap<String, Vec<u8>>| story["history.csv"].iter().filter(|&&byte| byte == b'\n').count();
+    assert!(rows(&long).abs_diff(rows(&run)) <= 1, "{} {}", rows(&long), rows(&run));
+}
+
+#[test]
+fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
+    let place = place();
+    let child = place.command(&["run", "strike.toml", "-o", "asked"]).spawn().unwrap();
+    wait_for("the tenth frame", || place.path("asked/fields/000009.vtp").exists());
+    Command::new("kill").args(["-USR1", &child.id().to_string()]).status().unwrap();
+    let ended = Ended::from(child.wait_with_output().unwrap()).expect_code(0);
+    assert_eq!(ended.err.matches("saved at step").count(), 1, "{}", ended.err);
+
+    let ended = place.run(&["run", "strike.toml", "-o", "run", "--checkpoint-interval", "3e-6"]).expect_code(0);
+    assert_eq!(ended.err.matches("saved at step").count(), 13, "{}", ended.err);
+    let whole = story(&place, "run");
+    let mut kept: Vec<_> =
+        files(&place.path("run")).into_iter().filter(|f| f.to_string_lossy().contains("checkpoint-")).collect();
+    kept.sort();
+    assert_eq!(kept.len(), 2);
+    let mut last = fs::read(&kept[1]).unwrap();
+    let middle = last.len() / 2;
+    last[middle] ^= 1;
+    fs::write(&kept[1], &last).unwrap();
+    place
+        .run(&["resume", "run"])
+        .expect_code(0)
+        .expect_told(&["is damaged or not written by Sphorge", "the checkpoint before it is used"]);
+    same("resumed from the one before", &whole, &story(&place, "run"));
+
+    // Of another deck, and none at all.
+    fs::write(place.path("run/deck.toml"), STRIKE.replace("40 us", "41 us")).unwrap();
+    let refused = place.run(&["resume", "run"]).expect_code(2);
+    refused.expect_told(&["is of a run of another deck", "there is no checkpoint in run from which a run can go on"]);
+    place.run(&["resume", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
+}
+
+#[test]
+fn two_runs_do_not_share_a_folder() {
+    let place = place();
+    let mut child = place.command(&["run", "strike.toml", "-o", "run"]).spawn().unwrap();
+    wait_for("the first frame", || place.path("run/fields/000000.vtp").exists());
+    let owner = format!("another run writes to run: process {}", child.id());
+    place.run(&["run", "strike.toml", "-o", "run", "--overwrite"]).expect_code(2).expect_told(&[&owner]);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    place.run(&["run", "strike.toml", "-o", "run", "--overwrite", "--set", "time.max-steps=2"]).expect_code(0);
+}

@@ -1,0 +1,271 @@
+//! Checkpoints: the whole state of a run in one file, from which it goes on to the same bits.
+//!
+//! A checkpoint is a ZIP file without compression. `checkpoint.json` says what it is, `deck.toml` is the deck as run, and every other
+//! entry is one value of [`crate::engine::persist`] under its name, in little-endian bytes. Entries have CRC-32 sums, and the directory
+//! of a ZIP file stands at its end, so that what is torn, cut short or changed is recognised before anything is loaded. Like every file
+//! of a run it is written aside and renamed into place.
+
+use super::{
+    RunDirectory,
+    atomic::{Durability, write_file},
+    error::{AtPath, OutputError},
+};
+use crate::engine::persist::{Archive, ArchiveError};
+use serde::{Deserialize, Serialize};
+use std::{
+    fs::{self, File},
+    io::{self, BufReader, Read, Write},
+    path::{Path, PathBuf},
+};
+use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions, write::StreamWriter};
+
+/// Version of the format of checkpoints; that of the values in it is the program's.
+const FORMAT: u32 = 1;
+/// Checkpoints that are kept.
+const KEPT: usize = 2;
+
+const ABOUT: &str = "checkpoint.json";
+const DECK: &str = "deck.toml";
+const STATE: &str = "state/";
+const PREFIX: &str = "checkpoint-";
+const SUFFIX: &str = ".zip";
+
+/// What a checkpoint says of itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct About {
+    format: u32,
+    /// Of the program that wrote it.
+    version: String,
+    /// Name of the engine.
+    pub(crate) engine: String,
+    /// Name of the deck.
+    pub(crate) deck_name: String,
+    pub(crate) step: u64,
+    /// s.
+    pub(crate) time: f64,
+}
+
+impl About {
+    pub(crate) fn new(engine: &str, deck_name: &str, step: u64, time: f64) -> Self {
+        let version = env!("CARGO_PKG_VERSION").to_owned();
+        Self { format: FORMAT, version, engine: engine.to_owned(), deck_name: deck_name.to_owned(), step, time }
+    }
+}
+
+/// Writes a checkpoint, of which `state` saves all values, and removes those before the last two. `None` where the engine keeps its
+/// state to itself.
+pub(crate) fn write_checkpoint(
+    directory: &RunDirectory,
+    about: &About,
+    deck: &str,
+    state: impl FnOnce(&mut dyn Archive) -> Result<(), ArchiveError>,
+) -> Result<Option<PathBuf>, OutputError> {
+    let path = directory.path().join(format!("{PREFIX}{:012}{SUFFIX}", about.step));
+    let mut unsupported = false;
+    let written = write_file(&path, Durability::Disk, |out| {
+        let mut writer = Writer { zip: ZipWriter::new_stream(out), failure: None };
+        writer.add(ABOUT, &serde_json::to_vec_pretty(about)?);
+        writer.add(DECK, deck.as_bytes());
+        if let Err(error) = state(&mut writer) {
+            unsupported = true;
+            return Err(io::Error::other(error));
+        }
+        match writer.failure {
+            Some(error) => Err(error),
+            None => writer.zip.finish().map(drop).map_err(io::Error::other),
+        }
+    });
+    if unsupported {
+        return Ok(None);
+    }
+    written?;
+    for (_, former) in checkpoints(directory.path())?.into_iter().skip(KEPT) {
+        fs::remove_file(&former).writing(&former)?;
+    }
+    Ok(Some(path))
+}
+
+/// The checkpoints in a folder with their steps, the last one first.
+pub(crate) fn checkpoints(folder: &Path) -> Result<Vec<(u64, PathBuf)>, OutputError> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).reading(folder)? {
+        let entry = entry.reading(folder)?;
+        if let Some(step) = entry.file_name().to_str().and_then(step_of) {
+            found.push((step, entry.path()));
+        }
+    }
+    found.sort_by_key(|(step, _)| std::cmp::Reverse(*step));
+    Ok(found)
+}
+
+/// The step in the name of a checkpoint.
+fn step_of(name: &str) -> Option<u64> {
+    let digits = name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?;
+    (digits.len() >= 12 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
+}
+
+/// Whether a file has the name of a checkpoint.
+pub(crate) fn is_checkpoint(name: &str) -> bool {
+    step_of(name).is_some()
+}
+
+struct Writer<'a> {
+    zip: ZipWriter<StreamWriter<&'a mut dyn Write>>,
+    failure: Option<io::Error>,
+}
+
+impl Writer<'_> {
+    fn add(&mut self, name: &str, bytes: &[u8]) {
+        if self.failure.is_none() {
+            let options = SimpleFileOptions::default()
+                .compression_method(zip::CompressionMethod::Stored)
+                .large_file(bytes.len() as u64 >= u64::from(u32::MAX));
+            let started = self.zip.start_file(name, options).map_err(io::Error::other);
+            self.failure = started.and_then(|()| self.zip.write_all(bytes)).err();
+        }
+    }
+}
+
+impl Archive for Writer<'_> {
+    fn is_saving(&self) -> bool {
+        true
+    }
+    fn save(&mut self, name: &str, bytes: Vec<u8>) {
+        self.add(&format!("{STATE}{name}"), &bytes);
+    }
+    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        Err(ArchiveError::Missing(name.to_owned()))
+    }
+}
+
+/// A checkpoint that is whole.
+pub(crate) struct Checkpoint {
+    zip: ZipArchive<BufReader<File>>,
+    pub(crate) about: About,
+    pub(crate) deck: String,
+}
+
+impl Checkpoint {
+    /// Opens a checkpoint and reads it through, so that what is not whole is found before any of it is used.
+    ///
+    /// # Errors
+    /// It cannot be read, is damaged, or of another version of the format.
+    pub(crate) fn open(path: &Path) -> Result<Self, OutputError> {
+        let damaged = |error: &dyn std::fmt::Display| OutputError::damaged(path, error.to_string());
+        let file = BufReader::with_capacity(1 << 17, File::open(path).reading(path)?);
+        let mut zip = ZipArchive::new(file).map_err(|error| damaged(&error))?;
+        for index in 0..zip.len() {
+            let mut entry = zip.by_index(index).map_err(|error| damaged(&error))?;
+            io::copy(&mut entry, &mut io::sink()).map_err(|error| damaged(&error))?;
+        }
+        let about = read(&mut zip, ABOUT).map_err(|error| damaged(&error))?;
+        let about: About = serde_json::from_slice(&about).map_err(|error| damaged(&error))?;
+        if about.format != FORMAT {
+            return Err(damaged(&format!("its format is {}, this program reads {FORMAT}", about.format)));
+        }
+        let deck = read(&mut zip, DECK).map_err(|error| damaged(&error))?;
+        let deck = String::from_utf8(deck).map_err(|error| damaged(&error))?;
+        Ok(Self { zip, about, deck })
+    }
+}
+
+/// The bytes of an entry.
+fn read(zip: &mut ZipArchive<BufReader<File>>, name: &str) -> io::Result<Vec<u8>> {
+    let mut entry = zip.by_name(name).map_err(io::Error::other)?;
+    let mut bytes = Vec::new();
+    entry.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+impl Archive for Checkpoint {
+    fn is_saving(&self) -> bool {
+        false
+    }
+    fn save(&mut self, _: &str, _: Vec<u8>) {}
+    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        read(&mut self.zip, &format!("{STATE}{name}")).map_err(|_| ArchiveError::Missing(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::persist::Persist;
+
+    /// Column of a state.
+    fn column() -> Vec<f64> {
+        (0..1000).map(|i| f64::from(i).sin()).collect()
+    }
+
+    fn written(folder: &Path, mut step: u64) -> PathBuf {
+        let directory = RunDirectory::open(folder).unwrap();
+        let about = About::new("cpu", "bar", step, 1e-6);
+        let state = |archive: &mut dyn Archive| {
+            column().persist("column", archive)?;
+            step.persist("clock.steps", archive)
+        };
+        write_checkpoint(&directory, &about, "title = \"A bar\"\n", state).unwrap().unwrap()
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_the_last_two_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        for step in [7, 90, 100_000] {
+            written(folder.path(), step);
+        }
+        let kept = checkpoints(folder.path()).unwrap();
+        assert_eq!(kept.iter().map(|(step, _)| *step).collect::<Vec<_>>(), [100_000, 90]);
+        let mut checkpoint = Checkpoint::open(&kept[0].1).unwrap();
+        assert_eq!((checkpoint.about.step, checkpoint.deck.as_str()), (100_000, "title = \"A bar\"\n"));
+        let (mut loaded, mut step) = (Vec::<f64>::new(), 0u64);
+        loaded.persist("column", &mut checkpoint).unwrap();
+        step.persist("clock.steps", &mut checkpoint).unwrap();
+        assert_eq!((loaded, step), (column(), 100_000));
+        assert_eq!(step.persist("clock", &mut checkpoint), Err(ArchiveError::Missing("clock".into())));
+    }
+
+    #[test]
+    fn what_is_cut_short_or_changed_anywhere_is_recognised_or_does_not_matter() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = written(folder.path(), 12);
+        let whole = fs::read(&path).unwrap();
+        for length in [0, 1, 100, whole.len() / 2, whole.len() - 1] {
+            fs::write(&path, &whole[..length]).unwrap();
+            assert!(Checkpoint::open(&path).is_err(), "cut to {length}");
+        }
+        let mut recognised = 0;
+        for at in (0..whole.len()).step_by(7) {
+            let mut changed = whole.clone();
+            changed[at] ^= 0x10;
+            fs::write(&path, &changed).unwrap();
+            // What is opened all the same, as times of entries may be changed, holds what was written.
+            match Checkpoint::open(&path) {
+                Err(_) => recognised += 1,
+                Ok(mut checkpoint) => {
+                    let mut loaded = Vec::<f64>::new();
+                    if loaded.persist("column", &mut checkpoint).is_ok() {
+                        assert_eq!(loaded, column(), "byte {at}");
+                    }
+                }
+            }
+        }
+        assert!(recognised > whole.len() / 7 * 9 / 10, "{recognised} of {}", whole.len() / 7);
+    }
+
+    #[test]
+    fn another_format_and_other_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let directory = RunDirectory::open(folder.path()).unwrap();
+        let about = About { format: FORMAT + 1, ..About::new("cpu", "bar", 3, 0.0) };
+        let path = write_checkpoint(&directory, &about, "", |_| Ok(())).unwrap().unwrap();
+        let Err(OutputError::Damaged { reason, .. }) = Checkpoint::open(&path) else { panic!("it is opened") };
+        assert!(reason.contains("format is 2"), "{reason}");
+        let none = write_checkpoint(&directory, &About::new("cpu", "bar", 4, 0.0), "", |_| {
+            Err(ArchiveError::Unsupported("no state".into()))
+        });
+        assert_eq!((none.unwrap(), checkpoints(folder.path()).unwrap().len()), (None, 1));
+        fs::write(folder.path().join("checkpoint-12.zip"), "mine").unwrap();
+        fs::write(folder.path().join("checkpoint-old.zip"), "mine").unwrap();
+        assert_eq!(checkpoints(folder.path()).unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,83 @@
+//! When a run saves its state.
+
+use super::{error::Trouble, progress::Observer, state::RunState};
+use crate::output::{About, write_checkpoint};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+/// When a run saves its state. With any of these, a run that is stopped by the user saves it too.
+#[derive(Clone, Debug, Default)]
+pub struct CheckpointPlan {
+    /// Wall-clock time from one checkpoint to the next.
+    pub every: Option<Duration>,
+    /// Simulated time from one to the next, s; after the first step past its multiples.
+    pub interval: Option<f64>,
+    /// Whether the run saves its state when it has reached its end, so that it can go on beyond.
+    pub at_end: bool,
+    /// The run saves its state and goes on when this becomes true; it is false again then.
+    pub request: Option<Arc<AtomicBool>>,
+}
+
+/// Keeps a plan.
+pub(super) struct Keeper {
+    plan: CheckpointPlan,
+    last: Instant,
+    /// Simulated time of the next one, s.
+    next: f64,
+    deck_name: String,
+    deck_text: String,
+}
+
+impl Keeper {
+    /// From `time` (s) on.
+    pub(super) fn new(plan: CheckpointPlan, deck_name: String, deck_text: String, time: f64) -> Self {
+        let next = plan.interval.map_or(f64::INFINITY, |interval| multiple_after(time, interval));
+        Self { plan, last: Instant::now(), next, deck_name, deck_text }
+    }
+
+    /// Saves the state if it is time to.
+    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        let time = state.simulation.time();
+        let is_asked = self.plan.request.as_ref().is_some_and(|request| request.swap(false, Ordering::Relaxed));
+        let is_late = self.plan.every.is_some_and(|every| self.last.elapsed() >= every);
+        if time >= self.next || is_late || is_asked { self.save(state, observer) } else { Ok(()) }
+    }
+
+    /// Saves the state of a run that is stopped.
+    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        let CheckpointPlan { every, interval, at_end, request } = &self.plan;
+        let has_plan = every.is_some() || interval.is_some() || *at_end || request.is_some();
+        if has_plan { self.save(state, observer) } else { Ok(()) }
+    }
+
+    /// Saves the state of a run that has reached its end, if that was asked for.
+    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        if self.plan.at_end { self.save(state, observer) } else { Ok(()) }
+    }
+
+    fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        let (step, time) = (state.simulation.steps(), state.simulation.time());
+        let about = About::new(state.simulation.engine_name(), &self.deck_name, step, time);
+        let directory = state.recorder.directory().clone();
+        let saved = write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive))?;
+        if let Some(interval) = self.plan.interval {
+            self.next = multiple_after(time, interval);
+        }
+        self.last = Instant::now();
+        match saved {
+            Some(path) => observer.saved(&path, step, time),
+            None => self.plan = CheckpointPlan::default(),
+        }
+        Ok(())
+    }
+}
+
+/// The first multiple of an interval after a time.
+fn multiple_after(time: f64, interval: f64) -> f64 {
+    ((time / interval * (1.0 + 1e-12)).floor() + 1.0) * interval
+}
