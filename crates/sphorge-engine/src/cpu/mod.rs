@@ -68,6 +68,11 @@ impl EngineKind for Cpu {
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        // Tests in this crate are of parts; those that run are beside the library that uses it. Compiling both precisions of the whole engine
+        // a second time for them would take a minute of every `cargo test`.
+        if cfg!(test) {
+            return Err(RunFailure::of_engine("tests of the engine's parts start none".to_owned()));
+        }
         let halo = Box::new(Images::new(&model));
         Ok(match model.numerics.precision {
             Precision::Mixed => Box::new(CpuEngine::<f32>::new(model, particles, halo)),
