@@ -117,7 +117,7 @@ fn of_total_lagrangian(renewal: Option<f64>, hardest: Option<&Impact>) -> Vec<St
     let told = told(impact);
     vec![match renewal {
         Some(bound) if impact.damage_number >= HYPERVELOCITY => format!(
-            "{told}: it will come apart. In the total Lagrangian form a body does so where it is stretched {bound} times, by numbers rather \
+            "{told}: it will come apart. In the total Lagrangian form a body does so where it is stretched {bound} times, numerically rather \
              than by a law of fracture; a crater is that of the flow, temperatures of single fragments are not to be trusted"
         ),
         None if impact.damage_number >= HYPERVELOCITY => format!(

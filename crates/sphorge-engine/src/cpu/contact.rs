@@ -1,4 +1,4 @@
-//! Contact between bodies: two passes over the pairs of particles of different bodies, and of surfaces of one body that face each other.
+//! Contact between bodies: two passes over the pairs of particles of different bodies, and of different sides of one body.
 //!
 //! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
 //! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
@@ -174,7 +174,10 @@ impl BodyContacts {
         let support = model.numerics.kernel.support();
         Some(Self {
             foreign: ForeignList::default(),
-            search: halo.map(|halo| ContactSearch::new(halo, support, table.smoothing_length.clone())),
+            search: halo.map(|halo| {
+                let spacings = model.bodies.iter().map(|body| body.spacing).collect();
+                ContactSearch::new(halo, support, table.smoothing_length.clone(), spacings)
+            }),
             table,
             partial: vec![PairSums::default(); pairs * particles.div_ceil(BLOCK)],
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
@@ -206,15 +209,21 @@ impl BodyContacts {
     /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
     pub(super) fn release(&mut self, body: usize, particles: &mut Particles) {
         let Some(works) = self.works.get_mut(self.table.places[body * self.table.bodies + body]) else { return };
-        let Particles { energy, mass, body: bodies, contact_overlap, .. } = particles;
-        let pressed = |i: usize| if bodies[i] as usize == body { contact_overlap[i].max(0.0).powi(2) } else { 0.0 };
-        let all: f64 = (0..mass.len()).map(|i| mass[i] * pressed(i)).sum();
-        if all > 0.0 {
-            let held = std::mem::take(&mut works.stored);
-            works.damped += held;
-            for (i, energy) in energy.iter_mut().enumerate() {
-                *energy += held * pressed(i) / all;
-            }
+        let held = std::mem::take(&mut works.stored);
+        works.damped += held;
+        let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
+        // By how far they are pressed; evenly where none is any more.
+        let pressed =
+            |i: usize| if reference_normal[i] == [0.0; 3] { 0.0 } else { contact_overlap[i].max(0.0).powi(2) };
+        let sum = |share: &dyn Fn(usize) -> f64| -> f64 {
+            let of = |i: usize| if bodies[i] as usize == body { mass[i] * share(i) } else { 0.0 };
+            (0..mass.len()).map(of).sum()
+        };
+        let even = |_: usize| 1.0;
+        let share: &dyn Fn(usize) -> f64 = if sum(&pressed) > 0.0 { &pressed } else { &even };
+        let all = sum(share);
+        for i in (0..energy.len()).filter(|&i| bodies[i] as usize == body) {
+            energy[i] += held * share(i) / all;
         }
     }
 
@@ -331,7 +340,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         let j = j as usize;
                         let b = bodies.at(j) as usize;
                         let x = difference(positions.at(i), positions.at(j));
-                        if a == b && !surfaces.face(i, j, x) {
+                        if a == b && !surfaces.press(i, j) {
                             continue;
                         }
                         let kernel = table.kernel(a, b, dot(x, x).sqrt());
@@ -428,7 +437,7 @@ impl Table {
             let j = j as usize;
             let b = points.body.at(j) as usize;
             let x = difference(points.position.at(i), points.position.at(j));
-            if a == b && !points.surfaces.face(i, j, x) {
+            if a == b && !points.surfaces.press(i, j) {
                 continue;
             }
             let law = self.law(a, b);

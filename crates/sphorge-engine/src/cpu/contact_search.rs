@@ -24,6 +24,8 @@ pub(super) struct ContactSearch {
     support: f64,
     /// Smoothing length of the contact by body, m.
     smoothing_length_of: Vec<f64>,
+    /// Spacing by body, m.
+    spacing_of: Vec<f64>,
     /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'.
     members: Vec<u32>,
     /// Their positions, m, and smoothing lengths, m, and all their pairs.
@@ -40,11 +42,12 @@ pub(super) struct ContactSearch {
 
 impl ContactSearch {
     /// Nothing is searched yet.
-    pub(super) fn new(halo: Box<dyn Halo>, support: f64, smoothing_length_of: Vec<f64>) -> Self {
+    pub(super) fn new(halo: Box<dyn Halo>, support: f64, smoothing_length_of: Vec<f64>, spacing_of: Vec<f64>) -> Self {
         Self {
             ghosts: Ghosts::new(halo),
             support,
             smoothing_length_of,
+            spacing_of,
             members: Vec::new(),
             points: Vec::new(),
             smoothing_length: Vec::new(),
@@ -112,12 +115,13 @@ impl ContactSearch {
             if of != body.at(j) as usize {
                 return true;
             }
-            if !meets_itself || has_come_apart[of] || !surfaces.may_face(i, j) {
+            if !meets_itself || has_come_apart[of] {
                 return false;
             }
             let (x, other) = (reference.at(i), reference.at(j));
             let apart: Vector<f64> = [0, 1, 2].map(|a| x[a] - other[a]);
             dot(apart, apart) >= (self.support * self.smoothing_length_of[of]).powi(2)
+                && surfaces.may_press(i, j, apart, self.spacing_of[of])
         });
         self.searched_at.clone_from(&particles.position);
         self.displacement = displacement;

@@ -1,8 +1,9 @@
 //! Contact of a body with itself in the total Lagrangian form, whose sums know no neighbours but those of the reference configuration.
 //!
 //! Particles of the outermost layer of a body have a normal. Those of one body that are no neighbours in the reference configuration are in
-//! contact, by the law of different bodies, where their surfaces face each other: sides of a fold or a slot do, those of a sheet, an edge
-//! or a foot that is pressed flat do not. Images of the body in symmetry planes are met alike.
+//! contact, by the law of different bodies, where they are of different sides of the surface: those of a fold or a slot, not those of a sheet, an
+//! edge or a foot that is pressed flat. Which side is which is asked of the reference configuration: were it asked of the present one, pairs
+//! that slide past each other under load would come and go with all their energy. Images of the body in symmetry planes are met alike.
 
 use super::CpuEngine;
 use super::ghosts::WithGhosts;
@@ -10,7 +11,7 @@ use crate::lanes::PairScalar;
 use crate::model::Body;
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::contact::{face_each_other, flat_body};
+use sphorge_physics::contact::{are_back_to_back, are_different_sides, flat_body};
 use sphorge_physics::total_lagrangian::surface_normal;
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
@@ -23,10 +24,11 @@ impl<T: PairScalar> CpuEngine<T> {
         let (list, points) = (&self.lists.list, &self.lists.points);
         let (kernel, dimension) = (self.model.numerics.kernel, super::dimension(&self.model));
         let bodies = &self.model.bodies;
-        // What a flat surface has, midway between its outermost layer and the one behind it: the sum over the layers that are not there.
+        // Between what the outermost layer of a flat surface has and the one behind it, the sum over the layers that are not there; less
+        // than midway, since a sheet of two layers with twice the usual smoothing has but seven tenths of that.
         let missing =
             |b: &Body, layer: f64| flat_body(kernel, dimension, b.spacing, b.smoothing_length, layer * b.spacing);
-        let exposed = |b: &Body| 0.5 * (missing(b, 1.0).slope + missing(b, 2.0).slope);
+        let exposed = |b: &Body| 0.7 * 0.5 * (missing(b, 1.0).slope + missing(b, 2.0).slope);
         let exposed: Vec<f64> = bodies.iter().map(exposed).collect();
         let p = &mut self.particles;
         let volume = WithGhosts::new(&p.reference_volume, &self.ghosts.columns.reference_volume);
@@ -56,9 +58,15 @@ pub(super) struct Surfaces<'a> {
     deformation: WithGhosts<'a, Tensor<f64>>,
 }
 
-/// Cosine of the angle between normals from which on surfaces do not face each other before the next search: to turn from there until they
-/// do takes 35 degrees, which moves neighbours on a surface by more than the skin of the search.
-const TURNED_AWAY: f64 = 0.3;
+/// How far behind each other two places are that are back to back, in spacings.
+const BEHIND: f64 = 0.25;
+/// Sides of a body that are farther apart at the start, in spacings, meet by their normals alone: before they are pressed into the reach of the
+/// contact through the body it has come apart, but its ends may be bent round to meet.
+const THICKEST: f64 = 32.0;
+
+/// Cosine of the angle between normals, 25 degrees, from which on surfaces are of one side until the next search: to turn to 60 degrees moves
+/// neighbours on a surface by more than the skin of the search.
+const TURNED_AWAY: f64 = 0.9;
 
 impl<'a> Surfaces<'a> {
     /// Of particles, with the ghosts behind them; empty where no body meets itself.
@@ -69,18 +77,23 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Whether both particles are of a surface, and may face each other before the next search.
-    pub(super) fn may_face(&self, i: usize, j: usize) -> bool {
-        let is_inside = |i: usize| self.reference_normal.at(i) == [0.0; 3];
-        !is_inside(i) && !is_inside(j) && dot(self.normal(i), self.normal(j)) < TURNED_AWAY
+    /// Whether both particles, `apart = X_i - X_j` (m) in the reference configuration of a body of this spacing (m), are of surfaces that may
+    /// press each other before the next search.
+    pub(super) fn may_press(&self, i: usize, j: usize, apart: Vector<f64>, spacing: f64) -> bool {
+        let (own, other) = (self.reference_normal.at(i), self.reference_normal.at(j));
+        let is_near = dot(apart, apart) < (THICKEST * spacing).powi(2);
+        own != [0.0; 3]
+            && other != [0.0; 3]
+            && !(is_near && are_back_to_back(apart, own, other, BEHIND * spacing))
+            && dot(self.normal(i), self.normal(j)) < TURNED_AWAY
     }
 
     fn normal(&self, i: usize) -> Vector<f64> {
         surface_normal(&self.deformation.at(i), self.reference_normal.at(i))
     }
 
-    /// Whether particles of one body that are `x = x_i - x_j` (m) apart face each other now.
-    pub(super) fn face(&self, i: usize, j: usize, x: Vector<f64>) -> bool {
-        face_each_other(x, self.normal(i), self.normal(j))
+    /// Whether surface particles of one body are of different sides now.
+    pub(super) fn press(&self, i: usize, j: usize) -> bool {
+        are_different_sides(self.normal(i), self.normal(j))
     }
 }

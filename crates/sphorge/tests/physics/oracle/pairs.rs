@@ -2,7 +2,7 @@
 
 use super::engine::Oracle;
 use sphorge::model::{BodyContact, Model, Search};
-use sphorge_physics::contact::{face_each_other, flat_body};
+use sphorge_physics::contact::{are_back_to_back, are_different_sides, flat_body};
 use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot, total_lagrangian::surface_normal};
 
 /// A mirror or a shift by axis, or neither.
@@ -141,7 +141,7 @@ impl Oracle {
             let missing = |layer: f64| {
                 flat_body(kernel, dimension, body.spacing, body.smoothing_length, layer * body.spacing).slope
             };
-            let is_outermost = dot(outward, outward).sqrt() > 0.5 * (missing(1.0) + missing(2.0));
+            let is_outermost = dot(outward, outward).sqrt() > 0.35 * (missing(1.0) + missing(2.0));
             is_outermost.then_some(outward)
         });
     }
@@ -154,15 +154,19 @@ impl Oracle {
         for i in 0..self.p.len() {
             let body = self.p.body[i] as usize;
             let reach = self.model.numerics.kernel.support() * self.model.bodies[body].smoothing_length;
-            let Some(own) = self.normal[i].filter(|_| !self.has_come_apart[body]) else { continue };
-            let own = surface_normal(&self.deformation[i], own);
+            let spacing = self.model.bodies[body].spacing;
+            let Some(own_then) = self.normal[i].filter(|_| !self.has_come_apart[body]) else { continue };
+            let own = surface_normal(&self.deformation[i], own_then);
             for j in (0..self.p.len()).filter(|&j| self.p.body[j] as usize == body) {
-                let Some(other) = self.normal[j] else { continue };
-                let other = surface_normal(&self.deformation[j], other);
+                let Some(other_then) = self.normal[j] else { continue };
+                let other = surface_normal(&self.deformation[j], other_then);
                 for (k, image) in self.images.iter().enumerate() {
                     let [now, then] = [&self.p.position, &self.searched_at].map(|x| minus(x[i], image.point(x[j])));
                     let is_near = dot(now, now) < reach * reach && image.is_of(&self.model, self.p.position[j]);
-                    if is_near && dot(then, then) >= reach * reach && face_each_other(now, own, image.vector(other)) {
+                    let is_sheet = dot(then, then) < (32.0 * spacing).powi(2)
+                        && are_back_to_back(then, own_then, image.vector(other_then), 0.25 * spacing);
+                    let are_different_sides = are_different_sides(own, image.vector(other));
+                    if is_near && dot(then, then) >= reach * reach && !is_sheet && are_different_sides {
                         self.foreign[i].push((j, k));
                     }
                 }
