@@ -73,7 +73,10 @@ impl StopFlag {
         for signal in ending() {
             // In this order: the first signal finds the flag down and raises it, the second finds it up and ends the program.
             // Every file of a run is complete or absent at any moment, so nothing is lost by that but the work since.
-            flag::register_conditional_shutdown(signal, 130, Arc::clone(&raised))?;
+            // The end of a session often comes twice, from the shell and from the system, and is never meant to end the program at once.
+            if TERM_SIGNALS.contains(&signal) {
+                flag::register_conditional_shutdown(signal, 130, Arc::clone(&raised))?;
+            }
             flag::register(signal, Arc::clone(&raised))?;
         }
         let said = Arc::new(Said { once: Once::new(), say: Box::new(on_first) });

@@ -172,7 +172,10 @@ fn a_run_that_is_stopped_goes_on_and_beyond_its_end() {
     place.run(&["run", "strike.toml", "-o", "whole"]).expect_code(0);
     let child = place.command(&["run", "strike.toml", "-o", "run"]).spawn().unwrap();
     wait_for("the tenth frame", || place.path("run/fields/000009.vtp").exists());
-    Command::new("kill").args(["-HUP", &child.id().to_string()]).status().unwrap();
+    // A terminal that is closed says so twice.
+    for _ in 0..2 {
+        Command::new("kill").args(["-HUP", &child.id().to_string()]).status().unwrap();
+    }
     let stopped = Ended::from(child.wait_with_output().unwrap()).expect_code(130);
     assert!(stopped.out.contains("sphorge resume run"), "{}", stopped.out);
     place
@@ -183,7 +186,10 @@ fn a_run_that_is_stopped_goes_on_and_beyond_its_end() {
     same("resumed", &story(&place, "whole"), &story(&place, "run"));
 
     // Beyond its end, it is the run that had that end from the start, but for the rounding of the time it landed on.
+    place.run(&["resume", "run", "--set", "time.end=\"30 us\""]).expect_code(2).expect_told(&["its end cannot be"]);
     let longer = ["--set", "time.end=\"44 us\""];
+    let further = ["--set", "time.end=\"42 us\"", "--checkpoint-at-end"];
+    place.run(&[["resume", "run"].as_slice(), &further].concat()).expect_code(0);
     let ended = place.run(&[["resume", "run"].as_slice(), &longer].concat()).expect_code(0);
     assert!(ended.out.contains("reached its end time at 44 us"), "{}", ended.out);
     place.run(&[["run", "strike.toml", "-o", "long"].as_slice(), &longer].concat()).expect_code(0);
@@ -192,7 +198,7 @@ fn a_run_that_is_stopped_goes_on_and_beyond_its_end() {
     let kinetic = |run: &str| place.summary(run)["energy"]["kinetic"].as_f64().unwrap();
     assert!((kinetic("run") / kinetic("long") - 1.0).abs() < 1e-3, "{} {}", kinetic("run"), kinetic("long"));
     let rows = |story: &BTreeMap<String, Vec<u8>>| story["history.csv"].iter().filter(|&&byte| byte == b'\n').count();
-    assert!(rows(&long).abs_diff(rows(&run)) <= 1, "{} {}", rows(&long), rows(&run));
+    assert!(rows(&long).abs_diff(rows(&run)) <= 2, "{} {}", rows(&long), rows(&run));
 }
 
 #[test]
@@ -218,7 +224,7 @@ fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
     place
         .run(&["resume", "run"])
         .expect_code(0)
-        .expect_told(&["is damaged or not written by Sphorge", "the checkpoint before it is used"]);
+        .expect_told(&["is damaged or not written by Sphorge", "it is passed over"]);
     same("resumed from the one before", &whole, &story(&place, "run"));
 
     // Of another deck, and none at all.

@@ -177,7 +177,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
     facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
     facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
     facts.push(("pictures", format!("sphorge plot {folder}")));
-    if summary.status == Status::Stopped {
+    if summary.status == Status::Stopped && RunDirectory::open(directory).is_ok_and(|run| run.has_checkpoint()) {
         facts.push(("go on", format!("sphorge resume {folder}")));
     }
     table::facts(&facts)

@@ -35,7 +35,7 @@ const SUFFIX: &str = ".zip";
 pub(crate) struct About {
     format: u32,
     /// Of the program that wrote it.
-    version: String,
+    pub(crate) version: String,
     /// Name of the engine.
     pub(crate) engine: String,
     /// Name of the deck.

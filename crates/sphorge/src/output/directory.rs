@@ -100,21 +100,32 @@ impl RunDirectory {
         Ok(directory)
     }
 
-    /// Opens the folder of a run that is to go on: what it says of its end and what it had begun to write are removed.
+    /// Opens the folder of a run that is to go on. Nothing is touched.
     ///
     /// # Errors
     /// [`OutputError::Read`] if there is no such folder, [`OutputError::Unwritable`] if it cannot be written to, [`OutputError::Locked`] if
     /// another run writes to it.
     pub(crate) fn go_on(path: &Path) -> Result<Self, OutputError> {
-        let directory = Self { path: Self::open(path)?.path, lock: Some(lock(path)?) };
-        let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
-        match fs::remove_file(directory.summary()) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritable(e)),
+        Ok(Self { path: Self::open(path)?.path, lock: Some(lock(path)?) })
+    }
+
+    /// Removes what the folder says of the end of its run, and what was left unfinished.
+    pub(crate) fn clear_end(&self) -> Result<(), OutputError> {
+        let (summary, fields) = (self.summary(), self.path.join(FIELDS));
+        match fs::remove_file(&summary) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e).writing(&summary),
             _ => {}
         }
-        remove_matching(path, is_unfinished).map_err(unwritable)?;
-        remove_matching(&directory.path.join(FIELDS), is_unfinished).map_err(unwritable)?;
-        Ok(directory)
+        fs::create_dir_all(&fields).writing(&fields)?;
+        remove_matching(&self.path, is_unfinished).writing(&self.path)?;
+        remove_matching(&fields, is_unfinished).writing(&fields)
+    }
+
+    /// Whether there is a state the run can go on from.
+    pub fn has_checkpoint(&self) -> bool {
+        fs::read_dir(&self.path).is_ok_and(|mut entries| {
+            entries.any(|entry| entry.is_ok_and(|entry| entry.file_name().to_str().is_some_and(is_checkpoint)))
+        })
     }
 
     /// Removes frames from this number on.
@@ -196,10 +207,20 @@ fn lock(path: &Path) -> Result<Arc<File>, OutputError> {
 /// A folder that is empty or that a run wrote.
 fn is_run_or_empty(path: &Path) -> bool {
     let Ok(mut entries) = fs::read_dir(path) else { return false };
-    entries.all(|entry| entry.is_ok_and(|entry| entry.file_name() == LOCK))
+    entries.all(|entry| entry.is_ok_and(|entry| is_of_no_run_yet(&entry)))
         || MARKS.iter().any(|name| path.join(name).is_file())
         // A run that was killed before its first frame.
         || (path.join(DECK).is_file() && path.join(FIELDS).is_dir())
+}
+
+/// What a run that was killed before its deck was written may leave.
+fn is_of_no_run_yet(entry: &fs::DirEntry) -> bool {
+    let is_empty = |folder: &Path| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+    match entry.file_name().to_str() {
+        Some(FIELDS) => is_empty(&entry.path()),
+        Some(name) => name == LOCK || is_unfinished(name),
+        None => false,
+    }
 }
 
 fn is_frame(name: &str) -> bool {
@@ -269,6 +290,19 @@ mod tests {
     }
 
     #[test]
+    fn what_was_killed_before_its_deck_was_written_is_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::create_dir(root.join("fields")).unwrap();
+        for name in [".sphorge-lock", ".sphorge-a1.unfinished"] {
+            fs::write(root.join(name), "").unwrap();
+        }
+        drop(RunDirectory::create(root, true).unwrap());
+        fs::write(root.join("fields/mine.vtp"), "").unwrap();
+        assert!(matches!(RunDirectory::create(root, true), Err(OutputError::NotARun { .. })));
+    }
+
+    #[test]
     fn two_runs_do_not_write_into_one_folder() {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path().join("run");
@@ -291,7 +325,10 @@ mod tests {
         for name in ["summary.json", "fields/000001.vtp", "fields/000002.vtp", "fields/000003.vtp", "fields/mine.vtp"] {
             fs::write(root.join(name), "x").unwrap();
         }
-        RunDirectory::go_on(root).unwrap().remove_frames(2).unwrap();
+        let directory = RunDirectory::go_on(root).unwrap();
+        assert!(directory.summary().exists() && !directory.has_checkpoint());
+        directory.clear_end().unwrap();
+        directory.remove_frames(2).unwrap();
         assert_eq!(names(&root.join("fields")), ["000001.vtp", "mine.vtp"]);
         assert_eq!(names(root), [".sphorge-lock", "fields"]);
     }

@@ -39,10 +39,7 @@ pub enum OutputError {
     },
     /// Another run writes to the folder. Nothing was touched.
     #[error("another run writes to {}: {owner}", path.display())]
-    #[diagnostic(
-        code(sphorge::output::locked),
-        help("choose another folder with `-o DIR`, or wait until that run has ended")
-    )]
+    #[diagnostic(code(sphorge::output::locked), help("wait until that run has ended, or choose another folder"))]
     Locked {
         /// The folder.
         path: PathBuf,

@@ -1,6 +1,6 @@
 //! When a run saves its state.
 
-use super::{error::Trouble, progress::Observer, state::RunState};
+use super::{progress::Observer, state::RunState};
 use crate::output::{About, write_checkpoint};
 use std::{
     sync::{
@@ -41,39 +41,61 @@ impl Keeper {
     }
 
     /// Saves the state if it is time to.
-    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
         let time = state.simulation.time();
         let is_asked = self.plan.request.as_ref().is_some_and(|request| request.swap(false, Ordering::Relaxed));
         let is_late = self.plan.every.is_some_and(|every| self.last.elapsed() >= every);
-        if time >= self.next || is_late || is_asked { self.save(state, observer) } else { Ok(()) }
+        if time >= self.next || is_late || is_asked {
+            self.save(state, observer);
+        }
     }
 
     /// Saves the state of a run that is stopped.
-    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
         let CheckpointPlan { every, interval, at_end, request } = &self.plan;
         let has_plan = every.is_some() || interval.is_some() || *at_end || request.is_some();
-        if has_plan { self.save(state, observer) } else { Ok(()) }
+        if has_plan {
+            self.save(state, observer);
+        }
     }
 
     /// Saves the state of a run that has reached its end, if that was asked for.
-    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
-        if self.plan.at_end { self.save(state, observer) } else { Ok(()) }
+    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
+        if self.plan.at_end {
+            self.save(state, observer);
+        }
     }
 
-    fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+    /// Saves the state now.
+    pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
         let (step, time) = (state.simulation.steps(), state.simulation.time());
         let about = About::new(state.simulation.engine_name(), &self.deck_name, step, time);
-        let directory = state.recorder.directory().clone();
-        let saved = write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive))?;
         if let Some(interval) = self.plan.interval {
             self.next = multiple_after(time, interval);
         }
+        let directory = state.recorder.directory().clone();
+        // Rows and frames that it counts on come to the disk before it.
+        let synced = state.recorder.flush();
+        let written =
+            synced.and_then(|()| write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive)));
         self.last = Instant::now();
-        match saved {
-            Some(path) => observer.saved(&path, step, time),
-            None => self.plan = CheckpointPlan::default(),
+        match written {
+            Ok(Some(path)) => observer.saved(&path, step, time),
+            Ok(None) => {
+                observer.noted("the engine does not give its state away: the run cannot be resumed");
+                self.plan = CheckpointPlan::default();
+            }
+            // The run is well, and the checkpoints before are there.
+            Err(error) => observer.noted(&format!("the state of the run could not be saved: {}", chain(&error))),
         }
-        Ok(())
+    }
+}
+
+/// An error with what caused it.
+fn chain(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(source) => format!("{error}: {}", chain(source)),
+        None => error.to_string(),
     }
 }
 

@@ -135,18 +135,18 @@ pub(super) fn go_on(
             break reason;
         }
         let report = state.step(observer)?;
-        keeper.after_step(state, observer)?;
+        keeper.after_step(state, observer);
         state.tell(&report, observer, false);
         last_report = Some(report);
     };
-    // Before rows and frames that an unbroken run would not have.
-    match reason {
-        EndReason::User => keeper.at_stop(state, observer)?,
-        EndReason::EndTime | EndReason::KineticEnergy | EndReason::MaxSteps | EndReason::Failure => {
-            keeper.at_end(state, observer)?
-        }
+    if reason == EndReason::User {
+        // Before rows and frames that an unbroken run would not have.
+        keeper.at_stop(state, observer);
+        state.close(observer)?;
+    } else {
+        state.close(observer)?;
+        keeper.at_end(state, observer);
     }
-    state.close(observer)?;
     if let Some(report) = last_report {
         state.tell(&report, observer, true);
     }

@@ -108,8 +108,17 @@ impl Recorder {
         &self.directory
     }
 
-    /// Brings the files to what has been loaded: rows, list of frames, and no frames beyond.
+    /// Frames that should be there and are not, or are empty.
+    pub(super) fn missing_frames(&self) -> usize {
+        let is_there = |entry: &&SeriesEntry| {
+            std::fs::metadata(self.directory.path().join(&entry.file)).is_ok_and(|file| file.len() > 0)
+        };
+        self.frames.len() - self.frames.iter().filter(is_there).count()
+    }
+
+    /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was.
     pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
+        self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
         if !self.frames.is_empty() {
             write_series(&self.directory.series(), &self.frames)?;

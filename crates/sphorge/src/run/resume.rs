@@ -10,7 +10,7 @@ use super::{
 use crate::{
     deck::{DeckReport, Setup, load_text_within},
     engine::{ENGINES, EngineKind, FieldSource, Simulation},
-    output::{Checkpoint, Durability, OutputError, RunDirectory, Summary, checkpoints, write_file},
+    output::{AtPath, Checkpoint, Durability, OutputError, RunDirectory, Summary, checkpoints, write_file},
 };
 use std::{
     fs,
@@ -41,7 +41,9 @@ pub enum ResumeError {
     #[error("there is no checkpoint in {} from which a run can go on", path.display())]
     #[diagnostic(
         code(sphorge::run::no_checkpoint),
-        help("a run saves its state every ten minutes and when it is stopped; run its deck again: `sphorge run {}`", path.join("deck.toml").display())
+        help(
+            "a run saves its state every ten minutes and when it is stopped, unless `--checkpoint-minutes 0` was given; run the deck again"
+        )
     )]
     NoCheckpoint {
         /// The folder.
@@ -58,6 +60,15 @@ pub enum ResumeError {
     NotChangeable {
         /// The key.
         key: String,
+    },
+    /// An end before the time that has been reached.
+    #[error("the run has reached {reached:e} s, its end cannot be {end:e} s")]
+    #[diagnostic(code(sphorge::run::end_passed), help("set `time.end` to a later time"))]
+    EndPassed {
+        /// Asked for, s.
+        end: f64,
+        /// Reached, s.
+        reached: f64,
     },
     /// The changes do not fit the deck.
     #[error(transparent)]
@@ -94,51 +105,66 @@ pub fn resume(
         .num_threads(threads.unwrap_or(0))
         .build()
         .map_err(|source| ResumeError::Run(RunError::Threads { threads, source }))?;
-    let deck = fs::read_to_string(RunDirectory::open(path)?.deck()).ok();
+    let directory = RunDirectory::go_on(path)?;
+    let deck = fs::read_to_string(directory.deck()).ok();
+    let mut passed_over = Vec::new();
     for (_, file) in checkpoints(path)? {
-        let checkpoint = match Checkpoint::open(&file) {
-            Ok(checkpoint) => checkpoint,
-            Err(error) => {
-                observer.noted(&format!("{error}; the checkpoint before it is used"));
-                continue;
+        let why = match Checkpoint::open(&file) {
+            Err(error) => error.to_string(),
+            Ok(checkpoint) if deck.as_ref().is_some_and(|deck| *deck != checkpoint.deck) => {
+                format!("{} is of a run of another deck", file.display())
             }
+            Ok(checkpoint) => match ENGINES.iter().find(|engine| engine.name() == checkpoint.about.engine) {
+                None => {
+                    format!("{} is of the engine `{}`, which is not known", file.display(), checkpoint.about.engine)
+                }
+                Some(kind) => {
+                    let own = env!("CARGO_PKG_VERSION");
+                    if checkpoint.about.version != own {
+                        let version = &checkpoint.about.version;
+                        observer.noted(&format!("{} was written by version {version}, this is {own}", file.display()));
+                    }
+                    let name = checkpoint.about.deck_name.clone();
+                    let setup = load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
+                    let saved =
+                        Saved { directory: directory.clone(), checkpoint, setup, passed_over: passed_over.clone() };
+                    match pool.install(|| go_on_from(saved, *kind, options, stop, observer))? {
+                        Ok(summary) => return Ok(summary),
+                        Err(why) => format!("{}: {why}", file.display()),
+                    }
+                }
+            },
         };
-        if deck.as_ref().is_some_and(|deck| *deck != checkpoint.deck) {
-            observer
-                .noted(&format!("{} is of a run of another deck; the checkpoint before it is used", file.display()));
-            continue;
-        }
-        let known = ENGINES.iter().find(|engine| engine.name() == checkpoint.about.engine);
-        let Some(kind) = known else {
-            observer.noted(&format!(
-                "{} is of the engine `{}`, which this program has not",
-                file.display(),
-                checkpoint.about.engine
-            ));
-            continue;
-        };
-        let name = checkpoint.about.deck_name.clone();
-        let setup = load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
-        match pool.install(|| go_on_from(path, checkpoint, setup, *kind, options, stop, observer))? {
-            Ok(summary) => return Ok(summary),
-            Err(why) => observer.noted(&format!("{}: {why}; the checkpoint before it is used", file.display())),
-        }
+        observer.noted(&format!("{why}; it is passed over"));
+        passed_over.push(file);
     }
     Err(ResumeError::NoCheckpoint { path: path.to_owned() })
 }
 
+/// What a run goes on from.
+struct Saved {
+    directory: RunDirectory,
+    checkpoint: Checkpoint,
+    setup: Setup,
+    /// Later checkpoints of no use.
+    passed_over: Vec<PathBuf>,
+}
+
 /// Goes on from one checkpoint; why it is none of this program, if it is not.
 fn go_on_from(
-    path: &Path,
-    mut checkpoint: Checkpoint,
-    setup: Setup,
+    saved: Saved,
     kind: &dyn EngineKind,
     options: &ResumeOptions,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Result<Summary, String>, ResumeError> {
+    let Saved { directory, mut checkpoint, setup, passed_over } = saved;
     let Setup { model, particles, masses, deck_text, .. } = setup;
-    let directory = RunDirectory::go_on(path)?;
+    let path = directory.path().to_owned();
+    let (end, reached) = (model.time.end, checkpoint.about.time);
+    if end < reached * (1.0 - 1e-12) {
+        return Err(ResumeError::EndPassed { end, reached });
+    }
     let simulation = Simulation::start(kind, model, particles)
         .map_err(|failure| ResumeError::Run(RunError::Start { engine: kind.name(), failure }))?;
     let pace = Pace::new();
@@ -146,19 +172,34 @@ fn go_on_from(
     if let Err(error) = state.load(&mut checkpoint) {
         return Ok(Err(error.to_string()));
     }
-    state.recorder.rewrite()?;
-    if deck_text != checkpoint.deck {
-        write_file(&directory.deck(), Durability::Disk, |out| out.write_all(deck_text.as_bytes()))?;
+    // From here on the folder is that of the run that goes on.
+    let output = |source| ResumeError::Run(RunError::Output { source });
+    match state.recorder.missing_frames() {
+        0 => {}
+        missing => observer.noted(&format!("{missing} frames of the time before are missing or empty")),
+    }
+    state.recorder.rewrite().map_err(output)?;
+    for file in passed_over {
+        fs::remove_file(&file).writing(&file).map_err(output)?;
     }
     observer.started(&RunStart {
-        directory: path.to_owned(),
+        directory: path.clone(),
         title: state.simulation.model().title.clone(),
         particles: state.simulation.count(),
         threads: rayon::current_num_threads(),
-        end: state.simulation.model().time.end,
+        end,
     });
-    let (name, time) = (checkpoint.about.deck_name.clone(), state.simulation.time());
-    let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text, time);
+    let name = checkpoint.about.deck_name.clone();
+    let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
+    if deck_text != checkpoint.deck {
+        // A checkpoint of the changed deck takes the place of the one it was made from before the deck does.
+        state.align_output();
+        keeper.save(&mut state, observer);
+    }
+    let is_changed = fs::read_to_string(directory.deck()).ok().is_none_or(|deck| deck != deck_text);
+    if is_changed {
+        write_file(&directory.deck(), Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
+    }
     let ended = go_on(&mut state, &mut keeper, stop, observer);
-    conclude(state, path.to_owned(), ended, observer).map(Ok).map_err(ResumeError::Run)
+    conclude(state, path, ended, observer).map(Ok).map_err(ResumeError::Run)
 }

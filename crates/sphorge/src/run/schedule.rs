@@ -30,24 +30,21 @@ impl Schedule {
         if !arrived(time, self.next()) {
             return false;
         }
-        // A step without landing may have passed several.
-        self.next = self.next.max((time / self.interval * (1.0 + 1e-12)) as u64) + 1;
+        // A step without landing may have passed several; the end is none of the multiples.
+        self.align(time);
         true
+    }
+
+    /// Makes the first multiple after a time the next one.
+    pub(super) fn align(&mut self, time: f64) {
+        self.next = (time / self.interval * (1.0 + 1e-11)) as u64 + 1;
     }
 }
 
 impl Persist for Schedule {
-    /// Interval and end are those of the model. Where the interval is another than it was, the next time is the first of its multiples after
-    /// the last time there was.
+    /// Interval and end are those of the model.
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let mut interval = self.interval;
-        interval.persist(&format!("{name}.interval"), archive)?;
-        self.next.persist(&format!("{name}.next"), archive)?;
-        if interval != self.interval {
-            let passed = self.next.saturating_sub(1) as f64 * interval;
-            self.next = (passed / self.interval * (1.0 + 1e-12)) as u64 + 1;
-        }
-        Ok(())
+        self.next.persist(&format!("{name}.next"), archive)
     }
 }
 
@@ -80,6 +77,17 @@ mod tests {
         assert_eq!(schedule.next(), 0.3);
         let schedule = Schedule::new(5.0, 0.3);
         assert_eq!(schedule.next(), 0.3);
+    }
+
+    #[test]
+    fn an_end_that_moves_on_leaves_out_no_multiple() {
+        let mut schedule = Schedule::new(1.0, 2.5);
+        assert!(schedule.reached(1.0) && schedule.reached(2.0) && schedule.reached(2.5));
+        schedule.end = 6.0;
+        assert_eq!(schedule.next(), 3.0);
+        // A little before, by round-off.
+        assert!(schedule.reached(3.0 * (1.0 - 1e-13)));
+        assert_eq!(schedule.next(), 4.0);
     }
 
     #[test]

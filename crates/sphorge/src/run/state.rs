@@ -82,6 +82,13 @@ impl RunState {
         self.persist("run", archive)
     }
 
+    /// Takes output times from the model, whose intervals may be others than when the state was saved.
+    pub(super) fn align_output(&mut self) {
+        let time = self.simulation.time();
+        self.frames.align(time);
+        self.rows.align(time);
+    }
+
     /// Writes the first row and the first frame.
     pub(super) fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
         let (dt, reason) = self.simulation.next_step_estimate()?;
