@@ -28,8 +28,10 @@ pub(crate) const ADAPTIVE: AdaptiveSearch =
     AdaptiveSearch { plastic_strain_threshold: 1e-5, accumulate: false, guard: Some(GUARD_STRAIN) };
 /// Strength of the hourglass control of the total Lagrangian form.
 pub(crate) const HOURGLASS: f64 = 10.0;
-/// Principal stretch at which the total Lagrangian form renews its reference configuration.
-pub(crate) const RENEWAL: Option<f64> = Some(8.0);
+/// Principal stretch at which the total Lagrangian form renews its reference configuration. The foot of a copper bar of 24 particles across that is
+/// pressed flat at 300 m/s is stretched by 11.5 at its axis and must not come apart; at 8 it does, and folds through its image. The crater of
+/// `penetration` at 0.4 mm is 30.0 mm wide with 8 and 31.9 with 16.
+pub(crate) const RENEWAL: Option<f64> = Some(16.0);
 /// Stiffness, damping and friction of the penalty contact.
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
 /// Stiffness, damping and friction of the contact between bodies.

@@ -96,7 +96,7 @@ tables! {
         hourglass: Option<Given<Number>>, example 10.0, default 10.0;
         /// Principal stretch at which a body of the corrected form has come apart, 1.1 to 100, or 0 for never. Its sums are taken in its present configuration
         /// from then on, set anew whenever it is stretched or pressed by a factor of two: what has no neighbours in common is two pieces.
-        renewal: Option<Given<Number>>, example 4.0, default 8.0;
+        renewal: Option<Given<Number>>, example 4.0, default 16.0;
         /// Whether bodies of the corrected form meet themselves, in the contact they meet each other in: where different sides of the surface
         /// come together that are no neighbours in the reference configuration. Not in a periodic cell, nor in one dimension.
         self_contact: Option<Flag>, example false, default true;
