@@ -7,7 +7,7 @@ stress and no XSPH, which belong to sums over current neighbours.
 import json
 import subprocess
 
-from . import LENGTH, RADIUS, SPEED, SUPPORT, Run
+from . import RADIUS, SPEED, SUPPORT, Run, layers
 
 DECK = """
 dimensions = "3d"
@@ -57,7 +57,8 @@ def run(program, folder, spacing, steps, precision, search):
             steps=steps,
             precision=precision,
             search=search,
-            length=LENGTH,
+            # The whole number of layers that the other codes have, the first half a spacing from the wall.
+            length=layers(spacing) * spacing,
             radius=RADIUS,
             speed=SPEED,
         )
