@@ -87,16 +87,20 @@ impl Oracle {
     /// Finds the pairs of the positions just reached. As in every search, a pair that leaves the support in a step is not one of its
     /// middle; a skin keeps it.
     pub(super) fn search(&mut self) {
+        self.wrap();
+        (self.rows, self.foreign) = self.near(&self.p.position);
+        self.searched_at = self.p.position.clone();
+    }
+
+    /// Brings particles that left a periodic cell back in.
+    pub(super) fn wrap(&mut self) {
         let model = self.model.clone();
-        let p = &mut self.p;
         for (axis, cell) in model.periodic.iter().enumerate() {
             let Some((low, high)) = *cell else { continue };
-            for x in p.position.iter_mut() {
+            for x in self.p.position.iter_mut() {
                 x[axis] = low + (x[axis] - low).rem_euclid(high - low);
             }
         }
-        (self.rows, self.foreign) = self.near(&self.p.position);
-        self.searched_at = self.p.position.clone();
     }
 
     /// The neighbours of every particle at these places: those of the kernel sums, and those of other bodies it is in contact with.

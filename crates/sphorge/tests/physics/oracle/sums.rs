@@ -50,6 +50,9 @@ impl Oracle {
         let body = |i: usize| self.p.body[i] as usize;
         let due = |b: usize| (0..self.p.len()).any(|i| body(i) == b && too_far(b, &self.deformation[i]));
         let due: Vec<bool> = (0..self.has_come_apart.len()).map(due).collect();
+        if due.contains(&true) {
+            self.wrap();
+        }
         for i in (0..self.p.len()).filter(|&i| due[self.p.body[i] as usize]).collect::<Vec<_>>() {
             self.searched_at[i] = self.p.position[i];
             self.initial_volume[i] = self.p.mass[i] / self.p.density[i];
