@@ -18,7 +18,7 @@
 //!   if single pairs touched.
 //! - Stiffness grows with the overlap: bodies that have met at several km/s do not pass through each other.
 //!
-//! A body meets itself in the same way, where different sides of its surface come together ([`are_different_sides`]).
+//! A body meets itself in the same way, where different sides of its surface come together ([`crate::surface`]).
 //!
 //! Damping and friction act along and across the direction `n_ij` of the difference of both overlap gradients, which points from
 //! one body to the other and turns its sign with the pair.
@@ -30,27 +30,6 @@ use crate::{Dimension, Real, Scalar, Vector};
 
 /// Overlap over which damping comes in, so that it does not jump at first touch.
 const ONSET: f64 = 0.2;
-
-/// Cosine of the angle between normals below which they are of different sides: 60 degrees. A corner, whose normal stands at 45 degrees, meets
-/// corners and flats.
-const DIFFERENT: f64 = 0.5;
-
-/// Whether places of a surface with these outward unit normals are of different sides of it, as those of a fold that has closed are;
-/// [`are_back_to_back`] tells them from the sides of a sheet.
-#[inline]
-pub fn are_different_sides<T: Scalar>(normal_i: Vector<T>, normal_j: Vector<T>) -> bool {
-    dot(normal_i, normal_j) < T::of(DIFFERENT)
-}
-
-/// Whether of two places of a surface `x = x_i - x_j` (m) apart, with these outward normals (of any length), at least one is behind the other
-/// by more than a length (m) and none in front of it, as on the two sides of a sheet or of an edge. Asked of the reference configuration, so
-/// that the answer stands.
-#[inline]
-pub fn are_back_to_back<T: Scalar>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>, by: T) -> bool {
-    let behind = |along: T, normal: Vector<T>| along / dot(normal, normal).sqrt();
-    let (j, i) = (behind(dot(x, normal_i), normal_i), behind(-dot(x, normal_j), normal_j));
-    j.max(i) > by && j.min(i) > -by
-}
 
 /// A flat body seen from outside: kernel sums over its lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -398,25 +377,6 @@ mod tests {
     const STEEL: ContactBody =
         ContactBody { spacing: 1e-3, smoothing_length: 1.2e-3, density: 8000.0, bulk_modulus: 160e9 };
     const STRENGTH: ContactStrength = ContactStrength { stiffness: 1.0, damping: 0.5, friction: 0.1 };
-
-    #[test]
-    fn the_sides_of_a_slot_meet_and_those_of_a_sheet_or_an_edge_do_not() {
-        let (up, down, aside): ([f64; 3], _, _) = ([0.0, 2.0, 0.0], [0.0, -2.0, 0.0], [2.0, 0.0, 0.0]);
-        let halved = |v: [f64; 3]| v.map(|c| 0.5 * c);
-        assert!(are_different_sides(halved(up), halved(down)) && are_different_sides(halved(up), halved(aside)));
-        assert!(!are_different_sides(halved(up), halved(up)));
-        // The first place is above the second, aslant: back to back where it is the upper side of a sheet, not where it is that of a slot,
-        // nor on a flat surface that will fold.
-        let x = [-0.5, 1.0, 0.0];
-        assert!(are_back_to_back(x, up, down, 0.9) && are_back_to_back(x.map(|c| -c), down, up, 0.9));
-        assert!(!are_back_to_back(x, up, down, 1.1) && !are_back_to_back(x, down, up, 0.1));
-        assert!(!are_back_to_back([1.0, 0.0, 0.0], up, up, 0.1));
-        // The two sides of an edge: one looks up and stands aside from it, the other looks aside and is below.
-        assert!(are_back_to_back([-1.0, 1.0, 0.0], up, aside, 0.1));
-        assert!(!are_back_to_back([1.0, -1.0, 0.0], up, aside, 0.1));
-        // The corner itself, and a place below it on one of the sides.
-        assert!(are_back_to_back([0.0, 3.0, 0.0], [1.0, 1.0, 0.0], aside, 0.1));
-    }
 
     #[test]
     fn a_flat_body_by_hand() {

@@ -30,6 +30,7 @@ pub mod parameter;
 pub mod real;
 pub mod return_mapping;
 pub mod stress;
+pub mod surface;
 pub mod tensile_part;
 pub mod tensor;
 pub mod time_step;

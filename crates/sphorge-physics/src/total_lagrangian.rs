@@ -12,8 +12,8 @@
 //! is the smoothing length times the smallest principal stretch. It stands for `h` in the time-step limits and in the bulk viscosity.
 
 use crate::tensile_part::smallest_principal_value;
-use crate::tensor::{apply, determinant, dot, inverse, multiply, transpose};
-use crate::{Real, Scalar, SymmetricTensor, Tensor, Vector};
+use crate::tensor::{determinant, inverse, multiply, transpose};
+use crate::{Real, SymmetricTensor, Tensor, Vector};
 
 /// Takes a deformation gradient through a step `dt` (s) at the rate `dF/dt` (1/s) and returns the velocity gradient (1/s) of its
 /// middle, `dF/dt (F + dt/2 dF/dt)^-1`.
@@ -35,14 +35,6 @@ pub fn density<T: Real>(mass: T, initial_volume: T, f: &Tensor<T>) -> T {
 pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
     let c = SymmetricTensor::symmetric_part(&multiply(&transpose(f), f));
     smallest_principal_value(c).max(T::zero()).sqrt()
-}
-
-/// Unit normal of a surface whose normal (of any length) in the reference configuration is given: `F^-T N` over its length.
-#[inline(always)]
-pub fn surface_normal<T: Scalar>(f: &Tensor<T>, normal: Vector<T>) -> Vector<T> {
-    let turned = apply(&transpose(&inverse(f)), normal);
-    let length = dot(turned, turned).sqrt();
-    turned.map(|c| c / length)
 }
 
 /// Whether a principal stretch is above a bound.
@@ -150,19 +142,6 @@ mod tests {
         );
     }
     use crate::tensor::identity;
-
-    #[test]
-    fn a_normal_stays_square_to_its_surface() {
-        // A surface along (1, 0, 0) and (0, 1, 1), sheared, stretched and turned.
-        let f = [[1.2, 2.0, 0.3], [-0.4, 0.9, 0.0], [0.1, 0.5, 0.6]];
-        let normal = surface_normal(&f, [0.0, -3.0, 3.0]);
-        assert!((dot(normal, normal) - 1.0f64).abs() < 1e-14);
-        for along in [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]] {
-            assert!(dot(normal, apply(&f, along)).abs() < 1e-14);
-        }
-        // It points to the same side.
-        assert!(dot(normal, apply(&f, [0.0, -1.0, 1.0])) > 0.0);
-    }
 
     #[test]
     fn stretched_is_long_whatever_the_frame() {

@@ -11,8 +11,8 @@ use crate::lanes::PairScalar;
 use crate::model::Body;
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::contact::{are_back_to_back, are_different_sides, flat_body};
-use sphorge_physics::total_lagrangian::surface_normal;
+use sphorge_physics::contact::flat_body;
+use sphorge_physics::surface::{are_back_to_back, are_different_sides, surface_normal};
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
 impl<T: PairScalar> CpuEngine<T> {

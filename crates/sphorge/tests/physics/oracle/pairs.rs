@@ -2,8 +2,9 @@
 
 use super::engine::Oracle;
 use sphorge::model::{BodyContact, Model, Search};
-use sphorge_physics::contact::{are_back_to_back, are_different_sides, flat_body};
-use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot, total_lagrangian::surface_normal};
+use sphorge_physics::contact::flat_body;
+use sphorge_physics::surface::{are_back_to_back, are_different_sides, surface_normal};
+use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot};
 
 /// A mirror or a shift by axis, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
