@@ -3,74 +3,62 @@
 use super::setup::{by_id, run_to, simulation};
 use sphorge::engine::Simulation;
 
-/// Two blocks of copper that fly at each other, as two bodies.
-const TWO_BODIES: &str = r#"
-dimensions = "plane-strain"
-particles = { spacing = "0.5 mm" }
-numerics = { precision = "double" }
-time = { end = "30 us" }
-
-[[body]]
-name = "upper"
-material = "ofhc-copper"
-shape = { box = { min = ["-4 mm", "1.5 mm"], max = ["4 mm", "7.5 mm"] } }
-velocity = ["0 m/s", "-100 m/s"]
-
-[[body]]
-name = "lower"
-material = "ofhc-copper"
-shape = { box = { min = ["-4 mm", "-7.5 mm"], max = ["4 mm", "-1.5 mm"] } }
-velocity = ["0 m/s", "100 m/s"]
-"#;
-
-/// The same as one body.
-const ONE_BODY: &str = r#"
-dimensions = "plane-strain"
-particles = { spacing = "0.5 mm" }
-numerics = { precision = "double" }
-time = { end = "30 us" }
-
-[[body]]
-name = "both"
-material = "ofhc-copper"
-shape.union = [
-    { box = { min = ["-4 mm", "1.5 mm"], max = ["4 mm", "7.5 mm"] } },
-    { box = { min = ["-4 mm", "-7.5 mm"], max = ["4 mm", "-1.5 mm"] } },
-]
-velocity-profile = { along = "y", amplitude = ["0 m/s", "-100 m/s"], rows = [["-1 mm", -1.0], ["1 mm", 1.0]] }
-"#;
-
-/// The upper of them, and its image.
-const HALF: &str = r#"
-dimensions = "plane-strain"
-particles = { spacing = "0.5 mm" }
-numerics = { precision = "double" }
-time = { end = "30 us" }
-symmetry = [{ axis = "y", at = "0 mm", side = "positive" }]
-
-[[body]]
-name = "upper"
-material = "ofhc-copper"
-shape = { box = { min = ["-4 mm", "1.5 mm"], max = ["4 mm", "7.5 mm"] } }
-velocity = ["0 m/s", "-100 m/s"]
-"#;
-
-/// A hairpin whose arms are thrown against each other.
-const HAIRPIN: &str = r#"
+/// Copper in plane strain, to be followed by bodies.
+const HEAD: &str = r#"
 dimensions = "plane-strain"
 particles = { spacing = "0.5 mm" }
 numerics = { precision = "double" }
 time = { end = "60 us" }
-
-[[body]]
-name = "hairpin"
-material = "ofhc-copper"
-shape.difference = [
-    { box = { min = ["0 mm", "-3.5 mm"], max = ["16 mm", "3.5 mm"] } },
-    { box = { min = ["5 mm", "-1.5 mm"], max = ["17 mm", "1.5 mm"] } },
-]
-velocity-profile = { along = "y", amplitude = ["0 m/s", "-80 m/s"], rows = [["-1 mm", -1.0], ["1 mm", 1.0]] }
 "#;
+
+/// A block 8 mm wide, its middle `shift` millimetres aside, between two heights, mm.
+fn block(shift: f64, low: f64, high: f64) -> String {
+    format!(
+        "{{ box = {{ min = [\"{} mm\", \"{low} mm\"], max = [\"{} mm\", \"{high} mm\"] }} }}",
+        shift - 4.0,
+        shift + 4.0
+    )
+}
+
+/// A body of copper with that shape that moves along y, m/s.
+fn body(name: &str, shape: &str, speed: f64) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\nmaterial = \"ofhc-copper\"\nshape = {shape}\nvelocity = [\"0 m/s\", \"{speed} m/s\"]\n"
+    )
+}
+
+/// A body of copper with that shape whose upper half moves down and whose lower half moves up, m/s.
+fn body_that_closes(shape: &str, speed: f64) -> String {
+    format!(
+        "[[body]]\nname = \"both\"\nmaterial = \"ofhc-copper\"\nshape = {shape}\n\
+         velocity-profile = {{ along = \"y\", amplitude = [\"0 m/s\", \"-{speed} m/s\"], rows = [[\"-1 mm\", -1.0], [\"1 mm\", 1.0]] }}\n"
+    )
+}
+
+/// Two blocks that fly at each other, as two bodies; the upper one is `shift` millimetres to the right, the lower one as far to the left.
+fn two_bodies(shift: f64) -> String {
+    let (upper, lower) = (block(shift, 1.5, 7.5), block(-shift, -7.5, -1.5));
+    format!("{HEAD}{}{}", body("upper", &upper, -100.0), body("lower", &lower, 100.0))
+}
+
+/// The same as one body.
+fn one_body(shift: f64) -> String {
+    let shape = format!("{{ union = [{}, {}] }}", block(shift, 1.5, 7.5), block(-shift, -7.5, -1.5));
+    format!("{HEAD}{}", body_that_closes(&shape, 100.0))
+}
+
+/// The upper of them, and its image.
+fn half() -> String {
+    let plane = "symmetry = [{ axis = \"y\", at = \"0 mm\", side = \"positive\" }]\n";
+    format!("{HEAD}{plane}{}", body("upper", &block(0.0, 1.5, 7.5), -100.0))
+}
+
+/// A hairpin whose arms are thrown against each other.
+fn hairpin() -> String {
+    let whole = r#"{ box = { min = ["0 mm", "-3.5 mm"], max = ["16 mm", "3.5 mm"] } }"#;
+    let slot = r#"{ box = { min = ["5 mm", "-1.5 mm"], max = ["17 mm", "1.5 mm"] } }"#;
+    format!("{HEAD}{}", body_that_closes(&format!("{{ difference = [{whole}, {slot}] }}"), 80.0))
+}
 
 /// Kinetic energy and plastic work, J/m.
 fn energies(simulation: &Simulation) -> [f64; 2] {
@@ -100,7 +88,7 @@ fn parts_of_one_body_meet_as_two_bodies_do() {
         assert!(energy.abs() < 1e-9 && (!is_whole || momentum.abs() < 1e-9), "{energy} {momentum}");
         states
     };
-    let (two, one, half) = (run(TWO_BODIES, true), run(ONE_BODY, true), run(HALF, false));
+    let (two, one, half) = (run(&two_bodies(0.0), true), run(&one_body(0.0), true), run(&half(), false));
     println!("{two:?}\n{one:?}\n{half:?}");
     for ((two, one), half) in two.iter().zip(&one).zip(&half) {
         for k in 0..2 {
@@ -114,7 +102,7 @@ fn parts_of_one_body_meet_as_two_bodies_do() {
 
 /// How far the particles of the upper arm are above the plane of symmetry at the end, m, at least.
 fn lowest(simulation: &Simulation) -> f64 {
-    let start = super::setup::simulation(HAIRPIN, &[]);
+    let start = super::setup::simulation(&hairpin(), &[]);
     let (first, now) = (start.particles().unwrap(), simulation.particles().unwrap());
     let (first_order, order) = (by_id(start.particles().unwrap()), by_id(simulation.particles().unwrap()));
     let upper = first_order.iter().zip(&order).filter(|(f, _)| first.position[**f][1] > 1.5e-3);
@@ -125,7 +113,7 @@ fn lowest(simulation: &Simulation) -> f64 {
 fn arms_of_a_hairpin_stop_each_other_unless_told_not_to() {
     let run = |meets: &str| {
         let mut simulation =
-            simulation(HAIRPIN, &[("search", &format!("{{ total-lagrangian = {{ self-contact = {meets} }} }}"))]);
+            simulation(&hairpin(), &[("search", &format!("{{ total-lagrangian = {{ self-contact = {meets} }} }}"))]);
         let start = simulation.ledger().unwrap();
         run_to(&mut simulation, 60e-6);
         for drift in drifts(&simulation, &start) {
@@ -138,25 +126,12 @@ fn arms_of_a_hairpin_stop_each_other_unless_told_not_to() {
     assert!(met > 0.1e-3 && passed < -0.5e-3, "{met} {passed}");
 }
 
-/// A deck whose upper block is shifted by so many millimetres to the right, and the lower one as far to the left.
-fn shifted(deck: &str, by: f64) -> String {
-    let block = |low: &str, high: &str, from: f64| {
-        let old = format!("{{ min = [\"-4 mm\", \"{low} mm\"], max = [\"4 mm\", \"{high} mm\"] }}");
-        let new =
-            format!("{{ min = [\"{} mm\", \"{low} mm\"], max = [\"{} mm\", \"{high} mm\"] }}", from - 4.0, from + 4.0);
-        assert!(deck.contains(&old), "{old}");
-        (old, new)
-    };
-    let (upper, lower) = (block("1.5", "7.5", by), block("-7.5", "-1.5", -by));
-    deck.replace(&upper.0, &upper.1).replace(&lower.0, &lower.1)
-}
-
 #[test]
 fn what_slides_past_a_corner_stores_no_less_than_nothing() {
     // Corners meet flats.
     for by in [2.0, 3.25] {
         let run = |deck: &str, self_contact: bool| {
-            let mut simulation = simulation(&shifted(deck, by), &[]);
+            let mut simulation = simulation(deck, &[]);
             let (start, mut least) = (simulation.ledger().unwrap(), 0.0f64);
             let of = usize::from(!self_contact && start.contacts.len() > 1);
             while simulation.time() < 30e-6 {
@@ -165,7 +140,7 @@ fn what_slides_past_a_corner_stores_no_less_than_nothing() {
             }
             [least / start.total_energy(), energies(&simulation)[1] / start.total_energy()]
         };
-        let ([one, plastic_of_one], [two, plastic_of_two]) = (run(ONE_BODY, true), run(TWO_BODIES, false));
+        let ([one, plastic_of_one], [two, plastic_of_two]) = (run(&one_body(by), true), run(&two_bodies(by), false));
         println!(
             "{by} mm: {one:.4} and {two:.4} of the energy, plastic work {plastic_of_one:.4} and {plastic_of_two:.4}"
         );
@@ -176,7 +151,7 @@ fn what_slides_past_a_corner_stores_no_less_than_nothing() {
 
 #[test]
 fn what_comes_apart_keeps_the_energy_its_contact_held() {
-    let mut simulation = simulation(ONE_BODY, &[("search", "{ total-lagrangian = { renewal = 1.2 } }")]);
+    let mut simulation = simulation(&one_body(0.0), &[("search", "{ total-lagrangian = { renewal = 1.2 } }")]);
     let start = simulation.ledger().unwrap();
     let held = |simulation: &Simulation| simulation.ledger().unwrap().contacts[0].stored_energy;
     let mut most = 0.0f64;
