@@ -58,14 +58,17 @@ pub trait Real:
         let mut result = Self::one();
         let mut base = self;
         let mut left = exponent;
-        while left > 0 {
+        loop {
             if left & 1 == 1 {
                 result = result * base;
             }
-            base = base * base;
             left >>= 1;
+            if left == 0 {
+                return result;
+            }
+            // No further than needed: small numbers become subnormal, with which some processors compute slowly.
+            base = base * base;
         }
-        result
     }
 }
 
