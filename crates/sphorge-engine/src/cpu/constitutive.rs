@@ -320,7 +320,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 let x = frame.encode::<T>(&position[i]);
                 for a in 0..3 {
                     record[force::X + a] = x[a];
-                    record[force::V + a] = T::of(evaluated_velocity[i][a]);
+                    record[force::V + a] = T::of_velocity(evaluated_velocity[i][a]);
                 }
                 record[force::WEIGHT] = if numerics.pair_form == PairForm::VolumeWeighted && (corrected || !commit) {
                     // Adjoint to the last digit: the volumes of the gradient correction, or of the gradient sum at the

@@ -209,7 +209,7 @@ impl<T: PairScalar> CpuEngine<T> {
         for (p, kinematic, springs) in parts {
             kinematic.par_iter_mut().zip(springs).enumerate().for_each(|(i, (record, spring_record))| {
                 for a in 0..3 {
-                    record[V + a] = T::of(p.evaluated_velocity[i][a]);
+                    record[V + a] = T::of_velocity(p.evaluated_velocity[i][a]);
                 }
                 let spring =
                     Spring::new(strength, young[p.material[i] as usize], p.yield_stress[i], p.plastic_strain[i]);

@@ -169,7 +169,7 @@ fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, back: f64, ahead: f64) {
             let x = frame.encode::<T>(&place(i));
             for a in 0..3 {
                 record[kinematic::X + a] = x[a];
-                record[kinematic::V + a] = T::of(velocity[i][a]);
+                record[kinematic::V + a] = T::of_velocity(velocity[i][a]);
             }
             let density = stress::predicted_density(density[i], &velocity_gradient[i], ahead);
             record[kinematic::WEIGHT] = T::of(pair::gradient_weight(form, mass[i], density));
