@@ -128,11 +128,11 @@ pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWa
     let away = Push { velocity, ..Push::default() };
     let Some(gap) = state.gap(&wall.surface, columns.position[i]) else { return away };
     let body = &model.bodies[columns.body[i] as usize];
-    let sound_speed = model.materials[body.material].equation_of_state.reference_sound_speed();
+    let sound_speed = || model.materials[body.material].equation_of_state.reference_sound_speed();
     let relative = |v: Vector<f64>| [0, 1, 2].map(|a| v[a] - state.velocity[a]);
     match wall.contact {
         WallContact::MonaghanKos { range } => {
-            let acceleration = monaghan_kos(&gap, relative(velocity), range, sound_speed, body.smoothing_length);
+            let acceleration = monaghan_kos(&gap, relative(velocity), range, sound_speed(), body.smoothing_length);
             Push { acceleration, ..away }
         }
         WallContact::Penalty { stiffness, damping, friction } => {
@@ -140,7 +140,7 @@ pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWa
                 return away;
             }
             let parameters =
-                PenaltyParameters::from_sound_speed(sound_speed, body.spacing, stiffness, damping, friction);
+                PenaltyParameters::from_sound_speed(sound_speed(), body.spacing, stiffness, damping, friction);
             let (radius, face, velocity) = columns.face(body.spacing, i, gap.normal);
             let WallPush { acceleration, heat, rubbed } =
                 penalty_contact(parameters, &gap, radius, relative(velocity), dt);

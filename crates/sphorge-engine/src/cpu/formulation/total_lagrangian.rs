@@ -10,9 +10,9 @@ use crate::cpu::CpuEngine;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
-use crate::lanes::PairScalar;
+use crate::lanes::{Job, Lanes, PairScalar, run};
 use crate::model::Model;
-use crate::neighbors::BLOCK;
+use crate::neighbors::{BLOCK, PAD};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
@@ -61,7 +61,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             let x = frame.encode::<T>(&reference_position[i]);
             for a in 0..3 {
                 record[kinematic::X + a] = x[a];
-                record[kinematic::V + a] = T::of(velocity[i][a]);
+                record[kinematic::V + a] = T::of_velocity(velocity[i][a]);
             }
             record[kinematic::WEIGHT] = T::of(reference_volume[i]);
             record[kinematic::H] = T::of(smoothing_length[i]);
@@ -76,7 +76,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             engine.reference_corrected = true;
         }
         let dimension = crate::cpu::dimension(&engine.model);
-        let dt = engine.step.dt;
+        let (dt, instructions) = (engine.step.dt, engine.instructions);
         let sweep =
             GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
         let Particles {
@@ -113,8 +113,10 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);
                     n[k] = sums[k].inside;
-                    stretch[k] = smallest_stretch(&f[k]);
-                    mu[k] = bulk_mu(&l[k], h[i] * stretch[k]);
+                }
+                run(instructions, SmallestStretches { deformation: f, stretch });
+                for k in 0..l.len() {
+                    mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
             });
         engine.count_pairs();
@@ -140,6 +142,30 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
 
     fn add_forces(&self, engine: &mut CpuEngine<T>) {
         engine.resist_hourglass();
+    }
+}
+
+/// Smallest principal stretches of particles side by side.
+struct SmallestStretches<'a> {
+    deformation: &'a [Tensor<f64>],
+    stretch: &'a mut [f64],
+}
+
+impl Job<f64> for SmallestStretches<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<Element = f64>>(self) {
+        let (deformation, _) = self.deformation.as_flattened().as_flattened().as_chunks::<9>();
+        let last = self.stretch.len() - 1;
+        let mut computed = [0.0; PAD];
+        for (v, stretch) in self.stretch.chunks_mut(L::WIDTH).enumerate() {
+            // The last particle in the lanes behind it.
+            let indices: [u32; PAD] = std::array::from_fn(|lane| (v * L::WIDTH + lane).min(last) as u32);
+            // Eight at a time are taken apart by shuffles.
+            let [xx, xy, xz, yx, yy, yz, zx, zy]: [L; 8] = L::gather_part(deformation, &indices, 0);
+            let [zz]: [L; 1] = L::gather_part(deformation, &indices, 8);
+            smallest_stretch(&[[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]]).store(&mut computed);
+            stretch.copy_from_slice(&computed[..stretch.len()]);
+        }
     }
 }
 
