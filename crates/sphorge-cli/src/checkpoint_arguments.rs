@@ -33,16 +33,17 @@ fn parse_interval(text: &str) -> Result<f64, String> {
 impl CheckpointArguments {
     /// The plan, with the signal that asks for one at once.
     pub(crate) fn plan(&self) -> Result<CheckpointPlan, Failure> {
-        let is_on = self.checkpoint_minutes > 0.0;
+        let is_periodic = self.checkpoint_minutes > 0.0;
+        // Caught whatever the plan is: a signal that asks for a checkpoint is to end no run.
         let request = signals::checkpoint_request()
             .into_diagnostic()
             .wrap_err("cannot catch SIGUSR1")
             .map_err(Failure::Failed)?;
         Ok(CheckpointPlan {
-            every: is_on.then(|| Duration::from_secs_f64(60.0 * self.checkpoint_minutes)),
+            every: is_periodic.then(|| Duration::from_secs_f64(60.0 * self.checkpoint_minutes)),
             interval: self.checkpoint_interval,
             at_end: self.checkpoint_at_end,
-            request: request.filter(|_| is_on),
+            request,
         })
     }
 }

@@ -1,7 +1,8 @@
 //! Shows how far a run is: a bar with the time left on a terminal, a line every tenth part otherwise.
 
-use crate::{memory, readable, terminal};
+use crate::{failure::Failure, memory, readable, signals::StopFlag, terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use miette::{IntoDiagnostic, WrapErr};
 use sphorge::{
     output::WarningRecord,
     run::{Observer, Progress, RunStart},
@@ -49,9 +50,16 @@ impl ProgressDisplay {
         Self { lines: Lines { bar }, particles: 0, tenths: 0, last_line: 0.0 }
     }
 
-    /// For messages while the run goes on.
-    pub(crate) fn lines(&self) -> Lines {
-        self.lines.clone()
+    /// The flag that stops the run, which says so among the lines of its progress.
+    ///
+    /// # Errors
+    /// The system refuses to tell of signals.
+    pub(crate) fn stop_flag(&self) -> Result<StopFlag, Failure> {
+        let lines = self.lines.clone();
+        StopFlag::new(move || lines.print("stopping: writing what there is (once more ends the program at once)"))
+            .into_diagnostic()
+            .wrap_err("cannot catch Ctrl-C")
+            .map_err(Failure::Failed)
     }
 }
 

@@ -235,6 +235,42 @@ fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
 }
 
 #[test]
+fn a_state_that_cannot_be_written_ends_no_run_and_changes_no_deck() {
+    let place = place();
+    let short = ["--set", "time.max-steps=20", "--checkpoint-at-end"];
+    let run = [["run", "strike.toml", "-o", "run", "--overwrite"].as_slice(), &short].concat();
+    place.run(&run).expect_code(0).expect_told(&["saved at step 20"]);
+    // A folder is in the way of the next one.
+    fs::remove_file(place.path("run/checkpoint-000000000020.zip")).unwrap();
+    fs::create_dir_all(place.path("run/checkpoint-000000000020.zip/in-the-way")).unwrap();
+    place.run(&run).expect_code(0).expect_told(&["could not be saved", "checkpoint-000000000020.zip"]);
+    assert_eq!(place.summary("run")["steps"], 20);
+
+    // One of a changed deck is needed before the deck may change.
+    fs::remove_dir_all(place.path("run")).unwrap();
+    place.run(&run).expect_code(0);
+    let deck = fs::read(place.path("run/deck.toml")).unwrap();
+    let changed = ["resume", "run", "--set", "time.max-steps=30"];
+    let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
+    let mut command = Command::new("sh");
+    command.current_dir(place.path(".")).args(["-c", limited, env!("CARGO_BIN_EXE_sphorge")]).args(changed);
+    Ended::from(command.output().unwrap()).expect_code(1).expect_told(&["checkpoint-000000000020.zip"]);
+    assert_eq!(fs::read(place.path("run/deck.toml")).unwrap(), deck);
+    place.run(&changed).expect_code(0);
+    assert_eq!(place.summary("run")["steps"], 30);
+}
+
+#[test]
+fn a_request_makes_a_checkpoint_of_a_run_that_makes_none_by_itself() {
+    let place = place();
+    let child = place.command(&["run", "strike.toml", "-o", "run", "--checkpoint-minutes", "0"]).spawn().unwrap();
+    wait_for("the tenth frame", || place.path("run/fields/000009.vtp").exists());
+    Command::new("kill").args(["-USR1", &child.id().to_string()]).status().unwrap();
+    let ended = Ended::from(child.wait_with_output().unwrap()).expect_code(0);
+    assert_eq!(ended.err.matches("saved at step").count(), 1, "{}", ended.err);
+}
+
+#[test]
 fn two_runs_do_not_share_a_folder() {
     let place = place();
     let mut child = place.command(&["run", "strike.toml", "-o", "run"]).spawn().unwrap();

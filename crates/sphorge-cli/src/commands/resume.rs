@@ -7,10 +7,8 @@ use crate::{
     failure::{Ending, Failure},
     memory,
     progress::ProgressDisplay,
-    signals::StopFlag,
 };
 use clap::Args;
-use miette::{IntoDiagnostic, WrapErr};
 use sphorge::run::{ResumeError, ResumeOptions};
 use std::path::PathBuf;
 
@@ -21,9 +19,11 @@ Examples:
   sphorge resume out/taylor-bar
   sphorge resume out/taylor-bar --set time.end=\"120 us\" --threads 8
 
-The run goes on from the last checkpoint in its folder that is whole, to the same frames, history and summary as if it had never been
-broken, on any number of threads. Of the deck only the end and the output can change; a run that has reached its end goes on beyond it
-if it was made with --checkpoint-at-end.")]
+The run goes on from the last whole checkpoint in its folder, to the same
+frames, history and summary as if it had never been broken, on any number
+of threads. Of the deck only the end and the output can change. A run that
+has reached its end goes on beyond it if it was made with
+--checkpoint-at-end.")]
 pub(crate) struct ResumeArguments {
     /// Folder of the run
     #[arg(value_name = "DIR")]
@@ -43,13 +43,7 @@ pub(crate) struct ResumeArguments {
 
 pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
     let mut display = ProgressDisplay::new();
-    let lines = display.lines();
-    let stop = StopFlag::new(move || {
-        lines.print("stopping: writing what there is (once more ends the program at once)");
-    })
-    .into_diagnostic()
-    .wrap_err("cannot catch Ctrl-C")
-    .map_err(Failure::Failed)?;
+    let stop = display.stop_flag()?;
     let options = ResumeOptions {
         overrides: arguments.overrides,
         most_particles: memory::particle_limit(),

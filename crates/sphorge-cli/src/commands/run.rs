@@ -5,12 +5,9 @@ use crate::{
     deck_arguments::DeckArguments,
     failure::{Ending, Failure, Outcome},
     progress::ProgressDisplay,
-    readable,
-    signals::StopFlag,
-    table, terminal,
+    readable, table, terminal,
 };
 use clap::Args;
-use miette::{IntoDiagnostic, WrapErr};
 use sphorge::{
     engine::{ENGINES, EngineKind},
     output::{BodyRecord, EndReason, RunDirectory, Status, Summary},
@@ -26,11 +23,13 @@ Examples:
   sphorge run my.toml -o out/fine --set particles.spacing=\"0.15 mm\" --threads 8
   sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
 
-Ctrl-C stops the run after the present step; frames, history and summary are complete up to there (exit code 130). `sphorge resume` goes
-on from there, or after a crash from the last checkpoint; SIGUSR1 makes one at once.
+Ctrl-C stops the run after the present step; frames, history and summary
+are complete up to there (exit code 130). `sphorge resume` goes on from
+there, or after a crash from the last checkpoint; SIGUSR1 makes one at once.
 
-Checks made during the run warn where it is broken, such as more plastic work than energy or particles that fall together in pairs;
-summary.json lists them, the table [warnings] of a deck sets their limits.")]
+Checks made during the run warn where it is broken, such as more plastic
+work than energy or particles that fall together in pairs; summary.json
+lists them, the table [warnings] of a deck sets their limits.")]
 pub(crate) struct RunArguments {
     #[command(flatten)]
     deck: DeckArguments,
@@ -83,13 +82,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
 
     let mut display = ProgressDisplay::new();
-    let lines = display.lines();
-    let stop = StopFlag::new(move || {
-        lines.print("stopping: writing what there is (once more ends the program at once)");
-    })
-    .into_diagnostic()
-    .wrap_err("cannot catch Ctrl-C")
-    .map_err(Failure::Failed)?;
+    let stop = display.stop_flag()?;
     let options = RunOptions {
         directory: directory.clone(),
         overwrite: arguments.overwrite,

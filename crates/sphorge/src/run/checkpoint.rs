@@ -1,7 +1,7 @@
 //! When a run saves its state.
 
 use super::{progress::Observer, state::RunState};
-use crate::output::{About, write_checkpoint};
+use crate::output::{About, OutputError, write_checkpoint};
 use std::{
     sync::{
         Arc,
@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// When a run saves its state. With any of these, a run that is stopped by the user saves it too.
+/// When a run saves its state. With any of these but the request, a run that is stopped by the user saves it too.
 #[derive(Clone, Debug, Default)]
 pub struct CheckpointPlan {
     /// Wall-clock time from one checkpoint to the next.
@@ -21,6 +21,13 @@ pub struct CheckpointPlan {
     pub at_end: bool,
     /// The run saves its state and goes on when this becomes true; it is false again then.
     pub request: Option<Arc<AtomicBool>>,
+}
+
+impl CheckpointPlan {
+    /// Whether a run saves its state without being asked by a request.
+    pub fn saves(&self) -> bool {
+        self.every.is_some() || self.interval.is_some() || self.at_end
+    }
 }
 
 /// Keeps a plan.
@@ -52,9 +59,7 @@ impl Keeper {
 
     /// Saves the state of a run that is stopped.
     pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
-        let CheckpointPlan { every, interval, at_end, request } = &self.plan;
-        let has_plan = every.is_some() || interval.is_some() || *at_end || request.is_some();
-        if has_plan {
+        if self.plan.saves() {
             self.save(state, observer);
         }
     }
@@ -66,8 +71,15 @@ impl Keeper {
         }
     }
 
-    /// Saves the state now.
+    /// Saves the state now. A run whose state cannot be written goes on: it is well, and the checkpoints before are there.
     pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
+        if let Err(error) = self.try_save(state, observer) {
+            observer.noted(&format!("the state of the run could not be saved: {}", chain(&error)));
+        }
+    }
+
+    /// Saves the state now, or says why it could not be written.
+    pub(super) fn try_save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
         let (step, time) = (state.simulation.steps(), state.simulation.time());
         let about = About::new(state.simulation.engine_name(), &self.deck_name, step, time);
         if let Some(interval) = self.plan.interval {
@@ -79,15 +91,14 @@ impl Keeper {
         let written =
             synced.and_then(|()| write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive)));
         self.last = Instant::now();
-        match written {
-            Ok(Some(path)) => observer.saved(&path, step, time),
-            Ok(None) => {
+        match written? {
+            Some(path) => observer.saved(&path, step, time),
+            None => {
                 observer.noted("the engine does not give its state away: the run cannot be resumed");
                 self.plan = CheckpointPlan::default();
             }
-            // The run is well, and the checkpoints before are there.
-            Err(error) => observer.noted(&format!("the state of the run could not be saved: {}", chain(&error))),
         }
+        Ok(())
     }
 }
 

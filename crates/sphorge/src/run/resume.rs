@@ -192,9 +192,9 @@ fn go_on_from(
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
     if deck_text != checkpoint.deck {
-        // A checkpoint of the changed deck takes the place of the one it was made from before the deck does.
+        // A checkpoint of the changed deck comes to the disk before the deck does: without it no checkpoint would be of that deck.
         state.align_output();
-        keeper.save(&mut state, observer);
+        keeper.try_save(&mut state, observer).map_err(output)?;
     }
     let is_changed = fs::read_to_string(directory.deck()).ok().is_none_or(|deck| deck != deck_text);
     if is_changed {
