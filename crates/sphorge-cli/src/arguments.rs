@@ -16,7 +16,8 @@ Start with
   sphorge plot out/iron-plate       pictures of it
   sphorge decks                     what else is shipped
 
-Exit codes: 0 done, 1 the run failed (what was computed is kept) or, with --strict, is broken, 2 bad input, 130 stopped by the user."
+Exit codes: 0 done, 1 the run failed (what was computed is kept) or, with
+--strict, is broken, 2 bad input, 130 stopped by the user."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

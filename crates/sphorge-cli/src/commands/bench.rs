@@ -16,7 +16,8 @@ Examples:
   sphorge bench block --threads 1
   sphorge bench --threads 1 --json > speed.json
 
-Rates are per core: per thread in use. Pairs are ordered pairs inside the kernel support, counted once a step.")]
+Rates are per core: per thread in use. Pairs are ordered pairs inside the
+kernel support, counted once a step.")]
 pub(crate) struct BenchArguments {
     /// Cases to measure [default: all]
     #[arg(value_name = "CASE", value_parser = clap::builder::PossibleValuesParser::new(CASES.iter().map(|case| case.deck)))]

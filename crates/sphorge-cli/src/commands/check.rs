@@ -20,7 +20,8 @@ Examples:
   sphorge check my.toml
   sphorge check taylor-bar --set particles.spacing=\"0.1 mm\"
 
-Takes a few real steps to time them and writes nothing. Exit code 2 if the deck cannot be run.")]
+Takes a few real steps to time them and writes nothing. Exit code 2 if the
+deck cannot be run.")]
 pub(crate) struct CheckArguments {
     #[command(flatten)]
     deck: DeckArguments,

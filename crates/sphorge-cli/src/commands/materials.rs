@@ -15,7 +15,8 @@ Examples:
   sphorge materials
   sphorge materials armco-iron
 
-A deck uses one by its name, changes it under [material.<name>], or defines its own.")]
+A deck uses one by its name, changes it under [material.<name>], or defines
+its own.")]
 pub(crate) struct MaterialsArguments {
     /// A material of the catalogue
     #[arg(value_name = "NAME")]

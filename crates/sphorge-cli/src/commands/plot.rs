@@ -21,7 +21,8 @@ Examples:
   sphorge plot out/penetration --field plastic_strain --measures
   sphorge plot out/iron-plate --column height --column width
 
-Without --field and --column the usual pictures are drawn; the other options go with --field. Pictures go to the folder `plots` of the run.")]
+Without --field and --column the usual pictures are drawn; the other options
+go with --field. Pictures go to the folder `plots` of the run.")]
 pub(crate) struct PlotArguments {
     /// Folder of a run, finished or not
     #[arg(value_name = "DIR")]

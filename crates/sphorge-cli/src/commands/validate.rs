@@ -20,8 +20,9 @@ Examples:
   sphorge validate taylor-plate plate-impact
   sphorge validate --list
 
-Every number of ours is printed beside the published or exact one, with the deviation and what is asked of it. The
-folder holds report.md with pictures, report.json, and every run. Exit code 1 if a check failed.")]
+Every number of ours is printed beside the published or exact one, with the
+deviation and what is asked of it. The folder holds report.md with pictures,
+report.json, and every run. Exit code 1 if a check failed.")]
 pub(crate) struct ValidateArguments {
     /// Names of cases [default: all]
     #[arg(value_name = "CASE")]

@@ -132,6 +132,12 @@ impl CellGrid {
         (0..27).map(move |k| cell + k / 9 * plane + k / 3 % 3 * row + k % 3 - plane - row - 1)
     }
 
+    /// The cells that have both a cell that holds a point and the one at that place among [`Self::cells_around`] it around them.
+    pub fn cells_around_both(&self, cell: usize, place: usize) -> impl Iterator<Item = usize> {
+        let is_near = move |k: &usize| [9, 3, 1].iter().all(|axis| (k / axis % 3).abs_diff(place / axis % 3) <= 1);
+        self.cells_around(cell).enumerate().filter(move |(k, _)| is_near(k)).map(|(_, cell)| cell)
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         4 * (self.starts.capacity() + self.order.capacity() + self.cell_of.capacity())
@@ -206,6 +212,20 @@ mod tests {
                 let d2: f64 = (0..3).map(|a| (p[a] - q[a]).powi(2)).sum();
                 assert!(d2 >= 1.0 || reached[j]);
             }
+        }
+    }
+
+    #[test]
+    fn cells_around_two_are_those_around_each_of_them() {
+        let points: Vec<Vector<f64>> =
+            (0..64).map(|k| [f64::from(k % 4), f64::from(k / 4 % 4), f64::from(k / 16)]).collect();
+        let mut grid = CellGrid::default();
+        grid.sort(&points, 1.0);
+        let (one, around) = (grid.cell_of(21), |cell| grid.cells_around(cell).collect::<Vec<_>>());
+        for (place, other) in grid.cells_around(one).enumerate() {
+            let both: Vec<_> = grid.cells_around_both(one, place).collect();
+            let expected: Vec<_> = around(one).into_iter().filter(|c| around(other).contains(c)).collect();
+            assert_eq!(both, expected);
         }
     }
 

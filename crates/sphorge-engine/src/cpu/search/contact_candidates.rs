@@ -11,6 +11,7 @@ use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist};
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Width of a cell in units of the reach.
 const CELL_WIDTH: f64 = 2.0;
@@ -102,26 +103,15 @@ impl ContactCandidates {
             }
         });
         self.find_normals(particles, list, support);
-        let (cells, contents, normals) = (&self.cells, &self.contents, &self.normals);
-        let faces = |i: usize, j: usize| {
-            let d: Vector<f64> = [0, 1, 2].map(|a| particles.position[j][a] - particles.position[i][a]);
-            dot(normals[i], normals[j]) < FACING
-                && dot(d, d) < size * size
-                && dot(d, normals[i]) > 0.0
-                && dot(d, normals[j]) < 0.0
-        };
         // As far apart as particles may be that come within reach before they are sorted again.
-        let exposed = |c: usize| cells.members(c).iter().map(|&i| i as usize).filter(|&i| normals[i] != [0.0; 3]);
-        let holds_faces = |c: usize| {
-            let around = || cells.cells_around(c).flat_map(exposed);
-            around().any(|i| around().any(|j| faces(i, j)))
-        };
+        let faces = self.find_faces(&particles.position, size);
+        let (cells, contents) = (&self.cells, &self.contents);
         self.candidates_near.resize(cells.cells(), false);
-        self.candidates_near.par_iter_mut().enumerate().for_each(|(c, has_candidates)| {
+        self.candidates_near.par_iter_mut().zip(faces).enumerate().for_each(|(c, (has_candidates, has_faces))| {
             *has_candidates = !cells.members(c).is_empty() && {
                 let mut around = Content::NOTHING;
                 cells.cells_around(c).for_each(|other| around.add(&contents[other]));
-                around.holds_candidates(FARTHEST * size) || holds_faces(c)
+                has_faces.into_inner() || around.holds_candidates(FARTHEST * size)
             };
         });
         self.is_candidate.clear();
@@ -153,6 +143,34 @@ impl ContactCandidates {
             let length = dot(sum, sum).sqrt();
             *normal = if length > EXPOSED * count { sum.map(|c| c / length) } else { [0.0; 3] };
         });
+    }
+
+    /// For each cell, whether free surfaces in the cells around it that are nearer than a distance, m, face each other.
+    fn find_faces(&self, position: &[Vector<f64>], nearer: f64) -> Vec<AtomicBool> {
+        let (cells, normals) = (&self.cells, &self.normals);
+        let exposed = |c: usize| cells.members(c).iter().map(|&i| i as usize).filter(|&i| normals[i] != [0.0; 3]);
+        let face = |i: usize, j: usize| {
+            let d: Vector<f64> = [0, 1, 2].map(|a| position[j][a] - position[i][a]);
+            dot(normals[i], normals[j]) < FACING
+                && dot(d, d) < nearer * nearer
+                && dot(d, normals[i]) > 0.0
+                && dot(d, normals[j]) < 0.0
+        };
+        let found: Vec<AtomicBool> = (0..cells.cells()).map(|_| AtomicBool::new(false)).collect();
+        (0..cells.cells()).into_par_iter().for_each_init(Vec::new, |own, c| {
+            own.clear();
+            own.extend(exposed(c));
+            if own.is_empty() {
+                return;
+            }
+            // Every pair of cells once, and all cells that have both around them.
+            for (place, other) in cells.cells_around(c).enumerate().filter(|(_, other)| *other >= c) {
+                if exposed(other).any(|j| own.iter().any(|&i| face(i, j))) {
+                    cells.cells_around_both(c, place).for_each(|c| found[c].store(true, Ordering::Relaxed));
+                }
+            }
+        });
+        found
     }
 
     /// Whether the particle may have contact candidates within reach.
