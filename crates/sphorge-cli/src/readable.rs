@@ -75,6 +75,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     // Minutes of a day fit any float that is worth showing.
     let minutes = (seconds / 60.0).round() as u64;
     match seconds {
+        s if s < 0.01 => quantity((s * 1e7).round() / 1e7, "s"),
         s if s < 0.1 => format!("{:.0} ms", s * 1e3),
         s if s < 10.0 => format!("{s:.1} s"),
         s if s < 99.5 => format!("{s:.0} s"),

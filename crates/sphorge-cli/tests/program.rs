@@ -18,6 +18,11 @@ fn check_says_what_a_deck_would_do_and_writes_nothing() {
 #[test]
 fn a_deck_that_cannot_take_a_step_fails_the_check() {
     let place = Place::new();
+    // A step nobody meant makes more steps than can be counted.
+    let ended = place.run(&["check", "plate.toml", "--set", "time.courant=1e-300"]).expect_code(0);
+    ended.expect_told(&["the run would take more than a year"]);
+    let line = ended.out.lines().find(|line| line.contains("expected steps")).unwrap();
+    assert!(line.contains("e29") || line.contains("e30"), "{line}");
     let ended = place.run(&["check", "plate.toml", "--set", "time.fixed-step=\"1 us\""]).expect_code(2);
     ended.expect_told(&["fixed-step"]);
 }

@@ -12,6 +12,8 @@ use sphorge::forecast::{Forecast, ForecastOptions, forecast};
 
 /// Wall-clock seconds spent on steps.
 const SECONDS: f64 = 1.0;
+/// A run that takes longer is not meant: a year, s.
+const LONGEST: f64 = 365.0 * 86_400.0;
 
 /// Arguments of `check`.
 #[derive(Debug, Args)]
@@ -37,7 +39,21 @@ pub(crate) fn execute(arguments: CheckArguments) -> Ending {
     let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
     terminal::print(&report(&forecast, &advice))?;
+    if forecast.run_seconds > LONGEST {
+        terminal::note(
+            "note: the run would take more than a year; shorten `time.end`, or make the first time step longer",
+        );
+    }
     Ok(Outcome::Done)
+}
+
+/// A number of steps, however large.
+fn steps(count: f64) -> String {
+    match count {
+        _ if count < 1e15 => readable::count(count as u64),
+        _ if count.is_finite() => readable::digits(count),
+        _ => "more than 1e308".to_owned(),
+    }
 }
 
 fn report(forecast: &Forecast, advice: &Advice) -> String {
@@ -72,14 +88,10 @@ fn report(forecast: &Forecast, advice: &Advice) -> String {
         (
             "expected steps",
             match forecast.most_steps {
-                Some(most) if most <= forecast.expected_steps => {
+                Some(most) if most as f64 <= forecast.expected_steps => {
                     format!("{}, the most the deck allows", readable::count(most))
                 }
-                _ => format!(
-                    "{about} {} to {}",
-                    readable::count(forecast.expected_steps),
-                    readable::quantity(forecast.end, "s")
-                ),
+                _ => format!("{about} {} to {}", steps(forecast.expected_steps), readable::quantity(forecast.end, "s")),
             },
         ),
         (

@@ -38,8 +38,8 @@ pub struct Forecast {
     pub first_step: f64,
     /// What limits it.
     pub first_reason: LimitReason,
-    /// Steps to the end at the mean size of the steps taken here.
-    pub expected_steps: u64,
+    /// Steps to the end at the mean size of the steps taken here; may be more than anybody waits for.
+    pub expected_steps: f64,
     /// Most steps the deck allows.
     pub most_steps: Option<u64>,
     /// Neighbours a particle has on average.
@@ -136,10 +136,10 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
     }
     let seconds_per_step = start.elapsed().as_secs_f64() / steps as f64;
     let mean_step = (simulation.time() - start_time) / steps as f64;
-    let by_time = (model.time.end / mean_step).ceil() as u64;
-    let expected_steps = by_time.min(model.time.max_steps.unwrap_or(u64::MAX));
+    let by_time = (model.time.end / mean_step).ceil();
+    let expected_steps = by_time.min(model.time.max_steps.map_or(f64::INFINITY, |most| most as f64));
 
-    let share = (expected_steps as f64 / by_time.max(1) as f64).min(1.0);
+    let share = (expected_steps / by_time.max(1.0)).min(1.0);
     let frames = 1 + (share * model.time.end / model.output.frame_interval).ceil() as u64;
     let rows = 1.0 + share * model.time.end / model.output.history_interval;
     Ok(Forecast {
@@ -154,7 +154,7 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
         mean_neighbors: simulation.mean_neighbors(),
         threads: rayon::current_num_threads(),
         seconds_per_step,
-        run_seconds: seconds_per_step * expected_steps as f64,
+        run_seconds: seconds_per_step * expected_steps,
         memory_bytes: simulation.memory_bytes(),
         frames,
         output_bytes: frames * frame_bytes + (rows * history_row_bytes(&model)) as u64,
@@ -251,7 +251,7 @@ mod tests {
         let speed = (3630_f64.powi(2) + 4.0 / 3.0 * 80e9 / 7890.0).sqrt();
         assert!((forecast.first_step - 0.3 * 1.2 * 0.8e-3 / speed).abs() < 1e-3 * forecast.first_step);
         assert_eq!(forecast.first_reason, LimitReason::SoundSpeed);
-        assert_eq!(forecast.expected_steps, 20);
+        assert_eq!(forecast.expected_steps, 20.0);
         // Steps are taken no farther than a run would go, however long they may last.
         let setup = load_text("test", DECK, &[("time.end".into(), "100 ns".into())]).unwrap();
         let started = Instant::now();
