@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod compare;
 pub mod forecast;
+mod machine;
 pub mod measures;
 mod number;
 mod observed;

@@ -50,16 +50,8 @@ pub(crate) fn execute(arguments: BenchArguments) -> Ending {
 }
 
 fn tables(report: &BenchReport) -> String {
-    let machine = &report.machine;
-    let cores = machine.cores.map_or(String::new(), |cores| format!(", {cores} cores"));
-    let mut text = format!(
-        "sphorge {} on {}, {} logical processors{cores} ({}), {} in use\n",
-        report.version,
-        if machine.processor.is_empty() { "an unknown processor" } else { &machine.processor },
-        machine.logical_processors,
-        machine.vector_instructions.join(", "),
-        readable::threads(report.threads),
-    );
+    let mut text =
+        format!("sphorge {} on {}, {} in use\n", report.version, report.machine, readable::threads(report.threads));
     for case in CASES {
         text += &format!("{}: {}\n", case.deck, case.meaning);
     }

@@ -21,8 +21,8 @@ Examples:
   sphorge validate --list
 
 Every number of ours is printed beside the published or exact one, with the
-deviation and what is asked of it. The folder holds report.md with pictures,
-report.json, and every run. Exit code 1 if a check failed.")]
+deviation and what is asked of it. The folder holds report.html, one page that
+needs no other file, report.md, report.json, and every run. Exit code 1 if a check failed.")]
 pub(crate) struct ValidateArguments {
     /// Names of cases [default: all]
     #[arg(value_name = "CASE")]
@@ -61,7 +61,7 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
     stop.finish();
     match result {
         Ok(report) => {
-            terminal::print(&format!("{report}report      {}\n", options.directory.join("report.md").display()))?;
+            terminal::print(&format!("{report}report      {}\n", options.directory.join("report.html").display()))?;
             if report.passed { Ok(Outcome::Done) } else { Err(Failure::Told) }
         }
         Err(ValidateError::Stopped { directory }) => {

@@ -6,14 +6,13 @@
 
 mod bare;
 mod error;
-mod machine;
 mod measure;
 mod row;
 mod stage_shares;
 
+pub use crate::machine::Machine;
 pub use bare::BareLoop;
 pub use error::BenchError;
-pub use machine::Machine;
 pub use row::BenchRow;
 pub use stage_shares::StageShares;
 

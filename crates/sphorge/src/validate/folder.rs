@@ -1,8 +1,7 @@
 //! The folder of a validation.
 
-use super::ValidateError;
+use super::{Report, ValidateError};
 use crate::output::{Durability, OutputError, write_file};
-use serde::Serialize;
 use std::{
     fs, io,
     path::{Path, PathBuf},
@@ -10,6 +9,10 @@ use std::{
 
 /// File that marks the folder of a validation, there from the start.
 const MARK: &str = "validation.txt";
+/// Files of the report.
+const MARKDOWN: &str = "report.md";
+const HTML: &str = "report.html";
+const JSON: &str = "report.json";
 
 /// A folder this validation may write to.
 #[derive(Clone, Debug)]
@@ -32,7 +35,7 @@ impl Folder {
         }
         let folder = Self { path: path.to_owned() };
         // The old report does not belong to the runs that are about to replace the old ones.
-        for name in ["report.md", "report.json"] {
+        for name in [MARKDOWN, HTML, JSON] {
             match fs::remove_file(path.join(name)) {
                 Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritable(e).into()),
                 _ => {}
@@ -60,10 +63,14 @@ impl Folder {
         inside.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
     }
 
-    /// Writes the report in its two forms.
-    pub(super) fn write(&self, markdown: &str, report: &impl Serialize) -> Result<(), ValidateError> {
-        write_file(&self.path.join("report.md"), Durability::Disk, |out| out.write_all(markdown.as_bytes()))?;
-        write_file(&self.path.join("report.json"), Durability::Disk, |out| {
+    /// Writes the report in its three forms.
+    pub(super) fn write(&self, report: &Report) -> Result<(), ValidateError> {
+        let text = |name: &str, text: String| {
+            write_file(&self.path.join(name), Durability::Disk, |out| out.write_all(text.as_bytes()))
+        };
+        text(MARKDOWN, report.markdown())?;
+        text(HTML, report.html(&|file| fs::read(self.path.join(file)).ok()))?;
+        write_file(&self.path.join(JSON), Durability::Disk, |out| {
             serde_json::to_writer_pretty(&mut *out, report)?;
             out.write_all(b"\n")
         })?;

@@ -16,10 +16,14 @@ impl Report {
             Effort::Quick => "low resolution (`--quick`)",
             Effort::Full => "full resolution",
         };
-        let outcome = if self.passed { "**All cases passed.**" } else { "**Not all cases passed.**" };
+        let outcome = match self.cases.len() {
+            computed if computed < self.asked => format!("**Not finished: {computed} of {} cases.**", self.asked),
+            _ if self.passed => "**All cases passed.**".to_owned(),
+            _ => "**Not all cases passed.**".to_owned(),
+        };
         text += &format!(
-            "# Validation of Sphorge {}\n\n{outcome} Computed at {effort} in {:.0} s.\n\n",
-            self.version, self.seconds
+            "# Validation of Sphorge {}\n\n{outcome} Computed at {effort} in {:.0} s on {}.\n\n",
+            self.version, self.seconds, self.machine
         );
         text += "| case | what | verdict | checks passed |\n|---|---|---|---|\n";
         for case in &self.cases {

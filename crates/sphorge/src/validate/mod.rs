@@ -4,7 +4,8 @@
 //! published and measured numbers, each with a tolerance and its reason where there is one, and convergence studies. Cases
 //! are listed in [`CASES`]; a new one is a file in `cases/` and a line of that table.
 //!
-//! [`validate`] writes into its folder `report.md` (with pictures), `report.json`, and every run in `<case>/<variant>/`.
+//! [`validate`] writes into its folder `report.html` (one page, pictures inside), `report.md` and `report.json`, after every case, and
+//! every run in `<case>/<variant>/`.
 
 mod case;
 mod cases;
@@ -14,6 +15,7 @@ mod execute;
 mod finding;
 mod findings;
 mod folder;
+mod html;
 mod markdown;
 mod number;
 mod options;
@@ -65,10 +67,12 @@ pub fn validate(
         let report = CaseReport::new(case, &runs, findings, pictures, &folder);
         watcher.case_judged(&report);
         reports.push(report);
+        // What is known so far outlives a stop.
+        let so_far = Report::new(options.effort, reports, cases.len(), start.elapsed().as_secs_f64());
+        folder.write(&so_far)?;
+        reports = so_far.cases;
     }
-    let report = Report::new(options.effort, reports, start.elapsed().as_secs_f64());
-    folder.write(&report.markdown(), &report)?;
-    Ok(report)
+    Ok(Report::new(options.effort, reports, cases.len(), start.elapsed().as_secs_f64()))
 }
 
 /// The cases of these names, in the order of the table; all if none is named.

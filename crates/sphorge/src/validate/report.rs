@@ -8,6 +8,7 @@ use super::{
     runs::{Run, Runs},
     study::Study,
 };
+use crate::machine::Machine;
 use serde::Serialize;
 
 /// A run of a case, for the report.
@@ -140,25 +141,29 @@ impl CaseReport {
     }
 }
 
-/// Outcome of a validation. `Display` is for a terminal, [`Report::markdown`] for a browser.
+/// Outcome of a validation. `Display` is for a terminal, [`Report::markdown`] for an editor, [`Report::html`] for a browser.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Version of the program.
     pub version: &'static str,
     /// How much was computed.
     pub effort: Effort,
-    /// Whether no case failed.
+    /// Number of cases asked for; more than there are here while the others are computed, or where the user stopped it.
+    pub asked: usize,
+    /// Whether all were computed and no case failed.
     pub passed: bool,
     /// Wall-clock seconds.
     pub seconds: f64,
+    /// The machine it was computed on.
+    pub machine: Machine,
     /// The cases.
     pub cases: Vec<CaseReport>,
 }
 
 impl Report {
-    pub(super) fn new(effort: Effort, cases: Vec<CaseReport>, seconds: f64) -> Self {
-        let passed = cases.iter().all(|case| case.verdict != Verdict::Failed);
-        Self { version: env!("CARGO_PKG_VERSION"), effort, passed, seconds, cases }
+    pub(super) fn new(effort: Effort, cases: Vec<CaseReport>, asked: usize, seconds: f64) -> Self {
+        let passed = cases.len() == asked && cases.iter().all(|case| case.verdict != Verdict::Failed);
+        Self { version: env!("CARGO_PKG_VERSION"), effort, asked, passed, seconds, machine: Machine::here(), cases }
     }
 }
 
@@ -192,7 +197,7 @@ mod tests {
             found.runs[0].unexpected_warnings.len() == 1 && found.runs[0].unexpected_warnings[0].starts_with("hot: ")
         );
         assert_eq!(found.expected_warnings, [("pairing", "known")]);
-        for text in [found.to_string(), Report::new(Effort::Quick, vec![found.clone()], 1.0).markdown()] {
+        for text in [found.to_string(), Report::new(Effort::Quick, vec![found.clone()], 1, 1.0).markdown()] {
             assert!(text.contains("hot: a number is 2, limit 1") && text.contains("known"), "{text}");
         }
         // Unless the run may break down altogether.

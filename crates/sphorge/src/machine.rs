@@ -1,7 +1,7 @@
 //! The machine a measurement was made on.
 
 use serde::Serialize;
-use std::{collections::BTreeSet, fs, thread};
+use std::{collections::BTreeSet, fmt, fs, thread};
 
 /// What a speed depends on beside the program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -27,6 +27,17 @@ impl Machine {
             cores,
             vector_instructions: vector_instructions(),
         }
+    }
+}
+
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let processor = if self.processor.is_empty() { "an unnamed processor" } else { &self.processor };
+        write!(f, "{processor}, {} logical processors", self.logical_processors)?;
+        if let Some(cores) = self.cores {
+            write!(f, ", {cores} cores")?;
+        }
+        write!(f, " ({})", self.vector_instructions.join(", "))
     }
 }
 
