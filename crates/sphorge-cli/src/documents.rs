@@ -55,6 +55,54 @@ fn every_path_in_the_documents_exists() {
     }
 }
 
+#[test]
+fn the_theory_names_the_code_of_every_law() {
+    let text = read("docs/theory.md");
+    let (spans, _) = spans_and_links(&text);
+    let sources = ["crates/sphorge-physics/src", "crates/sphorge-engine/src"].map(|base| root().join(base));
+    let mut named = Vec::new();
+    for (file, item) in spans.iter().filter_map(|span| span.split_once("::")) {
+        let found = sources.iter().find_map(|base| fs::read_to_string(base.join(file)).ok());
+        let code = found.unwrap_or_else(|| panic!("there is no file {file}"));
+        let declares = |keyword: &str| {
+            code.split(&format!("{keyword} {item}"))
+                .skip(1)
+                .any(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+        };
+        assert!(["fn", "struct", "trait"].into_iter().any(declares), "{file} has no `{item}`");
+        named.push(file.to_owned());
+    }
+    // Equations are numbered without gaps.
+    let numbers = text.lines().filter_map(|line| line.strip_prefix('(')?.split_once(')')?.0.parse().ok());
+    let numbers: Vec<usize> = numbers.collect();
+    assert!(numbers.len() > 30 && numbers.iter().copied().eq(1..=numbers.len()), "{numbers:?}");
+    // No file of formulas is left out; these hold none, or none of their own.
+    const NO_FORMULAS: [&str; 9] = [
+        "lib.rs",
+        "mod.rs",
+        "dimension.rs",
+        "history.rs",
+        "parameter.rs",
+        "real.rs",
+        "tensor.rs",
+        "tests.rs",
+        "test_law.rs",
+    ];
+    let mut folders = vec![sources[0].clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            let short = path.strip_prefix(&sources[0]).unwrap().to_str().unwrap();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !NO_FORMULAS.contains(&name) && name != "test_cloud.rs" {
+                assert!(named.iter().any(|file| file == short), "docs/theory.md does not name {short}");
+            }
+        }
+    }
+}
+
 /// Words of a shell line; quotes group, a comment ends it.
 fn words(line: &str) -> Vec<String> {
     let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
