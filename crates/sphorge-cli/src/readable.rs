@@ -81,7 +81,7 @@ pub(crate) fn duration(seconds: f64) -> String {
         s if s < 99.5 => format!("{s:.0} s"),
         s if s < 3570.0 => format!("{minutes} min"),
         s if s < 172_800.0 => format!("{} h {} min", minutes / 60, minutes % 60),
-        _ => format!("{} days", digits((minutes / 144) as f64 / 10.0)),
+        s => format!("{} days", digits((s / 8_640.0).round() / 10.0)),
     }
 }
 
@@ -141,8 +141,8 @@ mod tests {
         assert_eq!([0, 999, 1000, 195_112, 12_345_678].map(count), ["0", "999", "1 000", "195 112", "12 345 678"]);
         assert_eq!([512.0, 2e3, 3.4e8, 1.25e10].map(bytes), ["512 bytes", "2 kB", "340 MB", "12.5 GB"]);
         assert_eq!([950.0, 1.5e4, 2.131e6, 3e9].map(large), ["950", "15 thousand", "2.13 million", "3.00 billion"]);
-        let times = [0.02, 4.21, 48.3, 600.0, 4300.0, 1e6, f64::INFINITY].map(duration);
-        assert_eq!(times, ["20 ms", "4.2 s", "48 s", "10 min", "1 h 12 min", "11.5 days", "unknown"]);
+        let times = [3.1e-3, 0.02, 4.21, 48.3, 600.0, 4300.0, 1e6, f64::INFINITY].map(duration);
+        assert_eq!(times, ["3.1 ms", "20 ms", "4.2 s", "48 s", "10 min", "1 h 12 min", "11.6 days", "unknown"]);
         assert_eq!([0.0, 0.5, 1.2344e-2, 1e-9].map(percent), ["0 %", "50 %", "1.234 %", "1.0e-7 %"]);
     }
 }

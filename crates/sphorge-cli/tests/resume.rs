@@ -246,18 +246,32 @@ fn a_state_that_cannot_be_written_ends_no_run_and_changes_no_deck() {
     place.run(&run).expect_code(0).expect_told(&["could not be saved", "checkpoint-000000000020.zip"]);
     assert_eq!(place.summary("run")["steps"], 20);
 
-    // One of a changed deck is needed before the deck may change.
+    // One of a changed deck is needed before anything else changes.
     fs::remove_dir_all(place.path("run")).unwrap();
     place.run(&run).expect_code(0);
-    let deck = fs::read(place.path("run/deck.toml")).unwrap();
-    let changed = ["resume", "run", "--set", "time.max-steps=30"];
+    let everything = || -> BTreeMap<_, _> {
+        files(&place.path("run")).into_iter().map(|file| (file.clone(), fs::read(file).unwrap())).collect()
+    };
+    let before = everything();
+    let changed = ["resume", "run", "--set", "time.max-steps=30", "--checkpoint-minutes", "0"];
     let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
     let mut command = Command::new("sh");
     command.current_dir(place.path(".")).args(["-c", limited, env!("CARGO_BIN_EXE_sphorge")]).args(changed);
-    Ended::from(command.output().unwrap()).expect_code(1).expect_told(&["checkpoint-000000000020.zip"]);
-    assert_eq!(fs::read(place.path("run/deck.toml")).unwrap(), deck);
+    Ended::from(command.output().unwrap()).expect_code(1).expect_told(&["checkpoint-000000000020.zip", "resume"]);
+    let without_lock = |mut files: BTreeMap<std::path::PathBuf, Vec<u8>>| {
+        files.retain(|file, _| !file.ends_with(".sphorge-lock"));
+        files
+    };
+    assert!(without_lock(before) == without_lock(everything()));
+    let deck = fs::read(place.path("run/deck.toml")).unwrap();
     place.run(&changed).expect_code(0);
     assert_eq!(place.summary("run")["steps"], 30);
+
+    // What was changed and saved goes on also if the deck of the folder was not changed any more.
+    fs::write(place.path("run/deck.toml"), deck).unwrap();
+    place.run(&["resume", "run"]).expect_code(0);
+    assert_eq!(place.summary("run")["steps"], 30);
+    assert!(fs::read_to_string(place.path("run/deck.toml")).unwrap().contains("max-steps = 30"));
 }
 
 #[test]

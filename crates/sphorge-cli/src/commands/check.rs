@@ -41,7 +41,7 @@ pub(crate) fn execute(arguments: CheckArguments) -> Ending {
     terminal::print(&report(&forecast, &advice))?;
     if forecast.run_seconds > LONGEST {
         terminal::note(
-            "note: the run would take more than a year; shorten `time.end`, or make the first time step longer",
+            "note: the run would take more than a year; lower `time.end` or `time.max-steps`, or make the first time step longer",
         );
     }
     Ok(Outcome::Done)
@@ -57,7 +57,11 @@ fn steps(count: f64) -> String {
 }
 
 fn report(forecast: &Forecast, advice: &Advice) -> String {
-    let about = if advice.step_shrinks { "at least" } else { "about" };
+    let about = match advice.step_shrinks {
+        _ if !forecast.run_seconds.is_finite() => "",
+        true => "at least ",
+        false => "about ",
+    };
     let unit = forecast.mass_unit();
     let rows = forecast.bodies.iter().map(|body| {
         let filled = &body.filled;
@@ -91,14 +95,18 @@ fn report(forecast: &Forecast, advice: &Advice) -> String {
                 Some(most) if most as f64 <= forecast.expected_steps => {
                     format!("{}, the most the deck allows", readable::count(most))
                 }
-                _ => format!("{about} {} to {}", steps(forecast.expected_steps), readable::quantity(forecast.end, "s")),
+                _ => format!("{about}{} to {}", steps(forecast.expected_steps), readable::quantity(forecast.end, "s")),
             },
         ),
         (
             "run time",
             format!(
-                "{about} {} on {} ({} a step)",
-                readable::duration(forecast.run_seconds),
+                "{about}{} on {} ({} a step)",
+                if forecast.run_seconds.is_finite() {
+                    readable::duration(forecast.run_seconds)
+                } else {
+                    "endless".to_owned()
+                },
                 readable::threads(forecast.threads),
                 readable::duration(forecast.seconds_per_step),
             ),

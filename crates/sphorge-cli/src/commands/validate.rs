@@ -21,8 +21,8 @@ Examples:
   sphorge validate --list
 
 Every number of ours is printed beside the published or exact one, with the
-deviation and what is asked of it. The folder holds report.html, one page that
-needs no other file, report.md, report.json, and every run. Exit code 1 if a check failed.")]
+deviation and what is asked of it. The folder holds report.html (one page that
+needs no other file), report.md, report.json and every run. Exit code 1 if a check failed.")]
 pub(crate) struct ValidateArguments {
     /// Names of cases [default: all]
     #[arg(value_name = "CASE")]
@@ -65,10 +65,13 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
             if report.passed { Ok(Outcome::Done) } else { Err(Failure::Told) }
         }
         Err(ValidateError::Stopped { directory }) => {
-            terminal::note(&format!("stopped; the runs done so far are in {}", directory.display()));
+            terminal::note(&format!(
+                "stopped; runs and report of the cases done so far are in {}",
+                directory.display()
+            ));
             Ok(Outcome::Stopped)
         }
-        Err(error @ ValidateError::Run(_)) => Err(Failure::Failed(error.into())),
+        Err(error @ (ValidateError::Run(_) | ValidateError::Report(_))) => Err(Failure::Failed(error.into())),
         Err(error) => Err(Failure::BadInput(error.into())),
     }
 }

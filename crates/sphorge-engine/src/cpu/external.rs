@@ -5,7 +5,10 @@ use super::walls::{AtWall, push};
 use crate::lanes::PairScalar;
 use crate::neighbors::BLOCK;
 use rayon::prelude::*;
-use sphorge_physics::{Vector, tensor::dot};
+use sphorge_physics::{Tensor, Vector, tensor::dot};
+
+/// Of a block of particles: accelerations and powers, powers by wall, power at faces.
+type Chunks<'a> = ((&'a mut [Vector<f64>], &'a mut [f64]), &'a mut [f64], &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether nothing but pairs acts on the particles: the columns of external forces are zero from the start.
@@ -20,46 +23,55 @@ impl<T: PairScalar> CpuEngine<T> {
         if self.is_alone() {
             return;
         }
-        let mut external = std::mem::take(&mut self.particles.external_acceleration);
-        let mut external_power = std::mem::take(&mut self.particles.external_power);
+        let p = &mut self.particles;
+        let mut external = std::mem::take(&mut p.external_acceleration);
+        let mut external_power = std::mem::take(&mut p.external_power);
+        let mut face_stress = std::mem::take(&mut p.face_stress);
         let mut power = std::mem::take(&mut self.walls.power);
         let mut at_faces = std::mem::take(&mut self.walls.at_faces);
         let (model, p, dt) = (&*self.model, &self.particles, self.step.dt);
         let (columns, states) = (AtWall::new(p), &self.walls.states);
-        (
-            external.par_chunks_mut(BLOCK),
-            external_power.par_chunks_mut(BLOCK),
-            power.par_chunks_mut(model.walls.len().max(1)),
-            at_faces.par_iter_mut(),
-        )
-            .into_par_iter()
-            .enumerate()
-            .for_each(|(b, (external, external_power, power, at_faces))| {
-                power.fill(0.0);
-                *at_faces = 0.0;
-                for k in 0..external.len() {
-                    let i = b * BLOCK + k;
-                    let mut sum = model.gravity;
-                    let mut beyond = 0.0;
-                    for ((wall, state), power) in model.walls.iter().zip(states).zip(&mut *power) {
-                        let push = push(model, wall, state, &columns, i, dt);
-                        let force = push.acceleration;
-                        let at_centre = dot(force, p.evaluated_velocity[i]);
-                        let whole = dot(force, push.velocity) + push.heat;
-                        beyond += whole - at_centre;
-                        *power += p.mass[i] * whole;
-                        (0..3).for_each(|a| sum[a] += force[a]);
+        let update = |b: usize, (sums, power, at_faces): Chunks<'_>, face_stress: &mut [Tensor<f64>]| {
+            power.fill(0.0);
+            *at_faces = 0.0;
+            let (external, external_power) = sums;
+            for k in 0..external.len() {
+                let i = b * BLOCK + k;
+                let mut sum = model.gravity;
+                let (mut beyond, mut stress) = (0.0, [[0.0; 3]; 3]);
+                for ((wall, state), power) in model.walls.iter().zip(states).zip(&mut *power) {
+                    let push = push(model, wall, state, &columns, i, dt);
+                    let force = push.acceleration;
+                    let at_centre = dot(force, p.evaluated_velocity[i]);
+                    let whole = dot(force, push.velocity) + push.heat;
+                    beyond += whole - at_centre;
+                    *power += p.mass[i] * whole;
+                    for a in 0..3 {
+                        sum[a] += force[a];
+                        (0..3).for_each(|c| stress[a][c] += force[a] * push.face[c]);
                     }
-                    external[k] = sum;
-                    external_power[k] = beyond;
-                    *at_faces += p.mass[i] * beyond;
                 }
-            });
-        self.particles.external_acceleration = external;
-        self.particles.external_power = external_power;
-        self.walls.power = power;
-        self.walls.at_faces = at_faces;
-        self.stress_faces();
+                external[k] = sum;
+                external_power[k] = beyond;
+                *at_faces += p.mass[i] * beyond;
+                // The stress that the moment of the forces at the face is, where the form has one.
+                if let Some(face_stress) = face_stress.get_mut(k) {
+                    *face_stress = stress.map(|row| row.map(|c| p.mass[i] / p.reference_volume[i] * c));
+                }
+            }
+        };
+        let sums = external.par_chunks_mut(BLOCK).zip(external_power.par_chunks_mut(BLOCK));
+        let chunks = (sums, power.par_chunks_mut(model.walls.len().max(1)), at_faces.par_iter_mut());
+        let chunks = chunks.into_par_iter().enumerate();
+        if face_stress.is_empty() {
+            chunks.for_each(|(b, chunks)| update(b, chunks, &mut []));
+        } else {
+            chunks.zip(face_stress.par_chunks_mut(BLOCK)).for_each(|((b, chunks), faces)| update(b, chunks, faces));
+        }
+        let p = &mut self.particles;
+        (p.external_acceleration, p.external_power) = (external, external_power);
+        p.face_stress = face_stress;
+        (self.walls.power, self.walls.at_faces) = (power, at_faces);
     }
 
     /// The heat of friction at walls, to which that of contacts is added.
@@ -72,24 +84,6 @@ impl<T: PairScalar> CpuEngine<T> {
             *heat = rubbing.map(|(wall, state)| push(model, wall, state, &columns, i, dt).rubbed).sum();
         });
         self.particles.friction_heat = friction_heat;
-    }
-
-    /// The stress that the moment of the forces at faces is, where the form has one.
-    fn stress_faces(&mut self) {
-        let mut face_stress = std::mem::take(&mut self.particles.face_stress);
-        let (model, p, dt) = (&*self.model, &self.particles, self.step.dt);
-        let (columns, states) = (AtWall::new(p), &self.walls.states);
-        face_stress.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, stress)| {
-            *stress = [[0.0; 3]; 3];
-            for (wall, state) in model.walls.iter().zip(states) {
-                let push = push(model, wall, state, &columns, i, dt);
-                for a in 0..3 {
-                    let force = p.mass[i] / p.reference_volume[i] * push.acceleration[a];
-                    (0..3).for_each(|c| stress[a][c] += force * push.face[c]);
-                }
-            }
-        });
-        self.particles.face_stress = face_stress;
     }
 
     /// Adds what walls and gravity do to the rates of the pair sums.

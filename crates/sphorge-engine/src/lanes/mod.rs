@@ -47,8 +47,8 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
     /// Velocity component (m/s) below which a particle stands still.
     ///
     /// Ahead of a wave velocities fall by orders of magnitude from one row of particles to the next, and products of them in single
-    /// precision would be subnormal numbers, with which some processors compute a hundred times slower: the first steps of a bar that
-    /// strikes a wall took half as long again. The bound is far below what single precision rounds of a sound speed.
+    /// precision would be subnormal numbers, with which some processors compute slowly (docs/performance.md). The bound is far below what
+    /// single precision rounds of a sound speed.
     const STANDSTILL: f64;
 
     /// A velocity component (m/s) in the precision of pair sums.
@@ -298,7 +298,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn velocities_ahead_of_a_wave_make_no_subnormal_numbers_in_single_precision() {
+    fn velocities_far_ahead_of_a_wave_are_none_in_single_precision() {
         assert_eq!((f32::of_velocity(-1e-13), f32::of_velocity(-1e-11)), (0.0, -1e-11));
         assert_eq!(f64::of_velocity(-1e-300), -1e-300);
         // Even the square of the smallest that counts is far from them.

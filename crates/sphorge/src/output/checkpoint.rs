@@ -43,17 +43,20 @@ pub(crate) struct About {
     pub(crate) step: u64,
     /// s.
     pub(crate) time: f64,
+    /// The deck of the folder it was written to, where that was still to become its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) changed_from: Option<String>,
 }
 
 impl About {
     pub(crate) fn new(engine: &str, deck_name: &str, step: u64, time: f64) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        Self { format: FORMAT, version, engine: engine.to_owned(), deck_name: deck_name.to_owned(), step, time }
+        let (engine, deck_name) = (engine.to_owned(), deck_name.to_owned());
+        Self { format: FORMAT, version, engine, deck_name, step, time, changed_from: None }
     }
 }
 
-/// Writes a checkpoint, of which `state` saves all values, and removes those before the last two. `None` where the engine keeps its
-/// state to itself.
+/// Writes a checkpoint, of which `state` saves all values. `None` where the engine keeps its state to itself.
 pub(crate) fn write_checkpoint(
     directory: &RunDirectory,
     about: &About,
@@ -79,10 +82,22 @@ pub(crate) fn write_checkpoint(
         return Ok(None);
     }
     written?;
-    for (_, former) in checkpoints(directory.path())?.into_iter().skip(KEPT) {
+    Ok(Some(path))
+}
+
+/// Removes the checkpoints before the last two.
+pub(crate) fn remove_former_checkpoints(folder: &Path) -> Result<(), OutputError> {
+    for (_, former) in checkpoints(folder)?.into_iter().skip(KEPT) {
         fs::remove_file(&former).writing(&former)?;
     }
-    Ok(Some(path))
+    Ok(())
+}
+
+impl Checkpoint {
+    /// Whether it is of the run in a folder with that deck.
+    pub(crate) fn is_of(&self, deck: &str) -> bool {
+        self.deck == deck || self.about.changed_from.as_deref() == Some(deck)
+    }
 }
 
 /// The checkpoints in a folder with their steps, the last one first.
@@ -212,6 +227,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for step in [7, 90, 100_000] {
             written(folder.path(), step);
+            remove_former_checkpoints(folder.path()).unwrap();
         }
         let kept = checkpoints(folder.path()).unwrap();
         assert_eq!(kept.iter().map(|(step, _)| *step).collect::<Vec<_>>(), [100_000, 90]);

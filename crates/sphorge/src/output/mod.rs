@@ -26,7 +26,7 @@ pub use vtp::{FrameHeader, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 
 pub(crate) use atomic::{Durability, write_file};
-pub(crate) use checkpoint::{About, Checkpoint, checkpoints, write_checkpoint};
+pub(crate) use checkpoint::{About, Checkpoint, checkpoints, remove_former_checkpoints, write_checkpoint};
 pub(crate) use error::AtPath;
 pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use series::write_series;

@@ -1,7 +1,7 @@
 //! When a run saves its state.
 
 use super::{progress::Observer, state::RunState};
-use crate::output::{About, OutputError, write_checkpoint};
+use crate::output::{About, OutputError, remove_former_checkpoints, write_checkpoint};
 use std::{
     sync::{
         Arc,
@@ -25,7 +25,7 @@ pub struct CheckpointPlan {
 
 impl CheckpointPlan {
     /// Whether a run saves its state without being asked by a request.
-    pub fn saves(&self) -> bool {
+    fn saves(&self) -> bool {
         self.every.is_some() || self.interval.is_some() || self.at_end
     }
 }
@@ -79,17 +79,37 @@ impl Keeper {
     }
 
     /// Saves the state now, or says why it could not be written.
-    pub(super) fn try_save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+    fn try_save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+        // Rows and frames that it counts on come to the disk before it.
+        let synced = state.recorder.flush();
+        let written = synced.and_then(|()| self.write(state, None, observer));
+        written.and_then(|()| remove_former_checkpoints(state.recorder.directory().path()))
+    }
+
+    /// Saves the state of a run whose deck has changed from `former`, before anything else in its folder does.
+    pub(super) fn save_changed(
+        &mut self,
+        state: &mut RunState,
+        former: String,
+        observer: &mut dyn Observer,
+    ) -> Result<(), OutputError> {
+        self.write(state, Some(former), observer)
+    }
+
+    fn write(
+        &mut self,
+        state: &mut RunState,
+        changed_from: Option<String>,
+        observer: &mut dyn Observer,
+    ) -> Result<(), OutputError> {
         let (step, time) = (state.simulation.steps(), state.simulation.time());
-        let about = About::new(state.simulation.engine_name(), &self.deck_name, step, time);
+        let mut about = About::new(state.simulation.engine_name(), &self.deck_name, step, time);
+        about.changed_from = changed_from;
         if let Some(interval) = self.plan.interval {
             self.next = multiple_after(time, interval);
         }
         let directory = state.recorder.directory().clone();
-        // Rows and frames that it counts on come to the disk before it.
-        let synced = state.recorder.flush();
-        let written =
-            synced.and_then(|()| write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive)));
+        let written = write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive));
         self.last = Instant::now();
         match written? {
             Some(path) => observer.saved(&path, step, time),

@@ -54,7 +54,10 @@ pub enum RunError {
     },
     /// The run was going well but its files could not be written any more.
     #[error("the run stopped because its output could not be written")]
-    #[diagnostic(code(sphorge::run::output), help("free space or repair the folder, then run again"))]
+    #[diagnostic(
+        code(sphorge::run::output),
+        help("free space or repair the folder; `sphorge resume` goes on from the last checkpoint, if there is one")
+    )]
     Output {
         /// What could not be written.
         #[source]

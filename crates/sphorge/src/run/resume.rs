@@ -111,7 +111,7 @@ pub fn resume(
     for (_, file) in checkpoints(path)? {
         let why = match Checkpoint::open(&file) {
             Err(error) => error.to_string(),
-            Ok(checkpoint) if deck.as_ref().is_some_and(|deck| *deck != checkpoint.deck) => {
+            Ok(checkpoint) if deck.as_ref().is_some_and(|deck| !checkpoint.is_of(deck)) => {
                 format!("{} is of a run of another deck", file.display())
             }
             Ok(checkpoint) => match ENGINES.iter().find(|engine| engine.name() == checkpoint.about.engine) {
@@ -172,13 +172,24 @@ fn go_on_from(
     if let Err(error) = state.load(&mut checkpoint) {
         return Ok(Err(error.to_string()));
     }
-    // From here on the folder is that of the run that goes on.
     let output = |source| ResumeError::Run(RunError::Output { source });
+    let name = checkpoint.about.deck_name.clone();
+    let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
+    let deck = fs::read_to_string(directory.deck()).unwrap_or_default();
+    if deck_text != checkpoint.deck {
+        // Nothing in the folder changes if the run cannot be saved with its changed deck: no checkpoint would be of that.
+        state.align_output();
+        keeper.save_changed(&mut state, deck.clone(), observer).map_err(output)?;
+    }
+    // From here on the folder is that of the run that goes on.
     match state.recorder.missing_frames() {
         0 => {}
         missing => observer.noted(&format!("{missing} frames of the time before are missing or empty")),
     }
     state.recorder.rewrite().map_err(output)?;
+    if deck != deck_text {
+        write_file(&directory.deck(), Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
+    }
     for file in passed_over {
         fs::remove_file(&file).writing(&file).map_err(output)?;
     }
@@ -189,17 +200,6 @@ fn go_on_from(
         threads: rayon::current_num_threads(),
         end,
     });
-    let name = checkpoint.about.deck_name.clone();
-    let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
-    if deck_text != checkpoint.deck {
-        // A checkpoint of the changed deck comes to the disk before the deck does: without it no checkpoint would be of that deck.
-        state.align_output();
-        keeper.try_save(&mut state, observer).map_err(output)?;
-    }
-    let is_changed = fs::read_to_string(directory.deck()).ok().is_none_or(|deck| deck != deck_text);
-    if is_changed {
-        write_file(&directory.deck(), Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
-    }
     let ended = go_on(&mut state, &mut keeper, stop, observer);
     conclude(state, path, ended, observer).map(Ok).map_err(ResumeError::Run)
 }

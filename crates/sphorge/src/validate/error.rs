@@ -27,10 +27,14 @@ pub enum ValidateError {
         /// The folder.
         path: PathBuf,
     },
-    /// The folder or a file in it cannot be written.
+    /// The folder cannot be used.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Output(#[from] OutputError),
+    /// The report could not be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Report(OutputError),
     /// A run could not be started, or not be written.
     #[error(transparent)]
     #[diagnostic(transparent)]

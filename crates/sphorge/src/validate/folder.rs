@@ -64,7 +64,7 @@ impl Folder {
     }
 
     /// Writes the report in its three forms.
-    pub(super) fn write(&self, report: &Report) -> Result<(), ValidateError> {
+    pub(super) fn write(&self, report: &Report) -> Result<(), OutputError> {
         let text = |name: &str, text: String| {
             write_file(&self.path.join(name), Durability::Disk, |out| out.write_all(text.as_bytes()))
         };

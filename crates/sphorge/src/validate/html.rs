@@ -32,10 +32,15 @@ a { color: #0a4ea3; }
 impl Report {
     /// The report as one HTML page, which is also well-formed XML; `picture` reads a picture of the report.
     pub fn html(&self, picture: &dyn Fn(&str) -> Option<Vec<u8>>) -> String {
-        let mut page = HEAD.to_owned();
-        html::push_html(&mut page, for_a_page(&self.markdown(), picture).into_iter());
-        page + "</body>\n</html>\n"
+        page(&self.markdown(), picture)
     }
+}
+
+/// A Markdown text as a page.
+fn page(markdown: &str, picture: &dyn Fn(&str) -> Option<Vec<u8>>) -> String {
+    let mut page = HEAD.to_owned();
+    html::push_html(&mut page, for_a_page(markdown, picture).into_iter());
+    page + "</body>\n</html>\n"
 }
 
 /// The parts of a Markdown text for a page of its own: pictures inside, headings that links reach, verdicts that show.
@@ -44,12 +49,14 @@ fn for_a_page<'a>(markdown: &'a str, picture: &dyn Fn(&str) -> Option<Vec<u8>>) 
     let mut is_link_kept = Vec::new();
     for part in Parser::new_ext(markdown, Options::ENABLE_TABLES) {
         let part = match part {
+            // Messages may hold what looks like markup.
+            Event::Html(text) | Event::InlineHtml(text) => Event::Text(text),
             Event::Start(Tag::Image { link_type, dest_url, title, .. }) => {
                 let inside = picture(&dest_url).map(|bytes| BASE64_STANDARD.encode(bytes));
                 let dest_url = inside.map_or(dest_url, |text| format!("data:image/png;base64,{text}").into());
                 Event::Start(Tag::Image { link_type, dest_url, title, id: CowStr::Borrowed("") })
             }
-            // Folders of runs are not in the page.
+            // What is not in the page, such as the folders of runs, is named without a link.
             Event::Start(Tag::Link { ref dest_url, .. }) => {
                 is_link_kept.push(dest_url.starts_with('#'));
                 if !dest_url.starts_with('#') {
@@ -94,19 +101,13 @@ fn for_a_page<'a>(markdown: &'a str, picture: &dyn Fn(&str) -> Option<Vec<u8>>) 
 mod tests {
     use super::*;
 
-    const TEXT: &str = "# Title\n\n| case | verdict |\n|---|---|\n| [bar](#bar) | passed |\n| b | failed |\n\n## bar\n\n1 < 2 & 3\n\n\
+    const TEXT: &str = "# Title\n\n| case | verdict |\n|---|---|\n| [bar](#bar) | passed |\n| b | failed |\n\n## bar\n\n1 < 2 & 3, cannot write out/<b>/<script>\n\n\
                         ![caption](bar/1.png)\n\n![gone](bar/2.png)\n\n[run](bar/run) `sphorge run bar`\n";
-
-    fn page() -> String {
-        let picture = |file: &str| (file == "bar/1.png").then(|| vec![0, 1, 2, 253, 254, 255]);
-        let mut page = HEAD.to_owned();
-        html::push_html(&mut page, for_a_page(TEXT, &picture).into_iter());
-        page + "</body></html>"
-    }
 
     #[test]
     fn a_page_holds_its_pictures_and_its_links_lead_somewhere() {
-        let page = page();
+        let picture = |file: &str| (file == "bar/1.png").then(|| vec![0, 1, 2, 253, 254, 255]);
+        let page = page(TEXT, &picture);
         let tree = roxmltree::Document::parse_with_options(
             &page,
             roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() },
@@ -120,6 +121,10 @@ mod tests {
         assert_eq!((all("a", "href"), all("h2", "id")), (vec!["#bar".to_owned()], vec!["bar".to_owned()]));
         assert_eq!(all("span", "class"), ["passed", "failed"]);
         assert_eq!(all("div", "class"), ["table"]);
-        assert!(page.contains("1 &lt; 2 &amp; 3") && page.contains("run <code>sphorge run bar</code>"), "{page}");
+        assert!(
+            page.contains("1 &lt; 2 &amp; 3, cannot write out/&lt;b&gt;/&lt;script&gt;")
+                && page.contains("run <code>sphorge run bar</code>"),
+            "{page}"
+        );
     }
 }

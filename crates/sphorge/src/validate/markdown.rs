@@ -1,4 +1,4 @@
-//! The report for a browser.
+//! The report as Markdown, of which the page for a browser is made.
 
 use super::{
     Effort,

@@ -57,22 +57,20 @@ pub fn validate(
     let cases = select(&options.cases)?;
     let folder = Folder::claim(&options.directory)?;
     let start = Instant::now();
-    let mut reports = Vec::with_capacity(cases.len());
+    let mut report = Report::new(options.effort, cases.len());
     for (k, case) in cases.iter().enumerate() {
         watcher.case_started(case, k + 1, cases.len());
         let runs = run_variants(case, options, &folder, stop, watcher)?;
         let mut findings = Findings::default();
         (case.judge)(&runs, &mut findings);
         let pictures = pictures::draw(case, &runs, &folder);
-        let report = CaseReport::new(case, &runs, findings, pictures, &folder);
-        watcher.case_judged(&report);
-        reports.push(report);
+        let of_case = CaseReport::new(case, &runs, findings, pictures, &folder);
+        watcher.case_judged(&of_case);
+        report.add(of_case, start.elapsed().as_secs_f64());
         // What is known so far outlives a stop.
-        let so_far = Report::new(options.effort, reports, cases.len(), start.elapsed().as_secs_f64());
-        folder.write(&so_far)?;
-        reports = so_far.cases;
+        folder.write(&report).map_err(ValidateError::Report)?;
     }
-    Ok(Report::new(options.effort, reports, cases.len(), start.elapsed().as_secs_f64()))
+    Ok(report)
 }
 
 /// The cases of these names, in the order of the table; all if none is named.

@@ -161,9 +161,17 @@ pub struct Report {
 }
 
 impl Report {
-    pub(super) fn new(effort: Effort, cases: Vec<CaseReport>, asked: usize, seconds: f64) -> Self {
-        let passed = cases.len() == asked && cases.iter().all(|case| case.verdict != Verdict::Failed);
-        Self { version: env!("CARGO_PKG_VERSION"), effort, asked, passed, seconds, machine: Machine::here(), cases }
+    /// Of so many cases, none of which is computed.
+    pub(super) fn new(effort: Effort, asked: usize) -> Self {
+        let (version, machine) = (env!("CARGO_PKG_VERSION"), Machine::here());
+        Self { version, effort, asked, passed: false, seconds: 0.0, machine, cases: Vec::with_capacity(asked) }
+    }
+
+    /// Adds a case; `seconds` have gone since the start.
+    pub(super) fn add(&mut self, case: CaseReport, seconds: f64) {
+        self.cases.push(case);
+        self.seconds = seconds;
+        self.passed = self.cases.len() == self.asked && self.cases.iter().all(|case| case.verdict != Verdict::Failed);
     }
 }
 
@@ -197,7 +205,9 @@ mod tests {
             found.runs[0].unexpected_warnings.len() == 1 && found.runs[0].unexpected_warnings[0].starts_with("hot: ")
         );
         assert_eq!(found.expected_warnings, [("pairing", "known")]);
-        for text in [found.to_string(), Report::new(Effort::Quick, vec![found.clone()], 1, 1.0).markdown()] {
+        let mut whole = Report::new(Effort::Quick, 1);
+        whole.add(found.clone(), 1.0);
+        for text in [found.to_string(), whole.markdown()] {
             assert!(text.contains("hot: a number is 2, limit 1") && text.contains("known"), "{text}");
         }
         // Unless the run may break down altogether.
@@ -214,5 +224,12 @@ mod tests {
         let found = report(expected, false);
         assert_eq!((found.verdict, found.runs[0].unexpected_warnings.len()), (Verdict::Shown, 0));
         assert_eq!(found.expected_warnings.len(), 2);
+
+        // A validation has not passed before all its cases are computed.
+        let mut whole = Report::new(Effort::Quick, 2);
+        whole.add(found.clone(), 1.0);
+        assert!(!whole.passed && whole.markdown().contains("Not finished: 1 of 2 cases"));
+        whole.add(found, 2.0);
+        assert!(whole.passed && whole.markdown().contains("All cases passed"));
     }
 }

@@ -155,7 +155,7 @@ impl Job<f64> for SmallestStretches<'_> {
     #[inline(always)]
     fn run<L: Lanes<Element = f64>>(self) {
         let (deformation, _) = self.deformation.as_flattened().as_flattened().as_chunks::<9>();
-        let last = self.stretch.len() - 1;
+        let last = self.stretch.len().saturating_sub(1);
         let mut computed = [0.0; PAD];
         for (v, stretch) in self.stretch.chunks_mut(L::WIDTH).enumerate() {
             // The last particle in the lanes behind it.
@@ -189,4 +189,31 @@ fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
             *b_i = gradient_correction(&moment, dimension, bound);
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Instructions;
+
+    #[test]
+    fn stretches_side_by_side_are_those_of_one_at_a_time() {
+        let deformation: Vec<Tensor<f64>> = (0..BLOCK)
+            .map(|k| {
+                let s = |a: usize| 0.3 * ((k * 7 + a * 13) as f64).sin();
+                [[1.0 + s(0), s(1), s(2)], [s(3), 0.7 + s(4), s(5)], [s(6), s(7), 1.5 + s(8)]]
+            })
+            .collect();
+        let one_by_one: Vec<f64> = deformation.iter().map(smallest_stretch).collect();
+        for instructions in Instructions::available() {
+            for count in [0, 1, 3, 7, 8, 9, 17, BLOCK] {
+                let mut stretch = vec![f64::NAN; count];
+                run(instructions, SmallestStretches { deformation: &deformation[..count], stretch: &mut stretch });
+                for (found, expected) in stretch.iter().zip(&one_by_one) {
+                    // Lanes may fuse a product and a sum.
+                    assert!((found - expected).abs() < 1e-14, "{instructions:?}, {count}: {found} {expected}");
+                }
+            }
+        }
+    }
 }

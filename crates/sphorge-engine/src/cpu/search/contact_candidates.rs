@@ -40,6 +40,11 @@ pub(super) struct ContactCandidates {
     contents: Vec<Content>,
     /// Outward unit normals of particles on free surfaces, zero for the others.
     normals: Vec<Vector<f64>>,
+    /// These particles in the order of cells, and where those of each cell begin.
+    exposed: Vec<u32>,
+    exposed_from: Vec<usize>,
+    /// Whether free surfaces in the cells around each face each other.
+    faces_near: Vec<AtomicBool>,
     candidates_near: Vec<bool>,
     is_candidate: Vec<bool>,
 }
@@ -104,14 +109,14 @@ impl ContactCandidates {
         });
         self.find_normals(particles, list, support);
         // As far apart as particles may be that come within reach before they are sorted again.
-        let faces = self.find_faces(&particles.position, size);
-        let (cells, contents) = (&self.cells, &self.contents);
+        self.find_faces(&particles.position, size);
+        let (cells, contents, faces_near) = (&self.cells, &self.contents, &self.faces_near);
         self.candidates_near.resize(cells.cells(), false);
-        self.candidates_near.par_iter_mut().zip(faces).enumerate().for_each(|(c, (has_candidates, has_faces))| {
+        self.candidates_near.par_iter_mut().enumerate().for_each(|(c, has_candidates)| {
             *has_candidates = !cells.members(c).is_empty() && {
                 let mut around = Content::NOTHING;
                 cells.cells_around(c).for_each(|other| around.add(&contents[other]));
-                has_faces.into_inner() || around.holds_candidates(FARTHEST * size)
+                faces_near[c].load(Ordering::Relaxed) || around.holds_candidates(FARTHEST * size)
             };
         });
         self.is_candidate.clear();
@@ -145,10 +150,20 @@ impl ContactCandidates {
         });
     }
 
-    /// For each cell, whether free surfaces in the cells around it that are nearer than a distance, m, face each other.
-    fn find_faces(&self, position: &[Vector<f64>], nearer: f64) -> Vec<AtomicBool> {
-        let (cells, normals) = (&self.cells, &self.normals);
-        let exposed = |c: usize| cells.members(c).iter().map(|&i| i as usize).filter(|&i| normals[i] != [0.0; 3]);
+    /// Finds for each cell whether free surfaces in the cells around it that are nearer than a distance, m, face each other.
+    fn find_faces(&mut self, position: &[Vector<f64>], nearer: f64) {
+        let Self { cells, normals, exposed, exposed_from, faces_near, .. } = self;
+        exposed.clear();
+        exposed_from.clear();
+        for c in 0..cells.cells() {
+            exposed_from.push(exposed.len());
+            exposed.extend(cells.members(c).iter().filter(|&&i| normals[i as usize] != [0.0; 3]));
+        }
+        exposed_from.push(exposed.len());
+        faces_near.clear();
+        faces_near.resize_with(cells.cells(), || AtomicBool::new(false));
+
+        let (normals, exposed, exposed_from, faces_near) = (&*normals, &*exposed, &*exposed_from, &*faces_near);
         let face = |i: usize, j: usize| {
             let d: Vector<f64> = [0, 1, 2].map(|a| position[j][a] - position[i][a]);
             dot(normals[i], normals[j]) < FACING
@@ -156,21 +171,17 @@ impl ContactCandidates {
                 && dot(d, normals[i]) > 0.0
                 && dot(d, normals[j]) < 0.0
         };
-        let found: Vec<AtomicBool> = (0..cells.cells()).map(|_| AtomicBool::new(false)).collect();
-        (0..cells.cells()).into_par_iter().for_each_init(Vec::new, |own, c| {
-            own.clear();
-            own.extend(exposed(c));
-            if own.is_empty() {
-                return;
-            }
+        let of = |c: usize| &exposed[exposed_from[c]..exposed_from[c + 1]];
+        let do_face =
+            |c: usize, other: usize| of(c).iter().any(|&i| of(other).iter().any(|&j| face(i as usize, j as usize)));
+        (0..cells.cells()).into_par_iter().filter(|&c| !of(c).is_empty()).for_each(|c| {
             // Every pair of cells once, and all cells that have both around them.
             for (place, other) in cells.cells_around(c).enumerate().filter(|(_, other)| *other >= c) {
-                if exposed(other).any(|j| own.iter().any(|&i| face(i, j))) {
-                    cells.cells_around_both(c, place).for_each(|c| found[c].store(true, Ordering::Relaxed));
+                if do_face(c, other) {
+                    cells.cells_around_both(c, place).for_each(|c| faces_near[c].store(true, Ordering::Relaxed));
                 }
             }
         });
-        found
     }
 
     /// Whether the particle may have contact candidates within reach.
@@ -201,6 +212,9 @@ impl ContactCandidates {
             + size_of::<Content>() * self.contents.capacity()
             + self.candidates_near.capacity()
             + 24 * self.normals.capacity()
+            + 4 * self.exposed.capacity()
+            + 8 * self.exposed_from.capacity()
+            + self.faces_near.capacity()
             + self.is_candidate.capacity()
     }
 }
@@ -335,6 +349,46 @@ mod tests {
             let in_slot = x > 35.0 && (y == 4.0 || y == 7.0);
             assert!(!in_slot || candidates.is_candidate(i), "{x} {y}");
             assert!(x > 20.0 || !candidates.is_candidate(i), "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn faces_are_found_as_by_all_pairs_around_every_cell() {
+        // A cloud whose particles, a third of which are exposed, look anywhere.
+        let mut seed = 7u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / f64::from(1u32 << 31)
+        };
+        for spread in [6.0, 14.0, 20.0] {
+            let mut candidates = ContactCandidates::default();
+            let points: Vec<Vector<f64>> = (0..300).map(|_| [0; 3].map(|_| spread * random())).collect();
+            candidates.normals = (0..300)
+                .map(|_| {
+                    let v = [0; 3].map(|_| 2.0 * random() - 1.0);
+                    let length = dot(v, v).sqrt();
+                    if random() < 0.33 { v.map(|c| c / length) } else { [0.0; 3] }
+                })
+                .collect();
+            let size = 2.0;
+            candidates.cells.sort(&points, size);
+            candidates.find_faces(&points, size);
+            let (cells, normals) = (&candidates.cells, &candidates.normals);
+            let (mut found, mut missing) = (0, 0);
+            for c in (0..cells.cells()).filter(|&c| !cells.members(c).is_empty()) {
+                let around: Vec<usize> =
+                    cells.cells_around(c).flat_map(|c| cells.members(c)).map(|&i| i as usize).collect();
+                let faces = around.iter().any(|&i| {
+                    around.iter().any(|&j| {
+                        let d: Vector<f64> = [0, 1, 2].map(|a| points[j][a] - points[i][a]);
+                        let (out, back) = (dot(d, normals[i]), dot(d, normals[j]));
+                        dot(normals[i], normals[j]) < FACING && dot(d, d) < size * size && out > 0.0 && back < 0.0
+                    })
+                });
+                assert_eq!(candidates.faces_near[c].load(Ordering::Relaxed), faces, "{spread}, cell {c}");
+                if faces { found += 1 } else { missing += 1 }
+            }
+            assert!(found > 0 && (missing > 0 || spread < 10.0), "{spread}: {found} and {missing}");
         }
     }
 }
