@@ -16,6 +16,32 @@ fn check_says_what_a_deck_would_do_and_writes_nothing() {
 }
 
 #[test]
+fn many_faults_and_long_words_are_told_in_short() {
+    let place = Place::new();
+    let keys: String = (0..2000).map(|k| format!("wrong-{k} = 1\n")).collect();
+    fs::write(place.path("many.toml"), keys).unwrap();
+    let ended = place.run(&["check", "many.toml"]).expect_code(2);
+    ended.expect_told(&["2003 faults in many.toml, the first 20 are", "many.toml:10:1"]);
+    assert!(!ended.err.contains("many.toml:21:1") && ended.err.len() < 20_000, "{}", ended.err.len());
+
+    fs::write(place.path("long.toml"), format!("a = 1\n{} = 1\n", "b".repeat(1_000_000))).unwrap();
+    let ended = place.run(&["check", "long.toml"]).expect_code(2);
+    ended.expect_told(&["line 2: "]);
+    assert!(ended.err.len() < 10_000, "{}", ended.err.len());
+}
+
+#[cfg(unix)]
+#[test]
+fn what_never_ends_is_not_read() {
+    let place = Place::new();
+    place.run(&["check", "/dev/zero"]).expect_code(2).expect_told(&["cannot read `/dev/zero`", "longer than 64 MB"]);
+    let cloud = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 us\" }\n\
+                 [[body]]\nname = \"a\"\nmaterial = \"ofhc-copper\"\nshape = { table = { file = \"/dev/zero\", length-unit = \"mm\" } }\n";
+    fs::write(place.path("cloud.toml"), cloud).unwrap();
+    place.run(&["check", "cloud.toml"]).expect_code(2).expect_told(&["is no regular file"]);
+}
+
+#[test]
 fn a_run_that_nobody_waits_for_is_told_in_numbers_that_hold() {
     let place = Place::new();
     let line = |ended: &common::Ended, what: &str| {

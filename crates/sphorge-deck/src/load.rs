@@ -9,7 +9,11 @@ use sphorge_engine::{
     geometry::{self, FilledMass},
     model::{Model, Solid},
 };
-use std::path::Path;
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 
 /// A problem ready to be run.
 #[derive(Clone, Debug)]
@@ -27,13 +31,26 @@ pub struct Setup {
     pub notes: Vec<String>,
 }
 
+/// Longest deck, bytes.
+const LONGEST: u64 = 64 << 20;
+
+/// The text of a deck, which may come through a pipe, but not without end.
+fn read_text(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    let length = File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)? as u64;
+    if length > LONGEST {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "no deck is longer than 64 MB"));
+    }
+    Ok(text)
+}
+
 /// Reads a deck file and fills its bodies with no more than `most_particles`; the file stem names the model.
 ///
 /// # Errors
 /// Everything that is wrong with the file, the overrides or the deck.
 pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) -> Result<Setup, DeckReport> {
     let shown = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    let text = read_text(path).map_err(|error| {
         let help =
             if path.is_dir() { "this is a folder; name a deck, a .toml file" } else { "check the path of the deck" };
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), Some(help.to_owned()))
@@ -48,7 +65,7 @@ pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) ->
 /// Everything that is wrong with the file or the deck.
 pub fn load_model(path: &Path) -> Result<Model, DeckReport> {
     let shown = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    let text = read_text(path).map_err(|error| {
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), None)
     })?;
     let mut problems = Problems::new(&shown, &text).with_folder(path.parent().unwrap_or(Path::new("")));

@@ -8,6 +8,12 @@ use std::{
     sync::Arc,
 };
 
+/// Most faults of a deck that are told; a thousand say no more.
+const TOLD: usize = 20;
+/// Longest message, and longest lines of a deck around a fault, that are shown, in bytes.
+const LONGEST_MESSAGE: usize = 1000;
+const LONGEST_LINE: usize = 4000;
+
 /// One fault of a deck.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -41,9 +47,35 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// Whether the lines of the labels, and those before and after them, are short enough to be shown.
+    fn fits(&self) -> bool {
+        /// Bytes to the end of the next line.
+        fn reach<'a>(bytes: impl Iterator<Item = &'a u8>) -> usize {
+            let mut ends = 0;
+            let is_near = |byte: &&u8| {
+                ends += usize::from(**byte == b'\n');
+                ends < 2
+            };
+            bytes.take(LONGEST_LINE).take_while(is_near).count()
+        }
+        let text = self.source.inner().as_bytes();
+        self.labels.iter().all(|(at, _)| {
+            let (start, end) = (at.start.min(text.len()), at.end.min(text.len()));
+            end.saturating_sub(start) + reach(text[..start].iter().rev()) + reach(text[end..].iter()) < LONGEST_LINE
+        })
+    }
+}
+
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        if let (false, Some(line)) = (self.fits(), self.line()) {
+            write!(f, "line {line}: ")?;
+        }
+        match self.message.char_indices().find(|(at, _)| *at >= LONGEST_MESSAGE) {
+            Some((end, _)) => write!(f, "{} ...", &self.message[..end]),
+            None => f.write_str(&self.message),
+        }
     }
 }
 
@@ -59,10 +91,13 @@ impl Diagnostic for Problem {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        (!self.labels.is_empty()).then_some(self.source.as_ref() as &dyn SourceCode)
+        (!self.labels.is_empty() && self.fits()).then_some(self.source.as_ref() as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        if !self.fits() {
+            return None;
+        }
         Some(Box::new(self.labels.iter().map(|(at, text)| LabeledSpan::new(Some(text.clone()), at.start, at.len()))))
     }
 }
@@ -98,6 +133,9 @@ impl fmt::Display for DeckReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.only() {
             Some(problem) => problem.fmt(f),
+            None if self.problems.len() > TOLD => {
+                write!(f, "{} faults in {}, the first {TOLD} are", self.problems.len(), self.name)
+            }
             None => write!(f, "{} faults in {}", self.problems.len(), self.name),
         }
     }
@@ -125,7 +163,7 @@ impl Diagnostic for DeckReport {
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
         match self.only() {
             Some(_) => None,
-            None => Some(Box::new(self.problems.iter().map(|p| p as &dyn Diagnostic))),
+            None => Some(Box::new(self.problems.iter().take(TOLD).map(|p| p as &dyn Diagnostic))),
         }
     }
 }

@@ -36,8 +36,7 @@ impl Comparison {
     /// Reads the summaries of the runs.
     ///
     /// # Errors
-    /// [`OutputError::Read`] for a folder without a summary (the run has not ended), [`OutputError::Damaged`] for one that
-    /// is not a summary.
+    /// See [`Summary::read`].
     pub fn read(paths: &[PathBuf]) -> Result<Self, OutputError> {
         let summaries =
             paths.iter().map(|path| Summary::read(&RunDirectory::open(path)?)).collect::<Result<Vec<_>, _>>()?;
@@ -218,7 +217,9 @@ mod tests {
         fs::write(run.join("summary.json"), "{\"status\": \"completed\"").unwrap();
         assert!(matches!(Comparison::read(std::slice::from_ref(&run)), Err(OutputError::Damaged { .. })));
         fs::remove_file(run.join("summary.json")).unwrap();
-        assert!(matches!(Comparison::read(&[run]), Err(OutputError::Read { .. })));
+        assert!(matches!(Comparison::read(std::slice::from_ref(&run)), Err(OutputError::Read { .. })));
+        fs::write(run.join("deck.toml"), "").unwrap();
+        assert!(matches!(Comparison::read(&[run]), Err(OutputError::NotEnded { .. })));
         assert!(matches!(Comparison::read(&[folder.path().join("none")]), Err(OutputError::Read { .. })));
     }
 }

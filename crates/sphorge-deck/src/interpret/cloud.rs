@@ -125,6 +125,10 @@ impl Reader<'_> {
 /// The particles of a file, or what is wrong with it, fault by fault.
 fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudParticle>, Vec<String>> {
     let one = |message: String| vec![message];
+    // Devices and pipes may never end.
+    if std::fs::metadata(path).is_ok_and(|file| !file.is_file()) {
+        return Err(one("is no regular file".to_owned()));
+    }
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))

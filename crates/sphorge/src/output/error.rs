@@ -58,6 +58,16 @@ pub enum OutputError {
         /// What the system said.
         source: io::Error,
     },
+    /// A run without a summary.
+    #[error("the run in {} has not ended", path.display())]
+    #[diagnostic(
+        code(sphorge::output::not_ended),
+        help("if nothing runs any more, `sphorge resume {}` goes on with it; `sphorge plot` shows what there is", path.display())
+    )]
+    NotEnded {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A file could not be read.
     #[error("cannot read {}", path.display())]
     #[diagnostic(code(sphorge::output::read), help("is this the folder of a run?"))]

@@ -322,9 +322,13 @@ impl Summary {
     /// Reads the summary of a run.
     ///
     /// # Errors
-    /// [`OutputError::Read`] if there is none (the run has not ended), [`OutputError::Damaged`] if it is not a summary.
+    /// [`OutputError::NotEnded`] if the run has none yet, [`OutputError::Read`] if it cannot be read, [`OutputError::Damaged`] if it is
+    /// not a summary.
     pub fn read(run: &RunDirectory) -> Result<Self, OutputError> {
         let path = run.summary();
+        if !path.exists() && run.deck().exists() {
+            return Err(OutputError::NotEnded { path: run.path().to_owned() });
+        }
         let text = fs::read(&path).reading(&path)?;
         serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))
     }
