@@ -81,11 +81,17 @@ pub trait Engine: Send {
     fn restore_density(&mut self) -> Result<(), RunFailure>;
     /// Gradient correction where forces are evaluated, if it is not that of the velocity gradient.
     fn correct_gradients(&mut self) -> Result<(), RunFailure>;
+    /// Where particles stand for the contact, of bodies whose faces follow their deformation.
+    fn find_faces(&mut self) -> Result<(), RunFailure>;
+    /// Contact overlaps.
+    fn find_overlaps(&mut self) -> Result<(), RunFailure>;
+    /// Forces of walls, gravity and contacts. What acts on faces has moments, which the stress takes up.
+    fn push_faces(&mut self) -> Result<(), RunFailure>;
     /// Trial stress, equation of state, return mapping, temperature.
     fn stress(&mut self) -> Result<(), RunFailure>;
-    /// Sums that the forces read of neighbours: contact overlaps, heat flow in the initial configuration.
+    /// Sums that the forces read of neighbours: heat flow in the initial configuration.
     fn intermediate_sums(&mut self) -> Result<(), RunFailure>;
-    /// Momentum, energy, viscosity, artificial stress, XSPH, heat, contact, walls, gravity.
+    /// Momentum, energy, viscosity, artificial stress, XSPH, heat; contact, walls and gravity as they were worked out.
     fn forces(&mut self) -> Result<(), RunFailure>;
     /// Closes the step: correction or second kick.
     fn finish(&mut self) -> Result<(), RunFailure>;

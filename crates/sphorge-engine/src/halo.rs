@@ -24,6 +24,10 @@ pub enum FieldSet {
     Density,
     /// Before the gradient correction of the forces: volumes.
     Volume,
+    /// Before the contact overlaps: where faces are, and their velocities.
+    Contact,
+    /// Before the contact forces: overlaps.
+    Overlaps,
     /// Before the forces: stresses and velocities.
     Stress,
     /// Before the forces: what the intermediate sums gave.

@@ -29,6 +29,12 @@ pub(crate) fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSecon
     engine.exchange(FieldSet::Volume)?;
     engine.correct_gradients()?;
     clock.lap(&mut seconds.kinematics);
+    engine.find_faces()?;
+    engine.exchange(FieldSet::Contact)?;
+    engine.find_overlaps()?;
+    engine.exchange(FieldSet::Overlaps)?;
+    engine.push_faces()?;
+    clock.lap(&mut seconds.forces);
     engine.stress()?;
     engine.exchange(FieldSet::Stress)?;
     clock.lap(&mut seconds.stress);

@@ -7,13 +7,14 @@
 
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
+use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
 use crate::ContactLedger;
 use crate::halo::Halo;
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
-use crate::neighbors::{BLOCK, ForeignList, NeighborList};
+use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_each};
 use rayon::prelude::*;
@@ -22,7 +23,8 @@ use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
 use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
-use sphorge_physics::{Dimension, Vector, tensor::dot};
+use sphorge_physics::surface::FaceShift;
+use sphorge_physics::{Dimension, Tensor, Vector, tensor::dot};
 
 /// Contact of all bodies with each other.
 pub(super) struct BodyContacts {
@@ -30,14 +32,16 @@ pub(super) struct BodyContacts {
     /// Where the neighbour list is not that of the present positions: a search of its own.
     pub(super) search: Option<ContactSearch>,
     table: Table,
-    /// Sums of each block, by pair of bodies.
-    partial: Vec<PairSums>,
+    /// Sums of each block.
+    partial: Vec<BlockSums>,
     /// Largest stable step over the margin, by block, s.
     limits: Vec<f64>,
     /// Sums at the last evaluation, by pair of bodies.
     now: Vec<PairSums>,
     /// Works so far, by pair of bodies, J.
     works: Vec<Works>,
+    /// What the contact does to particles that have neighbours in it, block by block.
+    pushes: Vec<Vec<(usize, Push)>>,
 }
 
 /// Constants by body and by ordered pair of bodies.
@@ -65,6 +69,21 @@ struct PairSums {
     stored: f64,
     friction: f64,
     damped: f64,
+}
+
+/// Sums of a block over the pairs of bodies that meet there, by their place: few of the many pairs of many bodies.
+#[derive(Clone, Debug, Default)]
+struct BlockSums(Vec<(usize, PairSums)>);
+
+impl BlockSums {
+    fn of(&mut self, place: usize) -> &mut PairSums {
+        let known = self.0.iter().position(|sum| sum.0 == place);
+        let at = known.unwrap_or_else(|| {
+            self.0.push((place, PairSums::default()));
+            self.0.len() - 1
+        });
+        &mut self.0[at].1
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -137,11 +156,52 @@ impl Table {
     }
 }
 
+#[derive(Clone, Copy)]
+struct Shifts<'a> {
+    shift: WithGhosts<'a, Vector<f64>>,
+    rate: WithGhosts<'a, Vector<f64>>,
+}
+
+/// Where particles and ghosts stand for the contact.
+#[derive(Clone, Copy)]
+struct Places<'a> {
+    position: WithGhosts<'a, Vector<f64>>,
+    velocity: WithGhosts<'a, Vector<f64>>,
+    /// Shifts from there to where faces are half a spacing ahead, and their rates, in the total Lagrangian form.
+    shift: Option<Shifts<'a>>,
+}
+
+impl<'a> Places<'a> {
+    /// Of particles at `position`, m.
+    fn new(position: &'a [Vector<f64>], own: &'a Particles, ghosts: &'a Particles) -> Self {
+        let shift = || Shifts {
+            shift: WithGhosts::new(&own.contact_shift, &ghosts.contact_shift),
+            rate: WithGhosts::new(&own.contact_shift_rate, &ghosts.contact_shift_rate),
+        };
+        Self {
+            position: WithGhosts::new(position, &ghosts.position),
+            velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
+            shift: (!own.contact_shift.is_empty()).then(shift),
+        }
+    }
+
+    /// From the place of `j` to that of `i`, m.
+    fn apart(&self, i: usize, j: usize) -> Vector<f64> {
+        let x = difference(self.position.at(i), self.position.at(j));
+        self.shift.map_or(x, |by| plus(x, difference(by.shift.at(i), by.shift.at(j))))
+    }
+
+    /// Velocity of the place of `i` against that of `j`, m/s.
+    fn relative_velocity(&self, i: usize, j: usize) -> Vector<f64> {
+        let v = difference(self.velocity.at(i), self.velocity.at(j));
+        self.shift.map_or(v, |by| plus(v, difference(by.rate.at(i), by.rate.at(j))))
+    }
+}
+
 /// Particles and ghosts, as the contact reads them.
 #[derive(Clone, Copy)]
 struct Points<'a> {
-    position: WithGhosts<'a, Vector<f64>>,
-    velocity: WithGhosts<'a, Vector<f64>>,
+    places: Places<'a>,
     mass: WithGhosts<'a, f64>,
     body: WithGhosts<'a, u32>,
     overlap: WithGhosts<'a, f64>,
@@ -161,6 +221,10 @@ fn difference(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+fn plus(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
 impl BodyContacts {
     /// `None` where bodies meet in the kernel sum, or where there is nothing to meet. With a halo, pairs are searched apart from the neighbour
     /// list.
@@ -171,18 +235,15 @@ impl BodyContacts {
             return None;
         }
         let table = Table::new(model, strength);
-        let support = model.numerics.kernel.support();
         Some(Self {
             foreign: ForeignList::default(),
-            search: halo.map(|halo| {
-                let spacings = model.bodies.iter().map(|body| body.spacing).collect();
-                ContactSearch::new(halo, support, table.smoothing_length.clone(), spacings)
-            }),
+            search: halo.map(|halo| ContactSearch::new(model, halo, table.smoothing_length.clone())),
             table,
-            partial: vec![PairSums::default(); pairs * particles.div_ceil(BLOCK)],
+            partial: vec![BlockSums::default(); particles.div_ceil(BLOCK)],
             limits: vec![f64::INFINITY; particles.div_ceil(BLOCK)],
             now: vec![PairSums::default(); pairs],
             works: vec![Works::default(); pairs],
+            pushes: vec![Vec::new(); particles.div_ceil(BLOCK)],
         })
     }
 
@@ -248,8 +309,7 @@ impl BodyContacts {
         dt: f64,
     ) -> Vector<f64> {
         let points = Points {
-            position: WithGhosts::new(places, &ghosts.position),
-            velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
+            places: Places::new(places, own, ghosts),
             mass: WithGhosts::new(&own.mass, &ghosts.mass),
             body: WithGhosts::new(&own.body, &ghosts.body),
             overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
@@ -257,7 +317,7 @@ impl BodyContacts {
             weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
             surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
         };
-        self.table.row(i, &[j], &points, dt, &mut vec![PairSums::default(); self.now.len()]).force
+        self.table.row(i, &[j], &points, dt, &mut BlockSums::default()).force
     }
 
     /// Largest stable step over the margin, s.
@@ -279,7 +339,7 @@ impl BodyContacts {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let search = self.search.as_ref().map_or(0, ContactSearch::bytes);
-        search + self.foreign.bytes() + self.partial.capacity() * size_of::<PairSums>()
+        search + self.foreign.bytes() + self.partial.capacity() * size_of::<BlockSums>()
     }
 
     /// The ghosts its pairs name, where they are not those of the neighbour list.
@@ -288,16 +348,14 @@ impl BodyContacts {
     }
 
     fn close(&mut self) {
-        let pairs = self.now.len();
         self.now.fill(PairSums::default());
-        for block in self.partial.chunks(pairs) {
-            for (sum, part) in self.now.iter_mut().zip(block) {
-                sum.stored += part.stored;
-                sum.friction += part.friction;
-                sum.damped += part.damped;
-                for k in 0..3 {
-                    sum.force[k] += part.force[k];
-                }
+        for &(place, part) in self.partial.iter().flat_map(|block| &block.0) {
+            let sum = &mut self.now[place];
+            sum.stored += part.stored;
+            sum.friction += part.friction;
+            sum.damped += part.damped;
+            for k in 0..3 {
+                sum.force[k] += part.force[k];
             }
         }
     }
@@ -308,27 +366,20 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn overlap_bodies(&mut self) {
         let Some(contacts) = &self.contacts else { return };
         let table = &contacts.table;
-        let Particles {
-            position,
-            mass,
-            body,
-            contact_overlap,
-            contact_direction,
-            contact_weight,
-            reference_normal,
-            deformation,
-            ..
-        } = &mut self.particles;
+        let mut overlaps = std::mem::take(&mut self.particles.contact_overlap);
+        let mut directions = std::mem::take(&mut self.particles.contact_direction);
+        let mut weights = std::mem::take(&mut self.particles.contact_weight);
+        let p = &self.particles;
         let ghosts = &contacts.ghosts(&self.ghosts).columns;
-        let positions = WithGhosts::new(position, &ghosts.position);
-        let masses = WithGhosts::new(mass, &ghosts.mass);
-        let bodies = WithGhosts::new(body, &ghosts.body);
-        let surfaces = Surfaces::new(reference_normal, deformation, ghosts);
+        let places = Places::new(&p.position, p, ghosts);
+        let masses = WithGhosts::new(&p.mass, &ghosts.mass);
+        let bodies = WithGhosts::new(&p.body, &ghosts.body);
+        let surfaces = Surfaces::new(&p.reference_normal, &p.deformation, ghosts);
         (
             contacts.foreign.blocks().par_iter(),
-            contact_overlap.par_chunks_mut(BLOCK),
-            contact_direction.par_chunks_mut(BLOCK),
-            contact_weight.par_chunks_mut(BLOCK),
+            overlaps.par_chunks_mut(BLOCK),
+            directions.par_chunks_mut(BLOCK),
+            weights.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
             .for_each(|(block, overlaps, directions, weights)| {
@@ -339,10 +390,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     for &j in row {
                         let j = j as usize;
                         let b = bodies.at(j) as usize;
-                        let x = difference(positions.at(i), positions.at(j));
                         if a == b && !surfaces.press(i, j) {
                             continue;
                         }
+                        let x = places.apart(i, j);
                         let kernel = table.kernel(a, b, dot(x, x).sqrt());
                         sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
                     }
@@ -350,66 +401,80 @@ impl<T: PairScalar> CpuEngine<T> {
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
                 }
             });
+        let p = &mut self.particles;
+        (p.contact_overlap, p.contact_direction, p.contact_weight) = (overlaps, directions, weights);
+    }
+
+    /// Second pass: works out the forces between bodies and their heat. A force on a face has a moment about the particle, which is a stress of
+    /// it, so that the face does the work.
+    pub(super) fn push_bodies(&mut self) {
+        let Some(contacts) = &mut self.contacts else { return };
+        let BodyContacts { foreign, search, table, partial, limits, pushes, .. } = contacts;
+        let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
+        let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
+        let mut face_stress = std::mem::take(&mut self.particles.face_stress);
+        let p = &self.particles;
+        let points = Points {
+            places: Places::new(&p.position, p, ghosts),
+            mass: WithGhosts::new(&p.mass, &ghosts.mass),
+            body: WithGhosts::new(&p.body, &ghosts.body),
+            overlap: WithGhosts::new(&p.contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(&p.contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(&p.contact_weight, &ghosts.contact_weight),
+            surfaces: Surfaces::new(&p.reference_normal, &p.deformation, ghosts),
+        };
+        let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
+        let (table, dt) = (&*table, self.step.dt);
+        let update = |block: &ForeignBlock,
+                      (sums, limit): (&mut BlockSums, &mut f64),
+                      (pushes, friction_heat): (&mut Vec<(usize, Push)>, &mut [f64]),
+                      face_stress: &mut [Tensor<f64>]| {
+            sums.0.clear();
+            *limit = f64::INFINITY;
+            pushes.clear();
+            for (i, row) in block.rows() {
+                let mut push = table.row(i, row, &points, dt, sums);
+                friction_heat[i % BLOCK] += push.friction / p.mass[i];
+                *limit = limit.min(push.limit);
+                let face = || FaceShift::new(&whole.at(i), p.face_arm[i]);
+                if let (Some(stress), Some(face)) =
+                    (face_stress.get_mut(i % BLOCK), points.places.shift.and_then(|_| face()))
+                {
+                    push.heat += dot(push.force, p.contact_shift_rate[i]);
+                    let moment = face.stress(&p.deformation[i], push.force);
+                    for (own, row) in stress.iter_mut().zip(moment) {
+                        (0..3).for_each(|a| own[a] += row[a] / p.reference_volume[i]);
+                    }
+                }
+                pushes.push((i, push));
+            }
+        };
+        let sums = partial.par_iter_mut().zip(limits);
+        let chunks =
+            (foreign.blocks().par_iter(), sums, pushes.par_iter_mut().zip(friction_heat.par_chunks_mut(BLOCK)));
+        if face_stress.is_empty() {
+            chunks.into_par_iter().for_each(|(block, sums, pushes)| update(block, sums, pushes, &mut []));
+        } else {
+            let (block, sums, pushes) = chunks;
+            (block, sums, pushes, face_stress.par_chunks_mut(BLOCK))
+                .into_par_iter()
+                .for_each(|(block, sums, pushes, stress)| update(block, sums, pushes, stress));
+        }
+        contacts.close();
+        (self.particles.friction_heat, self.particles.face_stress) = (friction_heat, face_stress);
     }
 
     /// Adds the forces between bodies, and their heat, to those of the pair sum.
     pub(super) fn add_body_contact(&mut self) {
-        let Some(contacts) = &mut self.contacts else { return };
-        let Particles {
-            acceleration,
-            energy_rate,
-            position,
-            mass,
-            body,
-            evaluated_velocity,
-            mu,
-            contact_overlap,
-            contact_direction,
-            contact_weight,
-            friction_heat,
-            reference_normal,
-            deformation,
-            ..
-        } = &mut self.particles;
-        let BodyContacts { foreign, search, table, partial, limits, now, .. } = contacts;
-        let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
-        let points = Points {
-            position: WithGhosts::new(position, &ghosts.position),
-            velocity: WithGhosts::new(evaluated_velocity, &ghosts.evaluated_velocity),
-            mass: WithGhosts::new(mass, &ghosts.mass),
-            body: WithGhosts::new(body, &ghosts.body),
-            overlap: WithGhosts::new(contact_overlap, &ghosts.contact_overlap),
-            direction: WithGhosts::new(contact_direction, &ghosts.contact_direction),
-            weight: WithGhosts::new(contact_weight, &ghosts.contact_weight),
-            surfaces: Surfaces::new(reference_normal, deformation, ghosts),
-        };
-        let (table, mass, dt) = (&*table, &*mass, self.step.dt);
-        (
-            foreign.blocks().par_iter(),
-            acceleration.par_chunks_mut(BLOCK),
-            energy_rate.par_chunks_mut(BLOCK),
-            mu.par_chunks_mut(BLOCK),
-            partial.par_chunks_mut(now.len()),
-            limits.par_iter_mut(),
-            friction_heat.par_chunks_mut(BLOCK),
-        )
-            .into_par_iter()
-            .for_each(|(block, acceleration, energy_rate, mu, sums, limit, friction_heat)| {
-                sums.fill(PairSums::default());
-                *limit = f64::INFINITY;
-                for (i, row) in block.rows() {
-                    let k = i % BLOCK;
-                    let push = table.row(i, row, &points, dt, sums);
-                    for axis in 0..3 {
-                        acceleration[k][axis] += push.force[axis] / mass[i];
-                    }
-                    energy_rate[k] += push.heat / mass[i];
-                    friction_heat[k] += push.friction / mass[i];
-                    mu[k] = mu[k].max(push.approach);
-                    *limit = limit.min(push.limit);
-                }
-            });
-        contacts.close();
+        let Some(contacts) = &self.contacts else { return };
+        let Particles { acceleration, energy_rate, mu, mass, .. } = &mut self.particles;
+        for &(i, push) in contacts.pushes.iter().flatten() {
+            for axis in 0..3 {
+                acceleration[i][axis] += push.force[axis] / mass[i];
+            }
+            energy_rate[i] += push.heat / mass[i];
+            mu[i] = mu[i].max(push.approach);
+        }
     }
 }
 
@@ -417,7 +482,7 @@ impl<T: PairScalar> CpuEngine<T> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
     force: Vector<f64>,
-    /// Power that turns to heat of its own in all its pairs, W.
+    /// Power that turns to heat of its own in all its pairs, W; with it what the stress of its face takes from the forces.
     heat: f64,
     /// Friction's part of it, W.
     friction: f64,
@@ -426,7 +491,7 @@ struct Push {
 }
 
 impl Table {
-    fn row(&self, i: usize, row: &[u32], points: &Points<'_>, dt: f64, sums: &mut [PairSums]) -> Push {
+    fn row(&self, i: usize, row: &[u32], points: &Points<'_>, dt: f64, sums: &mut BlockSums) -> Push {
         let a = points.body.at(i) as usize;
         let mass = points.mass.at(i);
         let volume = mass * self.specific_volume[a];
@@ -436,10 +501,10 @@ impl Table {
         for &j in row {
             let j = j as usize;
             let b = points.body.at(j) as usize;
-            let x = difference(points.position.at(i), points.position.at(j));
             if a == b && !points.surfaces.press(i, j) {
                 continue;
             }
+            let x = points.places.apart(i, j);
             let law = self.law(a, b);
             let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
             let kernel = self.kernel(a, b, dot(x, x).sqrt());
@@ -447,7 +512,7 @@ impl Table {
             let (weight, overlaps) = (kernel.weight(volume, other_volume), (own.overlap, other.overlap));
             let pair = ContactPair {
                 x,
-                v: difference(points.velocity.at(i), points.velocity.at(j)),
+                v: points.places.relative_velocity(i, j),
                 weight,
                 overlaps,
                 direction: difference(own.away, other.away),
@@ -455,7 +520,7 @@ impl Table {
             };
             let force = contact_force(law, &pair);
             push.approach = push.approach.max(force.approach);
-            let sum = &mut sums[self.places[a * self.bodies + b]];
+            let sum = sums.of(self.places[a * self.bodies + b]);
             for k in 0..3 {
                 push.force[k] += force.force[k];
                 if a < b {

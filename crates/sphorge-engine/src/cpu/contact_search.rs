@@ -9,9 +9,11 @@ use super::search::{differ_beyond, moved_beyond};
 use super::self_contact::Surfaces;
 use crate::halo::{FieldSet, Halo};
 use crate::lanes::{Instructions, PairScalar};
-use crate::neighbors::{DisplacementBound, ForeignList, NeighborList, Reach, Searcher};
+use crate::model::Model;
+use crate::neighbors::{BLOCK, DisplacementBound, ForeignList, NeighborList, Reach, Searcher};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, require};
+use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
 
 /// Skin of the search, in reaches of the contact.
@@ -26,6 +28,7 @@ pub(super) struct ContactSearch {
     smoothing_length_of: Vec<f64>,
     /// Spacing by body, m.
     spacing_of: Vec<f64>,
+    has_self_contact: bool,
     /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'.
     members: Vec<u32>,
     /// Their positions, m, and smoothing lengths, m, and all their pairs.
@@ -33,8 +36,9 @@ pub(super) struct ContactSearch {
     smoothing_length: Vec<f64>,
     list: NeighborList,
     searcher: Searcher,
-    /// Positions of the particles at the last search, m.
+    /// Positions of the particles at the last search, m, and their shifts to where they stood for the contact, where they have such.
     searched_at: Vec<Vector<f64>>,
+    shifts: Vec<Vector<f64>>,
     /// Reading of the displacement bound at the last search.
     displacement: DisplacementBound,
     is_made: bool,
@@ -42,18 +46,20 @@ pub(super) struct ContactSearch {
 
 impl ContactSearch {
     /// Nothing is searched yet.
-    pub(super) fn new(halo: Box<dyn Halo>, support: f64, smoothing_length_of: Vec<f64>, spacing_of: Vec<f64>) -> Self {
+    pub(super) fn new(model: &Model, halo: Box<dyn Halo>, smoothing_length_of: Vec<f64>) -> Self {
         Self {
             ghosts: Ghosts::new(halo),
-            support,
+            support: model.numerics.kernel.support(),
             smoothing_length_of,
-            spacing_of,
+            spacing_of: model.bodies.iter().map(|body| body.spacing).collect(),
+            has_self_contact: model.has_self_contact(),
             members: Vec::new(),
             points: Vec::new(),
             smoothing_length: Vec::new(),
             list: NeighborList::default(),
             searcher: Searcher::default(),
             searched_at: Vec::new(),
+            shifts: Vec::new(),
             displacement: DisplacementBound::default(),
             is_made: false,
         }
@@ -62,11 +68,13 @@ impl ContactSearch {
     /// Whether two particles may be nearer each other than the contact reaches and not be among the pairs.
     fn is_due(&self, particles: &Particles, displacement: DisplacementBound) -> bool {
         let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
-        let half = 0.5 * SKIN * self.support * smallest;
+        // What the shifts have changed is spent. Particles are as they were at the last evaluation.
+        let half = 0.5 * SKIN * self.support * smallest - farthest_apart(&particles.contact_shift, &self.shifts);
         // Images in symmetry planes are displaced otherwise than their sources.
         let differ =
             || !self.ghosts.halo.is_empty() || differ_beyond(&particles.position, &self.searched_at, 2.0 * half);
         !self.is_made
+            || half <= 0.0
             || (!displacement.is_within(self.displacement, half)
                 && moved_beyond(&particles.position, &self.searched_at, half)
                 && differ())
@@ -94,20 +102,23 @@ impl ContactSearch {
             self.searcher.forget();
         }
         self.ghosts.exchange(FieldSet::Search, particles);
-        // Surfaces are as they were at the last evaluation.
-        self.ghosts.exchange(FieldSet::Stress, particles);
+        // Faces are as they were at the last evaluation.
+        self.ghosts.exchange(FieldSet::Contact, particles);
         let own = self.find_members(particles);
         let ghosts = &self.ghosts.columns;
         let (position, body) =
             (WithGhosts::new(&particles.position, &ghosts.position), WithGhosts::new(&particles.body, &ghosts.body));
         self.points.clear();
-        self.points.extend(self.members.iter().map(|&i| position.at(i as usize)));
+        let shift = WithGhosts::new(&particles.contact_shift, &ghosts.contact_shift);
+        self.points.extend(self.members.iter().map(|&i| {
+            let (x, s) = (position.at(i as usize), shift.at(i as usize));
+            [0, 1, 2].map(|a| x[a] + s[a])
+        }));
         self.smoothing_length.clear();
         self.smoothing_length
             .extend(self.members.iter().map(|&i| self.smoothing_length_of[body.at(i as usize) as usize]));
         let reach = Reach::new(&self.smoothing_length, factor);
         self.searcher.search(&self.points, own, &reach, displacement, instructions, &mut self.list);
-        let meets_itself = !particles.reference_normal.is_empty();
         let surfaces = Surfaces::new(&particles.reference_normal, &particles.deformation, ghosts);
         let reference = WithGhosts::new(&particles.reference_position, &ghosts.reference_position);
         foreign.gather(&self.list, &self.members, particles.len(), |i, j| {
@@ -115,7 +126,7 @@ impl ContactSearch {
             if of != body.at(j) as usize {
                 return true;
             }
-            if !meets_itself || has_come_apart[of] {
+            if !self.has_self_contact || has_come_apart[of] {
                 return false;
             }
             let (x, other) = (reference.at(i), reference.at(j));
@@ -124,6 +135,7 @@ impl ContactSearch {
                 && surfaces.may_press(i, j, apart, self.spacing_of[of])
         });
         self.searched_at.clone_from(&particles.position);
+        self.shifts.clone_from(&particles.contact_shift);
         self.displacement = displacement;
         self.is_made = true;
     }
@@ -148,8 +160,14 @@ impl ContactSearch {
             + self.list.bytes()
             + self.searcher.bytes()
             + 36 * self.points.capacity()
-            + 24 * self.searched_at.capacity()
+            + 24 * (self.searched_at.capacity() + self.shifts.capacity())
     }
+}
+
+/// Largest distance between points of the same number, m.
+fn farthest_apart(a: &[Vector<f64>], b: &[Vector<f64>]) -> f64 {
+    let squared = |(a, b): (&Vector<f64>, &Vector<f64>)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
+    a.par_iter().zip(b).with_min_len(BLOCK).map(squared).reduce(|| 0.0, f64::max).sqrt()
 }
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -164,6 +182,15 @@ impl<T: PairScalar> CpuEngine<T> {
         p.contact_overlap.fill(0.0);
         p.contact_direction.fill([0.0; 3]);
         p.contact_weight.fill(0.0);
+    }
+
+    /// Brings what the contact reads of ghosts, be they its own or those of the neighbour list, to that of the particles.
+    pub(super) fn exchange_contact(&mut self, fields: FieldSet) {
+        match &self.contacts {
+            None => {}
+            Some(contacts) if contacts.search.is_some() => self.exchange_contact_ghosts(fields),
+            Some(_) => self.ghosts.exchange(fields, &self.particles),
+        }
     }
 
     /// Brings the columns of the images the contact reads to those of the particles.
@@ -181,6 +208,7 @@ impl Persist for ContactSearch {
         self.ghosts.halo.persist(&of("halo"), archive)?;
         self.searcher.persist(&of("searcher"), archive)?;
         self.searched_at.persist(&of("searched_at"), archive)?;
+        self.shifts.persist(&of("shifts"), archive)?;
         self.displacement.persist(&of("displacement"), archive)?;
         self.is_made.persist(&of("is_made"), archive)
     }
@@ -194,7 +222,9 @@ impl ContactSearch {
         // They take what does not change between searches with each search, and the next one may be far.
         self.ghosts.exchange(FieldSet::Search, particles);
         self.find_members(particles);
-        let fits = self.searched_at.len() == particles.len() && self.searcher.fits(self.members.len());
+        let fits = self.searched_at.len() == particles.len()
+            && self.shifts.len() == particles.contact_shift.len()
+            && self.searcher.fits(self.members.len());
         require(!self.is_made || fits, &format!("{name}.searched_at"))
     }
 }

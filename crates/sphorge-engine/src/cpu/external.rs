@@ -21,6 +21,8 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn push_externally(&mut self) {
         self.rub_at_walls();
         if self.is_alone() {
+            // Contacts add to it.
+            self.particles.face_stress.fill([[0.0; 3]; 3]);
             return;
         }
         let p = &mut self.particles;

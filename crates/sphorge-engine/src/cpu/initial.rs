@@ -33,7 +33,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
         (Owner::Heat, model.thermal.conduction),
         (Owner::Contact, model.contact != BodyContact::Sph),
-        (Owner::SelfContact, model.has_self_contact()),
+        (Owner::Faces, model.has_faces()),
         (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
         (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),

@@ -6,6 +6,7 @@ mod constitutive;
 mod contact;
 mod contact_search;
 mod external;
+mod faces;
 mod forces;
 mod formulation;
 mod ghosts;
@@ -231,7 +232,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
                 self.exchange_contact_ghosts(fields);
             }
             FieldSet::Audit => {}
-            FieldSet::Motion | FieldSet::Density | FieldSet::Volume if still => {}
+            FieldSet::Motion | FieldSet::Density | FieldSet::Volume | FieldSet::Contact | FieldSet::Overlaps
+                if still => {}
             FieldSet::Motion => {
                 self.ghosts.exchange(fields, &self.particles);
                 self.exchange_contact_ghosts(fields);
@@ -243,15 +245,13 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
                 }
             }
             FieldSet::Volume => self.formulation.pack_volumes(self),
+            FieldSet::Contact | FieldSet::Overlaps => self.exchange_contact(fields),
             FieldSet::Stress => {
                 self.ghosts.exchange(fields, &self.particles);
                 self.exchange_contact_ghosts(fields);
                 self.pack_ghost_stress();
             }
-            FieldSet::IntermediateSums => {
-                self.ghosts.exchange(fields, &self.particles);
-                self.exchange_contact_ghosts(fields);
-            }
+            FieldSet::IntermediateSums => self.ghosts.exchange(fields, &self.particles),
         }
         Ok(())
     }
@@ -277,9 +277,30 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         Ok(())
     }
 
-    fn stress(&mut self) -> Result<(), RunFailure> {
+    fn find_faces(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) {
+            self.shift_to_faces();
+        }
+        Ok(())
+    }
+
+    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) {
+            self.overlap_bodies();
+        }
+        Ok(())
+    }
+
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
             self.push_externally();
+            self.push_bodies();
+        }
+        Ok(())
+    }
+
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        if !self.idle(self.step.dt) {
             self.update_stress();
         }
         Ok(())
@@ -287,9 +308,6 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
         self.begin_heat();
-        if !self.idle(self.step.dt) {
-            self.overlap_bodies();
-        }
         Ok(())
     }
 

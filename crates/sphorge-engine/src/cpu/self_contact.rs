@@ -5,51 +5,10 @@
 //! edge or a foot that is pressed flat. Which side is which is asked of the reference configuration: were it asked of the present one, pairs
 //! that slide past each other under load would come and go with all their energy. Images of the body in symmetry planes are met alike.
 
-use super::CpuEngine;
 use super::ghosts::WithGhosts;
-use crate::lanes::PairScalar;
-use crate::model::Body;
 use crate::particles::Particles;
-use rayon::prelude::*;
-use sphorge_physics::contact::flat_body;
 use sphorge_physics::surface::{are_back_to_back, are_different_sides, surface_normal};
 use sphorge_physics::{Tensor, Vector, tensor::dot};
-
-impl<T: PairScalar> CpuEngine<T> {
-    /// Finds the surfaces of the reference configuration, whose lists were just made.
-    pub(super) fn find_surfaces(&mut self) {
-        if !self.model.has_self_contact() {
-            return;
-        }
-        let (list, points) = (&self.lists.list, &self.lists.points);
-        let (kernel, dimension) = (self.model.numerics.kernel, super::dimension(&self.model));
-        let bodies = &self.model.bodies;
-        // Between what the outermost layer of a flat surface has and the one behind it, the sum over the layers that are not there; less
-        // than midway, since a sheet of two layers with twice the usual smoothing has but seven tenths of that.
-        let missing =
-            |b: &Body, layer: f64| flat_body(kernel, dimension, b.spacing, b.smoothing_length, layer * b.spacing);
-        let exposed = |b: &Body| 0.7 * 0.5 * (missing(b, 1.0).slope + missing(b, 2.0).slope);
-        let exposed: Vec<f64> = bodies.iter().map(exposed).collect();
-        let p = &mut self.particles;
-        let volume = WithGhosts::new(&p.reference_volume, &self.ghosts.columns.reference_volume);
-        let columns = (&mut p.reference_normal, &p.body).into_par_iter();
-        columns.enumerate().for_each(|(i, (normal, &body))| {
-            let h = bodies[body as usize].smoothing_length;
-            let mut outward = [0.0; 3];
-            for &j in list.row(i) {
-                let x = [0, 1, 2].map(|a| points[i][a] - points[j as usize][a]);
-                let weight = volume.at(j as usize) * kernel.slope(dimension, dot(x, x).sqrt(), h);
-                for a in 0..3 {
-                    outward[a] += weight * x[a];
-                }
-            }
-            *normal = if dot(outward, outward).sqrt() > exposed[body as usize] { outward } else { [0.0; 3] };
-        });
-        if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
-            search.forget();
-        }
-    }
-}
 
 /// The surfaces of bodies that meet themselves.
 #[derive(Clone, Copy)]

@@ -1,5 +1,6 @@
 //! Rigid walls: where they stand, and how they push particles away.
 
+use super::faces::WholeDeformation;
 use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
@@ -182,8 +183,8 @@ impl<'a> AtWall<'a> {
 
     /// Deformation gradient of particle `i` since the start, where the formulation has one.
     fn whole_deformation(&self, i: usize) -> Option<Tensor<f64>> {
-        let f = self.deformation.get(i)?;
-        Some(self.earlier_deformation.get(i).map_or(*f, |earlier| tensor::multiply(f, earlier)))
+        let whole = WholeDeformation { since: self.deformation, earlier: self.earlier_deformation };
+        (!self.deformation.is_empty()).then(|| whole.at(i))
     }
 
     /// Half the extent of particle `i` along a normal (m), the place in the reference configuration of its point farthest against the

@@ -70,6 +70,11 @@ impl Model {
         (0..count).flat_map(|a| (a + first..count).map(move |b| (a, b))).collect()
     }
 
+    /// Whether bodies meet at faces that follow their deformation: in the total Lagrangian form, where there is something to meet.
+    pub fn has_faces(&self) -> bool {
+        matches!(self.formulation, Formulation::TotalLagrangian { .. }) && !self.contact_pairs().is_empty()
+    }
+
     /// Whether bodies meet themselves in the contact: in the total Lagrangian form, where no end of the space is joined to another.
     pub fn has_self_contact(&self) -> bool {
         matches!(self.formulation, Formulation::TotalLagrangian { self_contact: true, .. })

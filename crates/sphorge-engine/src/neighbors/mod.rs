@@ -17,7 +17,7 @@ pub use brute_force::brute_force;
 pub use cells::CellGrid;
 pub(crate) use cells::bounds;
 pub(crate) use displacement_bound::DisplacementBound;
-pub(crate) use foreign::ForeignList;
+pub(crate) use foreign::{ForeignBlock, ForeignList};
 pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
 pub use reach::Reach;

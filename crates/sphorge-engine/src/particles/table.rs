@@ -26,8 +26,8 @@ pub enum Owner {
     Heat,
     /// Contact between bodies.
     Contact,
-    /// Contact of a body with itself.
-    SelfContact,
+    /// Faces of bodies of the total Lagrangian form, at which they meet.
+    Faces,
     /// Friction between bodies or at walls.
     Friction,
     /// Artificial stress where temperature is that of the energy.
@@ -244,7 +244,7 @@ columns! {
     pub(crate) external_power: f64 = 0.0, Step,
         Internal("W/kg", "power of walls beyond that of their force on the centre: heat, and what the face moves less"), Unmirrored[], None;
     pub(crate) evaluated_velocity: Vector<f64> = [0.0; 3], Step,
-        Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Stress], None;
+        Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Contact, Stress], None;
     pub(crate) mu: f64 = 0.0, Step, Internal("m/s", "largest |mu| of the last force sum"), Unmirrored[], None;
     // Zero for none.
     pub(crate) motion: u32 = 0, Step, Internal("", "index of the prescribed motion plus one"), Unmirrored[], None;
@@ -273,11 +273,11 @@ columns! {
         Vector[IntermediateSums], None;
 
     pub(crate) contact_overlap: f64 = 0.0, Contact, Internal("", "sum_j V_j W_ij / S_ab - 1 over other bodies"),
-        Same[IntermediateSums], None;
+        Same[Overlaps], None;
     pub(crate) contact_direction: Vector<f64> = [0.0; 3], Contact,
-        Internal("1/m", "- gradient of the contact overlap, away from other bodies"), Vector[IntermediateSums], None;
+        Internal("1/m", "- gradient of the contact overlap, away from other bodies"), Vector[Overlaps], None;
     pub(crate) contact_weight: f64 = 0.0, Contact, Internal("m^2", "sum_j V_i V_j |dW/dr| over other bodies"),
-        Same[IntermediateSums], None;
+        Same[Overlaps], None;
     pub(crate) friction_heat: f64 = 0.0, Friction, Internal("W/kg", "heat of friction at the last force sum"), Unmirrored[], None;
 
     pub(crate) artificial_energy: f64 = 0.0, ArtificialEnergy,
@@ -288,13 +288,19 @@ columns! {
     pub(crate) reference_position: Vector<f64> = [0.0; 3], Reference, Internal("m", "initial position X"), Point[Search], None;
     // m² in plane strain, m in one dimension.
     pub(crate) reference_volume: f64 = 0.0, Reference, Internal("m^3", "initial volume"), Same[Search], None;
-    pub(crate) deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Stress], None;
+    pub(crate) deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Contact, Stress], None;
     pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
-        Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls, which act on faces"), Unmirrored[], None;
+        Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls and contacts, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
         Internal("", "smallest principal stretch from the reference configuration"), Unmirrored[], None;
-    pub(crate) reference_normal: Vector<f64> = [0.0; 3], SelfContact,
+    pub(crate) reference_normal: Vector<f64> = [0.0; 3], Faces,
         Internal("1/m", "outward normal of the surface in the reference configuration, zero inside"), Vector[Search], None;
+    pub(crate) face_arm: Vector<f64> = [0.0; 3], Faces,
+        Internal("m", "depth below the nearest face, times its outward unit normal, in the initial configuration; zero far inside"),
+        Unmirrored[], None;
+    pub(crate) contact_shift: Vector<f64> = [0.0; 3], Faces,
+        Internal("m", "from the position to where the particle stands for the contact"), Vector[Contact], None;
+    pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
     pub(crate) earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;
 }

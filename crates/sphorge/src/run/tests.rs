@@ -76,6 +76,15 @@ impl Engine for Clockwork {
     fn correct_gradients(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
+    fn find_faces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     fn stress(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }

@@ -369,7 +369,6 @@ const FOOT: f64 = 6.131e-3;
 
 #[test]
 fn feet_of_blocks_in_total_lagrangian_form_converge_to_that_of_finite_elements() {
-    // Of bodies in contact the outermost half of a spacing is not pressed flat: the error is of first order.
     let deviations = [("0.5 mm", 12), ("0.25 mm", 24)].map(|(spacing, across)| {
         let mut simulation = simulation(HEAD_ON, &[("particles.spacing", spacing)]);
         let before = simulation.ledger().unwrap();
@@ -384,6 +383,41 @@ fn feet_of_blocks_in_total_lagrangian_form_converge_to_that_of_finite_elements()
         let edge = row[across - 1] + 0.5 * (row[across - 1] - row[across - 2]);
         1.0 - edge / FOOT
     });
-    assert!(deviations[0].abs() < 0.1 && deviations[1].abs() < 0.06, "{deviations:?}");
-    assert!(deviations[1] < 0.75 * deviations[0], "{deviations:?}");
+    assert!(deviations[0].abs() < 0.045 && deviations[1].abs() < 0.01, "{deviations:?}");
+}
+
+#[test]
+fn faces_in_total_lagrangian_form_take_no_energy_and_no_angular_momentum() {
+    // Off centre: the blocks turn and slide. Viscosity, damping and springs would hide what faces do.
+    let overrides = [
+        ("method", "total-lagrangian"),
+        ("contact", "{ penalty = { damping = 0.0 } }"),
+        ("numerics.viscosity", "false"),
+        ("time.courant", "0.1"),
+        ("search", "{ total-lagrangian = { hourglass = 0 } }"),
+        ("body.anvil.shape.shift", "[0, \"3.3 mm\"]"),
+        ("body.hammer.spacing", "1 mm"),
+    ];
+    let mut simulation = simulation(BLOCKS, &overrides);
+    simulation.next_step_estimate().unwrap();
+    let first = simulation.ledger().unwrap();
+    let (kinetic, spin) = (first.total.energies.kinetic, first.bodies[0].angular_momentum[2]);
+    let (mut most_stored, mut elastic, mut beyond, mut drift, mut turned) = (0.0f64, 0.0f64, 0.0f64, 0.0f64, 0.0f64);
+    while simulation.time() < 60e-6 {
+        simulation.step(Some(60e-6)).unwrap();
+        let now = simulation.ledger().unwrap();
+        let energies = now.total.energies;
+        most_stored = most_stored.max(now.contacts[1].stored_energy / kinetic);
+        elastic = elastic.max(energies.elastic / kinetic);
+        beyond = beyond.max((energies.internal - energies.elastic).abs() / kinetic);
+        drift = drift.max((now.total.angular_momentum[2] - first.total.angular_momentum[2]).abs());
+        turned = turned.max((now.bodies[0].angular_momentum[2] - spin).abs());
+    }
+    let left = simulation.ledger().unwrap().contacts[1].stored_energy / kinetic;
+    assert_eq!(simulation.ledger().unwrap().contacts[1].force, [0.0; 3]);
+    assert!(turned > 0.1 * spin.abs() && drift < 1e-12 * turned, "{drift} of {turned} and {spin}");
+    // What pressing the faces takes is neither stored in the contact nor heat: the energy of the particles is that of their stress. With a third
+    // of the step both deviations are a third.
+    assert!(elastic > 0.3 && beyond < 0.01, "{beyond} beyond {elastic}");
+    assert!(most_stored > 0.03 && left.abs() < 0.01, "{left} of {most_stored}");
 }

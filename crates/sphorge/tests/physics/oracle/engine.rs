@@ -58,6 +58,12 @@ pub(super) struct Oracle {
     pub(super) is_renewed: bool,
     /// Outward normals there, of any length, of particles on a surface.
     pub(super) normal: Vec<Option<Vector<f64>>>,
+    /// Depth below the nearest face at the start times its normal there, m; where particles stand for the contact, m, and how that moves, m/s.
+    pub(super) arm: Vec<Vector<f64>>,
+    pub(super) stands: Vec<Vector<f64>>,
+    pub(super) stands_moving: Vec<Vector<f64>>,
+    /// Force of the contact, N, power that goes to heat, W, and speed of approach, m/s, of every particle.
+    pub(super) contact_push: Vec<(Vector<f64>, f64, f64)>,
     pub(super) initial_volume: Vec<f64>,
     pub(super) history: Vec<Vec<f64>>,
     /// Scaled stress and artificial stress, and Balsara's switch.
@@ -68,6 +74,8 @@ pub(super) struct Oracle {
     /// Forces between particles as last evaluated, N, each on the first by an image of the second, and where particles then were.
     pub(super) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
     pub(super) exerted_at: Vec<Vector<f64>>,
+    /// Those of the contact.
+    pub(super) contact_exerted: Vec<(usize, usize, Image, Vector<f64>)>,
     pub(super) friction_heat: Vec<f64>,
     /// Work and power of the artificial stress, J/kg and W/kg.
     pub(super) artificial_energy: Vec<f64>,
@@ -131,6 +139,10 @@ impl EngineKind for OracleKind {
             has_come_apart: vec![false; model.bodies.len()],
             is_renewed: true,
             normal: vec![None; n],
+            arm: vec![[0.0; 3]; n],
+            stands: p.position.clone(),
+            stands_moving: p.velocity.clone(),
+            contact_push: Vec::new(),
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,
             stress: uncorrected(n),
@@ -139,6 +151,7 @@ impl EngineKind for OracleKind {
             overlap: vec![Overlap::default(); n],
             exerted: Vec::new(),
             exerted_at: Vec::new(),
+            contact_exerted: Vec::new(),
             friction_heat: vec![0.0; n],
             artificial_energy: vec![0.0; n],
             artificial_power: vec![0.0; n],
@@ -255,19 +268,19 @@ impl Engine for Oracle {
                 model.bodies[self.p.body[i] as usize].smoothing_length * ratio
             });
         }
-        if self.total_lagrangian().is_some() && !self.rows.is_empty() {
-            if self.renew() {
-                self.rows = self.near(&self.searched_at).0;
-                self.is_renewed = true;
-            }
-            self.foreign = self.near(&self.p.position).1;
+        if self.total_lagrangian().is_some() && !self.rows.is_empty() && self.renew() {
+            self.rows = self.near(&self.searched_at).0;
+            self.is_renewed = true;
         }
         let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
         if due {
             self.search();
         }
-        if self.is_renewed && self.model.has_self_contact() {
+        if self.is_renewed && self.model.has_faces() {
             self.find_surfaces();
+            if !self.has_come_apart.contains(&true) {
+                self.find_depths();
+            }
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
     }
@@ -303,16 +316,34 @@ impl Engine for Oracle {
         Ok(())
     }
 
-    fn stress(&mut self) -> Result<(), RunFailure> {
+    fn find_faces(&mut self) -> Result<(), RunFailure> {
+        if !self.is_idle() {
+            self.shift_to_faces();
+        }
+        Ok(())
+    }
+
+    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
+        self.overlap_bodies();
+        Ok(())
+    }
+
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
             self.push_externally();
+            self.push_bodies();
+        }
+        Ok(())
+    }
+
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        if !self.is_idle() {
             self.update_stress();
         }
         Ok(())
     }
 
     fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
-        self.overlap_bodies();
         Ok(())
     }
 
@@ -321,7 +352,7 @@ impl Engine for Oracle {
         if !self.is_idle() {
             self.sum_forces();
             self.resist_hourglass();
-            self.push_bodies();
+            self.add_contacts();
             self.exerted_at.clone_from(&self.p.position);
             self.add_external();
         }

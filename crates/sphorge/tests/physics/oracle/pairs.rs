@@ -3,8 +3,9 @@
 use super::engine::Oracle;
 use sphorge::model::{BodyContact, Model, Search};
 use sphorge_physics::contact::flat_body;
-use sphorge_physics::surface::{are_back_to_back, are_different_sides, surface_normal};
-use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length, tensor::dot};
+use sphorge_physics::surface::{FaceShift, are_back_to_back, are_different_sides, surface_normal};
+use sphorge_physics::tensor::{dot, multiply};
+use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length};
 
 /// A mirror or a shift by axis, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,6 +152,47 @@ impl Oracle {
         });
     }
 
+    /// Depths below faces of the initial configuration: half a spacing in the outermost layer, behind it by the neighbours in that layer.
+    pub(super) fn find_depths(&mut self) {
+        self.arm = self.each(|i| {
+            let half = 0.5 * self.model.bodies[self.p.body[i] as usize].spacing;
+            let unit = |n: Vector<f64>| n.map(|c| c / dot(n, n).sqrt());
+            if let Some(own) = self.normal[i] {
+                return unit(own).map(|c| half * c);
+            }
+            let (mut sum, mut mean, mut below) = (0.0, [0.0; 3], 0.0);
+            for n in self.pairs(i, &self.searched_at) {
+                if let Some(normal) = self.normal[n.j].filter(|_| self.p.body[n.j] == self.p.body[i]) {
+                    let normal = unit(n.image.vector(normal));
+                    sum += n.w;
+                    mean = plus(mean, n.w, normal);
+                    below -= n.w * dot(n.x, normal);
+                }
+            }
+            let length = dot(mean, mean).sqrt();
+            if sum > 0.0 && length > 0.5 * sum {
+                unit(mean).map(|c| (half + (below / sum).max(0.0)) * c)
+            } else {
+                [0.0; 3]
+            }
+        });
+    }
+
+    /// Where particles stand for the contact.
+    pub(super) fn shift_to_faces(&mut self) {
+        (self.stands, self.stands_moving) = (self.p.position.clone(), self.evaluated.clone());
+        for i in 0..self.p.len() {
+            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
+            if let Some(face) = FaceShift::new(&whole, self.arm[i]) {
+                self.stands[i] = plus(self.stands[i], 1.0, face.shift());
+                self.stands_moving[i] = plus(self.stands_moving[i], 1.0, face.rate(&self.p.velocity_gradient[i]));
+            }
+        }
+        if self.total_lagrangian().is_some() {
+            self.foreign = self.near(&self.stands).1;
+        }
+    }
+
     /// Adds the contacts of bodies with themselves as they are now: particles that are no neighbours in the sums and face each other.
     pub(super) fn meet_themselves(&mut self) {
         if !self.model.has_self_contact() {
@@ -166,7 +208,7 @@ impl Oracle {
                 let Some(other_then) = self.normal[j] else { continue };
                 let other = surface_normal(&self.deformation[j], other_then);
                 for (k, image) in self.images.iter().enumerate() {
-                    let [now, then] = [&self.p.position, &self.searched_at].map(|x| minus(x[i], image.point(x[j])));
+                    let [now, then] = [&self.stands, &self.searched_at].map(|x| minus(x[i], image.point(x[j])));
                     let is_near = dot(now, now) < reach * reach && image.is_of(&self.model, self.p.position[j]);
                     let is_sheet = dot(then, then) < (32.0 * spacing).powi(2)
                         && are_back_to_back(then, own_then, image.vector(other_then), 0.25 * spacing);
@@ -201,5 +243,10 @@ impl Oracle {
     /// Its pairs with particles of other bodies that it is in contact with, as they are now.
     pub(super) fn contacts(&self, i: usize) -> impl Iterator<Item = Pair> {
         self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.p.position))
+    }
+
+    /// The same pairs where they stand for the contact.
+    pub(super) fn meetings(&self, i: usize) -> impl Iterator<Item = Pair> {
+        self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.stands))
     }
 }

@@ -16,6 +16,7 @@ use sphorge_physics::contact::{
 };
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::pair::mean;
+use sphorge_physics::surface::FaceShift;
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
@@ -114,7 +115,7 @@ impl Oracle {
         self.meet_themselves();
         self.overlap = self.each(|i| {
             let mut sum = Overlap::default();
-            for (count, n) in self.contacts(i).enumerate() {
+            for (count, n) in self.meetings(i).enumerate() {
                 if count == 0 {
                     sum = Overlap::before_the_first();
                 }
@@ -125,15 +126,17 @@ impl Oracle {
         });
     }
 
-    /// Forces between bodies and their heat.
+    /// Forces between bodies and their heat, and the stress that their moments at faces are, Pa.
     pub(super) fn push_bodies(&mut self) {
+        self.contact_exerted.clear();
+        self.contact_push.clear();
         self.accounts.contacts.fill(ContactLedger::default());
         self.accounts.contact_limit = f64::INFINITY;
         let places = self.model.contact_pairs();
         for i in 0..self.p.len() {
-            let (mut force, mut heat, mut rubbed, mut approach) = ([0.0; 3], 0.0, 0.0, self.mu[i]);
+            let (mut force, mut heat, mut rubbed, mut approach) = ([0.0; 3], 0.0, 0.0, 0.0_f64);
             let mut stiffness = ContactStiffness::default();
-            let pairs: Vec<_> = self.contacts(i).collect();
+            let pairs: Vec<_> = self.meetings(i).collect();
             for n in &pairs {
                 let (j, own, other) = (n.j, self.overlap[i], self.overlap[n.j]);
                 let (masses, volumes) = ((self.p.mass[i], self.p.mass[j]), (self.rest_volume(i), self.rest_volume(j)));
@@ -144,7 +147,7 @@ impl Oracle {
                     &law,
                     &ContactPair {
                         x: n.x,
-                        v: minus(self.evaluated[i], n.image.vector(self.evaluated[j])),
+                        v: minus(self.stands_moving[i], n.image.vector(self.stands_moving[j])),
                         weight,
                         overlaps: (own.overlap, other.overlap),
                         direction: minus(own.away, n.image.vector(other.away)),
@@ -153,7 +156,7 @@ impl Oracle {
                 );
                 stiffness.add(&law, &kernel, (own.overlap, other.overlap), volumes.0, volumes.1);
                 force = plus(force, 1.0, f.force);
-                self.exerted.push((i, j, n.image, f.force));
+                self.contact_exerted.push((i, j, n.image, f.force));
                 let share = friction_share(self.material(i).effusivity(), self.material(j).effusivity());
                 (heat, rubbed) = (heat + 0.5 * f.damped + share * f.rubbed, rubbed + share * f.rubbed);
                 approach = approach.max(f.approach);
@@ -169,14 +172,30 @@ impl Oracle {
                 account.damping_work += 0.5 * f.damped;
             }
             let mass = self.p.mass[i];
-            self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0 / mass, force);
-            self.p.energy_rate[i] += heat / mass;
+            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
+            if let Some(face) = FaceShift::new(&whole, self.arm[i]) {
+                heat += dot(force, minus(self.stands_moving[i], self.evaluated[i]));
+                for (row, moment) in self.face_stress[i].iter_mut().zip(face.stress(&self.deformation[i], force)) {
+                    *row = plus(*row, 1.0 / self.initial_volume[i], moment);
+                }
+            }
             self.friction_heat[i] += rubbed / mass;
-            self.mu[i] = approach;
+            self.contact_push.push((force, heat, approach));
             if !pairs.is_empty() {
                 let limit = stiffness.limit(&self.overlap[i], self.rest_volume(i), mass);
                 self.accounts.contact_limit = self.accounts.contact_limit.min(limit);
             }
+        }
+    }
+
+    /// Adds them to the rates of the pair sums.
+    pub(super) fn add_contacts(&mut self) {
+        self.exerted.extend(self.contact_exerted.iter().copied());
+        for (i, &(force, heat, approach)) in self.contact_push.iter().enumerate() {
+            let mass = self.p.mass[i];
+            self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0 / mass, force);
+            self.p.energy_rate[i] += heat / mass;
+            self.mu[i] = self.mu[i].max(approach);
         }
     }
 
