@@ -19,7 +19,11 @@ use clap::Parser;
 use failure::{Ending, Failure};
 use std::process::ExitCode;
 
+#[global_allocator]
+static MEMORY: memory::OrEnd = memory::OrEnd;
+
 fn main() -> ExitCode {
+    signals::meet_file_size_limits_as_errors();
     let command = Arguments::parse().command;
     // A fault of ours still ends with an exit code scripts know.
     let ending: Ending = std::panic::catch_unwind(|| command.execute()).unwrap_or_else(|_| {

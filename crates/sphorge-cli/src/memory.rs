@@ -1,11 +1,70 @@
-//! Memory of the machine and of this process, as Linux tells it.
+//! Memory of the machine and of this process, as Linux tells it, and what happens where there is no more.
 
 use sphorge::geometry::{BYTES_PER_PARTICLE, MAX_PARTICLES};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write;
 
-/// Particles that can be run on this machine now.
+/// Particles that can be run here now: by what the machine has free, and what the process and its control group may take.
 pub(crate) fn particle_limit() -> f64 {
-    let free = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| available_bytes(&text));
-    free.map_or(MAX_PARTICLES, |bytes| (bytes / BYTES_PER_PARTICLE).min(MAX_PARTICLES))
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let free = read("/proc/meminfo").and_then(|text| available_bytes(&text));
+    let addresses = read("/proc/self/limits").zip(read("/proc/self/status"));
+    let addresses = addresses.and_then(|(limits, status)| addresses_left(&limits, &status));
+    let group = |most: &str, used: &str| {
+        Some(read(most)?.trim().parse::<f64>().ok()? - read(used)?.trim().parse::<f64>().ok()?)
+    };
+    let group = group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current").or_else(|| {
+        group("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes")
+    });
+    let bytes = [free, addresses, group].into_iter().flatten().fold(f64::INFINITY, f64::min);
+    (bytes.max(0.0) / BYTES_PER_PARTICLE).min(MAX_PARTICLES)
+}
+
+/// What `ulimit -v` leaves of the address space, bytes, by `/proc/self/limits` and `/proc/self/status`; `None` without a limit.
+fn addresses_left(limits: &str, status: &str) -> Option<f64> {
+    let most = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let most: f64 = most.split_whitespace().next()?.parse().ok()?;
+    Some(most - kibibytes_of(status, "VmSize:")? as f64 * 1024.0)
+}
+
+/// The allocator of the system, which ends the program with a message and exit code 1 where there is no more memory. What a run has written is
+/// complete then, as at any moment.
+pub(crate) struct OrEnd;
+
+impl OrEnd {
+    fn or_end(pointer: *mut u8, bytes: usize) -> *mut u8 {
+        if pointer.is_null() {
+            // Standard error takes no memory.
+            let _ = writeln!(
+                std::io::stderr(),
+                "error: out of memory: {bytes} bytes more were not to be had\n\
+                 Files that were written are complete; `sphorge resume` continues a run from its last checkpoint, `sphorge check` tells how \
+                 much memory a deck takes."
+            );
+            std::process::exit(1);
+        }
+        pointer
+    }
+}
+
+// SAFETY: everything is done by the allocator of the system, whose contract this is.
+unsafe impl GlobalAlloc for OrEnd {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as above, here and below.
+        Self::or_end(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        Self::or_end(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        Self::or_end(unsafe { System.realloc(pointer, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
 }
 
 /// `MemAvailable` of Linux's `/proc/meminfo`, bytes.
@@ -23,13 +82,13 @@ pub(crate) fn reset_peak() {
 /// Largest resident memory of the process since [`reset_peak`], bytes; `None` where the system does not tell.
 pub(crate) fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    parse_high_water_mark(&status)
+    Some(1024 * kibibytes_of(&status, "VmHWM:")?)
 }
 
-fn parse_high_water_mark(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024 * kibibytes)
+/// A line of `/proc/self/status` in kibibytes.
+fn kibibytes_of(status: &str, name: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+    line.trim().strip_suffix("kB")?.trim().parse().ok()
 }
 
 #[cfg(test)]
@@ -44,9 +103,16 @@ mod tests {
     }
 
     #[test]
-    fn the_high_water_mark_is_read() {
-        let status = "VmPeak:\t  9 kB\nVmHWM:\t   12345 kB\nVmRSS:\t  1 kB\n";
-        assert_eq!(parse_high_water_mark(status), Some(12345 * 1024));
-        assert_eq!(parse_high_water_mark("VmHWM: many"), None);
+    fn what_the_process_takes_and_may_take_is_read() {
+        let status = "VmPeak:\t  9 kB\nVmSize:\t  1000 kB\nVmHWM:\t   12345 kB\nVmRSS:\t  1 kB\n";
+        assert_eq!(kibibytes_of(status, "VmHWM:"), Some(12345));
+        assert_eq!(kibibytes_of("VmHWM: many", "VmHWM:"), None);
+        let limits = |most: &str| {
+            format!(
+                "Limit                     Soft Limit           Hard Limit           Units\nMax address space         {most}   unlimited            bytes\n"
+            )
+        };
+        assert_eq!(addresses_left(&limits("2048000   "), status), Some(1_024_000.0));
+        assert_eq!(addresses_left(&limits("unlimited"), status), None);
     }
 }

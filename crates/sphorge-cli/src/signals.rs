@@ -30,6 +30,15 @@ fn is_ignored(signal: i32) -> bool {
     mask >> (signal - 1) & 1 == 1
 }
 
+/// Lets a write beyond the file-size limit fail like one to a full disk, instead of ending the program.
+pub(crate) fn meet_file_size_limits_as_errors() {
+    #[cfg(unix)]
+    {
+        // A handler that does nothing: the write returns an error. Without it the signal ends the program as before.
+        let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+    }
+}
+
 /// A flag that SIGUSR1 raises, where there is such a signal.
 ///
 /// # Errors

@@ -111,7 +111,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
         FillError::TooMany { body, count, limit } => {
             let gigabytes = count * BYTES_PER_PARTICLE / 1e9;
             let message = format!("the deck makes about {count:.2e} particles, which take about {gigabytes:.1e} GB");
-            let why = if limit < MAX_PARTICLES { "the free memory of this machine holds" } else { "the limit is" };
+            let why = if limit < MAX_PARTICLES { "the memory that may be used here holds" } else { "the limit is" };
             let d = model.dimensions.count() as f64;
             let coarser = model.bodies[body].spacing * (count / 1e6).powf(1.0 / d);
             Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")

@@ -9,6 +9,7 @@ use super::{
     RunDirectory,
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
+    regular_file,
 };
 use crate::engine::persist::{Archive, ArchiveError};
 use serde::{Deserialize, Serialize};
@@ -167,7 +168,7 @@ impl Checkpoint {
     /// It cannot be read, is damaged, or of another version of the format.
     pub(crate) fn open(path: &Path) -> Result<Self, OutputError> {
         let damaged = |error: &dyn std::fmt::Display| OutputError::damaged(path, error.to_string());
-        let file = BufReader::with_capacity(1 << 17, File::open(path).reading(path)?);
+        let file = BufReader::with_capacity(1 << 17, regular_file::open(path).reading(path)?);
         let mut zip = ZipArchive::new(file).map_err(|error| damaged(&error))?;
         for index in 0..zip.len() {
             let mut entry = zip.by_index(index).map_err(|error| damaged(&error))?;

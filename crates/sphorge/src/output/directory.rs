@@ -4,6 +4,7 @@ use super::{
     atomic::{UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
     checkpoint::is_checkpoint,
     error::{AtPath, OutputError},
+    regular_file,
 };
 use crate::particles::FIELDS as FIELD_TABLE;
 use std::{
@@ -194,7 +195,7 @@ fn lock(path: &Path) -> Result<Arc<File>, OutputError> {
     let file = File::options().read(true).write(true).create(true).truncate(false).open(&name).map_err(unwritable)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {
-            let owner = fs::read_to_string(&name).unwrap_or_default();
+            let owner = regular_file::read_to_string(&name).unwrap_or_default();
             Err(OutputError::Locked { path: path.to_owned(), owner: owner.trim().to_owned() })
         }
         Ok(()) | Err(TryLockError::Error(_)) => {

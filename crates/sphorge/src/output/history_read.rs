@@ -3,8 +3,8 @@
 use super::{
     HistoryColumn, RunDirectory,
     error::{AtPath, OutputError},
+    regular_file,
 };
-use std::fs;
 
 /// A history in memory, column by column.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ impl HistoryTable {
     /// [`OutputError::Read`] without a history, [`OutputError::Damaged`] for a line with too many or too few cells.
     pub fn read(run: &RunDirectory) -> Result<Self, OutputError> {
         let path = run.history();
-        let text = fs::read(&path).reading(&path)?;
+        let text = regular_file::read(&path).reading(&path)?;
         let mut reader = csv::Reader::from_reader(text.as_slice());
         let damaged = |e: csv::Error| OutputError::damaged(&path, e.to_string());
         let names: Vec<String> = reader.headers().map_err(damaged)?.iter().map(str::to_owned).collect();
@@ -49,5 +49,8 @@ impl HistoryTable {
 
 /// Descriptions of the columns; a history without them is still a history.
 fn known_columns(run: &RunDirectory) -> Vec<HistoryColumn> {
-    fs::read(run.history_columns()).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+    regular_file::read(&run.history_columns())
+        .ok()
+        .and_then(|text| serde_json::from_slice(&text).ok())
+        .unwrap_or_default()
 }

@@ -6,6 +6,7 @@ mod directory;
 mod error;
 mod history;
 mod history_read;
+pub(crate) mod regular_file;
 mod series;
 mod summary;
 mod sync;

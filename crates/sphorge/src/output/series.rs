@@ -4,11 +4,9 @@ use super::{
     RunDirectory,
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
+    regular_file,
 };
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// A frame of a series.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +39,7 @@ pub(crate) fn write_series(path: &Path, entries: &[SeriesEntry]) -> Result<(), O
 /// [`OutputError::Read`] if the run has no collection, [`OutputError::Damaged`] if it cannot be understood or is empty.
 pub fn read_series(run: &RunDirectory) -> Result<Vec<(f64, PathBuf)>, OutputError> {
     let path = run.series();
-    let text = fs::read_to_string(&path).reading(&path)?;
+    let text = regular_file::read_to_string(&path).reading(&path)?;
     let document = roxmltree::Document::parse(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))?;
     let frames: Vec<_> = document
         .descendants()

@@ -4,13 +4,14 @@ use super::{
     RunDirectory,
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
+    regular_file,
 };
 use crate::{
     engine::{Audit, StageSeconds, persist_fields},
     number::quantity,
 };
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, fmt, fs};
+use std::{collections::BTreeMap, fmt};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -329,7 +330,7 @@ impl Summary {
         if !path.exists() && run.deck().exists() {
             return Err(OutputError::NotEnded { path: run.path().to_owned() });
         }
-        let text = fs::read(&path).reading(&path)?;
+        let text = regular_file::read(&path).reading(&path)?;
         serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))
     }
 

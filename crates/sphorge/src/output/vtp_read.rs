@@ -3,6 +3,7 @@
 use super::{
     FrameHeader,
     error::{AtPath, OutputError},
+    regular_file,
 };
 use std::{
     fs::File,
@@ -48,7 +49,7 @@ pub struct FrameColumn {
 }
 
 /// Longest header that is scanned for the beginning of the data.
-const MAX_HEADER: usize = 1 << 20;
+const MAX_HEADER: usize = 1 << 17;
 const DATA_MARK: &str = "<AppendedData encoding=\"raw\">";
 
 impl FrameFile {
@@ -57,7 +58,7 @@ impl FrameFile {
     /// # Errors
     /// [`OutputError::Read`] if there is no such file, [`OutputError::Damaged`] if it is not one of our frames.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
-        let mut file = File::open(path).reading(path)?;
+        let mut file = regular_file::open(path).reading(path)?;
         let file_bytes = file.metadata().reading(path)?.len();
         let (xml, data_start) = read_header(path, &mut file)?;
         let damaged = |reason: &str| OutputError::damaged(path, reason);

@@ -10,7 +10,9 @@ use super::{
 use crate::{
     deck::{DeckReport, Setup, load_text_within},
     engine::{ENGINES, EngineKind, FieldSource, Simulation},
-    output::{AtPath, Checkpoint, Durability, OutputError, RunDirectory, Summary, checkpoints, write_file},
+    output::{
+        AtPath, Checkpoint, Durability, OutputError, RunDirectory, Summary, checkpoints, regular_file, write_file,
+    },
 };
 use std::{
     fs,
@@ -106,7 +108,7 @@ pub fn resume(
         .build()
         .map_err(|source| ResumeError::Run(RunError::Threads { threads, source }))?;
     let directory = RunDirectory::go_on(path)?;
-    let deck = fs::read_to_string(directory.deck()).ok();
+    let deck = regular_file::read_to_string(&directory.deck()).ok();
     let mut passed_over = Vec::new();
     for (_, file) in checkpoints(path)? {
         let why = match Checkpoint::open(&file) {
@@ -175,7 +177,7 @@ fn go_on_from(
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
-    let deck = fs::read_to_string(directory.deck()).unwrap_or_default();
+    let deck = regular_file::read_to_string(&directory.deck()).unwrap_or_default();
     if deck_text != checkpoint.deck {
         // Nothing in the folder changes if the run cannot be saved with its changed deck: no checkpoint would be of that.
         state.align_output();
