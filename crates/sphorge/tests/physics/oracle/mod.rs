@@ -4,18 +4,13 @@
 //! numbers: sums are taken in another order, and yield and contact amplify what they are given.
 
 mod decks;
-mod engine;
-mod pairs;
-mod section;
-mod sums;
-mod surroundings;
 
 use super::setup::COLLISION;
 use decks::{BARS, BLOCKS, CORNER, Case, LINE, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE};
-use engine::OracleKind;
 use sphorge::deck;
 use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation};
 use sphorge::{Model, Particles, model::Section};
+use sphorge_oracle::OracleKind;
 
 /// Rounding of double precision after some tens of steps, of which 3e-12 is reached, and of single precision, of which 4e-5 is.
 const ROUNDING: f64 = 3e-11;

@@ -1,8 +1,8 @@
 //! The pair sums of both papers, as they are printed, and the stress between them.
 
-use super::engine::Oracle;
+use super::Oracle;
 use super::pairs::{apply, minus, plus};
-use sphorge::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
+use sphorge_engine::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
 use sphorge_physics::hourglass::Spring;
 use sphorge_physics::moving_least_squares::Moments;
@@ -28,7 +28,7 @@ fn add_dyad(t: &mut Tensor<f64>, s: f64, a: Vector<f64>, b: Vector<f64>) {
 
 impl Oracle {
     /// Strength of the hourglass springs where the sums are those of the total Lagrangian form.
-    pub(super) fn total_lagrangian(&self) -> Option<f64> {
+    pub(crate) fn total_lagrangian(&self) -> Option<f64> {
         match self.model.formulation {
             Formulation::UpdatedLagrangian => None,
             Formulation::TotalLagrangian { hourglass, .. } => Some(hourglass),
@@ -41,7 +41,7 @@ impl Oracle {
 
     /// Bodies with a particle that is stretched beyond the bound take their present configuration for the one of the sums, and from then on
     /// whenever one is stretched or pressed by a factor of two. Whether there was one.
-    pub(super) fn renew(&mut self) -> bool {
+    pub(crate) fn renew(&mut self) -> bool {
         let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else { return false };
         let too_far = |body: usize, f: &Tensor<f64>| match self.has_come_apart[body] {
             true => is_stretched(f, 2.0) || smallest_stretch(f) < 0.5,
@@ -76,7 +76,7 @@ impl Oracle {
     }
 
     /// `L_i = g_i sum_j w_j (v_j - v_i) ⊗ B_i grad_i W_ij` and `drho/dt = -rho tr L`, at the middle of the step.
-    pub(super) fn sum_gradients(&mut self) {
+    pub(crate) fn sum_gradients(&mut self) {
         let (numerics, half) = (self.model.numerics.clone(), 0.5 * self.dt);
         let form = numerics.pair_form;
         let drifted = |i: usize| plus(self.p.position[i], -half, self.drift_velocity(i, self.p.velocity[i]));
@@ -117,7 +117,7 @@ impl Oracle {
     }
 
     /// `rho_i = sum_j m_j (beta_0 + beta . x_ij) W_ij` over the body of the particle.
-    pub(super) fn restore(&mut self) {
+    pub(crate) fn restore(&mut self) {
         let p = &self.p;
         let restored = self.each(|i| {
             let own = self.model.numerics.kernel.value(self.dimension, 0.0, p.smoothing_length[i]);
@@ -139,7 +139,7 @@ impl Oracle {
     }
 
     /// The correction where forces are evaluated, if that is not where the velocity gradient was.
-    pub(super) fn correct_forces(&mut self) {
+    pub(crate) fn correct_forces(&mut self) {
         let numerics = &self.model.numerics;
         let moved = numerics.integrator == Integrator::Leapfrog && self.dt > 0.0;
         if moved && self.is_corrected() && self.total_lagrangian().is_none() {
@@ -150,12 +150,12 @@ impl Oracle {
         }
     }
 
-    pub(super) fn material(&self, i: usize) -> &Material {
+    pub(crate) fn material(&self, i: usize) -> &Material {
         &self.model.materials[self.p.material[i] as usize]
     }
 
     /// Shear modulus in the state of the particle at a density and a pressure.
-    pub(super) fn shear_modulus(&self, i: usize, density: f64, pressure: f64) -> f64 {
+    pub(crate) fn shear_modulus(&self, i: usize, density: f64, pressure: f64) -> f64 {
         let (m, p) = (self.material(i), &self.p);
         m.flow_law
             .shear_modulus(m.shear_modulus, m.flow_state(p.plastic_strain[i], p.temperature[i], density, pressure))
@@ -199,7 +199,7 @@ impl Oracle {
     }
 
     /// Stress where forces are evaluated, as the momentum sum wants it: `a_i sigma_i B_i`, or `P_i B_i`.
-    pub(super) fn update_stress(&mut self) {
+    pub(crate) fn update_stress(&mut self) {
         let numerics = self.model.numerics.clone();
         let commit = numerics.integrator == Integrator::Leapfrog;
         for i in 0..self.p.len() {
@@ -233,7 +233,7 @@ impl Oracle {
     }
 
     /// The stress of the end of the step where forces were those of its middle.
-    pub(super) fn commit_stress(&mut self) {
+    pub(crate) fn commit_stress(&mut self) {
         for i in 0..self.p.len() {
             self.p.density[i] = density_after(self.base_density[i], &self.p.velocity_gradient[i], self.dt);
             self.flow(i, (self.p.energy[i], self.artificial_energy[i]), self.dt, true);
@@ -246,7 +246,7 @@ impl Oracle {
 
     /// `dv_i/dt = f_i sum_j w'_j (a_i sigma_i + a_j sigma_j + R_ij f^n - Pi_ij I) . grad_i W_ij`, the energy that goes with it, and
     /// `eps sum_j m_j/rho_ij (v_j - v_i) W_ij`.
-    pub(super) fn sum_forces(&mut self) {
+    pub(crate) fn sum_forces(&mut self) {
         self.exerted.clear();
         let numerics = self.model.numerics.clone();
         let form = numerics.pair_form;
@@ -312,7 +312,7 @@ impl Oracle {
     }
 
     /// Ganzenmüller's springs: `V_i V_j W(X_ij) s_ij x_ij/(|X_ij| |x_ij|)`, half of the work to each.
-    pub(super) fn resist_hourglass(&mut self) {
+    pub(crate) fn resist_hourglass(&mut self) {
         let Some(strength) = self.total_lagrangian() else { return };
         let p = &self.p;
         let spring =
@@ -341,12 +341,12 @@ impl Oracle {
     }
 
     /// A value of every particle.
-    pub(super) fn each<V>(&self, of: impl Fn(usize) -> V) -> Vec<V> {
+    pub(crate) fn each<V>(&self, of: impl Fn(usize) -> V) -> Vec<V> {
         (0..self.p.len()).map(of).collect()
     }
 }
 
 /// No correction.
-pub(super) fn uncorrected(count: usize) -> Vec<Tensor<f64>> {
+pub(crate) fn uncorrected(count: usize) -> Vec<Tensor<f64>> {
     vec![identity(); count]
 }

@@ -3,86 +3,90 @@
 //! It shares the laws of `sphorge-physics` with the engine for processors and nothing else: no lists, no lanes, no ghosts in memory,
 //! no shortcuts. What it says of a deck is what the equations say of it.
 
-use super::pairs::{Image, plus};
-use super::sums::uncorrected;
-use super::surroundings::Accounts;
-use sphorge::engine::halo::FieldSet;
-use sphorge::engine::persist::{Archive, ArchiveError};
-use sphorge::engine::reduction::{self, Reduction};
-use sphorge::engine::{
-    Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported,
-};
-use sphorge::model::{Integrator, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource};
-use sphorge::{Particles, engine::LimitReason};
+use pairs::{Image, plus};
+use sphorge_engine::halo::FieldSet;
+use sphorge_engine::model::{Integrator, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource};
+use sphorge_engine::persist::{Archive, ArchiveError};
+use sphorge_engine::reduction::{self, Reduction};
+use sphorge_engine::{Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported};
+use sphorge_engine::{LimitReason, Particles};
 use sphorge_physics::contact::Overlap;
 use sphorge_physics::{Dimension, Tensor, Vector};
 use std::borrow::Cow;
 use std::sync::Arc;
+use sums::uncorrected;
+use surroundings::Accounts;
 
-/// The kind of [`Oracle`].
-pub(super) struct OracleKind;
+mod pairs;
+mod section;
+mod sums;
+mod surroundings;
+
+/// The oracle, to be started on a model.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OracleKind;
 
 /// The engine. Columns with a name are those of `p`; the others stand beside it.
-pub(super) struct Oracle {
-    pub(super) model: Arc<Model>,
-    pub(super) dimension: Dimension,
-    pub(super) p: Particles,
-    pub(super) images: Vec<Image>,
+pub(crate) struct Oracle {
+    pub(crate) model: Arc<Model>,
+    pub(crate) dimension: Dimension,
+    pub(crate) p: Particles,
+    pub(crate) images: Vec<Image>,
     /// Neighbours of each particle in the kernel sums and in the contact between bodies: number, and which image.
-    pub(super) rows: Vec<Vec<(usize, usize)>>,
-    pub(super) foreign: Vec<Vec<(usize, usize)>>,
-    pub(super) searched_at: Vec<Vector<f64>>,
+    pub(crate) rows: Vec<Vec<(usize, usize)>>,
+    pub(crate) foreign: Vec<Vec<(usize, usize)>>,
+    pub(crate) searched_at: Vec<Vector<f64>>,
     /// Start and size of the step, s, and steps begun.
-    pub(super) time: f64,
-    pub(super) dt: f64,
+    pub(crate) time: f64,
+    pub(crate) dt: f64,
     count: u64,
     /// Velocities the last forces were evaluated with, and what the particles are smoothed by.
-    pub(super) evaluated: Vec<Vector<f64>>,
-    pub(super) xsph: Vec<Vector<f64>>,
+    pub(crate) evaluated: Vec<Vector<f64>>,
+    pub(crate) xsph: Vec<Vector<f64>>,
     /// The part of the acceleration that pairs do not make.
-    pub(super) external: Vec<Vector<f64>>,
+    pub(crate) external: Vec<Vector<f64>>,
     /// Power of walls beyond that on the centre, W/kg, and the stress of their forces at faces, Pa.
-    pub(super) external_power: Vec<f64>,
-    pub(super) face_stress: Vec<Tensor<f64>>,
-    pub(super) mu: Vec<f64>,
+    pub(crate) external_power: Vec<f64>,
+    pub(crate) face_stress: Vec<Tensor<f64>>,
+    pub(crate) mu: Vec<f64>,
     base_position: Vec<Vector<f64>>,
     base_velocity: Vec<Vector<f64>>,
-    pub(super) base_density: Vec<f64>,
+    pub(crate) base_density: Vec<f64>,
     /// Weights of the gradient sum.
-    pub(super) weight: Vec<f64>,
-    pub(super) correction: Vec<Tensor<f64>>,
-    pub(super) deformation: Vec<Tensor<f64>>,
+    pub(crate) weight: Vec<f64>,
+    pub(crate) correction: Vec<Tensor<f64>>,
+    pub(crate) deformation: Vec<Tensor<f64>>,
     /// Of the configuration the sums are taken in, from the start; by body whether that has been renewed; whether it just was.
-    pub(super) earlier_deformation: Vec<Tensor<f64>>,
-    pub(super) has_come_apart: Vec<bool>,
-    pub(super) is_renewed: bool,
+    pub(crate) earlier_deformation: Vec<Tensor<f64>>,
+    pub(crate) has_come_apart: Vec<bool>,
+    pub(crate) is_renewed: bool,
     /// Outward normals there, of any length, of particles on a surface.
-    pub(super) normal: Vec<Option<Vector<f64>>>,
+    pub(crate) normal: Vec<Option<Vector<f64>>>,
     /// Depth below the nearest face at the start times its normal there, m; where particles stand for the contact, m, and how that moves, m/s.
-    pub(super) arm: Vec<Vector<f64>>,
-    pub(super) stands: Vec<Vector<f64>>,
-    pub(super) stands_moving: Vec<Vector<f64>>,
+    pub(crate) arm: Vec<Vector<f64>>,
+    pub(crate) stands: Vec<Vector<f64>>,
+    pub(crate) stands_moving: Vec<Vector<f64>>,
     /// Force of the contact, N, power that goes to heat, W, and speed of approach, m/s, of every particle.
-    pub(super) contact_push: Vec<(Vector<f64>, f64, f64)>,
-    pub(super) initial_volume: Vec<f64>,
-    pub(super) history: Vec<Vec<f64>>,
+    pub(crate) contact_push: Vec<(Vector<f64>, f64, f64)>,
+    pub(crate) initial_volume: Vec<f64>,
+    pub(crate) history: Vec<Vec<f64>>,
     /// Scaled stress and artificial stress, and Balsara's switch.
-    pub(super) stress: Vec<Tensor<f64>>,
-    pub(super) repulsion: Vec<Tensor<f64>>,
-    pub(super) switch: Vec<f64>,
-    pub(super) overlap: Vec<Overlap<f64>>,
+    pub(crate) stress: Vec<Tensor<f64>>,
+    pub(crate) repulsion: Vec<Tensor<f64>>,
+    pub(crate) switch: Vec<f64>,
+    pub(crate) overlap: Vec<Overlap<f64>>,
     /// Forces between particles as last evaluated, N, each on the first by an image of the second, and where particles then were.
-    pub(super) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
-    pub(super) exerted_at: Vec<Vector<f64>>,
+    pub(crate) exerted: Vec<(usize, usize, Image, Vector<f64>)>,
+    pub(crate) exerted_at: Vec<Vector<f64>>,
     /// Those of the contact.
-    pub(super) contact_exerted: Vec<(usize, usize, Image, Vector<f64>)>,
-    pub(super) friction_heat: Vec<f64>,
+    pub(crate) contact_exerted: Vec<(usize, usize, Image, Vector<f64>)>,
+    pub(crate) friction_heat: Vec<f64>,
     /// Work and power of the artificial stress, J/kg and W/kg.
-    pub(super) artificial_energy: Vec<f64>,
-    pub(super) artificial_power: Vec<f64>,
-    pub(super) heat_rate: Vec<f64>,
-    pub(super) ledger: Ledger,
-    pub(super) accounts: Accounts,
+    pub(crate) artificial_energy: Vec<f64>,
+    pub(crate) artificial_power: Vec<f64>,
+    pub(crate) heat_rate: Vec<f64>,
+    pub(crate) ledger: Ledger,
+    pub(crate) accounts: Accounts,
 }
 
 impl EngineKind for OracleKind {
@@ -174,7 +178,7 @@ impl Oracle {
     }
 
     /// From the start of the step to where forces are evaluated, s.
-    pub(super) fn dt_to_evaluation(&self) -> f64 {
+    pub(crate) fn dt_to_evaluation(&self) -> f64 {
         match self.model.numerics.integrator {
             Integrator::Leapfrog => self.dt,
             Integrator::PredictorCorrector => 0.5 * self.dt,
@@ -182,7 +186,7 @@ impl Oracle {
     }
 
     /// Prescribed motion of a particle: of two that claim it the later in the deck.
-    pub(super) fn motion_of(&self, i: usize) -> Option<usize> {
+    pub(crate) fn motion_of(&self, i: usize) -> Option<usize> {
         self.model.motions.iter().rposition(|m| self.p.regions[i] >> m.region & 1 == 1)
     }
 
@@ -198,7 +202,7 @@ impl Oracle {
     }
 
     /// Velocity the particle is carried with: smoothed, but along prescribed axes.
-    pub(super) fn drift_velocity(&self, i: usize, v: Vector<f64>) -> Vector<f64> {
+    pub(crate) fn drift_velocity(&self, i: usize, v: Vector<f64>) -> Vector<f64> {
         let motion = self.motion_of(i).map(|k| &self.model.motions[k].axes);
         [0, 1, 2].map(|a| match motion.map(|axes| &axes[a]) {
             Some(MotionAxis::Velocity(_)) => v[a],
@@ -441,7 +445,7 @@ impl Engine for Oracle {
 }
 
 /// Elastic energy per mass: shear, and volume by `p^2 / (2 rho c^2)`.
-pub(super) fn elastic_energy(p: &Particles, i: usize, shear_modulus: f64) -> f64 {
+pub(crate) fn elastic_energy(p: &Particles, i: usize, shear_modulus: f64) -> f64 {
     let shear = sphorge_physics::heat::elastic_energy(p.deviator[i], shear_modulus, p.density[i]);
     shear + 0.5 * (p.pressure[i] / (p.density[i] * p.sound_speed[i])).powi(2)
 }

@@ -1,7 +1,7 @@
 //! Who is beside whom: every pair of particles and images is tested.
 
-use super::engine::Oracle;
-use sphorge::model::{BodyContact, Model, Search};
+use super::Oracle;
+use sphorge_engine::model::{BodyContact, Model, Search};
 use sphorge_physics::contact::flat_body;
 use sphorge_physics::surface::{FaceShift, are_back_to_back, are_different_sides, surface_normal};
 use sphorge_physics::tensor::{dot, multiply};
@@ -9,14 +9,14 @@ use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length};
 
 /// A mirror or a shift by axis, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Image {
+pub(crate) struct Image {
     sign: Vector<f64>,
     shift: Vector<f64>,
 }
 
 impl Image {
     /// The particles themselves, then all their images: every choice of a side on every axis.
-    pub(super) fn all(model: &Model) -> Vec<Self> {
+    pub(crate) fn all(model: &Model) -> Vec<Self> {
         let mut images = vec![Self { sign: [1.0; 3], shift: [0.0; 3] }];
         for axis in 0..3 {
             let mirrors = model.symmetry.iter().filter(|s| s.axis == axis).map(|s| (-1.0, 2.0 * s.position));
@@ -35,67 +35,69 @@ impl Image {
 
     /// Whether a particle at `x` has this image: what stands on a symmetry plane or behind it has none.
     fn is_of(&self, model: &Model, x: Vector<f64>) -> bool {
-        let before = |s: &sphorge::model::SymmetryPlane| s.side * (x[s.axis] - s.position) > 1e-9 * model.spacing;
-        let mirrored =
-            |s: &&sphorge::model::SymmetryPlane| self.sign[s.axis] < 0.0 && self.shift[s.axis] == 2.0 * s.position;
+        let before =
+            |s: &sphorge_engine::model::SymmetryPlane| s.side * (x[s.axis] - s.position) > 1e-9 * model.spacing;
+        let mirrored = |s: &&sphorge_engine::model::SymmetryPlane| {
+            self.sign[s.axis] < 0.0 && self.shift[s.axis] == 2.0 * s.position
+        };
         model.symmetry.iter().filter(mirrored).all(before)
     }
 
-    pub(super) fn point(&self, x: Vector<f64>) -> Vector<f64> {
+    pub(crate) fn point(&self, x: Vector<f64>) -> Vector<f64> {
         [0, 1, 2].map(|a| self.sign[a] * x[a] + self.shift[a])
     }
 
-    pub(super) fn vector(&self, v: Vector<f64>) -> Vector<f64> {
+    pub(crate) fn vector(&self, v: Vector<f64>) -> Vector<f64> {
         [0, 1, 2].map(|a| self.sign[a] * v[a])
     }
 
-    pub(super) fn tensor(&self, t: &Tensor<f64>) -> Tensor<f64> {
+    pub(crate) fn tensor(&self, t: &Tensor<f64>) -> Tensor<f64> {
         [0, 1, 2].map(|a| [0, 1, 2].map(|b| self.sign[a] * self.sign[b] * t[a][b]))
     }
 }
 
 /// By particle: neighbours, and which of their images.
-pub(super) type Rows = Vec<Vec<(usize, usize)>>;
+pub(crate) type Rows = Vec<Vec<(usize, usize)>>;
 
 /// A particle and a neighbour, or an image of one.
-pub(super) struct Pair {
+pub(crate) struct Pair {
     /// Number of the neighbour, and which of its images.
-    pub(super) j: usize,
-    pub(super) image: Image,
+    pub(crate) j: usize,
+    pub(crate) image: Image,
     /// `x_i - x_j`, m, and its length.
-    pub(super) x: Vector<f64>,
-    pub(super) r: f64,
+    pub(crate) x: Vector<f64>,
+    pub(crate) r: f64,
     /// Mean smoothing length, m.
-    pub(super) h: f64,
+    pub(crate) h: f64,
     /// `W_ij`, and the `F` of `grad_i W_ij = F x_ij`.
-    pub(super) w: f64,
-    pub(super) f: f64,
+    pub(crate) w: f64,
+    pub(crate) f: f64,
 }
 
-pub(super) fn minus(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
+pub(crate) fn minus(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `a + s b`.
-pub(super) fn plus(a: Vector<f64>, s: f64, b: Vector<f64>) -> Vector<f64> {
+pub(crate) fn plus(a: Vector<f64>, s: f64, b: Vector<f64>) -> Vector<f64> {
     [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
 }
 
-pub(super) fn apply(t: &Tensor<f64>, v: Vector<f64>) -> Vector<f64> {
+pub(crate) fn apply(t: &Tensor<f64>, v: Vector<f64>) -> Vector<f64> {
     t.map(|row| dot(row, v))
 }
 
 impl Oracle {
     /// Finds the pairs of the positions just reached. As in every search, a pair that leaves the support in a step is not one of its
     /// middle; a skin keeps it.
-    pub(super) fn search(&mut self) {
+    pub(crate) fn search(&mut self) {
         self.wrap();
         (self.rows, self.foreign) = self.near(&self.p.position);
         self.searched_at = self.p.position.clone();
     }
 
     /// Brings particles that left a periodic cell back in.
-    pub(super) fn wrap(&mut self) {
+    pub(crate) fn wrap(&mut self) {
         let model = self.model.clone();
         for (axis, cell) in model.periodic.iter().enumerate() {
             let Some((low, high)) = *cell else { continue };
@@ -106,7 +108,7 @@ impl Oracle {
     }
 
     /// The neighbours of every particle at these places: those of the kernel sums, and those of other bodies it is in contact with.
-    pub(super) fn near(&self, at: &[Vector<f64>]) -> (Rows, Rows) {
+    pub(crate) fn near(&self, at: &[Vector<f64>]) -> (Rows, Rows) {
         let model = &self.model;
         let skin = if let Search::Skin { fraction } = model.search { fraction } else { 0.0 };
         let support = model.numerics.kernel.support();
@@ -136,7 +138,7 @@ impl Oracle {
 
     /// Finds the surfaces of the configuration the sums are taken in, midway between what the outermost layer of a flat body has of the kernel
     /// gradient and what the one behind it has.
-    pub(super) fn find_surfaces(&mut self) {
+    pub(crate) fn find_surfaces(&mut self) {
         let (kernel, dimension) = (self.model.numerics.kernel, self.dimension);
         self.normal = self.each(|i| {
             let body = &self.model.bodies[self.p.body[i] as usize];
@@ -153,7 +155,7 @@ impl Oracle {
     }
 
     /// Depths below faces of the initial configuration: half a spacing in the outermost layer, behind it by the neighbours in that layer.
-    pub(super) fn find_depths(&mut self) {
+    pub(crate) fn find_depths(&mut self) {
         self.arm = self.each(|i| {
             let half = 0.5 * self.model.bodies[self.p.body[i] as usize].spacing;
             let unit = |n: Vector<f64>| n.map(|c| c / dot(n, n).sqrt());
@@ -179,7 +181,7 @@ impl Oracle {
     }
 
     /// Where particles stand for the contact.
-    pub(super) fn shift_to_faces(&mut self) {
+    pub(crate) fn shift_to_faces(&mut self) {
         (self.stands, self.stands_moving) = (self.p.position.clone(), self.evaluated.clone());
         for i in 0..self.p.len() {
             let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
@@ -194,7 +196,7 @@ impl Oracle {
     }
 
     /// Adds the contacts of bodies with themselves as they are now: particles that are no neighbours in the sums and face each other.
-    pub(super) fn meet_themselves(&mut self) {
+    pub(crate) fn meet_themselves(&mut self) {
         if !self.model.has_self_contact() {
             return;
         }
@@ -222,7 +224,7 @@ impl Oracle {
     }
 
     /// Places the sums are taken at, of particles that are at `now`.
-    pub(super) fn places(&self, now: Vec<Vector<f64>>) -> Vec<Vector<f64>> {
+    pub(crate) fn places(&self, now: Vec<Vector<f64>>) -> Vec<Vector<f64>> {
         if self.model.search == Search::Initial { self.searched_at.clone() } else { now }
     }
 
@@ -236,17 +238,17 @@ impl Oracle {
     }
 
     /// The pairs of a particle in the kernel sums, of particles at these places.
-    pub(super) fn pairs(&self, i: usize, at: &[Vector<f64>]) -> impl Iterator<Item = Pair> {
+    pub(crate) fn pairs(&self, i: usize, at: &[Vector<f64>]) -> impl Iterator<Item = Pair> {
         self.rows[i].iter().map(move |&n| self.pair(i, n, at))
     }
 
     /// Its pairs with particles of other bodies that it is in contact with, as they are now.
-    pub(super) fn contacts(&self, i: usize) -> impl Iterator<Item = Pair> {
+    pub(crate) fn contacts(&self, i: usize) -> impl Iterator<Item = Pair> {
         self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.p.position))
     }
 
     /// The same pairs where they stand for the contact.
-    pub(super) fn meetings(&self, i: usize) -> impl Iterator<Item = Pair> {
+    pub(crate) fn meetings(&self, i: usize) -> impl Iterator<Item = Pair> {
         self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.stands))
     }
 }

@@ -1,12 +1,12 @@
 //! What is not a kernel sum of stress: contact between bodies, walls, gravity, heat, and the accounts of all of it.
 
-use super::engine::{Oracle, elastic_energy};
 use super::pairs::{apply, minus, plus};
-use sphorge::engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit};
-use sphorge::model::{
+use super::{Oracle, elastic_energy};
+use sphorge_engine::model::{
     BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
     WallContact, WallSurface,
 };
+use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit};
 use sphorge_physics::conduction::{
     HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, friction_share, lattice,
     pair_conductivity, surface_area, surface_conductance, touch,
@@ -27,7 +27,7 @@ use sphorge_physics::{Dimension, Vector};
 
 /// What the last evaluation of forces left for the accounts, and constants by body.
 #[derive(Default)]
-pub(super) struct Accounts {
+pub(crate) struct Accounts {
     /// `1/S`, `K` and so on, by ordered pair of bodies.
     laws: Vec<Vec<ContactLaw<f64>>>,
     lattices: Vec<Lattice>,
@@ -53,7 +53,7 @@ struct AtFace {
 }
 
 impl Accounts {
-    pub(super) fn new(model: &Model, dimension: Dimension) -> Self {
+    pub(crate) fn new(model: &Model, dimension: Dimension) -> Self {
         let kernel = model.numerics.kernel;
         let bodies: Vec<ContactBody> = model
             .bodies
@@ -111,7 +111,7 @@ impl Oracle {
     }
 
     /// `s_i = sum_j V_j W_ij / S_ab - 1`.
-    pub(super) fn overlap_bodies(&mut self) {
+    pub(crate) fn overlap_bodies(&mut self) {
         self.meet_themselves();
         self.overlap = self.each(|i| {
             let mut sum = Overlap::default();
@@ -127,7 +127,7 @@ impl Oracle {
     }
 
     /// Forces between bodies and their heat, and the stress that their moments at faces are, Pa.
-    pub(super) fn push_bodies(&mut self) {
+    pub(crate) fn push_bodies(&mut self) {
         self.contact_exerted.clear();
         self.contact_push.clear();
         self.accounts.contacts.fill(ContactLedger::default());
@@ -189,7 +189,7 @@ impl Oracle {
     }
 
     /// Adds them to the rates of the pair sums.
-    pub(super) fn add_contacts(&mut self) {
+    pub(crate) fn add_contacts(&mut self) {
         self.exerted.extend(self.contact_exerted.iter().copied());
         for (i, &(force, heat, approach)) in self.contact_push.iter().enumerate() {
             let mass = self.p.mass[i];
@@ -200,7 +200,7 @@ impl Oracle {
     }
 
     /// Adds the powers of the last evaluation over a time, s.
-    pub(super) fn book_contacts(&mut self, dt: f64) {
+    pub(crate) fn book_contacts(&mut self, dt: f64) {
         self.ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
         for (works, now) in self.ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
             works.stored_energy += dt * now.stored_energy;
@@ -210,7 +210,7 @@ impl Oracle {
     }
 
     /// Where temperature is not that of the energy, what friction heats is added to it.
-    pub(super) fn warm_by_friction(&mut self) {
+    pub(crate) fn warm_by_friction(&mut self) {
         if self.model.numerics.temperature == TemperatureSource::PlasticWork {
             for i in 0..self.p.len() {
                 self.p.temperature[i] += self.dt * self.friction_heat[i] / self.material(i).specific_heat;
@@ -254,7 +254,7 @@ impl Oracle {
     }
 
     /// What walls and gravity do, and the stress that the moments of forces at faces are, Pa.
-    pub(super) fn push_externally(&mut self) {
+    pub(crate) fn push_externally(&mut self) {
         let time = self.time + self.dt_to_evaluation();
         let walls = self.model.walls.clone();
         self.external = vec![self.model.gravity; self.p.len()];
@@ -279,7 +279,7 @@ impl Oracle {
     }
 
     /// Adds them to the rates of the pair sums.
-    pub(super) fn add_external(&mut self) {
+    pub(crate) fn add_external(&mut self) {
         for i in 0..self.p.len() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, self.external[i]);
             self.p.energy_rate[i] += self.external_power[i];
@@ -287,7 +287,7 @@ impl Oracle {
     }
 
     /// Adds the powers of walls at the last evaluation over a time, s.
-    pub(super) fn book_walls(&mut self, dt: f64) {
+    pub(crate) fn book_walls(&mut self, dt: f64) {
         self.ledger.wall_work.resize(self.model.walls.len(), 0.0);
         for (work, power) in self.ledger.wall_work.iter_mut().zip(&self.accounts.wall_power) {
             *work += power * dt;
@@ -296,7 +296,7 @@ impl Oracle {
         self.ledger.external_work += beyond * dt;
     }
 
-    pub(super) fn mechanical_limit(&self) -> TimeStepLimit {
+    pub(crate) fn mechanical_limit(&self) -> TimeStepLimit {
         let (model, p, courant) = (&self.model, &self.p, self.model.time.courant);
         let limit = |dt, reason| TimeStepLimit { dt, reason };
         let mut least = limit(f64::INFINITY, LimitReason::SoundSpeed);
@@ -310,7 +310,7 @@ impl Oracle {
             least = least.min(limit(sound_limit(h, speed, self.mu[i], courant), LimitReason::SoundSpeed));
             least = least.min(limit(acceleration_limit(h, a, courant), LimitReason::Acceleration));
         }
-        let rate = |b: &sphorge::model::Body| {
+        let rate = |b: &sphorge_engine::model::Body| {
             model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing
         };
         let fastest = model.bodies.iter().map(rate).fold(0.0, f64::max);
@@ -322,12 +322,12 @@ impl Oracle {
         least.min(limit(courant * self.accounts.contact_limit, LimitReason::Contact))
     }
 
-    pub(super) fn conduction_limit(&self) -> f64 {
+    pub(crate) fn conduction_limit(&self) -> f64 {
         self.model.time.courant * self.accounts.heat_limit
     }
 
     /// Keeps held particles at their temperature.
-    pub(super) fn hold_temperatures(&mut self) {
+    pub(crate) fn hold_temperatures(&mut self) {
         self.ledger.heat.supplied.resize(self.model.thermal.boundaries.len(), 0.0);
         for i in 0..self.p.len() {
             let cp = self.material(i).specific_heat;
@@ -346,7 +346,7 @@ impl Oracle {
 
     /// Heat that flows to every particle (Cleary & Monaghan), from neighbours and through surfaces. Beside mechanics a flow goes on for
     /// a tenth of the step it bears itself, fifty steps at most.
-    pub(super) fn sum_heat(&mut self) {
+    pub(crate) fn sum_heat(&mut self) {
         let accounts = &mut self.accounts;
         let bears = 0.1 * self.model.time.courant * accounts.heat_limit;
         let goes_on = self.model.thermal.mechanics && accounts.heat_steps < 50 && accounts.heat_age < bears;
@@ -435,7 +435,7 @@ impl Oracle {
     }
 
     /// Lets the heat flow for the step.
-    pub(super) fn flow_heat(&mut self) {
+    pub(crate) fn flow_heat(&mut self) {
         if !self.model.thermal.conduction {
             return;
         }
@@ -489,7 +489,7 @@ impl Oracle {
     }
 
     /// The ledger as it is now.
-    pub(super) fn conservation(&self) -> Ledger {
+    pub(crate) fn conservation(&self) -> Ledger {
         let (model, p) = (&self.model, &self.p);
         // Walls stand where forces were evaluated: half a step ago with the predictor–corrector.
         let back = if model.numerics.integrator == Integrator::Leapfrog { 0.0 } else { 0.5 * self.dt };

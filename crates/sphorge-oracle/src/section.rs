@@ -1,13 +1,13 @@
 //! Force through a section: that of the pairs whose particles stand on either side.
 
-use super::engine::Oracle;
+use super::Oracle;
 use super::pairs::{minus, plus};
-use sphorge::model::Section;
+use sphorge_engine::model::Section;
 use sphorge_physics::{Vector, tensor::dot};
 
 impl Oracle {
     /// Force of what is ahead of a plane on what is behind it, N.
-    pub(super) fn section_force(&self, section: &Section) -> Vector<f64> {
+    pub(crate) fn section_force(&self, section: &Section) -> Vector<f64> {
         let ahead = |x: Vector<f64>| dot(minus(x, section.point), section.normal);
         let counts = |i: usize| section.body.is_none_or(|body| body == self.p.body[i] as usize);
         let mut sum = [0.0; 3];
