@@ -35,27 +35,50 @@ impl Shape {
     /// Volume of the cells of a grid over the bounds whose middle is inside.
     fn counted_volume(&self, dimensions: Dimensions, points: [u32; 2]) -> f64 {
         let (low, high) = self.solid.bounds(dimensions);
-        let count = dimensions.count();
         let along: [u32; 3] = match dimensions {
             Dimensions::One => [points[0], 1, 1],
             Dimensions::PlaneStrain => [points[0], points[0], 1],
             Dimensions::Three => [points[1]; 3],
         };
-        let at =
-            |axis: usize, k: u32| low[axis] + (f64::from(k) + 0.5) / f64::from(along[axis]) * (high[axis] - low[axis]);
-        let own = Shape { transform: Default::default(), ..self.clone() };
-        let mut inside = 0u64;
-        for k in 0..along[2] {
-            for j in 0..along[1] {
-                for i in 0..along[0] {
-                    let point = [at(0, i), at(1, j), at(2, k)];
-                    inside += u64::from(own.contains(point, dimensions, 0.0));
-                }
-            }
+        let grid = Grid {
+            solid: &self.solid,
+            dimensions,
+            low,
+            edge: std::array::from_fn(|axis| (high[axis] - low[axis]) / f64::from(along[axis])),
+        };
+        let inside = grid.inside([0; 3], along);
+        let cell: f64 = grid.edge[..dimensions.count()].iter().product();
+        inside as f64 * cell
+    }
+}
+
+/// Cells whose middles are counted.
+struct Grid<'a> {
+    solid: &'a Solid,
+    dimensions: Dimensions,
+    low: [f64; 3],
+    edge: [f64; 3],
+}
+
+impl Grid<'_> {
+    /// Number of cells from `first` up to `end` whose middle is inside. Where the middle of the whole block is farther from the surface than its
+    /// corners are from it, all of them are or none is: signed distances differ by no more than the distance of the points.
+    fn inside(&self, first: [u32; 3], end: [u32; 3]) -> u64 {
+        let middle =
+            std::array::from_fn(|a| self.low[a] + 0.5 * (f64::from(first[a]) + f64::from(end[a])) * self.edge[a]);
+        let distance = self.solid.signed_distance(middle, self.dimensions);
+        let counts: [u32; 3] = std::array::from_fn(|a| end[a] - first[a]);
+        let all: u64 = counts.iter().map(|&n| u64::from(n)).product();
+        let half = |a: usize| 0.5 * f64::from(counts[a] - 1) * self.edge[a];
+        let reach = (0..self.dimensions.count()).map(|a| half(a).powi(2)).sum::<f64>().sqrt();
+        if all == 1 || distance.abs() > reach * (1.0 + 1e-9) {
+            return if distance <= 0.0 { all } else { 0 };
         }
-        let all: f64 = along.iter().map(|&n| f64::from(n)).product();
-        let bounds: f64 = (0..count).map(|a| high[a] - low[a]).product();
-        inside as f64 / all * bounds
+        let longest = (0..3).max_by_key(|&a| counts[a]).expect("three axes");
+        let (mut end_of_first, mut start_of_second) = (end, first);
+        end_of_first[longest] = first[longest] + counts[longest] / 2;
+        start_of_second[longest] = end_of_first[longest];
+        self.inside(first, end_of_first) + self.inside(start_of_second, end)
     }
 }
 
@@ -189,5 +212,32 @@ mod tests {
         let lens = 2.0 * (0.25f64.acos() - 0.25 * (1.0 - 0.0625f64).sqrt());
         let volume = size(drilled, Dimensions::Three);
         assert!((volume.size / (0.03 * (PI - lens)) - 1.0).abs() < 3e-3, "{volume:?}");
+    }
+
+    #[test]
+    fn blocks_count_what_their_cells_do() {
+        let part = |solid| Shape { solid, transform: Transform::default() };
+        let turned = |solid| Shape { solid, transform: Transform::about_axis([0.6, 0.0, 0.8], 0.7, [0.3, -0.2, 0.1]) };
+        let plate = part(Solid::Box { min: [-2.0, -1.5, 0.0], max: [2.0, 2.0, 1.0] });
+        let tube =
+            turned(Solid::Cylinder { from: [0.5, 0.0, -1.0], to: [0.5, 0.3, 2.0], radius: 1.0, inner_radius: 0.4 });
+        let bullet = turned(Solid::Ogive { from: [-1.0; 3], to: [1.0, 1.0, 2.0], radius: 0.5, nose_length: 1.5 });
+        let ball = part(Solid::Ball { centre: [1.0, 1.0, 0.5], radius: 0.7, inner_radius: 0.3 });
+        let profile = vec![[0.0, 0.5], [1.0, 0.5], [1.0, 0.9], [2.0, 0.1]];
+        let bar = turned(Solid::Revolution { from: [0.0; 3], axis: [0.0, 1.0, 0.0], profile });
+        for operation in [Operation::Union, Operation::Difference, Operation::Intersection] {
+            for others in [vec![tube.clone()], vec![bullet.clone(), ball.clone()], vec![bar.clone(), tube.clone()]] {
+                let parts = [vec![plate.clone()], others].concat();
+                let shape = part(Solid::Composed { operation, parts });
+                let (low, high) = shape.solid.bounds(Dimensions::Three);
+                let n = 24;
+                let at = |a: usize, k: usize| low[a] + (k as f64 + 0.5) / n as f64 * (high[a] - low[a]);
+                let cells = (0..n * n * n).map(|k| [at(0, k % n), at(1, k / n % n), at(2, k / n / n)]);
+                let inside = cells.filter(|&x| shape.contains(x, Dimensions::Three, 0.0)).count() as f64;
+                let cell: f64 = (0..3).map(|a| (high[a] - low[a]) / n as f64).product();
+                let counted = shape.counted_volume(Dimensions::Three, [n as u32; 2]);
+                assert!((counted / cell - inside).abs() < 1e-6, "{operation:?}: {} and {inside}", counted / cell);
+            }
+        }
     }
 }
