@@ -1,7 +1,7 @@
 //! What the chosen method will do with a deck, said before the run.
 
 use sphorge_engine::Particles;
-use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Search, WallSurface};
+use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface};
 use sphorge_physics::flow::FlowState;
 
 /// Damage number `rho v^2 / Y` (Johnson 1972) from which on metal comes apart, and from which on it flows enough to shorten the time step.
@@ -22,7 +22,7 @@ pub struct Advice {
 /// What the method of a model will do with it.
 pub fn advice(model: &Model, particles: &Particles) -> Advice {
     let hardest = hardest_impact(model, particles);
-    let notes = match (model.formulation, model.search) {
+    let mut notes = match (model.formulation, model.search) {
         (Formulation::TotalLagrangian { renewal, .. }, _) => of_total_lagrangian(renewal, hardest.as_ref()),
         (Formulation::UpdatedLagrangian, Search::Initial) => vec![
             "lists and kernel values of the start see no body that arrives and no large strain: they are for the published comparison alone"
@@ -32,6 +32,8 @@ pub fn advice(model: &Model, particles: &Particles) -> Advice {
             of_updated_lagrangian(model, hardest.as_ref())
         }
     };
+    notes.extend(rounded_positions(model, particles));
+    notes.extend(beyond_metals(model, particles));
     let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
     let step_shrinks = is_total_lagrangian && hardest.is_some_and(|impact| impact.damage_number >= PLASTIC);
     Advice { method: method(model), notes, step_shrinks }
@@ -65,9 +67,65 @@ fn method(model: &Model) -> String {
     parts.join(", ")
 }
 
+/// Share of a spacing to which positions are kept in mixed precision without a word: 31 bits of the distance between bodies.
+const ROUNDING: f64 = 1e-4;
+
+/// What single precision loses where bodies are many spacings apart.
+fn rounded_positions(model: &Model, particles: &Particles) -> Option<String> {
+    if model.numerics.precision != Precision::Mixed {
+        return None;
+    }
+    let extent = (0..3).map(|axis| {
+        let of = |fold: fn(f64, f64) -> f64, start| particles.position.iter().map(|x| x[axis]).fold(start, fold);
+        of(f64::max, f64::NEG_INFINITY) - of(f64::min, f64::INFINITY)
+    });
+    let spacing = model.bodies.iter().map(|body| body.spacing).fold(f64::INFINITY, f64::min);
+    let share = extent.fold(0.0, f64::max) / (1u64 << 31) as f64 / spacing;
+    (share > ROUNDING).then(|| {
+        format!(
+            "the particles extend over {:.1e} spacings, so that mixed precision keeps their positions to {share:.0e} of a spacing; \
+             `numerics.precision = \"double\"` keeps them all",
+            share * (1u64 << 31) as f64
+        )
+    })
+}
+
+/// Speeds over the sound speed, and temperatures (K), beyond which no law of metals holds and a unit may be wrong.
+const FASTEST: f64 = 10.0;
+const HOTTEST: f64 = 10_000.0;
+
+/// Bodies whose initial state is beyond what any law here is made for.
+fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
+    let mut fastest = vec![0.0f64; model.bodies.len()];
+    for (&body, v) in particles.body.iter().zip(&particles.velocity) {
+        let squared: f64 = v.iter().map(|c| c * c).sum();
+        fastest[body as usize] = fastest[body as usize].max(squared);
+    }
+    let mut notes = Vec::new();
+    for (body, squared) in model.bodies.iter().zip(fastest) {
+        let (speed, sound) = (squared.sqrt(), model.materials[body.material].equation_of_state.reference_sound_speed());
+        if speed > FASTEST * sound {
+            notes.push(format!(
+                "body `{}` starts at {speed:.3e} m/s, {:.0} times its speed of sound: no law here is made for that; check the unit",
+                body.name,
+                speed / sound
+            ));
+        }
+        if body.temperature > HOTTEST {
+            notes.push(format!(
+                "body `{}` starts at {:.3e} K, where no metal is one: check the unit",
+                body.name, body.temperature
+            ));
+        }
+    }
+    notes
+}
+
 /// The impact with the largest damage number.
 struct Impact {
     body: String,
+    /// Whether the body moves towards the other; else it is struck.
+    is_striker: bool,
     /// m/s.
     speed: f64,
     damage_number: f64,
@@ -101,15 +159,22 @@ fn hardest_impact(model: &Model, particles: &Particles) -> Option<Impact> {
         let at_rest = FlowState::at_rest(body.temperature);
         let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
         let yield_stress = material.flow_law.yield_stress(at_rest, &history).value;
-        Impact { body: body.name.clone(), speed, damage_number: material.density * speed * speed / yield_stress }
+        let is_striker = between(own, [0.0; 3]) >= 0.5 * speed;
+        Impact {
+            body: body.name.clone(),
+            is_striker,
+            speed,
+            damage_number: material.density * speed * speed / yield_stress,
+        }
     };
     let impacts = model.bodies.iter().enumerate().map(impact);
     impacts.filter(|i| i.damage_number.is_finite()).max_by(|a, b| a.damage_number.total_cmp(&b.damage_number))
 }
 
 fn told(impact: &Impact) -> String {
-    let Impact { body, speed, damage_number } = impact;
-    format!("body `{body}` strikes at {speed:.0} m/s, damage number rho v^2/Y = {damage_number:.2}")
+    let Impact { body, is_striker, speed, damage_number } = impact;
+    let verb = if *is_striker { "strikes" } else { "is struck" };
+    format!("body `{body}` {verb} at {speed:.0} m/s, damage number rho v^2/Y = {damage_number:.2}")
 }
 
 fn of_total_lagrangian(renewal: Option<f64>, hardest: Option<&Impact>) -> Vec<String> {
@@ -143,7 +208,7 @@ fn of_updated_lagrangian(model: &Model, hardest: Option<&Impact>) -> Vec<String>
             )
         } else {
             format!(
-                "sums over the present neighbours fall into pairs of particles in tension, from 10 to 30 % of elongation on, and feet that \
+                "sums over the present neighbours fall into pairs of particles in tension, from a few per cent of elongation on, and feet that \
                  are pressed flat flow apart; {instead}"
             )
         });
@@ -192,6 +257,27 @@ mod tests {
         assert!(of("iron-plate", &kept).notes[0].contains("leave that out"));
         // What flies away from the wall strikes nothing.
         assert_eq!(of("iron-plate", &[("body.bar.velocity.1", "3000 m/s")]).notes, [""; 0]);
+    }
+
+    #[test]
+    fn what_no_law_or_precision_is_made_for_is_told() {
+        let notes = |path: &str, value: &str| of("iron-plate", &[(path, value)]).notes.join("\n");
+        assert!(notes("body.bar.velocity.1", "-300 km/s").contains("times its speed of sound"));
+        assert!(!notes("body.bar.velocity.1", "-6 km/s").contains("times its speed of sound"));
+        assert!(notes("body.bar.temperature", "20000 K").contains("no metal is one"));
+        let far = |shift: &str, precision: &str| {
+            let deck = format!(
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\nnumerics = {{ precision = \
+                 \"{precision}\" }}\n[[body]]\nname = \"a\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }} }}\n\
+                 [[body]]\nname = \"b\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }}, shift = [\"{shift}\", 0] }}\n"
+            );
+            let setup = load_text("far", &deck, &[]).unwrap();
+            advice(&setup.model, &setup.particles).notes
+        };
+        // 3e5 spacings over 2^31.
+        assert!(far("300 m", "mixed").join("").contains("1e-4 of a spacing"), "{:?}", far("300 m", "mixed"));
+        assert_eq!(far("300 m", "double"), [""; 0]);
+        assert_eq!(far("100 m", "mixed"), [""; 0]);
     }
 
     #[test]

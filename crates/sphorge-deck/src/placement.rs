@@ -118,6 +118,23 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
                 .also(places.bodies[body].clone(), "most of them here")
                 .help(format!("{why} {limit:.0e}; a spacing of {} makes a million", millimetres(coarser)))
         }
+        FillError::Crowded { body, position, count, spacing } => {
+            let message = format!("particles of body `{}` are far nearer each other than its spacing", name(body));
+            let label = format!("{count} of them within one spacing at {}", point(position, model));
+            Fault::new("crowded-particles", message, places.bodies[body].clone(), label)
+                .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
+                .help(
+                    "check the unit of the file's lengths and the spacing: particles should be about one spacing apart",
+                )
+        }
+        FillError::Far { body, position, spacing } => {
+            let message =
+                format!("body `{}` is so far from the origin that its particles cannot be told apart", name(body));
+            let label = format!("a particle at {}", point(position, model));
+            Fault::new("too-far", message, places.bodies[body].clone(), label)
+                .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
+                .help("double precision keeps 15 digits: move the bodies nearer the origin, or check the units")
+        }
         FillError::Overlap { first, second, position, count } => {
             let message = format!("bodies `{}` and `{}` overlap", name(first), name(second));
             let particles = if count == 1 { "one particle".to_owned() } else { format!("{count} particles") };
@@ -144,7 +161,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             let label = format!("its particles come to {} from the plane", millimetres(distance));
             Fault::new("across-symmetry", message, places.symmetry[plane].clone(), "this plane")
                 .also(places.bodies[body].clone(), label)
-                .help("let the body end at the plane, with particles at cell centres; check `side`")
+                .help("let the body end at the plane, with particles at cell centres (`intersection` with a box cuts off what is behind); check `side`")
         }
         FillError::OutsideCell { axis, body } => {
             let message = format!("body `{}` reaches out of the periodic cell along {}", name(body), axis_name(axis));

@@ -74,6 +74,24 @@ fn bodies_in_one_place_are_both_named() {
 }
 
 #[test]
+fn of_many_bodies_in_one_place_the_first_overlaps_are_told() {
+    let body = |k: usize| {
+        format!(
+            "[[body]]\nname = \"b{k}\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"3 mm\", \"3 mm\"] }} }}\n"
+        )
+    };
+    let deck = changed("[[wall]]", &format!("{}\n[[wall]]", (0..30).map(body).collect::<String>()));
+    assert_eq!(refused(&deck).problems().len(), 20);
+}
+
+#[test]
+fn a_body_beyond_the_digits_of_its_coordinates_is_refused() {
+    let block = "min = [\"1e9 m\", \"0 mm\"], max = [\"1.000000001e9 m\", \"25.46 mm\"]";
+    let deck = changed("min = [\"-3.8 mm\", \"0 mm\"], max = [\"3.8 mm\", \"25.46 mm\"]", block);
+    assert!(refused(&deck).problems().iter().any(|problem| problem.code() == "too-far"), "{:?}", refused(&deck));
+}
+
+#[test]
 fn what_holds_no_particles_is_named() {
     let thin = "max = [\"-3.6 mm\", \"25.46 mm\"]";
     told(

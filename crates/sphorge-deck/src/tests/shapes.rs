@@ -170,6 +170,25 @@ fn particles_come_from_a_file_with_units() {
 }
 
 #[test]
+fn a_file_whose_particles_are_all_neighbours_is_refused() {
+    // The spacing is 10 mm: five particles along a line fit into it three or four to a cell.
+    let grid = |pitch: f64| -> String {
+        let at = |k: usize| (k as f64 + 0.5) * pitch;
+        let rows = (0..100).map(|k| format!("{},{}\n", at(k % 10), at(k / 10)));
+        std::iter::once("x,y\n".to_owned()).chain(rows).collect()
+    };
+    let (_folder, path) = table(&grid(0.0051), "");
+    assert!(load(&path, &[], MAX_PARTICLES).is_ok());
+    let (_folder, path) = table(&grid(5.1), ", length-unit = \"mm\"");
+    assert!(load(&path, &[], MAX_PARTICLES).is_ok());
+    let (_folder, path) = table(&grid(5.1), ", length-unit = \"um\"");
+    let Err(report) = load(&path, &[], MAX_PARTICLES) else { panic!("100 particles in a cell") };
+    let [problem] = report.problems() else { panic!("{:?}", report.problems()) };
+    assert_eq!(problem.code(), "crowded-particles");
+    assert!(format!("{:?}", problem.labels()).contains("100 of them within one spacing"), "{problem:?}");
+}
+
+#[test]
 fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
     let told = |content: &str, keys: &str, messages: &[&str]| {
         let (_folder, path) = table(content, keys);

@@ -31,6 +31,28 @@ pub enum FillError {
         /// Number that can be run.
         limit: f64,
     },
+    /// Particles of a file far nearer each other than the spacing says.
+    #[error("{count} particles within a spacing of {spacing} m at {position:?}")]
+    Crowded {
+        /// Index of the body.
+        body: usize,
+        /// Where, m.
+        position: [f64; 3],
+        /// Particles in a cell of one spacing there.
+        count: usize,
+        /// Spacing, m.
+        spacing: f64,
+    },
+    /// A body so far from the origin that double precision does not tell its particles apart.
+    #[error("body is too far from the origin at {position:?}")]
+    Far {
+        /// Index of the body.
+        body: usize,
+        /// A particle of it, m.
+        position: [f64; 3],
+        /// Spacing, m.
+        spacing: f64,
+    },
     /// Two bodies in one place.
     #[error("bodies overlap at {position:?}")]
     Overlap {

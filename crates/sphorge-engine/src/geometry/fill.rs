@@ -61,6 +61,11 @@ pub fn fill(model: &Model, most_particles: f64) -> Result<Particles, Vec<FillErr
         }
     }
     starts.push(positions.len());
+    overlap::check_distances(&positions, &starts, model, &mut errors);
+    overlap::check_crowds(&positions, &starts, model, &mut errors);
+    if !errors.is_empty() {
+        return Err(errors);
+    }
     let mut particles = Particles::new(positions.len());
     particles.position = positions;
     particles.mass = volumes;

@@ -5,7 +5,7 @@
 //! that are no multiple of the spacing.
 
 use super::FillError;
-use crate::model::{LatticePlacement, Model};
+use crate::model::{LatticePlacement, Model, Solid};
 use std::collections::HashMap;
 
 /// The limit over the distance of touching bodies, less rounding.
@@ -66,13 +66,59 @@ fn within(point: &[f64; 3], (low, high): &Bounds, margin: f64) -> bool {
     (0..3).all(|k| point[k] >= low[k] - margin && point[k] <= high[k] + margin)
 }
 
+/// Whether boxes come within a margin of each other.
+fn meet(a: &Bounds, b: &Bounds, margin: f64) -> bool {
+    (0..3).all(|k| a.0[k] <= b.1[k] + margin && b.0[k] <= a.1[k] + margin)
+}
+
+/// Particles in a cell of one spacing from which on a file is refused: those of a third of the spacing. Neighbour lists grow with the square.
+const MOST_IN_A_CELL: [usize; 3] = [3, 9, 27];
+
+/// Particles of files that are crowded, the first place of each body.
+pub(super) fn check_crowds(positions: &[[f64; 3]], starts: &[usize], model: &Model, errors: &mut Vec<FillError>) {
+    let most = MOST_IN_A_CELL[model.dimensions.count() - 1];
+    for (body, setup) in model.bodies.iter().enumerate() {
+        if !matches!(setup.shape.solid, Solid::Cloud { .. }) {
+            continue;
+        }
+        let points = &positions[starts[body]..starts[body + 1]];
+        let cells = Cells::new(points, setup.spacing);
+        let crowd = cells.cells.values().filter(|cell| cell.len() > most).max_by_key(|cell| (cell.len(), cell[0]));
+        if let Some(cell) = crowd {
+            let (position, count) = (points[cell[0] as usize], cell.len());
+            errors.push(FillError::Crowded { body, position, count, spacing: setup.spacing });
+        }
+    }
+}
+
+/// Largest share of a spacing that a coordinate may be rounded by.
+const ROUNDING: f64 = 1e-6;
+
+/// Bodies whose coordinates are too large for double precision.
+pub(super) fn check_distances(positions: &[[f64; 3]], starts: &[usize], model: &Model, errors: &mut Vec<FillError>) {
+    for (body, setup) in model.bodies.iter().enumerate() {
+        let farthest = ROUNDING / f64::EPSILON * setup.spacing;
+        let points = &positions[starts[body]..starts[body + 1]];
+        if let Some(&position) = points.iter().find(|x| x.iter().any(|c| c.abs() > farthest)) {
+            errors.push(FillError::Far { body, position, spacing: setup.spacing });
+        }
+    }
+}
+
+/// Overlaps that are told: of many bodies in one place every pair would be one.
+const TOLD: usize = 20;
+
 /// Bodies that overlap, each pair once; `starts[b]..starts[b + 1]` are the particles of body `b`.
 pub(super) fn check_bodies(positions: &[[f64; 3]], starts: &[usize], model: &Model, errors: &mut Vec<FillError>) {
     let of = |body: usize| &positions[starts[body]..starts[body + 1]];
     let boxes: Vec<Bounds> = (0..model.bodies.len()).map(|body| bounds(of(body))).collect();
+    let mut told = 0;
     for second in 1..model.bodies.len() {
         for first in 0..second {
             let touching = 0.5 * (model.bodies[first].spacing + model.bodies[second].spacing);
+            if told == TOLD || !meet(&boxes[first], &boxes[second], touching) {
+                continue;
+            }
             let limit = LIMIT * touching;
             let near = |body: usize, other: usize| -> Vec<[f64; 3]> {
                 of(body).iter().filter(|p| within(p, &boxes[other], touching)).copied().collect()
@@ -87,6 +133,7 @@ pub(super) fn check_bodies(positions: &[[f64; 3]], starts: &[usize], model: &Mod
             hits.extend(theirs.iter().filter(|p| is_inside(**p, second, first, model)));
             if let Some(&position) = hits.first() {
                 errors.push(FillError::Overlap { first, second, position, count: hits.len() });
+                told += 1;
             }
         }
     }
