@@ -82,6 +82,47 @@ fn a_bad_deck_is_told_by_line_and_nothing_is_written() {
     assert!(!place.path("out").exists());
 }
 
+/// Runs the plate with limits that a shell sets.
+#[cfg(target_os = "linux")]
+fn limited(place: &Place, limit: &str, spacing: &str) -> common::Ended {
+    let spacing = format!("particles.spacing={spacing}");
+    let mut command = std::process::Command::new("sh");
+    command.current_dir(place.path(".")).args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\"")]);
+    command.args([
+        env!("CARGO_BIN_EXE_sphorge"),
+        "run",
+        "plate.toml",
+        "--overwrite",
+        "--threads",
+        "2",
+        "--set",
+        &spacing,
+    ]);
+    common::Ended::from(command.output().unwrap())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn more_particles_than_the_process_may_hold_are_refused() {
+    // A million particles, in 300 MB of addresses.
+    let ended = limited(&Place::new(), "-v 300000", "\"0.0138 mm\"").expect_code(2);
+    ended.expect_told(&["too-many-particles", "the memory that may be used here holds"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn without_memory_or_room_for_a_file_a_run_ends_with_a_message() {
+    let place = Place::new();
+    // From where the deck is refused to where it runs.
+    let ended: Vec<_> = (20..=120).step_by(5).map(|mb| limited(&place, &format!("-v {mb}000"), "\"0.1 mm\"")).collect();
+    let out_of_memory =
+        ended.iter().filter(|ended| ended.code == Some(1) && ended.err.contains("error: out of memory: "));
+    assert!(out_of_memory.count() > 0, "{:?}", ended.iter().map(|ended| ended.code).collect::<Vec<_>>());
+    // Below some 30 MB the system cannot even start the program.
+    assert!(ended.iter().skip(4).all(|ended| ended.code.is_some_and(|code| code <= 2)), "{ended:?}");
+    limited(&place, "-f 20", "\"0.4 mm\"").expect_code(1).expect_told(&["File too large"]);
+}
+
 #[test]
 fn an_existing_folder_is_left_alone_unless_overwriting_is_asked_for() {
     let place = Place::new();

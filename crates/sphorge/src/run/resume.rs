@@ -11,7 +11,8 @@ use crate::{
     deck::{DeckReport, Setup, load_text_within},
     engine::{ENGINES, EngineKind, FieldSource, Simulation},
     output::{
-        AtPath, Checkpoint, Durability, OutputError, RunDirectory, Summary, checkpoints, regular_file, write_file,
+        AtPath, Checkpoint, Durability, OutputError, RunDirectory, Status, Summary, checkpoints, regular_file,
+        write_file,
     },
 };
 use std::{
@@ -43,13 +44,13 @@ pub enum ResumeError {
     #[error("there is no checkpoint in {} from which a run can go on", path.display())]
     #[diagnostic(
         code(sphorge::run::no_checkpoint),
-        help(
-            "a run saves its state every ten minutes and when it is stopped, unless `--checkpoint-minutes 0` was given; run the deck again"
-        )
+        help("{}", way_out(*has_ended))
     )]
     NoCheckpoint {
         /// The folder.
         path: PathBuf,
+        /// Whether the run in it has reached its end.
+        has_ended: bool,
     },
     /// A change that would make another run of it.
     #[error("`{key}` cannot change in a run that goes on")]
@@ -84,6 +85,15 @@ pub enum ResumeError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(RunError),
+}
+
+fn way_out(has_ended: bool) -> &'static str {
+    if has_ended {
+        "the run has reached its end, and its state there was not saved; run the deck again with a later `time.end`, or with `--checkpoint-at-end` to \
+         go on beyond"
+    } else {
+        "a run saves its state every ten minutes and when it is stopped, unless `--checkpoint-minutes 0` was given; run the deck again"
+    }
 }
 
 /// Goes on with the run in a folder from its last checkpoint that is whole and its own, to the same bits as if it had never been broken.
@@ -140,7 +150,9 @@ pub fn resume(
         observer.noted(&format!("{why}; it is passed over"));
         passed_over.push(file);
     }
-    Err(ResumeError::NoCheckpoint { path: path.to_owned() })
+    let has_ended = Summary::read(&directory)
+        .is_ok_and(|summary| matches!(summary.status, Status::Completed | Status::CompletedWithWarnings));
+    Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended })
 }
 
 /// What a run goes on from.
