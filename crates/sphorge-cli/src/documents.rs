@@ -23,6 +23,15 @@ fn spans_and_links(text: &str) -> (Vec<String>, Vec<String>) {
     (spans, links)
 }
 
+/// Pages of the user guide.
+fn guide() -> Vec<String> {
+    let files = fs::read_dir(root().join("docs/guide")).expect("the guide");
+    let names = files.map(|file| file.expect("a page").file_name().into_string().expect("a name in UTF-8"));
+    let pages: Vec<_> = names.map(|name| format!("docs/guide/{name}")).chain(["docs/README.md".to_owned()]).collect();
+    assert!(pages.len() > 6, "{pages:?}");
+    pages
+}
+
 /// Whether a code span is meant as a file or folder of the repository: by its ending, and not one a run writes.
 fn is_path(span: &str) -> bool {
     let made_by_a_run = ["out/", "DIR/", "fields/", "plots/", "fields.pvd", "deck.toml", "my.toml"];
@@ -142,9 +151,27 @@ fn assert_parses(line: &str, arguments: Vec<String>) {
 }
 
 #[test]
+fn every_deck_in_the_guide_can_be_run() {
+    let mut decks = 0;
+    for page in guide() {
+        let text = read(&page);
+        let fenced = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+        // The others show parts of decks.
+        for deck in fenced.filter(|deck| deck.starts_with("title =")) {
+            if let Err(report) = sphorge::deck::load_text("guide", deck, &[]) {
+                panic!("{page}: a deck cannot be run: {:?}\n{deck}", report.problems());
+            }
+            decks += 1;
+        }
+    }
+    assert!(decks >= 2, "{decks}");
+}
+
+#[test]
 fn every_command_in_the_documents_parses() {
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/adaptive-search.md", "docs/warnings.md"] {
-        for line in read(document).split("```sh").skip(1).flat_map(|s| s.split("```").next()).flat_map(str::lines) {
+    let others = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/adaptive-search.md", "docs/warnings.md"];
+    for document in others.map(str::to_owned).into_iter().chain(guide()) {
+        for line in read(&document).split("```sh").skip(1).flat_map(|s| s.split("```").next()).flat_map(str::lines) {
             match arguments(line) {
                 Some(arguments) => assert_parses(line, arguments),
                 None => assert!(is_known_shell(&words(line)), "{document}: what does `{line}` run?"),
@@ -180,6 +207,7 @@ fn is_known_shell(words: &[String]) -> bool {
         [] | ["git", "clone", ..] | ["cd", ..] | ["paraview", ..] => true,
         ["cargo", "test", "--workspace"] | ["cargo", "clippy", ..] | ["cargo", "doc", ..] => true,
         ["cargo", "test", "-p", package] => root().join("crates").join(package).exists(),
+        ["mdbook", "build", folder] => root().join(folder).join("book.toml").exists(),
         ["cargo", "install", "--path", path] => root().join(path).join("Cargo.toml").exists(),
         [script] | ["python3", script, ..] => root().join(script).exists(),
         _ => false,
