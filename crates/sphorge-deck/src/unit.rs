@@ -175,7 +175,8 @@ fn suggestion(name: &str) -> Option<String> {
     }
     // Mega and milli differ in case alone: offer the common one of the spellings that agree when case is ignored.
     let agree: Vec<String> = spellings().into_iter().filter(|s| s.to_lowercase() == folded).collect();
-    if let Some(best) = agree.iter().find(|s| s.starts_with(['M', 'G', 'k'])).or(agree.first()) {
+    let is_common = |s: &&String| s.starts_with(['M', 'G', 'k']) && !["Mm", "Ms", "Mg"].contains(&s.as_str());
+    if let Some(best) = agree.iter().find(is_common).or(agree.iter().find(|s| **s == folded)).or(agree.first()) {
         return Some(best.clone());
     }
     spellings()
@@ -373,6 +374,7 @@ mod tests {
         let error = parse_unit("kg/mmm^3").unwrap_err();
         assert_eq!((error.start, error.end, error.message.as_str()), (3, 6, "unknown unit `mmm`"));
         assert_eq!(parse_unit("mpa").unwrap_err().help.unwrap(), "did you mean `MPa`?");
+        assert_eq!(parse_unit("MM").unwrap_err().help.unwrap(), "did you mean `mm`?");
         assert!(parse_unit("J/kg K").unwrap_err().help.unwrap().contains("J/(kg K)"));
         assert!(parse_unit("J/(kg degC)").unwrap_err().help.unwrap().contains('K'));
         for bad in [

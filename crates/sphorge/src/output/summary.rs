@@ -140,8 +140,9 @@ impl fmt::Display for WarningRecord {
             (Some(body), None) => write!(f, ", in `{body}`")?,
             (None, _) => {}
         }
-        if let Some([x, y, z]) = self.position {
-            write!(f, " at ({x:.4e}, {y:.4e}, {z:.4e}) m")?;
+        if let Some(position) = self.position {
+            let [x, y, z] = position.map(|x| 1e3 * x);
+            write!(f, " at ({x:.4}, {y:.4}, {z:.4}) mm")?;
         }
         write!(f, "; {cure}")
     }
