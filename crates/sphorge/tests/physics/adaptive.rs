@@ -112,6 +112,43 @@ region = "top"
 velocity = ["0 m/s", "-10 m/s"]
 "#;
 
+/// A soft elastic bar pulled by its ends: neighbours change and nothing flows.
+const PULLED: &str = r#"
+dimensions = "plane-strain"
+method = "updated-lagrangian"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double", viscosity = { alpha = 1.0, beta = 1.0 } }
+time = { end = "240 us" }
+
+[material.soft]
+density = "1000 kg/m^3"
+young-modulus = "1 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "bar"
+material = "soft"
+shape = { box = { min = ["-20 mm", "-4 mm"], max = ["20 mm", "4 mm"] } }
+
+[[region]]
+name = "left"
+shape = { box = { min = ["-20 mm", "-4 mm"], max = ["-17 mm", "4 mm"] } }
+
+[[region]]
+name = "right"
+shape = { box = { min = ["17 mm", "-4 mm"], max = ["20 mm", "4 mm"] } }
+
+[[motion]]
+region = "left"
+velocity = ["-10 m/s", "0 m/s"]
+
+[[motion]]
+region = "right"
+velocity = ["10 m/s", "0 m/s"]
+"#;
+
 /// A run to a time, audited every ten steps; the worst of all audits.
 fn run(deck: &str, search: &str, end: f64) -> (Simulation, Audit) {
     let mut simulation = simulation(deck, &[("search", search), ("audit", "10")]);
@@ -151,6 +188,32 @@ fn a_late_strike_is_missed_by_the_published_rule_and_not_by_the_guarded_one() {
     assert_eq!(audit.missed_foreign_pairs, 0, "{audit:?}");
     assert!(audit.momentum_residual < 1e-14, "{audit:?}");
     assert!((speed(&guarded) / speed(&reference) - 1.0).abs() < 1e-3, "{} {}", speed(&guarded), speed(&reference));
+}
+
+#[test]
+fn elastic_strain_is_missed_by_the_published_rule_and_not_by_the_guarded_one() {
+    let (_, published) = run(PULLED, PUBLISHED, 240e-6);
+    let (_, guarded) = run(PULLED, GUARDED, 240e-6);
+    // The bar is 12 % longer in the end.
+    assert!(published.density_rate_error > 0.5 && published.force_error > 0.5, "{published:?}");
+    assert!(guarded.density_rate_error < 5e-3 && guarded.force_error < 5e-3, "{guarded:?}");
+}
+
+#[test]
+fn the_strain_bound_decides_who_is_searched() {
+    // Share of the particles searched until the waves from both ends have passed through each other: strains are a hundredth.
+    let searched = |bound: &str| {
+        let mut simulation =
+            simulation(PULLED, &[("search", &format!("{{ adaptive = {{ strain-bound = {bound} }} }}"))]);
+        let (mut sum, mut steps) = (0.0, 0);
+        while simulation.time() < 40e-6 {
+            sum += simulation.step(None).unwrap().searched_fraction;
+            steps += 1;
+        }
+        sum / f64::from(steps)
+    };
+    let (fine, usual, coarse) = (searched("1e-7"), searched("0.005"), searched("0.05"));
+    assert!(fine > 0.5 && usual < 0.5 * fine && coarse < 0.5 * usual, "{fine} {usual} {coarse}");
 }
 
 #[test]
