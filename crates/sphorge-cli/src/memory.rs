@@ -10,14 +10,45 @@ pub(crate) fn particle_limit() -> f64 {
     let free = read("/proc/meminfo").and_then(|text| available_bytes(&text));
     let addresses = read("/proc/self/limits").zip(read("/proc/self/status"));
     let addresses = addresses.and_then(|(limits, status)| addresses_left(&limits, &status));
-    let group = |most: &str, used: &str| {
-        Some(read(most)?.trim().parse::<f64>().ok()? - read(used)?.trim().parse::<f64>().ok()?)
-    };
-    let group = group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current").or_else(|| {
-        group("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes")
+    let groups = control_groups(&read("/proc/self/cgroup").unwrap_or_default());
+    let groups = groups.iter().filter_map(|(folder, names)| {
+        let file = |name: &str| read(&format!("{folder}/{name}"));
+        group_left(&file(names[0])?, &file(names[1])?, &file("memory.stat")?)
     });
-    let bytes = [free, addresses, group].into_iter().flatten().fold(f64::INFINITY, f64::min);
+    let bytes = [free, addresses].into_iter().flatten().chain(groups).fold(f64::INFINITY, f64::min);
     (bytes.max(0.0) / BYTES_PER_PARTICLE).min(MAX_PARTICLES)
+}
+
+/// Folders of the control groups of memory that the process is in, innermost first, by `/proc/self/cgroup`, each with the names of the files of
+/// limit and use: those of the second version, and of the first.
+fn control_groups(cgroup: &str) -> Vec<(String, [&'static str; 2])> {
+    let mut folders = Vec::new();
+    for line in cgroup.lines() {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (Some(controllers), Some(path)) = (parts.next(), parts.next()) else { continue };
+        let (root, names) = match controllers {
+            "" => ("/sys/fs/cgroup", ["memory.max", "memory.current"]),
+            _ if controllers.split(',').any(|name| name == "memory") => {
+                ("/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes"])
+            }
+            _ => continue,
+        };
+        let mut path = path.trim_end_matches('/');
+        loop {
+            folders.push((format!("{root}{path}"), names));
+            let Some(parent) = path.rfind('/') else { break };
+            path = &path[..parent];
+        }
+    }
+    folders
+}
+
+/// What a control group leaves, bytes: its limit less what is in use and cannot be given back, as files that are kept in memory can.
+fn group_left(most: &str, used: &str, stat: &str) -> Option<f64> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let of_stat = |name: &str| stat.lines().find_map(|line| number(line.strip_prefix(name)?.strip_prefix(' ')?));
+    let files = |kind: &str| of_stat(&format!("total_{kind}")).or_else(|| of_stat(kind)).unwrap_or(0.0);
+    Some(number(most)? - (number(used)? - files("inactive_file") - files("active_file")).max(0.0))
 }
 
 /// What `ulimit -v` leaves of the address space, bytes, by `/proc/self/limits` and `/proc/self/status`; `None` without a limit.
@@ -38,8 +69,8 @@ impl OrEnd {
             let _ = writeln!(
                 std::io::stderr(),
                 "error: out of memory: {bytes} bytes more were not to be had\n\
-                 Files that were written are complete; `sphorge resume` continues a run from its last checkpoint, `sphorge check` tells how \
-                 much memory a deck takes."
+                 Files that were written are complete; a run can be resumed from its last checkpoint. `sphorge check` tells how much memory a \
+                 deck takes."
             );
             std::process::exit(1);
         }
@@ -100,6 +131,27 @@ mod tests {
         let text = "MemTotal:       24000000 kB\nMemFree:         1000000 kB\nMemAvailable:   20000000 kB\n";
         assert_eq!(available_bytes(text), Some(20_000_000.0 * 1024.0));
         assert_eq!(available_bytes("nothing"), None);
+    }
+
+    #[test]
+    fn control_groups_are_read_up_to_the_root() {
+        let folders = |text| control_groups(text).into_iter().map(|(folder, names)| format!("{folder}/{}", names[0]));
+        let found: Vec<_> = folders("4:memory:/jobs/7\n2:cpu:/jobs\n0::/user/a.scope\n").collect();
+        let wanted = [
+            "/sys/fs/cgroup/memory/jobs/7/memory.limit_in_bytes",
+            "/sys/fs/cgroup/memory/jobs/memory.limit_in_bytes",
+            "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+            "/sys/fs/cgroup/user/a.scope/memory.max",
+            "/sys/fs/cgroup/user/memory.max",
+            "/sys/fs/cgroup/memory.max",
+        ];
+        assert_eq!(found, wanted);
+        assert_eq!(folders("0::/\n").collect::<Vec<_>>(), ["/sys/fs/cgroup/memory.max"]);
+        // 900 in use, of which 500 are files.
+        assert_eq!(group_left("1000\n", "900\n", "anon 400\ninactive_file 300\nactive_file 200\n"), Some(600.0));
+        let first_version = "inactive_file 1\nactive_file 1\ntotal_inactive_file 300\ntotal_active_file 100\n";
+        assert_eq!(group_left("1000\n", "900\n", first_version), Some(500.0));
+        assert_eq!(group_left("max\n", "900\n", ""), None);
     }
 
     #[test]
