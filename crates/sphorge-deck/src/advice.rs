@@ -159,7 +159,7 @@ fn hardest_impact(model: &Model, particles: &Particles) -> Option<Impact> {
         let at_rest = FlowState::at_rest(body.temperature);
         let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
         let yield_stress = material.flow_law.yield_stress(at_rest, &history).value;
-        let is_striker = between(own, [0.0; 3]) >= 0.5 * speed;
+        let is_striker = between(own, [0.0; 3]) >= 0.499 * speed;
         Impact {
             body: body.name.clone(),
             is_striker,

@@ -85,7 +85,7 @@ pub trait Engine: Send {
     fn find_faces(&mut self) -> Result<(), RunFailure>;
     /// Contact overlaps.
     fn find_overlaps(&mut self) -> Result<(), RunFailure>;
-    /// Forces of walls, gravity and contacts. What acts on faces has moments, which the stress takes up.
+    /// Forces of walls and contacts, and gravity. What acts on faces, not on centres, has moments, which the stress takes up.
     fn push_faces(&mut self) -> Result<(), RunFailure>;
     /// Trial stress, equation of state, return mapping, temperature.
     fn stress(&mut self) -> Result<(), RunFailure>;

@@ -126,7 +126,10 @@ impl Oracle {
                 let h = pair_smoothing_length(searched_h(i), searched_h(j)) * (1.0 + skin);
                 for (k, image) in self.images.iter().enumerate().filter(|(k, _)| *k > 0 || i != j) {
                     let x = minus(at[i], image.point(at[j]));
-                    if dot(x, x) < (support * h).powi(2) && image.is_of(model, at[j]) {
+                    // Heat crosses contacts between positions.
+                    let now = minus(p.position[i], image.point(p.position[j]));
+                    let squared = if is_foreign { dot(x, x).min(dot(now, now)) } else { dot(x, x) };
+                    if squared < (support * h).powi(2) && image.is_of(model, at[j]) {
                         let list = if is_foreign { &mut foreign } else { &mut rows };
                         list[i].push((j, k));
                     }

@@ -38,7 +38,10 @@ pub fn are_back_to_back<T: Scalar>(x: Vector<T>, normal_i: Vector<T>, normal_j: 
 /// to a part `lambda` of its thickness has its face nearer, at `lambda` times the depth `D` of the particle below it. So that faces meet,
 /// the particle stands for the contact at `z = x + D (c(lambda) - 1) n`: as far below the face as it was at rest. `n` is the present normal and
 /// `1/lambda = |F^-T N|`; `c = lambda` where the material is pressed. Where it is stretched along the normal `c = 2 - 1/lambda`, whose
-/// value and slope are the same at rest, and which keeps what is torn apart within two depths.
+/// value and slope are the same at rest, and which keeps the shift of what is torn apart below one depth.
+///
+/// The contact counts neighbours with their volumes at rest, though pressing spreads them: faces of material that was pressed to a half at constant
+/// volume overlap by a third of a spacing before they press each other. They stood off each other by half a spacing without the shift.
 ///
 /// A force `f` on `z` is one on `x` and the stress `P` of [`Self::stress`], which follows from `f . dz = f . dx - V P : dF`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -171,7 +171,7 @@ fn particles_come_from_a_file_with_units() {
 
 #[test]
 fn a_file_whose_particles_are_all_neighbours_is_refused() {
-    // The spacing is 10 mm: five particles along a line fit into it three or four to a cell.
+    // The spacing is 10 mm: two particles along a line, four to a cell.
     let grid = |pitch: f64| -> String {
         let at = |k: usize| (k as f64 + 0.5) * pitch;
         let rows = (0..100).map(|k| format!("{},{}\n", at(k % 10), at(k / 10)));

@@ -29,6 +29,7 @@ pub(super) struct ContactSearch {
     /// Spacing by body, m.
     spacing_of: Vec<f64>,
     has_self_contact: bool,
+    conducts: bool,
     /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'.
     members: Vec<u32>,
     /// Their positions, m, and smoothing lengths, m, and all their pairs.
@@ -53,6 +54,7 @@ impl ContactSearch {
             smoothing_length_of,
             spacing_of: model.bodies.iter().map(|body| body.spacing).collect(),
             has_self_contact: model.has_self_contact(),
+            conducts: model.thermal.conduction,
             members: Vec::new(),
             points: Vec::new(),
             smoothing_length: Vec::new(),
@@ -115,8 +117,13 @@ impl ContactSearch {
             [0, 1, 2].map(|a| x[a] + s[a])
         }));
         self.smoothing_length.clear();
-        self.smoothing_length
-            .extend(self.members.iter().map(|&i| self.smoothing_length_of[body.at(i as usize) as usize]));
+        // Heat crosses faces between positions, which are nearer each other than the places they stand at.
+        let beyond =
+            |i: usize| if self.conducts { 2.0 / self.support * dot(shift.at(i), shift.at(i)).sqrt() } else { 0.0 };
+        self.smoothing_length.extend(self.members.iter().map(|&i| {
+            let i = i as usize;
+            self.smoothing_length_of[body.at(i) as usize] + beyond(i)
+        }));
         let reach = Reach::new(&self.smoothing_length, factor);
         self.searcher.search(&self.points, own, &reach, displacement, instructions, &mut self.list);
         let surfaces = Surfaces::new(&particles.reference_normal, &particles.deformation, ghosts);

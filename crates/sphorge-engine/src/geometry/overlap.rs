@@ -74,7 +74,7 @@ fn meet(a: &Bounds, b: &Bounds, margin: f64) -> bool {
 /// Particles in a cell of one spacing from which on a file is refused: those of a third of the spacing. Neighbour lists grow with the square.
 const MOST_IN_A_CELL: [usize; 3] = [3, 9, 27];
 
-/// Particles of files that are crowded, the first place of each body.
+/// Particles of files that are crowded, the most crowded place of each body.
 pub(super) fn check_crowds(positions: &[[f64; 3]], starts: &[usize], model: &Model, errors: &mut Vec<FillError>) {
     let most = MOST_IN_A_CELL[model.dimensions.count() - 1];
     for (body, setup) in model.bodies.iter().enumerate() {

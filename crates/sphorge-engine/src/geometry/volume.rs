@@ -61,8 +61,8 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
-    /// Number of cells from `first` up to `end` whose middle is inside. Where the middle of the whole block is farther from the surface than its
-    /// corners are from it, all of them are or none is: signed distances differ by no more than the distance of the points.
+    /// Number of cells from `first` up to `end` whose middle is inside. Where the middle of the block is farther from the surface than from the
+    /// middles of its outermost cells, all of them are inside or none is: signed distances differ by no more than the distance of the points.
     fn inside(&self, first: [u32; 3], end: [u32; 3]) -> u64 {
         let middle =
             std::array::from_fn(|a| self.low[a] + 0.5 * (f64::from(first[a]) + f64::from(end[a])) * self.edge[a]);

@@ -49,7 +49,7 @@ pub struct FrameColumn {
 }
 
 /// Longest header that is scanned for the beginning of the data.
-const MAX_HEADER: usize = 1 << 17;
+const MAX_HEADER: usize = 1 << 20;
 const DATA_MARK: &str = "<AppendedData encoding=\"raw\">";
 
 impl FrameFile {

@@ -89,7 +89,7 @@ pub enum ResumeError {
 
 fn way_out(has_ended: bool) -> &'static str {
     if has_ended {
-        "the run has reached its end, and its state there was not saved; run the deck again with a later `time.end`, or with `--checkpoint-at-end` to \
+        "the run has reached its end and there is no state of it to go on from; run the deck again to a later end, or with `--checkpoint-at-end` to \
          go on beyond"
     } else {
         "a run saves its state every ten minutes and when it is stopped, unless `--checkpoint-minutes 0` was given; run the deck again"
