@@ -241,6 +241,13 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let sections = observed::sections(&raw.section, &scene, problems);
     let warnings = warnings::limits(&raw.warnings, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
+    if let (Some(text), Some(word)) = (&title, &raw.title)
+        && text.chars().any(char::is_control)
+    {
+        // It goes to terminals and files as it is.
+        let message = "expected a title of one line without control characters";
+        problems.push(Fault::new("control-character", message, word.span(), "this title"));
+    }
     check_together(raw, dimensions, strategy, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
     if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {

@@ -46,6 +46,12 @@ fn unknown_keys_name_the_nearest_or_where_they_belong() {
 }
 
 #[test]
+fn text_that_would_move_the_cursor_of_a_terminal_is_refused() {
+    let (title, escape) = ("\"Taylor impact of an Armco iron plate (Patiño et al., test 2)\"", "\"bar \\u001B[2J\"");
+    told(title, escape, "control-character", escape, "without control characters", "");
+}
+
+#[test]
 fn wrong_units_name_the_dimension_and_show_examples() {
     told("\"-200 m/s\"", "\"-200 mm\"", "wrong-quantity", "mm", "expected a velocity (m/s), found a length", "200 m/s");
     told("\"60 us\"", "\"60 usec\"", "wrong-quantity", "usec", "unknown unit `usec`", "a time (s)");
