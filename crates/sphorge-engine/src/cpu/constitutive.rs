@@ -11,7 +11,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::{SymmetricTensor, heat, stress, viscosity};
+use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, viscosity};
 
 /// What a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
@@ -457,27 +457,31 @@ impl<T: PairScalar> CpuEngine<T> {
         by_flow && self.heat.is_none() && self.particles.friction_heat.is_empty()
     }
 
-    /// Adds the strain of the step to what adaptive search looks at.
+    /// Adds the strain of the step to what adaptive search looks at: with plain gradients the plastic one alone, since the first pair sum adds
+    /// the corrected strain.
     pub(super) fn accumulate_strain(&mut self) {
-        let dt = self.step.dt;
+        let (dt, corrected) = (self.step.dt, self.formulation.is_corrected(&self.model));
         let Particles {
             velocity_gradient, plastic_strain_increment, strain_since_search, plastic_since_search, ..
         } = &mut self.particles;
-        let (velocity_gradient, plastic_strain_increment) = (&*velocity_gradient, &*plastic_strain_increment);
-        let columns = (
-            strain_since_search.par_chunks_mut(BLOCK),
-            plastic_since_search.par_chunks_mut(BLOCK),
-            velocity_gradient.par_chunks(BLOCK),
-            plastic_strain_increment.par_chunks(BLOCK),
-        );
-        columns.into_par_iter().for_each(|(strain, plastic, l, increment)| {
-            for (((strain, plastic), l), increment) in strain.iter_mut().zip(plastic).zip(l).zip(increment) {
-                let d = SymmetricTensor::symmetric_part(l);
-                *strain += dt * d.double_dot(d).sqrt();
-                *plastic += increment;
-            }
+        let columns = (plastic_since_search.par_chunks_mut(BLOCK), plastic_strain_increment.par_chunks(BLOCK));
+        columns.into_par_iter().for_each(|(plastic, increment)| {
+            plastic.iter_mut().zip(increment).for_each(|(plastic, increment)| *plastic += increment);
         });
+        if corrected {
+            let columns = (strain_since_search.par_chunks_mut(BLOCK), velocity_gradient.par_chunks(BLOCK));
+            columns.into_par_iter().for_each(|(strain, l)| {
+                strain.iter_mut().zip(l).for_each(|(strain, l)| *strain += dt * strain_rate(l));
+            });
+        }
     }
+}
+
+/// Fastest that a line of a particle with the velocity gradient `l` can shorten, 1/s, or a little more: the norm of the stretching.
+#[inline(always)]
+pub(super) fn strain_rate(l: &Tensor<f64>) -> f64 {
+    let d = SymmetricTensor::symmetric_part(l);
+    d.double_dot(d).sqrt()
 }
 
 /// Shear modulus of a particle in the state it is in, Pa.

@@ -253,6 +253,8 @@ columns! {
 
     pub(crate) strain_since_search: f64 = 0.0, AdaptiveSearch,
         Internal("", "integral of |D| since the last search of the particle"), Unmirrored[], None;
+    pub(crate) strain_correction: Tensor<f64> = UNDEFORMED, AdaptiveSearch,
+        Internal("", "gradient correction B of the strain that the guard counts, some steps old"), Unmirrored[], None;
     pub(crate) plastic_since_search: f64 = 0.0, AdaptiveSearch,
         Internal("", "plastic strain since the last search of the particle"), Unmirrored[], None;
     pub(crate) origin: Vector<f64> = [0.0; 3], AdaptiveSearch, Internal("m", "position at the start"), Unmirrored[], None;

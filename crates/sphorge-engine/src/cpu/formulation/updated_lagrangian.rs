@@ -2,17 +2,22 @@
 
 use super::Formulation;
 use crate::cpu::CpuEngine;
+use crate::cpu::constitutive::strain_rate;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
 use crate::lanes::PairScalar;
-use crate::model::{GradientCorrection, Integrator, Model};
+use crate::model::{AdaptiveSearch, GradientCorrection, Integrator, Model, Search};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{self, LARGEST_COMPONENT};
 use sphorge_physics::viscosity::ViscosityParameters;
 use sphorge_physics::{SymmetricTensor, Tensor, Vector, pair, stress, tensor};
+
+/// Steps from one sum of the moments to the next where the guard of adaptive search alone needs them. Waves go five smoothing lengths in them,
+/// and a neighbourhood that strains by the guard's bound changes its moments by as much, half a per cent.
+const STRAIN_CORRECTION_STEPS: u64 = 16;
 
 pub(super) struct UpdatedLagrangian;
 
@@ -49,7 +54,8 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
     }
 
     fn kinematics(&self, engine: &mut CpuEngine<T>) {
-        let half = 0.5 * engine.step.dt;
+        let step = engine.step.dt;
+        let half = 0.5 * step;
         let model = &*engine.model;
         let dimension = crate::cpu::dimension(model);
         let form = model.numerics.pair_form;
@@ -57,19 +63,21 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         let corrected = self.is_corrected_form(model);
         let sweep =
             GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
-        let Particles { velocity_gradient, neighbors, density, correction, .. } = &mut engine.particles;
+        let guarded = matches!(model.search, Search::Adaptive(AdaptiveSearch { guard: Some(_), .. }));
+        let Particles {
+            velocity_gradient, neighbors, density, correction, strain_since_search, strain_correction, ..
+        } = &mut engine.particles;
         let room = || [GradientSum::zero(); BLOCK];
-        let finish = |sum: &GradientSum<T>, rho: &mut f64, last: &Tensor<f64>, correction: Option<&mut Tensor<f64>>| {
-            let scale = pair::gradient_factor(form, stress::predicted_density(*rho, last, half));
-            let mut l = sum.gradient.map(|row| row.map(|v| v.to_f64() * scale));
-            if let Some(b_i) = correction {
-                let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
-                *b_i = gradient_correction::gradient_correction(&moment, dimension, LARGEST_COMPONENT);
-                l = tensor::multiply(&l, &tensor::transpose(b_i));
-            }
-            *rho = stress::density_after(*rho, &l, dt);
-            l
+        let correction_of = |sum: &GradientSum<T>, scale: f64| {
+            let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
+            gradient_correction::gradient_correction(&moment, dimension, LARGEST_COMPONENT)
         };
+        // The gradient, and the factor its sum was multiplied with.
+        let plain = |sum: &GradientSum<T>, rho: f64, last: &Tensor<f64>| {
+            let scale = pair::gradient_factor(form, stress::predicted_density(rho, last, half));
+            (sum.gradient.map(|row| row.map(|v| v.to_f64() * scale)), scale)
+        };
+        let corrected_by = |l: &Tensor<f64>, b_i: &Tensor<f64>| tensor::multiply(l, &tensor::transpose(b_i));
         let columns =
             (velocity_gradient.par_chunks_mut(BLOCK), neighbors.par_chunks_mut(BLOCK), density.par_chunks_mut(BLOCK));
         if corrected {
@@ -79,7 +87,36 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                 .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
                     sweep.block(b, true, sums);
                     for k in 0..l.len() {
-                        l[k] = finish(&sums[k], &mut rho[k], &l[k], Some(&mut correction[k]));
+                        let (gradient, scale) = plain(&sums[k], rho[k], &l[k]);
+                        correction[k] = correction_of(&sums[k], scale);
+                        l[k] = corrected_by(&gradient, &correction[k]);
+                        rho[k] = stress::density_after(rho[k], &l[k], dt);
+                        n[k] = sums[k].inside;
+                    }
+                });
+        } else if guarded {
+            // The strain the guard counts is the corrected one: on a free face plain sums see as little as half of it. Moments change no more
+            // than the material strains, and are summed now and then.
+            let is_due = engine.step.count.is_multiple_of(STRAIN_CORRECTION_STEPS);
+            (
+                columns.0,
+                columns.1,
+                columns.2,
+                strain_since_search.par_chunks_mut(BLOCK),
+                strain_correction.par_chunks_mut(BLOCK),
+            )
+                .into_par_iter()
+                .enumerate()
+                .for_each_init(room, |sums, (b, (l, n, rho, strain, correction))| {
+                    sweep.block(b, is_due, sums);
+                    for k in 0..l.len() {
+                        let scale;
+                        (l[k], scale) = plain(&sums[k], rho[k], &l[k]);
+                        if is_due {
+                            correction[k] = correction_of(&sums[k], scale);
+                        }
+                        strain[k] += step * strain_rate(&corrected_by(&l[k], &correction[k]));
+                        rho[k] = stress::density_after(rho[k], &l[k], dt);
                         n[k] = sums[k].inside;
                     }
                 });
@@ -87,7 +124,8 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
                 sweep.block(b, false, sums);
                 for k in 0..l.len() {
-                    l[k] = finish(&sums[k], &mut rho[k], &l[k], None);
+                    (l[k], _) = plain(&sums[k], rho[k], &l[k]);
+                    rho[k] = stress::density_after(rho[k], &l[k], dt);
                     n[k] = sums[k].inside;
                 }
             });
