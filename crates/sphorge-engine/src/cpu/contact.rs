@@ -156,6 +156,7 @@ impl Table {
     }
 }
 
+/// How far the places are from the positions, and how that changes.
 #[derive(Clone, Copy)]
 struct Shifts<'a> {
     shift: WithGhosts<'a, Vector<f64>>,
@@ -339,7 +340,13 @@ impl BodyContacts {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let search = self.search.as_ref().map_or(0, ContactSearch::bytes);
-        search + self.foreign.bytes() + self.partial.capacity() * size_of::<BlockSums>()
+        let pushes: usize = self.pushes.iter().map(Vec::capacity).sum();
+        let sums: usize = self.partial.iter().map(|block| block.0.capacity()).sum();
+        search
+            + self.foreign.bytes()
+            + pushes * size_of::<(usize, Push)>()
+            + sums * size_of::<(usize, PairSums)>()
+            + self.partial.capacity() * size_of::<BlockSums>()
     }
 
     /// The ghosts its pairs name, where they are not those of the neighbour list.

@@ -70,8 +70,9 @@ impl ContactSearch {
     /// Whether two particles may be nearer each other than the contact reaches and not be among the pairs.
     fn is_due(&self, particles: &Particles, displacement: DisplacementBound) -> bool {
         let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
-        // What the shifts have changed is spent. Particles are as they were at the last evaluation.
-        let half = 0.5 * SKIN * self.support * smallest - farthest_apart(&particles.contact_shift, &self.shifts);
+        // What the shifts have changed is spent, of the skin that a particle has: that of a pair is the mean of both. Particles are as they were
+        // at the last evaluation.
+        let half = smallest * (0.5 * SKIN * self.support - self.largest_change_of_shift(particles));
         // Images in symmetry planes are displaced otherwise than their sources.
         let differ =
             || !self.ghosts.halo.is_empty() || differ_beyond(&particles.position, &self.searched_at, 2.0 * half);
@@ -80,6 +81,16 @@ impl ContactSearch {
             || (!displacement.is_within(self.displacement, half)
                 && moved_beyond(&particles.position, &self.searched_at, half)
                 && differ())
+    }
+
+    /// Largest change of a shift since the last search, in smoothing lengths of the body.
+    fn largest_change_of_shift(&self, particles: &Particles) -> f64 {
+        let columns = (&particles.contact_shift, &self.shifts, &particles.body).into_par_iter().with_min_len(BLOCK);
+        let squared = |(now, then, &body): (&Vector<f64>, &Vector<f64>, &u32)| {
+            let way: f64 = (0..3).map(|k| (now[k] - then[k]).powi(2)).sum();
+            way / self.smoothing_length_of[body as usize].powi(2)
+        };
+        columns.map(squared).reduce(|| 0.0, f64::max).sqrt()
     }
 
     /// Makes the next search due, of other particles.
@@ -100,7 +111,9 @@ impl ContactSearch {
     ) {
         let factor = self.support * (1.0 + SKIN);
         let largest = self.smoothing_length_of.iter().copied().fold(0.0, f64::max);
-        if self.ghosts.halo.rebuild(&particles.position, factor * largest) {
+        // Particles of stretched material stand farther out than they are.
+        let farthest = largest_length(&particles.contact_shift);
+        if self.ghosts.halo.rebuild(&particles.position, factor * largest + farthest) {
             self.searcher.forget();
         }
         self.ghosts.exchange(FieldSet::Search, particles);
@@ -171,10 +184,9 @@ impl ContactSearch {
     }
 }
 
-/// Largest distance between points of the same number, m.
-fn farthest_apart(a: &[Vector<f64>], b: &[Vector<f64>]) -> f64 {
-    let squared = |(a, b): (&Vector<f64>, &Vector<f64>)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
-    a.par_iter().zip(b).with_min_len(BLOCK).map(squared).reduce(|| 0.0, f64::max).sqrt()
+/// Length of the longest vector.
+fn largest_length(vectors: &[Vector<f64>]) -> f64 {
+    vectors.par_iter().with_min_len(BLOCK).map(|v| dot(*v, *v)).reduce(|| 0.0, f64::max).sqrt()
 }
 
 impl<T: PairScalar> CpuEngine<T> {
