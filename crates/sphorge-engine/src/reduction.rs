@@ -4,7 +4,7 @@
 
 mod suspicion;
 
-pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion};
+pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion, TEARING_RADIUS, TEARING_SHARE};
 
 use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};

@@ -1,7 +1,7 @@
 //! When a run is said to be broken.
 
+use crate::fault::Problems;
 use crate::raw::RawWarnings;
-use crate::report::Problems;
 use sphorge_engine::model::{STOP_AT_STEPS, WarningKind, WarningLimits};
 use sphorge_physics::parameter::Bound;
 
@@ -14,6 +14,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::Hot, &raw.hot),
         (WarningKind::WallEnergy, &raw.wall_energy),
         (WarningKind::Pairing, &raw.pairing),
+        (WarningKind::Tearing, &raw.tearing),
         (WarningKind::Pieces, &raw.pieces),
         (WarningKind::LostNeighbors, &raw.lost_neighbors),
         (WarningKind::BehindSymmetry, &raw.behind_symmetry),

@@ -22,6 +22,9 @@ tables! {
         wall_energy: Option<Given<Number>>, example 0.3, default 0.2;
         /// Largest share of the particles of a body that have fallen together in pairs.
         pairing: Option<Given<Number>>, example 0.2, default 0.1;
+        /// Most particles of a body that cannot break (no `spall-pressure`, no damage) in zones where 40 % lie in pairs in tension, over those in a
+        /// ball of 2.5 spacings.
+        tearing: Option<Given<Number>>, example 3, default 1.0;
         /// Largest share of the particles of a body that cannot break (no `spall-pressure`, no damage) that are not part of its largest piece,
         /// beyond that at the start.
         pieces: Option<Given<Number>>, example 0.1, default 0.01;

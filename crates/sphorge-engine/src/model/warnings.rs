@@ -15,6 +15,8 @@ pub enum WarningKind {
     WallEnergy,
     /// Particles of one body that have fallen together in pairs.
     Pairing,
+    /// A zone of a body that cannot break in which particles have fallen together in pairs in tension.
+    Tearing,
     /// A body that cannot break in pieces.
     Pieces,
     /// Particles of a body that cannot break without the neighbours a gradient needs.
@@ -60,13 +62,14 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'st
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::Cold,
         Self::Hot,
         Self::WallEnergy,
         Self::Pairing,
+        Self::Tearing,
         Self::Pieces,
         Self::LostNeighbors,
         Self::BehindSymmetry,
@@ -118,6 +121,12 @@ impl WarningKind {
                 0.1,
                 "share of the particles of a body that lie in pairs",
                 "numerical fracture: use `search = \"total-lagrangian\"`, more `artificial-stress`, or a Wendland kernel",
+            ),
+            Self::Tearing => above(
+                "tearing",
+                1.0,
+                "particles of a body that cannot break in zones where 40 % lie in pairs in tension, over those that one kernel reaches",
+                "numerical fracture: see `pairing`; the body opens in gaps there without a law of fracture",
             ),
             Self::Pieces => above(
                 "pieces",

@@ -3,9 +3,15 @@
 //! Counts are whole numbers and the worst is the first by value, then by `id`: neither depends on the order particles are looked at in,
 //! so that all threads may look.
 
+mod pairs;
+mod pieces;
+
+pub use pairs::{PAIR_DISTANCE, PAIR_GAP, TEARING_RADIUS, TEARING_SHARE};
+
 use crate::model::{HeatBoundaryKind, Material, Model, SymmetryPlane};
-use crate::neighbors::CellGrid;
 use crate::particles::Particles;
+use pairs::{Pairs, Torn};
+use pieces::Pieces;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 
@@ -45,15 +51,13 @@ pub enum Suspicion {
     ///
     /// A lattice that is flattened by plastic flow is not suspected: its particles come near to two neighbours, one on either side.
     Paired,
+    /// In a body of a material that neither spalls nor is damaged: [`Suspicion::Paired`], in tension, and so are more than [`TEARING_SHARE`] of the
+    /// particles of the body up to [`TEARING_RADIUS`] local spacings away. The number is that share.
+    ///
+    /// What tears in a small part of a body is seen by this. Layers that compression lays on each other, as in the foot of a bar, are not in
+    /// tension, or not for long and not around.
+    Torn,
 }
-
-/// Distance of a pair below which it is suspicious, in local spacings.
-///
-/// Measured with this distance and [`PAIR_GAP`]: of an aluminium strip that is pulled in plane strain and comes apart in paired rows, no
-/// particle is in such a pair at 5 % elongation, 25 % are at 6 %, 57 % at 10 %; of a plate that mushrooms on a wall never more than 3 %.
-pub const PAIR_DISTANCE: f64 = 0.8;
-/// Distance of the next neighbour from which on two particles are a pair, in distances of the pair.
-pub const PAIR_GAP: f64 = 1.25;
 
 /// Numbers of one body in what comes back of a [`Suspicion`].
 const SUSPECT_NUMBERS: usize = 7;
@@ -169,10 +173,15 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
         }
         Suspicion::Paired => {
             let pairs = Pairs::find(model, p);
-            count(model, p, |i| match pairs.partner[i] {
-                ALONE => BLAMELESS,
-                _ => Some(Some((-pairs.distance[i], pairs.distance[i]))),
+            count(model, p, |i| match pairs.partner_of(i) {
+                None => BLAMELESS,
+                Some(_) => Some(Some((-pairs.distance(i), pairs.distance(i)))),
             })
+        }
+        Suspicion::Torn => {
+            let is_whole = wholes(model, p);
+            let torn = Torn::find(model, p);
+            count(model, p, |i| if is_whole(i) { suspect_above(torn.share(i), TEARING_SHARE) } else { None })
         }
     }
 }
@@ -225,143 +234,6 @@ fn count(model: &Model, p: &Particles, verdict: impl Fn(usize) -> Verdict + Sync
         [tally.particles as f64, tally.suspects as f64, number, id, x[0], x[1], x[2]]
     };
     tallies.into_iter().flat_map(numbers).collect()
-}
-
-/// Nobody.
-const ALONE: u32 = u32::MAX;
-
-/// Who lies with whom.
-struct Pairs {
-    /// Place of the partner in the columns, or [`ALONE`].
-    partner: Vec<u32>,
-    /// Distance from the nearest in local spacings; without a near one infinite.
-    distance: Vec<f64>,
-}
-
-impl Pairs {
-    fn find(model: &Model, p: &Particles) -> Self {
-        let dimensions = model.dimensions.count();
-        let power = 1.0 / dimensions as f64;
-        let spacing = |i: usize| {
-            let local = (p.mass[i] / p.density[i]).powf(power);
-            // A particle whose density has all but vanished must not ask for the whole body.
-            local.min(2.0 * model.bodies.get(p.body[i] as usize).map_or(model.spacing, |body| body.spacing))
-        };
-        let spacings: Vec<f64> = (0..p.len()).into_par_iter().with_min_len(CHUNK).map(spacing).collect();
-        let reach = PAIR_DISTANCE * PAIR_GAP;
-        let largest = reach * spacings.iter().copied().fold(0.0, f64::max);
-        let mut pairs = Self { partner: vec![ALONE; p.len()], distance: vec![f64::INFINITY; p.len()] };
-        if !(largest > 0.0 && largest.is_finite()) {
-            return pairs;
-        }
-        let mut grid = CellGrid::default();
-        grid.sort(&p.position, largest);
-        // The nearest of each, if it is near and the next one is not.
-        let nearest = |i: usize| {
-            let x = p.position[i];
-            let (mut first, mut second, mut who) = (f64::INFINITY, f64::INFINITY, ALONE);
-            for (begin, end) in grid.runs_around(&x) {
-                for &j in &grid.order()[begin..end] {
-                    let (k, y) = (j as usize, p.position[j as usize]);
-                    if k == i || p.body[k] != p.body[i] {
-                        continue;
-                    }
-                    let squared: f64 = (0..dimensions).map(|a| (x[a] - y[a]).powi(2)).sum();
-                    if squared < first {
-                        (first, second, who) = (squared, first, j);
-                    } else if squared < second {
-                        second = squared;
-                    }
-                }
-            }
-            let distance = first.sqrt() / spacings[i];
-            let is_alone = distance >= PAIR_DISTANCE || second < PAIR_GAP * PAIR_GAP * first;
-            if is_alone { (ALONE, distance) } else { (who, distance) }
-        };
-        let found: Vec<(u32, f64)> = (0..p.len()).into_par_iter().with_min_len(256).map(nearest).collect();
-        for (i, &(who, distance)) in found.iter().enumerate() {
-            let mutual = who != ALONE && found[who as usize].0 as usize == i;
-            pairs.partner[i] = if mutual { who } else { ALONE };
-            pairs.distance[i] = distance;
-        }
-        pairs
-    }
-}
-
-/// What hangs together. The particle of a piece with the lowest place stands for it.
-struct Pieces {
-    piece: Vec<u32>,
-    /// Particles of a piece, at the place of the one that stands for it.
-    sizes: Vec<u32>,
-    /// Largest piece of each body.
-    largest: Vec<u32>,
-}
-
-impl Pieces {
-    fn find(model: &Model, p: &Particles, is_whole: &impl Fn(usize) -> bool) -> Self {
-        let support = model.numerics.kernel.support();
-        let reach = support * p.smoothing_length.iter().copied().fold(0.0, f64::max);
-        // What hangs together in the configuration the sums are taken in.
-        let position = if p.reference_position.is_empty() { &p.position } else { &p.reference_position };
-        let mut pieces = Self {
-            piece: (0..p.len() as u32).collect(),
-            sizes: vec![0; p.len()],
-            largest: vec![ALONE; model.bodies.len()],
-        };
-        let any = (0..p.len()).any(is_whole);
-        if any && reach > 0.0 && reach.is_finite() {
-            let mut grid = CellGrid::default();
-            grid.sort(position, reach);
-            for i in (0..p.len()).filter(|&i| is_whole(i)) {
-                for (begin, end) in grid.runs_around(&position[i]) {
-                    // Each pair once.
-                    for j in grid.order()[begin..end]
-                        .iter()
-                        .map(|&j| j as usize)
-                        .filter(|&j| j < i && p.body[j] == p.body[i])
-                    {
-                        let (a, b) = (pieces.root(i), pieces.root(j));
-                        let h = p.smoothing_length[i].max(p.smoothing_length[j]);
-                        let squared = || (0..3).map(|a| (position[i][a] - position[j][a]).powi(2)).sum::<f64>();
-                        // Most are together already.
-                        if a != b && squared() < (support * h).powi(2) {
-                            pieces.piece[a.max(b)] = a.min(b) as u32;
-                        }
-                    }
-                }
-            }
-        }
-        for i in 0..p.len() {
-            let root = pieces.root(i);
-            pieces.piece[i] = root as u32;
-            pieces.sizes[root] += 1;
-        }
-        for root in 0..p.len() {
-            let Some(largest) = pieces.largest.get_mut(p.body[root] as usize) else { continue };
-            // Of equals the one that holds the particle with the lowest place.
-            if *largest == ALONE || pieces.sizes[root] > pieces.sizes[*largest as usize] {
-                *largest = root as u32;
-            }
-        }
-        pieces
-    }
-
-    /// Who stands for the piece of a particle; the way there is halved.
-    fn root(&mut self, mut i: usize) -> usize {
-        while self.piece[i] as usize != i {
-            self.piece[i] = self.piece[self.piece[i] as usize];
-            i = self.piece[i] as usize;
-        }
-        i
-    }
-
-    fn size_of(&self, i: usize) -> u32 {
-        self.sizes[self.piece[i] as usize]
-    }
-
-    fn is_largest(&self, i: usize, p: &Particles) -> bool {
-        self.largest.get(p.body[i] as usize).is_none_or(|&largest| largest == self.piece[i])
-    }
 }
 
 #[cfg(test)]

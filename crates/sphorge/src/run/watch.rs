@@ -9,7 +9,7 @@ use crate::{
         Ledger, ParticleSource, Quantity, Reduction, RunFailure, Simulation, StepReport,
         persist::{Archive, ArchiveError, Persist, persist_all, persist_option, require},
         persist_fields,
-        reduction::{Suspects, Suspicion},
+        reduction::{Suspects, Suspicion, TEARING_RADIUS},
     },
     model::{
         Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, TemperatureSource, TimeTable,
@@ -17,6 +17,7 @@ use crate::{
     },
     output::WarningRecord,
 };
+use std::f64::consts::PI;
 
 /// Steps between two looks at the particles.
 const PARTICLE_STEPS: u64 = 20;
@@ -156,7 +157,7 @@ impl Watch {
         // Sums over the neighbours of the start know no instability in tension.
         if engine.model().formulation == Formulation::UpdatedLagrangian && due(self.pairs_at, PAIR_STEPS) {
             self.pairs_at = Some(clock.step);
-            self.look_at_pairs(engine, clock)?;
+            self.look_at_pairs(engine, engine.model(), clock)?;
         }
         // Particles that leave a periodic cell come in at its other end, far from their piece.
         let is_open = engine.model().periodic.iter().all(Option::is_none);
@@ -291,14 +292,24 @@ impl Watch {
         Ok(())
     }
 
-    fn look_at_pairs(&mut self, source: &dyn ParticleSource, clock: Clock) -> Result<(), RunFailure> {
-        if self.limits.of(WarningKind::Pairing).is_none() {
-            return Ok(());
-        }
-        let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(Suspicion::Paired))?);
-        for (body, found) in bodies.iter().enumerate() {
-            if let Some(worst) = found.worst {
-                self.hold(WarningKind::Pairing, share_of(found), Place::of(worst, body), clock);
+    /// Looks for pairs, as a share of each body, and for zones of pairs in tension, over the particles that one kernel reaches.
+    fn look_at_pairs(&mut self, source: &dyn ParticleSource, model: &Model, clock: Clock) -> Result<(), RunFailure> {
+        let around = match model.dimensions.count() {
+            1 => 2.0 * TEARING_RADIUS,
+            2 => PI * TEARING_RADIUS.powi(2),
+            _ => 4.0 / 3.0 * PI * TEARING_RADIUS.powi(3),
+        };
+        for (kind, suspicion) in [(WarningKind::Pairing, Suspicion::Paired), (WarningKind::Tearing, Suspicion::Torn)] {
+            if self.limits.of(kind).is_none() {
+                continue;
+            }
+            let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
+            for (body, found) in bodies.iter().enumerate() {
+                let number =
+                    if kind == WarningKind::Pairing { share_of(found) } else { found.suspects as f64 / around };
+                if let Some(worst) = found.worst {
+                    self.hold(kind, number, Place::of(worst, body), clock);
+                }
             }
         }
         Ok(())

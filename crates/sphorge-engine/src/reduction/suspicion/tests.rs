@@ -282,6 +282,33 @@ fn a_lattice_that_has_flowed_is_no_pair() {
 }
 
 #[test]
+fn a_zone_of_pairs_in_tension_tears_and_nothing_else_does() {
+    let broken = model(vec![material("linear")]);
+    let torn = |model: &Model, p: &Particles| find(Suspicion::Torn, model, p)[0].suspects;
+    let mut p = block(1.0, 1.0, 0.55);
+    p.pressure.fill(-1e6);
+    assert_eq!(torn(&broken, &p), 64);
+    // A pair is in tension by the mean of its two.
+    for (i, pressure) in p.pressure.iter_mut().enumerate() {
+        *pressure = if p.position[i][1] == 0.0 { 0.9e6 } else { -1e6 };
+    }
+    assert_eq!(torn(&broken, &p), 64);
+    // Laid on each other by compression.
+    p.pressure.fill(1e6);
+    assert_eq!(torn(&broken, &p), 0);
+    // Pairs here and there: those below y = 2.5 alone are in tension, and only the lowest have more than 40 % of their like around.
+    for (i, pressure) in p.pressure.iter_mut().enumerate() {
+        *pressure = if p.position[i][1] < 1.0 && p.position[i][0] < 2.5 { -1e6 } else { 1e6 };
+    }
+    let few = find(Suspicion::Torn, &broken, &p)[0];
+    assert!(few.suspects < 6 && few.particles == 64, "{few:?}");
+    // What may break is not looked at.
+    let spalls = Material { spall_pressure: 1e9, ..material("linear") };
+    p.pressure.fill(-1e6);
+    assert_eq!(find(Suspicion::Torn, &model(vec![spalls]), &p)[0], Suspects { particles: 0, suspects: 0, worst: None });
+}
+
+#[test]
 fn only_particles_of_one_body_that_choose_each_other_pair() {
     let model = model(vec![material("linear"), material("linear")]);
     let mut p = particles(&[[0.0, 0.0], [0.4, 0.0], [9.0, 0.0], [9.4, 0.0]]);

@@ -153,8 +153,7 @@ fn particles_are_named_with_their_place() {
     assert_eq!((records[0].step, records[0].time, records[0].particle), (40, 0.5, Some(3)));
     assert_eq!((records[0].body.as_deref(), records[0].position), (Some("bar"), Some([1.5, 0.0, 0.0])));
     let text = records[0].to_string();
-    for part in ["cold: temperature is −9 K, limit 0 K", "500 ms (step 40)", "particle 3 of `bar`", "take less heat"]
-    {
+    for part in ["cold: temperature is -9 K, limit 0 K", "500 ms (step 40)", "particle 3 of `bar`", "take less heat"] {
         assert!(text.contains(part), "`{part}` is not in: {text}");
     }
 }
@@ -264,14 +263,40 @@ fn rows_that_fall_together_are_seen_by_their_share() {
     pair(&mut particles, a, b);
     pair(&mut particles, c, d);
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), CLOCK).unwrap();
+    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
     pair(&mut particles, e, f);
-    watch.look_at_pairs(&(&model, &particles), CLOCK).unwrap();
+    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(found(&watch, &model), one("pairing", 0.06));
     let (model, _) = strip("off = [\"pairing\"]");
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), CLOCK).unwrap();
+    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    assert_eq!(watch.count(), 0);
+}
+
+#[test]
+fn a_zone_that_tears_is_seen_however_large_the_body() {
+    let (model, mut particles) = strip("off = [\"pairing\"]");
+    // Columns of the left part fall together by twos, in tension.
+    let column = |x: f64| (x / 1e-3).floor() as i64;
+    let mut torn = 0;
+    for i in 0..particles.len() {
+        let k = column(particles.position[i][0]);
+        if (0..6).contains(&k) {
+            particles.position[i][0] += if k % 2 == 0 { 0.25e-3 } else { -0.25e-3 };
+            particles.pressure[i] = -1e6;
+            torn += 1;
+        }
+    }
+    let mut watch = begun(&model);
+    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    let seen = found(&watch, &model);
+    // Over those in a circle of 2.5 spacings.
+    let number = f64::from(torn) / (std::f64::consts::PI * 2.5 * 2.5);
+    assert!(seen.len() == 1 && seen[0].0 == "tearing" && (seen[0].1 - number).abs() < 1e-12, "{seen:?} {number}");
+    let (model, _) = strip("off = [\"pairing\", \"tearing\"]");
+    let mut watch = begun(&model);
+    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
 }
 

@@ -1,0 +1,84 @@
+//! Bodies that have come apart.
+
+use crate::model::Model;
+use crate::neighbors::CellGrid;
+use crate::particles::Particles;
+
+/// No particle.
+const NONE: u32 = u32::MAX;
+
+/// What hangs together. The particle of a piece with the lowest place stands for it.
+pub(super) struct Pieces {
+    piece: Vec<u32>,
+    /// Particles of a piece, at the place of the one that stands for it.
+    sizes: Vec<u32>,
+    /// Largest piece of each body.
+    largest: Vec<u32>,
+}
+
+impl Pieces {
+    pub(super) fn find(model: &Model, p: &Particles, is_whole: &impl Fn(usize) -> bool) -> Self {
+        let support = model.numerics.kernel.support();
+        let reach = support * p.smoothing_length.iter().copied().fold(0.0, f64::max);
+        // What hangs together in the configuration the sums are taken in.
+        let position = if p.reference_position.is_empty() { &p.position } else { &p.reference_position };
+        let mut pieces = Self {
+            piece: (0..p.len() as u32).collect(),
+            sizes: vec![0; p.len()],
+            largest: vec![NONE; model.bodies.len()],
+        };
+        let any = (0..p.len()).any(is_whole);
+        if any && reach > 0.0 && reach.is_finite() {
+            let mut grid = CellGrid::default();
+            grid.sort(position, reach);
+            for i in (0..p.len()).filter(|&i| is_whole(i)) {
+                for (begin, end) in grid.runs_around(&position[i]) {
+                    // Each pair once.
+                    for j in grid.order()[begin..end]
+                        .iter()
+                        .map(|&j| j as usize)
+                        .filter(|&j| j < i && p.body[j] == p.body[i])
+                    {
+                        let (a, b) = (pieces.root(i), pieces.root(j));
+                        let h = p.smoothing_length[i].max(p.smoothing_length[j]);
+                        let squared = || (0..3).map(|a| (position[i][a] - position[j][a]).powi(2)).sum::<f64>();
+                        // Most are together already.
+                        if a != b && squared() < (support * h).powi(2) {
+                            pieces.piece[a.max(b)] = a.min(b) as u32;
+                        }
+                    }
+                }
+            }
+        }
+        for i in 0..p.len() {
+            let root = pieces.root(i);
+            pieces.piece[i] = root as u32;
+            pieces.sizes[root] += 1;
+        }
+        for root in 0..p.len() {
+            let Some(largest) = pieces.largest.get_mut(p.body[root] as usize) else { continue };
+            // Of equals the one that holds the particle with the lowest place.
+            if *largest == NONE || pieces.sizes[root] > pieces.sizes[*largest as usize] {
+                *largest = root as u32;
+            }
+        }
+        pieces
+    }
+
+    /// Who stands for the piece of a particle; the way there is halved.
+    fn root(&mut self, mut i: usize) -> usize {
+        while self.piece[i] as usize != i {
+            self.piece[i] = self.piece[self.piece[i] as usize];
+            i = self.piece[i] as usize;
+        }
+        i
+    }
+
+    pub(super) fn size_of(&self, i: usize) -> u32 {
+        self.sizes[self.piece[i] as usize]
+    }
+
+    pub(super) fn is_largest(&self, i: usize, p: &Particles) -> bool {
+        self.largest.get(p.body[i] as usize).is_none_or(|&largest| largest == self.piece[i])
+    }
+}
