@@ -12,6 +12,9 @@ pub(crate) trait Read: Sized {
     /// Whether a key with such a value must be there.
     const REQUIRED: bool = true;
 
+    /// Whether a list goes on without an entry that cannot be read: a table of its own, and no component of something.
+    const STANDS_ALONE: bool = false;
+
     /// What is written. `None` if it is not of the form expected, which is checked, and told, before.
     fn read(written: Written<'_>) -> Option<Self>;
 
@@ -24,8 +27,9 @@ pub(crate) trait Read: Sized {
 impl<T: Read> Read for Option<T> {
     const EXPECTED: &'static Expected = T::EXPECTED;
     const REQUIRED: bool = false;
+    /// What is not of the form expected has been told, and is left out, so that other faults are told with it.
     fn read(written: Written<'_>) -> Option<Self> {
-        T::read(written).map(Some)
+        Some(T::read(written))
     }
     fn absent() -> Option<Self> {
         Some(None)
@@ -38,7 +42,11 @@ impl<T: Read> Read for Vec<T> {
         let Content::List(entries) = written.content() else { return None };
         let mut values = Self::with_capacity(entries.len());
         for entry in entries {
-            values.push(T::read(entry)?);
+            match T::read(entry) {
+                Some(value) => values.push(value),
+                None if T::STANDS_ALONE => {}
+                None => return None,
+            }
         }
         Some(values)
     }
@@ -77,8 +85,9 @@ impl<T: Read> Read for Named<T> {
         names.sort_unstable();
         let mut entries = Vec::with_capacity(names.len());
         for name in names {
-            let entry = T::read(Written::Item(table.get(name)?))?;
-            entries.push((Spanned::new(name.to_owned(), key_span(table, name)), entry));
+            if let Some(entry) = T::read(Written::Item(table.get(name)?)) {
+                entries.push((Spanned::new(name.to_owned(), key_span(table, name)), entry));
+            }
         }
         Some(Self(entries))
     }
@@ -107,7 +116,7 @@ impl<'a> TableReader<'a> {
 
     /// The value of the next key, empty if it is not written.
     pub(crate) fn value_or_empty<T: Read + Default>(&mut self) -> Option<T> {
-        self.next().map_or_else(|| Some(T::default()), T::read)
+        Some(self.next().and_then(T::read).unwrap_or_default())
     }
 }
 
@@ -128,6 +137,7 @@ pub(crate) const fn kebab<const N: usize>(field: &str) -> [u8; N] {
 /// after `as`), its type, and where they apply
 ///
 /// - `or empty`: what is not written is the default of the type,
+/// - `or fault`: a deck is wrong without it, and is read on for its other faults,
 /// - `example`: a value one may write, as JSON,
 /// - `default`: what it is when not written, as JSON,
 /// - `otherwise`: what it is when not written, in words.
@@ -138,7 +148,7 @@ macro_rules! tables {
         $table:ident {$(
             $(#[doc = $meaning:literal])*
             $field:ident $(as $name:literal)? : $type:ty
-                $(, or $empty:ident)? $(, example $example:tt)? $(, default $default:tt)? $(, otherwise $otherwise:literal)?;
+                $(, or $otherwise_is:ident)? $(, example $example:tt)? $(, default $default:tt)? $(, otherwise $otherwise:literal)?;
         )*}
     )+) => {$(
         $(#[doc = $comment])*
@@ -149,11 +159,12 @@ macro_rules! tables {
 
         impl $crate::declare::Read for $table {
             const EXPECTED: &'static $crate::expected::Expected = &$crate::expected::Expected::Table(Self::declared);
+            const STANDS_ALONE: bool = true;
 
             fn read(written: $crate::written::Written<'_>) -> Option<Self> {
                 let mut reader = $crate::declare::TableReader::new(written, Self::declared())?;
                 // The fields are evaluated as they stand here, which is the order of the keys.
-                Some(Self { $( $field: $crate::declare::read_next!(reader $(, $empty)?)?, )* })
+                Some(Self { $( $field: $crate::declare::read_next!(reader $(, $otherwise_is)?)?, )* })
             }
         }
 
@@ -164,7 +175,7 @@ macro_rules! tables {
                         name: $crate::declare::key_name!($field $($name)?),
                         comment: std::borrow::Cow::Borrowed(concat!($($meaning, "\n"),*)),
                         expected: *<$type as $crate::declare::Read>::EXPECTED,
-                        required: $crate::declare::required!($type $(, $empty)?),
+                        required: $crate::declare::required!($type $(, $otherwise_is)?),
                         example: $crate::declare::given!($(stringify!($example))?),
                         default: $crate::declare::given!($(std::borrow::Cow::Borrowed(stringify!($default)))?),
                         otherwise: $crate::declare::given!($($otherwise)?),
@@ -202,6 +213,9 @@ macro_rules! required {
     ($type:ty, empty) => {
         false
     };
+    ($type:ty, fault) => {
+        true
+    };
 }
 
 macro_rules! given {
@@ -219,6 +233,9 @@ macro_rules! read_next {
     };
     ($reader:ident, empty) => {
         $reader.value_or_empty()
+    };
+    ($reader:ident, fault) => {
+        $reader.value()
     };
 }
 

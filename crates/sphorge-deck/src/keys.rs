@@ -3,25 +3,78 @@
 
 use super::declare::Read;
 use super::expected::{Expected, Form, Key, lines};
+use super::fault::{Entries, Fault, Problems};
 use super::raw::RawDeck;
-use super::report::{Fault, Problems, listed, nearest};
+use super::suggest::{listed, nearest};
 use super::written::{self, Content, Written, key_span};
 use std::ops::Range;
-use toml_edit::TableLike;
+use toml_edit::{Table, TableLike};
 
 /// What is expected of a whole deck.
 pub(crate) const DECK: &Expected = RawDeck::EXPECTED;
 
-/// Reads the text of `problems`; `None` with its faults of form in `problems`.
+/// Reads the text of `problems`, whose faults of form go to `problems`: what has one is left out, so that what is wrong with the rest can
+/// be told with it. `None` if nothing can be read.
 pub(crate) fn read<T: Read>(problems: &mut Problems) -> Option<T> {
     let document = written::parse(problems)?;
     let whole = Written::Table(document.as_table());
     check(whole, T::EXPECTED, None, "", problems);
-    if problems.is_empty() { T::read(whole) } else { None }
+    if !problems.is_empty() {
+        problems.form_is_checked(entries(document.as_table(), T::EXPECTED));
+    }
+    T::read(whole)
 }
 
-/// Reports every fault of form of what is written at `path`.
-fn check(written: Written<'_>, expected: &Expected, key: Option<&Key>, path: &str, problems: &mut Problems) {
+/// Where the entries of a deck stand.
+fn entries(deck: &Table, expected: &Expected) -> Entries {
+    let mut places = Vec::new();
+    let mut entry = 0;
+    for (name, item) in deck.iter() {
+        let key = key_span(deck, name).start;
+        let is_named = matches!(expected.key(name), Some((Expected::Named(_), _)));
+        match Written::Item(item).content() {
+            Content::List(list) if !list.is_empty() => {
+                places.push((key, entry));
+                for written in list {
+                    entry += 1;
+                    collect(written, entry, &mut places);
+                }
+            }
+            Content::Table(named) if is_named => {
+                for (name, item) in named.iter() {
+                    entry += 1;
+                    places.push((key_span(named, name).start, entry));
+                    collect(Written::Item(item), entry, &mut places);
+                }
+            }
+            Content::List(_) | Content::Scalar(_) | Content::Table(_) => {
+                places.push((key, entry));
+                collect(Written::Item(item), entry, &mut places);
+            }
+        }
+        entry += 1;
+    }
+    Entries::new(places)
+}
+
+/// Where something begins, and all that is in it.
+fn collect(written: Written<'_>, entry: usize, places: &mut Vec<(usize, usize)>) {
+    places.extend(written.place().map(|place| (place.start, entry)));
+    match written.content() {
+        Content::Scalar(_) => {}
+        Content::List(list) => list.into_iter().for_each(|written| collect(written, entry, places)),
+        Content::Table(table) => {
+            for (name, item) in table.iter() {
+                places.extend(table.key(name).and_then(toml_edit::Key::span).map(|at| (at.start, entry)));
+                collect(Written::Item(item), entry, places);
+            }
+        }
+    }
+}
+
+/// Reports every fault of form of what is written at `path`, and says whether it can be read all the same; `key` is the one it is the
+/// value of, or part of the value.
+fn check(written: Written<'_>, expected: &Expected, key: Option<&Key>, path: &str, problems: &mut Problems) -> bool {
     let content = written.content();
     let form = match &content {
         Content::Table(_) => Form::Table,
@@ -30,41 +83,88 @@ fn check(written: Written<'_>, expected: &Expected, key: Option<&Key>, path: &st
     };
     if !expected.allows(form) {
         problems.push(wrong_form(form, expected, key, path, written.span()));
-        return;
+        return false;
     }
     match content {
         // Faults of the deck as a whole have no place.
         Content::Table(table) if path.is_empty() => check_table(table, expected, path, 0..0, problems),
         Content::Table(table) => check_table(table, expected, path, written.span(), problems),
-        Content::List(entries) => {
-            let (least, most) = expected.length();
-            let count = entries.len();
-            if count < least || count > most {
-                let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
-                let message = format!("expected {wanted} entries in `{path}`, found {count}");
-                problems.push(Fault::new("wrong-length", message, written.span(), "this list"));
-                return;
-            }
-            for (index, entry) in entries.into_iter().enumerate() {
-                if let Some(item) = expected.item(index) {
-                    check(entry, item, None, path, problems);
-                }
-            }
-        }
-        Content::Scalar(_) => {}
+        Content::List(entries) => check_list(entries, expected, key, path, written.span(), problems),
+        Content::Scalar(_) => true,
     }
 }
 
-fn check_table(table: &dyn TableLike, expected: &Expected, path: &str, at: Range<usize>, problems: &mut Problems) {
+fn check_list(
+    entries: Vec<Written<'_>>,
+    expected: &Expected,
+    key: Option<&Key>,
+    path: &str,
+    at: Range<usize>,
+    problems: &mut Problems,
+) -> bool {
+    let (least, most) = expected.length();
+    let count = entries.len();
+    if count < least || count > most {
+        let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
+        let plural = if most == 1 { "entry" } else { "entries" };
+        let message = format!("expected {wanted} {plural} in `{path}`, found {count}");
+        problems.push(with_example(Fault::new("wrong-length", message, at, "this list"), key));
+        return false;
+    }
+    let mut is_read = true;
+    for (index, entry) in entries.into_iter().enumerate() {
+        let Some(item) = expected.item(index) else { continue };
+        if check(entry, item, key, path, problems) {
+            continue;
+        }
+        // A table of a list has a name others may refer to; a number of a list is a part of something.
+        if item.table().is_some() {
+            problems.lacks_an_entry();
+        } else {
+            is_read = false;
+        }
+    }
+    is_read
+}
+
+fn check_table(
+    table: &dyn TableLike,
+    expected: &Expected,
+    path: &str,
+    at: Range<usize>,
+    problems: &mut Problems,
+) -> bool {
+    let mut meant = Vec::new();
+    let mut is_read = true;
     for (name, item) in table.iter() {
         match expected.key(name) {
-            Some((inner, key)) => check(Written::Item(item), inner, key, &joined(path, name), problems),
-            None => problems.push(unknown(name, expected, path).at(key_span(table, name))),
+            Some((inner, key)) => {
+                let value_is_read = check(Written::Item(item), inner, key, &joined(path, name), problems);
+                is_read &= value_is_read || key.is_some_and(|key| !key.required);
+                // What a deck names itself, or a list of such.
+                if !value_is_read && (key.is_none() || path.is_empty()) {
+                    problems.lacks_an_entry();
+                }
+            }
+            None if problems.is_full() => problems.count_another(),
+            None => {
+                let unknown = unknown(name, expected, path);
+                if path.is_empty() {
+                    problems.lacks_an_entry();
+                }
+                meant.extend(unknown.meant);
+                problems.push(unknown.at(key_span(table, name)));
+            }
         }
     }
     for key in expected.keys().iter().filter(|key| key.required && !table.contains_key(key.name)) {
-        problems.push(missing(key, path, at.clone()));
+        is_read = false;
+        // The slip has been told.
+        if !meant.contains(&key.name) {
+            problems.push(missing(key, path, at.clone()));
+        }
     }
+    is_read
 }
 
 fn joined(path: &str, name: &str) -> String {
@@ -95,8 +195,25 @@ fn names(expected: &Expected) -> Vec<&'static str> {
     expected.keys().iter().map(|key| key.name).collect()
 }
 
+/// A value of the key as one may write it: that of its declaration, or the keys that a table must have.
 fn example(key: &Key) -> Option<String> {
-    Some(format!("{} = {}", key.name, toml_text(&key.example()?)))
+    let value = match key.example() {
+        Some(value) => toml_text(&value),
+        None => {
+            let required: Option<Vec<String>> =
+                key.expected.keys().iter().filter(|inner| inner.required).map(example).collect();
+            let required = required.filter(|keys| !keys.is_empty())?;
+            format!("{{ {} }}", required.join(", "))
+        }
+    };
+    Some(format!("{} = {value}", key.name))
+}
+
+fn with_example(fault: Fault, key: Option<&Key>) -> Fault {
+    match key.and_then(example) {
+        Some(example) => fault.help(format!("for example {example}")),
+        None => fault,
+    }
 }
 
 /// A JSON value as TOML.
@@ -120,9 +237,12 @@ fn wrong_form(found: Form, expected: &Expected, key: Option<&Key>, path: &str, a
     };
     let fault =
         Fault::new("wrong-type", format!("`{path}` must be {}", wanted(expected)), at, format!("found {found}"));
-    match key.and_then(example) {
-        Some(example) => fault.help(format!("for example {example}")),
-        None => fault,
+    match key {
+        // A list of tables has two brackets.
+        Some(key) if found == "a table" && expected.item(0).is_some_and(|entry| !entry.keys().is_empty()) => {
+            fault.help(format!("a list of tables has two brackets: [[{}]]", key.name))
+        }
+        _ => with_example(fault, key),
     }
 }
 
@@ -133,20 +253,23 @@ fn missing(key: &Key, path: &str, at: Range<usize>) -> Fault {
     let fault = Fault::new("missing-key", format!("{place} has no `{name}`"), at, "missing here");
     let shown = match example(key) {
         Some(example) => example,
-        None if path.is_empty() => format!("[{name}] with {}", wanted(&key.expected)),
-        None => format!("{name}: {}", wanted(&key.expected)),
+        None => format!("{name}, {}", wanted(&key.expected)),
     };
-    fault.help(format!("add {shown}    ({})", lines(&key.comment).trim_end_matches('.')))
+    let meaning = lines(&key.comment).replace('\n', " ");
+    fault.help(format!("add {shown}    ({})", meaning.trim_end_matches('.')))
 }
 
 /// An unknown key, still without a place.
 pub(crate) struct Unknown {
     message: String,
     help: String,
+    /// The key of this table that is probably meant.
+    meant: Option<&'static str>,
 }
 
 impl Unknown {
     /// The fault at a place.
+    #[cfg_attr(test, track_caller)]
     pub(crate) fn at(self, at: Range<usize>) -> Fault {
         Fault::new("unknown-key", self.message, at, "not known here").help(self.help)
     }
@@ -160,9 +283,10 @@ pub(crate) fn unknown(name: &str, expected: &Expected, path: &str) -> Unknown {
     // A key that is right elsewhere is meant, rather than one that looks alike here.
     let elsewhere = tables_with(name);
     let elsewhere = (!elsewhere.is_empty()).then(|| format!("`{name}` belongs to {}. ", listed(elsewhere, "or")));
-    let near = || nearest(name, options.iter().copied()).map(|n| format!("did you mean `{n}`? "));
+    let meant = if elsewhere.is_some() { None } else { nearest(name, options.iter().copied()) };
+    let near = || meant.map(|key| format!("did you mean `{key}`? "));
     let help = elsewhere.or_else(near).unwrap_or_default() + &format!("Known keys: {}.", listed(options, "and"));
-    Unknown { message, help }
+    Unknown { message, help, meant }
 }
 
 /// Tables of the deck, one level down, that know a key.

@@ -4,11 +4,13 @@
 //! (`interpret`) -> particles ([`sphorge_engine::geometry`]).
 
 mod advice;
+mod argument;
 mod choice;
 pub mod decks;
 mod declare;
 pub(crate) mod defaults;
 mod expected;
+mod fault;
 mod interpret;
 mod keys;
 mod load;
@@ -16,12 +18,14 @@ pub mod material;
 mod method;
 mod overrides;
 mod placement;
+mod printable;
 pub(crate) mod quantity;
 pub(crate) mod raw;
 mod report;
 mod scalar;
 mod schema;
 mod strategy;
+mod suggest;
 mod unit;
 mod value;
 mod written;
@@ -30,7 +34,9 @@ mod written;
 mod tests;
 
 pub use advice::{Advice, advice};
+pub use argument::read_quantity;
 pub use load::{Setup, load, load_model, load_text, load_text_within};
+pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
 

@@ -1,8 +1,9 @@
 //! The way from a text to a setup.
 
+use super::fault::Problems;
 use super::interpret::{Interpreted, interpret};
 use super::raw::RawDeck;
-use super::report::{DeckReport, Problems};
+use super::report::DeckReport;
 use super::{keys, overrides, placement};
 use sphorge_engine::{
     Particles,
@@ -10,6 +11,7 @@ use sphorge_engine::{
     model::{Model, Solid},
 };
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{self, Read},
     path::Path,
@@ -31,15 +33,15 @@ pub struct Setup {
     pub notes: Vec<String>,
 }
 
-/// Longest deck, bytes.
-const LONGEST: u64 = 64 << 20;
+/// Longest deck, bytes: read in seconds. Numbers by the thousand belong into a file of their own.
+const LONGEST: u64 = 8 << 20;
 
 /// The text of a deck, which may come through a pipe, but not without end.
 fn read_text(path: &Path) -> io::Result<String> {
     let mut text = String::new();
     let length = File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)? as u64;
     if length > LONGEST {
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "no deck is longer than 64 MB"));
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "no deck is longer than 8 MB"));
     }
     Ok(text)
 }
@@ -51,8 +53,14 @@ fn read_text(path: &Path) -> io::Result<String> {
 pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) -> Result<Setup, DeckReport> {
     let shown = path.display().to_string();
     let text = read_text(path).map_err(|error| {
-        let help =
-            if path.is_dir() { "this is a folder; name a deck, a .toml file" } else { "check the path of the deck" };
+        let help = match error.kind() {
+            _ if path.is_dir() => "this is a folder; name a deck, a .toml file",
+            io::ErrorKind::InvalidData => "a deck is a text in UTF-8",
+            io::ErrorKind::FileTooLarge => {
+                "particles by the thousand belong into a CSV file: `shape = { table = ... }`"
+            }
+            _ => "check the path of the deck",
+        };
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), Some(help.to_owned()))
     })?;
     let name = path.file_stem().map_or_else(|| "deck".to_owned(), |stem| stem.to_string_lossy().into_owned());
@@ -93,7 +101,7 @@ pub fn load_text_within(
     read(name, name, text, None, overrides, most_particles)
 }
 
-fn read(
+pub(super) fn read(
     shown: &str,
     name: &str,
     text: &str,
@@ -130,19 +138,18 @@ fn read(
 
 /// A deck that finds its tables from any folder.
 fn with_whole_paths(text: String, model: &Model) -> Result<String, DeckReport> {
-    let whole = model.bodies.iter().filter_map(|body| {
+    let whole = model.bodies.iter().enumerate().filter_map(|(index, body)| {
         let Solid::Cloud { file, .. } = &body.shape.solid else { return None };
         let path = std::path::absolute(file).ok()?;
-        Some((format!("body.{}.shape.table.file", body.name), format!("{:?}", path.to_str()?)))
+        Some((index, path.to_str()?.to_owned()))
     });
-    let whole: Vec<_> = whole.collect();
-    Ok(if whole.is_empty() { text } else { overrides::apply(&text, &whole)?.unwrap_or(text) })
+    let whole: BTreeMap<_, _> = whole.collect();
+    Ok(if whole.is_empty() { text } else { overrides::with_files(&text, &whole)?.unwrap_or(text) })
 }
 
 /// The model of the text of `problems`, without particles.
 pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<Interpreted, DeckReport> {
     let raw: Option<RawDeck> = keys::read(problems);
-    problems.check()?;
     let interpreted = raw.and_then(|raw| interpret(&raw, name, problems));
     problems.check()?;
     interpreted.ok_or_else(|| problems.report("the deck could not be interpreted"))

@@ -4,8 +4,11 @@
 //! `particles.spacing`, `body.bar.velocity.1`, `body.0.material`, `material.armco-iron.density`.
 
 use super::expected::{Expected, Form};
+use super::fault::{Fault, Problems};
 use super::keys::{self, DECK};
-use super::report::{DeckReport, Fault, Problems, suggest};
+use super::report::DeckReport;
+use super::suggest::suggest;
+use std::collections::BTreeMap;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
 /// The text with the overrides worked in; `None` if the text is no TOML, which reading it will report.
@@ -19,6 +22,32 @@ pub(crate) fn apply(text: &str, overrides: &[(String, String)]) -> Result<Option
         problems.check()?;
     }
     Ok(Some(document.to_string()))
+}
+
+/// The text with other files of particles for the bodies at these places of the list.
+pub(crate) fn with_files(text: &str, files: &BTreeMap<usize, String>) -> Result<Option<String>, DeckReport> {
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(None) };
+    let path: Vec<_> = ["shape", "table", "file"].map(|key| Segment { key: key.to_owned(), at: 0..0 }).into();
+    let set = |(index, place): (usize, Place<'_>)| match (files.get(&index), body()) {
+        (Some(file), Some(expected)) => set_in(place, expected, &path, "body", Value::from(file.as_str())),
+        _ => Ok(()),
+    };
+    let changed: Result<(), Fault> = match document.get_mut("body") {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().map(|table| Place::Table(table, false)).enumerate().try_for_each(set)
+        }
+        Some(Item::Value(Value::Array(entries))) => entries.iter_mut().map(Place::Value).enumerate().try_for_each(set),
+        _ => Ok(()),
+    };
+    let mut problems = Problems::new("--set", text);
+    changed.unwrap_or_else(|fault| problems.push(fault));
+    problems.check()?;
+    Ok(Some(document.to_string()))
+}
+
+/// What is expected of a body.
+fn body() -> Option<&'static Expected> {
+    DECK.key("body").and_then(|(list, _)| list.item(0))
 }
 
 /// A value as TOML, or as the text it is.
@@ -111,7 +140,8 @@ fn implicit() -> Table {
 fn nothing_below(name: &str, expected: &Expected, next: &Segment, present: bool) -> Fault {
     let at = next.at.clone();
     if expected.allows(Form::List) && !present {
-        return Fault::new("override", format!("the deck has no `{name}` to change"), at, "not in the deck");
+        let fault = Fault::new("override", format!("the deck has no `{name}` to change"), at, "not in the deck");
+        return fault.help("only what is in the deck can be changed; add the entry to the deck");
     }
     Fault::new("override", format!("`{name}` is a single value"), at, "nothing is below it").help("end the path there")
 }

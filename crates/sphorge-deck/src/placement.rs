@@ -1,7 +1,7 @@
 //! Faults of placement, found when particles exist, told in terms of the deck.
 
+use super::fault::{Fault, Problems};
 use super::interpret::SourceSpans;
-use super::report::{Fault, Problems};
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{
     BYTES_PER_PARTICLE, BoundingPlane, FillError, FilledMass, MASS_TOLERANCE, MAX_PARTICLES, fitting_spacings,
@@ -37,10 +37,14 @@ pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Sourc
     }
 }
 
-/// One sentence for each body that weighs more or less than its shape, or ends in a plane its lattice does not end at.
+/// Bodies that are told of one by one.
+const TOLD: usize = 20;
+
+/// One sentence for each body, up to a number of them, that weighs more or less than its shape, or ends in a plane its lattice does not end at.
 pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass]) -> Vec<String> {
     let layers = misplaced_layers(model, particles);
     let mut notes = Vec::new();
+    let mut more = 0;
     for (index, (body, mass)) in model.bodies.iter().zip(masses).enumerate() {
         let mut faults = Vec::new();
         let excess = mass.excess();
@@ -61,6 +65,10 @@ pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass])
         if faults.is_empty() {
             continue;
         }
+        if notes.len() == TOLD {
+            more += 1;
+            continue;
+        }
         let mut cures = Vec::new();
         if body.lattice.placement == LatticePlacement::OnFaces {
             cures.push("`placement = \"cell-centres\"`".to_owned());
@@ -77,6 +85,9 @@ pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass])
             cures.push("a finer spacing fits better".to_owned());
         }
         notes.push(format!("body `{}`: {}; {}", body.name, faults.join(", "), cures.join(", or ")));
+    }
+    if more > 0 {
+        notes.push(format!("{more} more bodies do not fit their spacing"));
     }
     notes
 }
@@ -110,13 +121,21 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
         }
         FillError::TooMany { body, count, limit } => {
             let gigabytes = count * BYTES_PER_PARTICLE / 1e9;
-            let message = format!("the deck makes about {count:.2e} particles, which take about {gigabytes:.1e} GB");
+            let memory = if gigabytes < 1e4 { format!("{gigabytes:.0}") } else { format!("{gigabytes:.1e}") };
+            let message = format!("the deck makes about {count:.2e} particles, which take about {memory} GB");
             let why = if limit < MAX_PARTICLES { "the memory that may be used here holds" } else { "the limit is" };
             let d = model.dimensions.count() as f64;
             let coarser = model.bodies[body].spacing * (count / 1e6).powf(1.0 / d);
+            // Where a unit has slipped by far it says nothing.
+            let is_sensible = (1e-7..1e3).contains(&coarser);
+            let cure = if is_sensible {
+                format!("; a spacing of {} makes a million", millimetres(coarser))
+            } else {
+                "; check the units".to_owned()
+            };
             Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")
                 .also(places.bodies[body].clone(), "most of them here")
-                .help(format!("{why} {limit:.0e}; a spacing of {} makes a million", millimetres(coarser)))
+                .help(format!("{why} {limit:.0e}{cure}"))
         }
         FillError::Crowded { body, position, count, spacing } => {
             let message = format!("particles of body `{}` are far nearer each other than its spacing", name(body));
@@ -158,7 +177,11 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
         }
         FillError::AcrossSymmetry { plane, body, distance } => {
             let message = format!("body `{}` reaches across a symmetry plane, or meets its image", name(body));
-            let label = format!("its particles come to {} from the plane", millimetres(distance));
+            let label = if distance < 0.0 {
+                format!("its particles reach {} behind the plane", millimetres(-distance))
+            } else {
+                format!("its particles come within {} of the plane", millimetres(distance))
+            };
             Fault::new("across-symmetry", message, places.symmetry[plane].clone(), "this plane")
                 .also(places.bodies[body].clone(), label)
                 .help("let the body end at the plane, with particles at cell centres (`intersection` with a box cuts off what is behind); check `side`")

@@ -76,7 +76,7 @@ impl From<PhysicalQuantity> for QuantityKind {
                 name: "quantity",
                 si_unit,
                 dimension: parse_unit(si_unit).map_or(Self::NUMBER.dimension, |unit| unit.dimension),
-                examples: "a number and a unit",
+                examples: "",
             },
         }
     }
@@ -129,17 +129,30 @@ fn scaled(number: &str, mantissa: usize, unit: Unit) -> Option<f64> {
     Some(moved.parse::<f64>().ok()? * unit.factor + unit.offset)
 }
 
+#[cfg_attr(test, track_caller)]
+fn refused(at: Range<usize>, message: String, help: Option<String>) -> Result<f64, QuantityError> {
+    #[cfg(test)]
+    crate::fault::sites::note();
+    Err(QuantityError { at, message, help })
+}
+
 /// Reads `text` as a quantity of the given kind; SI value.
 pub(crate) fn parse_quantity(text: &str, kind: QuantityKind) -> Result<f64, QuantityError> {
-    let fault = |at: Range<usize>, message: String, help: Option<String>| Err(QuantityError { at, message, help });
     let lead = text.len() - text.trim_start().len();
     let body = text.trim();
-    let asked = format!("write {}, for example {}", with_article(kind), kind.examples);
+    let asked = match kind.examples {
+        "" => format!("write {}: a number and a unit", with_article(kind)),
+        examples => format!("write {}, for example {examples}", with_article(kind)),
+    };
     let Some((mantissa, end)) = number_length(body) else {
-        return fault(0..text.len(), format!("expected {}", with_article(kind)), Some(asked));
+        return refused(0..text.len(), format!("expected {}", with_article(kind)), Some(asked));
     };
     let (number, unit_text) = body.split_at(end);
     let unit_at = lead + end;
+    if unit_text.starts_with(',') && unit_text[1..].starts_with(|c: char| c.is_ascii_digit()) {
+        let message = "a number has a decimal point, not a comma".to_owned();
+        return refused(unit_at..unit_at + 1, message, Some(asked));
+    }
     let unit = if unit_text.trim().is_empty() {
         // A number without unit is in SI, quoted or not.
         Unit { factor: 1.0, exponent: 0, offset: 0.0, dimension: kind.dimension }
@@ -147,8 +160,10 @@ pub(crate) fn parse_quantity(text: &str, kind: QuantityKind) -> Result<f64, Quan
         match parse_unit(unit_text) {
             Ok(unit) => unit,
             Err(error) => {
-                let help = error.help.map_or(asked.clone(), |h| format!("{h} {asked}"));
-                return fault(unit_at + error.start..unit_at + error.end, error.message, Some(help));
+                let help = error
+                    .help
+                    .map_or(asked.clone(), |h| format!("{h}{} {asked}", if h.ends_with('?') { " Or" } else { ";" }));
+                return refused(unit_at + error.start..unit_at + error.end, error.message, Some(help));
             }
         }
     };
@@ -156,11 +171,11 @@ pub(crate) fn parse_quantity(text: &str, kind: QuantityKind) -> Result<f64, Quan
         let message =
             format!("expected {}, found {} in `{}`", with_article(kind), described(unit.dimension), unit_text.trim());
         let start = unit_at + unit_text.len() - unit_text.trim_start().len();
-        return fault(start..lead + body.len(), message, Some(asked));
+        return refused(start..lead + body.len(), message, Some(asked));
     }
     match scaled(number, mantissa, unit) {
         Some(value) if value.is_finite() => Ok(value),
-        _ => fault(lead..lead + body.len(), "the number is out of range".to_owned(), Some(asked)),
+        _ => refused(lead..lead + body.len(), "the number is out of range".to_owned(), Some(asked)),
     }
 }
 
@@ -173,25 +188,34 @@ fn with_article(kind: QuantityKind) -> String {
     }
 }
 
+/// Kinds by their dimension; of those that share one the most common.
+const KNOWN: [QuantityKind; 15] = [
+    QuantityKind::NUMBER,
+    QuantityKind::LENGTH,
+    QuantityKind::TIME,
+    QuantityKind::VELOCITY,
+    QuantityKind::ACCELERATION,
+    QuantityKind::RATE,
+    QuantityKind::DENSITY,
+    QuantityKind::PRESSURE,
+    QuantityKind::TEMPERATURE,
+    QuantityKind::SPECIFIC_HEAT,
+    QuantityKind::CONDUCTIVITY,
+    QuantityKind::HEAT_FLUX,
+    QuantityKind::HEAT_TRANSFER,
+    QuantityKind::SPECIFIC_ENERGY,
+    QuantityKind::MASS,
+];
+
+impl QuantityKind {
+    /// How a quantity of a dimension can be written; empty if that is not known.
+    pub(crate) fn examples_of(dimension: Dimension) -> &'static str {
+        KNOWN.iter().find(|kind| kind.dimension == dimension).map_or("", |kind| kind.examples)
+    }
+}
+
 fn described(dimension: Dimension) -> String {
-    let known = [
-        QuantityKind::NUMBER,
-        QuantityKind::LENGTH,
-        QuantityKind::TIME,
-        QuantityKind::VELOCITY,
-        QuantityKind::ACCELERATION,
-        QuantityKind::RATE,
-        QuantityKind::DENSITY,
-        QuantityKind::PRESSURE,
-        QuantityKind::TEMPERATURE,
-        QuantityKind::SPECIFIC_HEAT,
-        QuantityKind::CONDUCTIVITY,
-        QuantityKind::HEAT_FLUX,
-        QuantityKind::HEAT_TRANSFER,
-        QuantityKind::SPECIFIC_ENERGY,
-        QuantityKind::MASS,
-    ];
-    match known.iter().find(|k| k.dimension == dimension) {
+    match KNOWN.iter().find(|kind| kind.dimension == dimension) {
         Some(kind) => format!("{} {}", kind.article(), kind.name),
         None => "another dimension".to_owned(),
     }

@@ -2,8 +2,8 @@
 
 use super::declare::Read;
 use super::expected::Expected;
+use super::fault::{Fault, Problems};
 use super::quantity::{QuantityKind, parse_quantity};
-use super::report::{Fault, Problems};
 use super::written::{Content, Literal, Written};
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;
@@ -27,6 +27,7 @@ impl Read for Scalar {
 
 impl Scalar {
     /// A fault at this value: what was expected is the message, what was found the label.
+    #[cfg_attr(test, track_caller)]
     pub(crate) fn fault(&self, code: &'static str, expected: impl Into<String>) -> Fault {
         Fault::new(code, expected, self.span.clone(), described(&self.literal))
     }

@@ -173,6 +173,9 @@ fn suggestion(name: &str) -> Option<String> {
     if let Some(unit) = spelled_out {
         return Some(unit.to_owned());
     }
+    if let Some(prefix @ ("n" | "u" | "m")) = folded.strip_suffix("sec") {
+        return Some(format!("{prefix}s"));
+    }
     // Mega and milli differ in case alone: offer the common one of the spellings that agree when case is ignored.
     let agree: Vec<String> = spellings().into_iter().filter(|s| s.to_lowercase() == folded).collect();
     let is_common = |s: &&String| s.starts_with(['M', 'G', 'k']) && !["Mm", "Ms", "Mg"].contains(&s.as_str());
@@ -196,8 +199,9 @@ pub(crate) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     let mut parser = Parser { text, at: 0, depth: 0 };
     let unit = parser.product()?;
     parser.space();
+    // Only a bracket ends a product before the text does.
     if parser.at < text.len() {
-        return Err(parser.error(parser.at, text.len(), "unexpected text after the unit", None));
+        return Err(parser.error(parser.at, parser.at + 1, "a bracket is closed that was not opened", None));
     }
     Ok(unit)
 }
@@ -227,7 +231,10 @@ impl Parser<'_> {
         taken
     }
 
+    #[cfg_attr(test, track_caller)]
     fn error(&self, start: usize, end: usize, message: impl Into<String>, help: Option<String>) -> UnitError {
+        #[cfg(test)]
+        crate::fault::sites::note();
         UnitError { start, end: end.max(start), message: message.into(), help }
     }
 

@@ -3,9 +3,10 @@
 
 use super::declare::Read;
 use super::expected::{Expected, Words};
+use super::fault::{Fault, Problems};
 use super::quantity::QuantityKind;
-use super::report::{Fault, Problems, listed, nearest};
 use super::scalar::Scalar;
+use super::suggest::{listed, nearest};
 use super::written::{Content, Literal, Written};
 use sphorge_physics::parameter::Bound;
 use std::{marker::PhantomData, ops::Range};
@@ -182,7 +183,7 @@ fn chosen(
 ) -> Option<usize> {
     let choose = format!("Choose {}.", listed(words.iter().copied(), "or"));
     let Literal::Text(text) = &scalar.literal else {
-        let fault = scalar.fault("wrong-type", format!("expected the name of a {what}"));
+        let fault = scalar.fault("wrong-type", format!("expected a word in quotes: the {what}"));
         problems.push(fault.help(choose));
         return None;
     };
@@ -205,7 +206,8 @@ pub(crate) struct VectorOf<K> {
 impl<K: Kind> Read for VectorOf<K> {
     const EXPECTED: &'static Expected = &Expected::Vector(Given::<K>::EXPECTED);
     fn read(written: Written<'_>) -> Option<Self> {
-        Some(Self { components: Vec::read(written)?, span: written.span() })
+        let components: Vec<_> = Vec::read(written)?;
+        (1..=3).contains(&components.len()).then(|| Self { components, span: written.span() })
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is written in a deck, with its place in the text: one view of everything TOML can hold.
 
-use super::report::{Fault, Problems};
+use super::fault::{Fault, Problems};
 use std::ops::Range;
 use toml_edit::{Document, Item, Table, TableLike, Value};
 
@@ -62,14 +62,18 @@ impl<'a> Written<'a> {
 
     /// Its bytes in the text; of a table under a header that header.
     pub(crate) fn span(self) -> Range<usize> {
-        let span = match self {
+        self.place().unwrap_or(0..0)
+    }
+
+    /// The same; `None` for a table that has no header.
+    pub(crate) fn place(self) -> Option<Range<usize>> {
+        match self {
             Self::Table(table) => table.span(),
             // Not all that stands between the first header and the last.
             Self::Item(Item::ArrayOfTables(tables)) => tables.iter().next().and_then(Table::span),
             Self::Item(item) => item.span(),
             Self::Value(value) => value.span(),
-        };
-        span.unwrap_or(0..0)
+        }
     }
 }
 
@@ -97,8 +101,41 @@ pub(crate) fn parse(problems: &mut Problems) -> Option<Document<String>> {
     parsed
         .map_err(|error| {
             let at = error.span().unwrap_or(0..0);
-            let fault = Fault::new("toml", error.message().trim(), at, "here");
-            problems.push(fault.help("a deck is TOML: key = value, text in quotes, [table], [[list of tables]]"));
+            let (message, help) = told(error.message().trim(), &at, problems.text());
+            problems.push(Fault::new("toml", message, at, "here").help(help));
         })
         .ok()
+}
+
+/// What a user is told of a slip of syntax: what the parser says of it, or what it means in a deck.
+fn told(message: &str, at: &Range<usize>, text: &str) -> (String, &'static str) {
+    let word = text.get(at.clone()).unwrap_or_default();
+    let before = text.get(..at.start).unwrap_or_default().trim_end();
+    if message.contains("must be quoted") {
+        return (
+            format!("`{word}` must stand in quotes"),
+            "words and quantities are text: search = \"skin\", spacing = \"0.3 mm\"",
+        );
+    }
+    if before.ends_with('=') && message.contains("expected `'`") {
+        return ("a value is missing".to_owned(), "write key = value");
+    }
+    if text.get(at.start..).is_some_and(|rest| rest.starts_with(|c: char| c.is_control() && !c.is_whitespace())) {
+        let help = "leave it out; text can hold it as an escape: \"\\u001B\"";
+        return ("a control character cannot stand in a deck".to_owned(), help);
+    }
+    match message {
+        "duplicate key" => (
+            format!("`{word}` is given twice"),
+            "take one of them out; an entry of a list of tables has two brackets: [[body]]",
+        ),
+        "integer number overflowed" => (
+            "the number is too large".to_owned(),
+            "whole numbers end at 9223372036854775807; with a decimal point they go on",
+        ),
+        _ if message.contains("recurs") => {
+            ("brackets stand in each other too deep".to_owned(), "no deck needs more than 80 of them")
+        }
+        _ => (message.to_owned(), "a deck is TOML: key = value, text in quotes, [table], [[list of tables]]"),
+    }
 }

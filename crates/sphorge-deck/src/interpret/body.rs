@@ -2,8 +2,8 @@
 
 use super::{material::Chosen, shape::body_shape, vector, velocity};
 use crate::defaults;
+use crate::fault::{Fault, Problems};
 use crate::raw::{RawBody, RawParticles, RawSpin};
-use crate::report::{Fault, Problems};
 use crate::value::{Choice, Choices, Given, Number, ScalarOr};
 use sphorge_engine::geometry::rings_fill;
 use sphorge_engine::model::{Arrangement, Body, Dimensions, Lattice, LatticePlacement, Shape, Solid};
@@ -26,13 +26,18 @@ pub(crate) struct ParticleDefaults {
 
 impl ParticleDefaults {
     /// `spacing` has been read already; `round` is what the method has for bodies that rings can fill.
-    pub(crate) fn read(raw: &RawParticles, spacing: Option<f64>, round: Arrangement, problems: &mut Problems) -> Self {
+    pub(crate) fn read(
+        raw: Option<&RawParticles>,
+        spacing: Option<f64>,
+        round: Arrangement,
+        problems: &mut Problems,
+    ) -> Self {
         Self {
             spacing,
-            smoothing: smoothing(raw.smoothing.as_ref(), Some(defaults::SMOOTHING), problems),
-            arrangement: raw.lattice.as_ref().map_or(Some(None), |word| word.get(problems).map(Some)),
+            smoothing: smoothing(raw.and_then(|r| r.smoothing.as_ref()), Some(defaults::SMOOTHING), problems),
+            arrangement: raw.and_then(|r| r.lattice.as_ref()).map_or(Some(None), |word| word.get(problems).map(Some)),
             round,
-            placement: chosen(raw.placement.as_ref(), Some(LatticePlacement::default()), problems),
+            placement: chosen(raw.and_then(|r| r.placement.as_ref()), Some(LatticePlacement::default()), problems),
         }
     }
 }
@@ -135,7 +140,10 @@ fn spin(
     let mut rate = [0.0; 3];
     match (&raw.rate, dimensions) {
         (_, Dimensions::One) => {
-            problems.push(Fault::new("wrong-dimensions", "a body cannot spin in one dimension", at, "has a `spin`"));
+            problems.push(
+                Fault::new("wrong-dimensions", "a body cannot spin in one dimension", at, "has a `spin`")
+                    .help("leave `spin` out"),
+            );
             return None;
         }
         (ScalarOr::Scalar(value), Dimensions::PlaneStrain) => rate[2] = value.si(problems)?,

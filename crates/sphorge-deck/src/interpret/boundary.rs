@@ -3,9 +3,9 @@
 use super::{Names, check_axis, described, exactly_one, vector, wrong_length};
 use crate::choice::ContactWord;
 use crate::defaults;
+use crate::fault::{Fault, Problems};
 use crate::method::WallContactKind;
 use crate::raw::{RawContact, RawMotion, RawPeriodic, RawPlane, RawSegment, RawSymmetry, RawWall, Rows};
-use crate::report::{Fault, Problems};
 use crate::value::{Choice, Given, Kind, ScalarOr, Velocity, VelocityOrFree};
 use crate::written::Literal;
 use sphorge_engine::model::{
@@ -123,6 +123,7 @@ fn wall_velocity(
     if axes.len() != dimensions.count() {
         problems.push(wrong_length(
             dimensions,
+            Some("velocity"),
             axes.len(),
             at,
             "\"10 m/s\" or [[\"0 s\", \"0 m/s\"], [\"5 ms\", \"1 m/s\"]]",
@@ -189,7 +190,7 @@ pub(crate) fn periodic(
             continue;
         }
         let [lower, upper] = ends.components.as_slice() else {
-            let message = format!("expected both ends of the cell, found {} values", ends.components.len());
+            let message = format!("expected both ends of the cell, found {}", ends.components.len());
             let fault = Fault::new("wrong-dimensions", message, ends.span.clone(), "a lower and an upper end");
             problems.push(fault.help("write [\"0 mm\", \"5 mm\"]"));
             continue;
@@ -231,12 +232,10 @@ pub(crate) fn symmetry(
     for (k, plane) in read.iter().enumerate().filter_map(|(k, p)| p.map(|p| (k, p))) {
         let at = raw[k].axis.span();
         if periodic[plane.axis].is_some() {
-            problems.push(Fault::new(
-                "conflict",
-                "this axis is periodic already",
-                at.clone(),
-                "and has a symmetry plane",
-            ));
+            problems.push(
+                Fault::new("conflict", "this axis is periodic already", at.clone(), "and has a symmetry plane")
+                    .help("leave one of the two out"),
+            );
         }
         for (j, other) in read[..k].iter().enumerate().filter_map(|(j, p)| p.map(|p| (j, p))) {
             if other.axis != plane.axis {
@@ -246,7 +245,7 @@ pub(crate) fn symmetry(
             if other.side == plane.side {
                 let fault =
                     Fault::new("conflict", "two symmetry planes hold the same side of one axis", at.clone(), "second");
-                problems.push(fault.also(first, "first"));
+                problems.push(fault.also(first, "first").help("leave one of them out, or turn its `side`"));
             } else if (plane.position - other.position) * plane.side >= 0.0 {
                 let fault =
                     Fault::new("conflict", "no room is left between the two symmetry planes", at.clone(), "second");
@@ -268,7 +267,7 @@ pub(crate) fn motion(
     let region = regions.find(&raw.region, problems);
     if raw.velocity.len() != dimensions.count() {
         let examples = "\"0 m/s\", \"free\" or [[\"0 s\", \"0 m/s\"], [\"5 ms\", \"1 m/s\"]]";
-        problems.push(wrong_length(dimensions, raw.velocity.len(), raw.region.span(), examples));
+        problems.push(wrong_length(dimensions, Some("velocity"), raw.velocity.len(), raw.region.span(), examples));
         return None;
     }
     let mut axes = [MotionAxis::Free, MotionAxis::Free, MotionAxis::Free];

@@ -1,8 +1,9 @@
 //! Particles from a CSV file.
 
+use crate::fault::{Fault, Problems};
 use crate::quantity::{QuantityKind, parse_quantity};
 use crate::raw::RawTable;
-use crate::report::{Fault, Problems, listed};
+use crate::suggest::listed;
 use crate::unit::Dimension;
 use crate::value::Word;
 use sphorge_engine::model::{CloudParticle, CloudShare, Dimensions, Solid};
@@ -79,6 +80,9 @@ impl Columns {
         let missing: Vec<&str> =
             ["x", "y", "z"][..count].iter().copied().filter(|name| place(name).is_none()).collect();
         if !missing.is_empty() {
+            if names.iter().all(str::is_empty) {
+                return Err("is empty; its first line names the columns".to_owned());
+            }
             if let Some(other) = names.iter().find_map(|name| name.find([';', '\t', ' ']).map(|at| &name[at..=at])) {
                 return Err(format!("line 1: cells are set apart by commas, not by {other:?}"));
             }
@@ -133,7 +137,7 @@ fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudP
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_path(path)
-        .map_err(|error| one(format!("cannot be read: {error}")))?;
+        .map_err(|error| one(format!("cannot be read: {error}; it is sought from the folder of the deck")))?;
     let names = reader.headers().map_err(|error| one(format!("is no CSV: {error}")))?.clone();
     let columns = Columns::find(&names, dimensions).map_err(one)?;
     let mut cells = Reader { names: &names, faults: Vec::new() };
@@ -145,7 +149,11 @@ fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudP
             Err(error) => {
                 let message = match error.kind() {
                     csv::ErrorKind::UnequalLengths { pos: Some(pos), expected_len, len } => {
-                        format!("line {}: {len} cells, and {expected_len} columns", pos.line())
+                        let plural = if *len == 1 { "" } else { "s" };
+                        format!("line {}: {len} cell{plural}, where line 1 names {expected_len}", pos.line())
+                    }
+                    csv::ErrorKind::Utf8 { pos: Some(pos), .. } => {
+                        format!("line {}: bytes that are no text in UTF-8", pos.line())
                     }
                     _ => format!("is no CSV: {error}"),
                 };
@@ -200,6 +208,6 @@ fn tell(name: &str, faults: Vec<String>, at: Range<usize>, problems: &mut Proble
         let joint = if fault.starts_with("line") { ", " } else { " " };
         let fault = Fault::new("bad-table", format!("`{name}`{joint}{fault}"), at.clone(), "this file");
         let last = more > 0 && k == TOLD - 1;
-        problems.push(if last { fault.help(format!("and {more} more like it")) } else { fault });
+        problems.push(if last { fault.help(format!("and {more} more in this file")) } else { fault });
     }
 }

@@ -2,8 +2,8 @@
 
 use super::exactly_one;
 use crate::defaults;
+use crate::fault::Problems;
 use crate::raw::{RawBodyPenalty, RawContactChoice};
-use crate::report::Problems;
 use crate::value::ScalarOr;
 use sphorge_engine::model::{BodyContact, Formulation};
 use sphorge_physics::contact::ContactStrength;

@@ -1,12 +1,20 @@
 //! Materials: a deck's own, changed ones, and those of the catalogue.
 
 use crate::declare::Named;
+use crate::fault::{Fault, Problems};
 use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry};
+use crate::printable::is_printable;
 use crate::raw::RawMaterial;
-use crate::report::{Fault, Problems, nearest};
+use crate::suggest::nearest;
 use crate::value::Word;
 use sphorge_engine::model::Material;
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::Range,
+};
+
+/// Most materials a chain of `base` leads through.
+const LONGEST_CHAIN: usize = 20;
 
 /// A material of the deck.
 struct Own {
@@ -17,6 +25,9 @@ struct Own {
 }
 
 /// All materials a deck can name.
+/// Longest name of a material, characters: it stands in every frame.
+const LONGEST_NAME: usize = 64;
+
 pub(crate) struct Library {
     own: BTreeMap<String, Own>,
 }
@@ -26,6 +37,14 @@ impl Library {
     pub(crate) fn new(raw: &Named<RawMaterial>, problems: &mut Problems) -> Self {
         let mut own = BTreeMap::new();
         for (name, material) in &raw.0 {
+            let length = name.get_ref().chars().count();
+            if length == 0 || length > LONGEST_NAME || !is_printable(name.get_ref()) {
+                let message = format!("`{}` cannot name a material", name.get_ref());
+                let fault = Fault::new("bad-name", message, name.span(), "this name");
+                problems.push(
+                    fault.help("use a name of one line of at most 64 characters, none of them a control character"),
+                );
+            }
             let base = material.base.as_ref().and_then(|b| b.text(problems)).map(str::to_owned);
             let base_at = material.base.as_ref().map_or(name.span(), |b| b.span());
             let constants = constants(material, problems);
@@ -38,12 +57,10 @@ impl Library {
             {
                 problems.push(library.unknown(base, material.base_at.clone()));
             } else if library.constants(name).is_none() {
-                let fault = Fault::new(
-                    "circular-base",
-                    format!("material `{name}` is based on itself"),
-                    material.base_at.clone(),
-                    "leads back here",
+                let message = format!(
+                    "the bases of material `{name}` lead back to it, or through more than {LONGEST_CHAIN} others"
                 );
+                let fault = Fault::new("circular-base", message, material.base_at.clone(), "does not end");
                 problems.push(fault.help("a chain of `base` must end at a material without one, or in the catalogue"));
             }
         }
@@ -64,9 +81,10 @@ impl Library {
             "neither in the deck nor in the catalogue",
         )
         .help(format!("{near}`sphorge materials` lists the catalogue; [material.{name}] defines your own."))
+        .if_all_entries_are_read()
     }
 
-    /// The constants of a material with those of its bases; `None` for an unknown or circular one.
+    /// The constants of a material with those of its bases; `None` for an unknown or circular one, or a chain too long.
     fn constants(&self, name: &str) -> Option<Constants> {
         let mut layers: Vec<&Constants> = Vec::new();
         let mut seen: Vec<&str> = Vec::new();
@@ -75,6 +93,7 @@ impl Library {
             // A deck's material that is based on its own name, or has the name of one of the catalogue, starts from that.
             let again = seen.contains(&current);
             match self.own.get(current).filter(|_| !again) {
+                Some(_) if seen.len() == LONGEST_CHAIN => return None,
                 Some(own) => {
                     seen.push(current);
                     layers.push(&own.constants);
@@ -101,19 +120,21 @@ impl Library {
 pub(crate) struct Chosen<'a> {
     library: &'a Library,
     chosen: Vec<(String, Option<Material>, Range<usize>)>,
+    /// Place of each among them.
+    indices: HashMap<String, usize>,
     /// What the user should know of them.
     notes: Vec<String>,
 }
 
 impl<'a> Chosen<'a> {
     pub(crate) fn new(library: &'a Library) -> Self {
-        Self { library, chosen: Vec::new(), notes: Vec::new() }
+        Self { library, chosen: Vec::new(), indices: HashMap::new(), notes: Vec::new() }
     }
 
     /// The index of the material a body names.
     pub(crate) fn choose(&mut self, word: &Word, problems: &mut Problems) -> Option<usize> {
         let name = word.text(problems)?;
-        if let Some(index) = self.chosen.iter().position(|(n, ..)| n == name) {
+        if let Some(&index) = self.indices.get(name) {
             return Some(index);
         }
         if !self.library.known(name) {
@@ -125,6 +146,7 @@ impl<'a> Chosen<'a> {
         let own = self.library.own.get(name);
         let material = build(name, &constants).map_err(|incomplete| report(name, incomplete, word, own, problems)).ok();
         self.notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
+        self.indices.insert(name.to_owned(), self.chosen.len());
         self.chosen.push((name.to_owned(), material, word.span()));
         Some(self.chosen.len() - 1)
     }
@@ -140,11 +162,8 @@ impl<'a> Chosen<'a> {
             if material.as_ref().is_some_and(|m| !m.heats()) {
                 let message = format!("material `{name}` has no `specific-heat`, and {what} needs it");
                 let fault = Fault::new("missing-constant", message, at.clone(), "used here");
-                problems.push(
-                    fault.help(format!(
-                        "add `specific-heat = \"452 J/(kg K)\"` with the right value to [material.{name}]"
-                    )),
-                );
+                let help = format!("add `specific-heat = \"452 J/(kg K)\"` with the right value to [material.{name}]");
+                problems.push(fault.help(help).if_all_entries_are_read());
             }
         }
     }
@@ -155,7 +174,11 @@ impl<'a> Chosen<'a> {
         let built = || self.chosen.iter().map(|(_, material, _)| material.as_ref());
         if !mechanics && !self.chosen.is_empty() && built().all(|m| m.is_some_and(|m| m.conductivity == 0.0)) {
             let fault = Fault::new("missing-constant", "no material conducts, so no heat flows", at, "asked for here");
-            problems.push(fault.help("add `conductivity = \"80 W/(m K)\"` with the right value to a material"));
+            problems.push(
+                fault
+                    .help("add `conductivity = \"80 W/(m K)\"` with the right value to a material")
+                    .if_all_entries_are_read(),
+            );
         }
     }
 
@@ -191,9 +214,8 @@ fn report(name: &str, incomplete: Incomplete, word: &Word, own: Option<&Own>, pr
                     place("missing-constant", format!("material `{name}` has no `{}`{law}", constant.key));
                 let table =
                     if constant.table.is_empty() { name.to_owned() } else { format!("{name}.{}", constant.table) };
-                problems.push(
-                    fault.help(format!("add `{}`, {}, to [material.{table}]{base}", constant.key, constant.meaning)),
-                );
+                let help = format!("add `{}`, {}, to [material.{table}]{base}", constant.key, constant.meaning);
+                problems.push(fault.help(help).if_its_entry_is_whole());
             }
         }
     }

@@ -3,12 +3,13 @@
 use super::{Names, check_axis, exactly_one, vector};
 use crate::choice::{AxisWord, FieldWord};
 use crate::defaults;
+use crate::fault::{Fault, Problems};
 use crate::quantity::QuantityKind;
 use crate::raw::{
     RawAlongAxis, RawCloud, RawCrater, RawExtreme, RawFieldMeasure, RawFrontSpeed, RawMeasure, RawPerforation,
     RawSelection, RawValue,
 };
-use crate::report::{Fault, Problems, listed};
+use crate::suggest::listed;
 use crate::unit::parse_unit;
 use crate::value::{Choice, Word};
 use sphorge_engine::model::{
@@ -178,7 +179,7 @@ fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) 
                 _ => None,
             },
             other => {
-                let message = format!("expected a first and a last time, found {} values", other.len());
+                let message = format!("expected a first and a last time, found {}", other.len());
                 problems.push(
                     Fault::new("wrong-dimensions", message, times.span.clone(), "two times")
                         .help("write [\"1 us\", \"4 us\"]"),
@@ -205,7 +206,7 @@ fn unit_of(field: &FieldInfo) -> QuantityKind {
     let kind = QuantityKind { name: field.name, si_unit: field.unit, ..QuantityKind::NUMBER };
     match parse_unit(field.unit) {
         Ok(unit) if !field.unit.is_empty() => {
-            QuantityKind { dimension: unit.dimension, examples: "a number and a unit", ..kind }
+            QuantityKind { dimension: unit.dimension, examples: QuantityKind::examples_of(unit.dimension), ..kind }
         }
         _ => kind,
     }

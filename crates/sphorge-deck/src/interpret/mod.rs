@@ -4,6 +4,7 @@ mod body;
 mod boundary;
 mod cloud;
 mod contact;
+mod limits;
 mod material;
 mod measure;
 mod numerics;
@@ -13,14 +14,16 @@ mod thermal;
 mod velocity;
 mod warnings;
 
+use super::fault::{Fault, Problems};
 use super::method::Method;
+use super::printable::is_printable;
 use super::raw::{RawDeck, RawRegion};
-use super::report::{Fault, Problems, suggest};
 use super::strategy::Strategy;
+use super::suggest::suggest;
 use super::value::{Kind, ScalarOr, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Numerics, Region, Search};
 use sphorge_engine::particles::is_kept;
-use std::ops::Range;
+use std::{collections::HashMap, ops::Range};
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
 #[derive(Debug, Default)]
@@ -47,6 +50,8 @@ fn plural(what: &str) -> String {
 pub(crate) struct Names {
     what: &'static str,
     names: Vec<String>,
+    /// Place of each name among them.
+    indices: HashMap<String, usize>,
 }
 
 impl Names {
@@ -58,35 +63,41 @@ impl Names {
     ) -> (Self, Vec<Range<usize>>) {
         let mut names: Vec<String> = Vec::new();
         let mut places: Vec<Range<usize>> = Vec::new();
-        for word in words {
+        let mut indices: HashMap<String, usize> = HashMap::new();
+        for (index, word) in words.enumerate() {
             let name = word.text(problems).unwrap_or_default().to_owned();
             let legal = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-            if word.peek().is_some() && (name.is_empty() || name.len() > 64 || !name.chars().all(legal)) {
-                let fault = Fault::new("bad-name", format!("`{name}` cannot name a {what}"), word.span(), "this name");
-                problems.push(fault.help("use 1 to 64 letters, digits, `-` and `_`: names become columns and files"));
-            } else if let Some(first) = names.iter().position(|n| *n == name).filter(|_| !name.is_empty()) {
-                let fault = Fault::new(
-                    "duplicate-name",
-                    format!("two {} are called `{name}`", plural(what)),
-                    word.span(),
-                    "again here",
-                );
+            let help = "use 1 to 64 letters, digits, `-` and `_`: names become columns and files";
+            let bad = |message: String| Fault::new("bad-name", message, word.span(), "this name").help(help);
+            if word.peek().is_none() {
+                // That it is no text has been told.
+            } else if name.is_empty() {
+                problems.push(bad(format!("a {what} needs a name")));
+            } else if name.len() > 64 {
+                problems.push(bad(format!("a name of {} characters is too long for a {what}", name.chars().count())));
+            } else if !name.chars().all(legal) {
+                problems.push(bad(format!("`{name}` cannot name a {what}")));
+            } else if let Some(&first) = indices.get(&name) {
+                let message = format!("two {} are called `{name}`", plural(what));
+                let fault = Fault::new("duplicate-name", message, word.span(), "again here");
                 problems.push(fault.also(places[first].clone(), "first here").help("give each its own name"));
             }
+            indices.entry(name.clone()).or_insert(index);
             names.push(name);
             places.push(word.span());
         }
-        (Self { what, names }, places)
+        (Self { what, names, indices }, places)
     }
 
     /// The index of a name the deck refers to.
     pub(crate) fn find(&self, word: &Word, problems: &mut Problems) -> Option<usize> {
         let name = word.text(problems)?;
-        let found = self.names.iter().position(|n| n == name);
+        let found = self.indices.get(name).copied();
         if found.is_none() {
             let message = format!("there is no {} called `{name}`", self.what);
             let fault = Fault::new("unknown-name", message, word.span(), "not in the deck");
-            problems.push(fault.help(suggest(name, self.names.iter().map(String::as_str), &plural(self.what))));
+            let help = suggest(name, self.names.iter().map(String::as_str), &plural(self.what));
+            problems.push(fault.help(help).if_all_entries_are_read());
         }
         found
     }
@@ -102,7 +113,7 @@ pub(crate) fn vector<K: Kind>(
     let mut sound = true;
     let count = dimensions.count();
     if given.components.len() < count || given.components.len() > 3 {
-        problems.push(wrong_length(dimensions, given.components.len(), given.span.clone(), K::KIND.examples));
+        problems.push(wrong_length(dimensions, None, given.components.len(), given.span.clone(), K::KIND.examples));
         return None;
     }
     for (axis, component) in given.components.iter().enumerate() {
@@ -121,10 +132,17 @@ pub(crate) fn vector<K: Kind>(
 }
 
 /// Fault of a list that does not have one entry per axis.
-pub(crate) fn wrong_length(dimensions: Dimensions, found: usize, at: Range<usize>, examples: &str) -> Fault {
+pub(crate) fn wrong_length(
+    dimensions: Dimensions,
+    key: Option<&str>,
+    found: usize,
+    at: Range<usize>,
+    examples: &str,
+) -> Fault {
     let count = dimensions.count();
     let plural = if count == 1 { "" } else { "s" };
-    let message = format!("expected {count} component{plural}, found {found}");
+    let of = key.map(|key| format!(" in `{key}`")).unwrap_or_default();
+    let message = format!("expected {count} component{plural}{of}, found {found}");
     Fault::new("wrong-dimensions", message, at, format!("{}: one entry per axis", described(dimensions)))
         .help(format!("each entry as {examples}"))
 }
@@ -171,15 +189,17 @@ fn only_one(options: &[(&str, bool)], what: &str, at: Range<usize>, problems: &m
     if let [index] = given.as_slice() {
         return Some(*index);
     }
-    let listed = |words: &[&str]| super::report::listed(words.iter().copied(), "or");
-    let (message, label) = if given.is_empty() {
+    let listed = |words: &[&str]| crate::suggest::listed(words.iter().copied(), "or");
+    if given.is_empty() {
         let names: Vec<&str> = options.iter().map(|option| option.0).collect();
-        (format!("{what} needs one of {}", listed(&names)), "has none")
+        let one_of = if names.len() == 1 { "" } else { "one of " };
+        let message = format!("{what} needs {one_of}{}", listed(&names));
+        problems.push(Fault::new("exactly-one", message, at, "has none").if_its_entry_is_whole());
     } else {
         let found: Vec<&str> = given.iter().map(|&k| options[k].0).collect();
-        (format!("{what} can have only one of {}", listed(&found)), "has several")
-    };
-    problems.push(Fault::new("exactly-one", message, at, label));
+        let message = format!("{what} can have only one of {}", listed(&found));
+        problems.push(Fault::new("exactly-one", message, at, "has several").help("keep one of them"));
+    }
     None
 }
 
@@ -193,8 +213,12 @@ pub(crate) struct Interpreted {
 
 /// Interprets a deck; `None` only with faults in `problems`.
 pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> Option<Interpreted> {
-    let dimensions = raw.dimensions.get(problems);
-    let spacing = raw.particles.spacing.positive(problems);
+    if limits::exceeds(raw, problems) {
+        return None;
+    }
+    let dimensions = raw.dimensions.as_ref().and_then(|word| word.get(problems));
+    let spacing_given = raw.particles.as_ref().and_then(|particles| particles.spacing.as_ref());
+    let spacing = spacing_given.and_then(|spacing| spacing.positive(problems));
     let method = numerics::method(raw, problems);
     let (strategy, usual) = (method.map(|m| m.0), method.map_or_else(|| Method::of(None).choices(), |m| m.1));
     let mut numerics = numerics::numerics(&raw.numerics, &usual, problems);
@@ -204,7 +228,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         Some(steps) => steps.positive(problems).map(Some),
     };
     numerics::check_smoothing(&raw.numerics, numerics.as_ref(), strategy, problems);
-    let time = numerics::time(&raw.time, problems);
+    let time = raw.time.as_ref().and_then(|time| numerics::time(time, problems));
     let output = numerics::output(&raw.output, time.as_ref().map(|t| t.end), search, problems);
     let library = material::Library::new(&raw.material, problems);
     let (body_names, body_places) = Names::collect("body", raw.body.iter().map(|b| &b.name), problems);
@@ -217,18 +241,10 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     // Vectors cannot be read without the dimensions.
     let dimensions = dimensions?;
     let mut materials = material::Chosen::new(&library);
-    let defaults = body::ParticleDefaults::read(&raw.particles, spacing, usual.round, problems);
+    let defaults = body::ParticleDefaults::read(raw.particles.as_ref(), spacing, usual.round, problems);
     let bodies: Vec<_> =
         raw.body.iter().map(|b| body::body(b, dimensions, &defaults, &mut materials, problems)).collect();
     let regions: Vec<_> = raw.region.iter().map(|r| region(r, &body_names, dimensions, problems)).collect();
-    if let Some(extra) = region_places.get(sphorge_engine::geometry::MAX_REGIONS) {
-        let message = format!(
-            "a deck can have {} regions, this one has {}",
-            sphorge_engine::geometry::MAX_REGIONS,
-            raw.region.len()
-        );
-        problems.push(Fault::new("too-many-regions", message, extra.clone(), "one too many"));
-    }
     let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, spacing, usual.wall, problems)).collect();
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
     let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
@@ -242,11 +258,12 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let warnings = warnings::limits(&raw.warnings, problems);
     let title = raw.title.as_ref().map_or(Some(""), |t| t.text(problems)).map(str::to_owned);
     if let (Some(text), Some(word)) = (&title, &raw.title)
-        && text.chars().any(char::is_control)
+        && !is_printable(text)
     {
         // It goes to terminals and files as it is.
         let message = "expected a title of one line without control characters";
-        problems.push(Fault::new("control-character", message, word.span(), "this title"));
+        let fault = Fault::new("control-character", message, word.span(), "this title");
+        problems.push(fault.help("it stands in terminals, pictures and files"));
     }
     check_together(raw, dimensions, strategy, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
@@ -261,7 +278,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         return None;
     }
     let places = SourceSpans {
-        spacing: raw.particles.spacing.span(),
+        spacing: spacing_given.map_or(0..0, |spacing| spacing.span()),
         bodies: body_places,
         body_spacings: raw.body.iter().map(|b| b.spacing.as_ref().map(|s| s.span())).collect(),
         regions: region_places,
@@ -356,7 +373,7 @@ fn check_self_contact(raw: &RawDeck, dimensions: Dimensions, contact: Option<Bod
     let Some(given) = search.total_lagrangian.as_ref().and_then(|form| form.self_contact.as_ref()) else { return };
     let (where_not, why) = match (&raw.periodic.x, &raw.periodic.y, &raw.periodic.z) {
         _ if contact == Some(BodyContact::Sph) => ("in kernel sums", raw.contact.as_ref().map(|c| c.span())),
-        _ if dimensions == Dimensions::One => ("in one dimension", Some(raw.dimensions.span())),
+        _ if dimensions == Dimensions::One => ("in one dimension", raw.dimensions.as_ref().map(|word| word.span())),
         (Some(cell), ..) | (_, Some(cell), _) | (.., Some(cell)) => ("in a periodic cell", Some(cell.span.clone())),
         (None, None, None) => return,
     };
@@ -394,7 +411,7 @@ fn region(raw: &RawRegion, bodies: &Names, dimensions: Dimensions, problems: &mu
     let shape = raw.shape.as_ref().map(|s| shape::shape(s, dimensions, at.clone(), problems));
     if body.is_none() && shape.is_none() {
         let fault = Fault::new("empty-region", "a region needs a `body`, a `shape` or both", at, "chooses nothing");
-        problems.push(fault);
+        problems.push(fault.if_its_entry_is_whole());
         return None;
     }
     let name = raw.name.text(problems)?.to_owned();

@@ -2,11 +2,11 @@
 
 use crate::choice::{FormulationWord, GuardWord, SearchWord, SmoothingLengthWord};
 use crate::defaults;
+use crate::fault::{Fault, Problems};
 use crate::method::{Choices, Method};
 use crate::raw::{
     RawAdaptive, RawDeck, RawNumerics, RawOutput, RawSearch, RawSkin, RawSmoothingLength, RawTime, RawTotalLagrangian,
 };
-use crate::report::{Fault, Problems};
 use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
 use sphorge_engine::model::{
@@ -83,7 +83,7 @@ pub(crate) fn check_smoothing(
     };
     if outlive {
         let message = "smoothing lengths that follow the density need lists that follow the positions";
-        let fault = Fault::new("wrong-search", message, given.span(), "with this `search`");
+        let fault = Fault::new("wrong-search", message, given.span(), "not with the search of this deck");
         problems.push(fault.help("set `search` to \"skin\" or \"every-step\" (with `method = \"updated-lagrangian\"`), or leave the smoothing length constant"));
     }
 }
@@ -263,7 +263,7 @@ fn share(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
 
 /// End of the run and time step.
 pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl> {
-    let end = raw.end.positive(problems);
+    let end = raw.end.as_ref().and_then(|end| end.positive(problems));
     let courant = or_default!(raw.courant, defaults::COURANT, |c| share(c, problems));
     let max_step = or_default!(raw.max_step, None, |s: &Given<_>| s.positive(problems).map(Some));
     let fixed_step = or_default!(raw.fixed_step, None, |s: &Given<_>| s.positive(problems).map(Some));

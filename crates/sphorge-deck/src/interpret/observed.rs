@@ -3,8 +3,8 @@
 use super::{Names, measure::Scene, shape::direction, vector};
 use crate::choice::FieldWord;
 use crate::defaults;
+use crate::fault::{Fault, Problems};
 use crate::raw::{RawSection, RawTracer};
-use crate::report::{Fault, Problems};
 use crate::value::{Choice, Word};
 use sphorge_engine::model::{Section, Tracer};
 
@@ -47,12 +47,10 @@ fn tracer(raw: &RawTracer, scene: &Scene<'_>, problems: &mut Problems) -> Option
     let fields = match &raw.fields {
         Some(given) => {
             if given.is_empty() {
-                problems.push(Fault::new(
-                    "empty-list",
-                    "a tracer needs a field to write",
-                    raw.name.span(),
-                    "writes nothing",
-                ));
+                problems.push(
+                    Fault::new("empty-list", "a tracer needs a field to write", raw.name.span(), "writes nothing")
+                        .help("leave `fields` out for the usual ones"),
+                );
             }
             listed_fields(given, problems)
         }

@@ -1,8 +1,8 @@
 //! Shapes.
 
-use super::{cloud::cloud, described, exactly_one, vector};
+use super::{cloud::cloud, described, exactly_one, limits, vector};
+use crate::fault::{Fault, Problems};
 use crate::raw::{RawBall, RawBox, RawCylinder, RawOgive, RawPolygon, RawRevolution, RawRotate, RawShape, RawTable};
-use crate::report::{Fault, Problems};
 use crate::value::{Given as GivenValue, Length, Number, VectorOf};
 use crate::written::Spanned;
 use sphorge_engine::model::{Dimensions, Operation, Shape, Solid, Transform};
@@ -112,6 +112,9 @@ fn solid(given: Given<'_>, dimensions: Dimensions, at: Range<usize>, problems: &
                 problems.push(Fault::new("empty-shape", "a composed shape needs at least one part", at, "has none"));
                 return None;
             }
+            if !is_short(parts, limits::PARTS, "parts", |part| part.span(), problems) {
+                return None;
+            }
             let read: Vec<_> =
                 parts.iter().map(|part| shape(part.get_ref(), dimensions, part.span(), problems)).collect();
             Some(Solid::Composed { operation, parts: read.into_iter().collect::<Option<_>>()? })
@@ -124,7 +127,7 @@ fn not_in_one(what: &str, dimensions: Dimensions, at: Range<usize>, problems: &m
         return Some(());
     }
     let message = format!("{}: there is no {what}", described(dimensions));
-    problems.push(Fault::new("wrong-dimensions", message, at, format!("part of a {what}")).help("use `box`"));
+    problems.push(Fault::new("wrong-dimensions", message, at, "part of it").help("use `box`"));
     None
 }
 
@@ -141,8 +144,7 @@ fn only_in(
     }
     let message = format!("{}: there is no {what}", described(found));
     let instead = if found == Dimensions::One { "`box`" } else { instead };
-    problems
-        .push(Fault::new("wrong-dimensions", message, at, format!("part of a {what}")).help(format!("use {instead}")));
+    problems.push(Fault::new("wrong-dimensions", message, at, "part of it").help(format!("use {instead}")));
     None
 }
 
@@ -248,12 +250,15 @@ pub(crate) fn direction(
 
 /// Pairs of lengths, whatever the dimensions of the deck.
 fn pairs(raw: &[VectorOf<Length>], what: &str, problems: &mut Problems) -> Option<Vec<[f64; 2]>> {
+    if !is_short(raw, limits::OUTLINE, "points of its outline", |point| point.span.clone(), problems) {
+        return None;
+    }
     let read: Vec<Option<[f64; 2]>> = raw
         .iter()
         .map(|point| match point.components.as_slice() {
             [a, b] => a.si(problems).zip(b.si(problems)).map(|(a, b)| [a, b]),
             other => {
-                let message = format!("expected {what}, found {} values", other.len());
+                let message = format!("expected {what}, found {}", other.len());
                 problems.push(
                     Fault::new("wrong-length", message, point.span.clone(), "two lengths")
                         .help("write [\"10 mm\", \"5 mm\"]"),
@@ -354,7 +359,8 @@ fn solid_polygon(raw: &RawPolygon, at: Range<usize>, problems: &mut Problems) ->
     Some(Solid::Polygon { corners })
 }
 
-/// Two edges of a closed line, by their first corners, that cross.
+/// Two edges of a closed line, by their first corners, that cross. Edges are taken from left to right, and compared with those before
+/// that reach as far.
 fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
     let side = |a: [f64; 2], b: [f64; 2], p: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let n = corners.len();
@@ -363,7 +369,30 @@ fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
         let ((a, b), (c, d)) = (edge(i), edge(j));
         side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
     };
-    (0..n).find_map(|i| (i + 1..n).find(|&j| cross(i, j)).map(|j| (i, j)))
+    let reach = |k: usize| {
+        let (a, b) = edge(k);
+        (a[0].min(b[0]), a[0].max(b[0]))
+    };
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| reach(a).0.total_cmp(&reach(b).0));
+    let mut near: Vec<usize> = Vec::new();
+    for edge in order {
+        let left = reach(edge).0;
+        near.retain(|&other| reach(other).1 >= left);
+        if let Some(&other) = near.iter().find(|&&other| cross(edge, other)) {
+            return Some((edge.min(other), edge.max(other)));
+        }
+        near.push(edge);
+    }
+    None
+}
+
+/// Whether a list of a shape is no longer than it can be; reported at its first entry beyond.
+fn is_short<T>(list: &[T], most: usize, what: &str, at: impl Fn(&T) -> Range<usize>, problems: &mut Problems) -> bool {
+    let Some(extra) = list.get(most) else { return true };
+    let message = format!("a shape can have {most} {what}, this one has {}", list.len());
+    problems.push(Fault::new("too-many", message, at(extra), "one too many"));
+    false
 }
 
 fn transform(raw: &RawShape, dimensions: Dimensions, at: Range<usize>, problems: &mut Problems) -> Option<Transform> {
@@ -372,7 +401,10 @@ fn transform(raw: &RawShape, dimensions: Dimensions, at: Range<usize>, problems:
         return Some(Transform { translation: shift?, ..Transform::default() });
     };
     if dimensions == Dimensions::One {
-        problems.push(Fault::new("wrong-dimensions", "a shape cannot turn in one dimension", at, "has a `rotate`"));
+        problems.push(
+            Fault::new("wrong-dimensions", "a shape cannot turn in one dimension", at, "has a `rotate`")
+                .help("leave `rotate` out"),
+        );
         return None;
     }
     let about = rotate.about.as_ref().map_or(Some([0.0; 3]), |a| vector(a, dimensions, problems));
@@ -397,7 +429,7 @@ fn rotation_axis(raw: &RawRotate, dimensions: Dimensions, problems: &mut Problem
             raw.angle.span(),
             "about what?",
         );
-        problems.push(fault.help("add `axis = [0, 0, 1]`"));
+        problems.push(fault.help("add `axis = [0, 0, 1]`").if_its_entry_is_whole());
         return None;
     };
     // An axis has three components even where positions have two.
@@ -417,4 +449,30 @@ fn rotation_axis(raw: &RawRotate, dimensions: Dimensions, problems: &mut Problem
         return None;
     }
     Some(direction.map(|c| c / length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn a_crossing_is_found_if_any_two_edges_cross(raw in prop::collection::vec((0u8..9, 0u8..9), 3..9)) {
+            let corners: Vec<[f64; 2]> = raw.iter().map(|&(x, y)| [f64::from(x), f64::from(y)]).collect();
+            let side = |a: [f64; 2], b: [f64; 2], p: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+            let edge = |k: usize| (corners[k], corners[(k + 1) % corners.len()]);
+            let cross = |i: usize, j: usize| {
+                let ((a, b), (c, d)) = (edge(i), edge(j));
+                side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+            };
+            let any = (0..corners.len()).any(|i| (0..i).any(|j| cross(i, j)));
+            match crossing(&corners) {
+                Some((i, j)) => prop_assert!(i < j && cross(i, j)),
+                None => prop_assert!(!any),
+            }
+        }
+    }
 }

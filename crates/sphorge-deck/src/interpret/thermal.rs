@@ -1,8 +1,8 @@
 //! Heat that flows.
 
 use super::{Names, exactly_one};
+use crate::fault::{Fault, Problems};
 use crate::raw::{RawHeatBoundary, RawThermal};
-use crate::report::{Fault, Problems};
 use crate::value::{Flag, Given, Temperature};
 use sphorge_engine::model::{HeatBoundary, HeatBoundaryKind, Thermal};
 use sphorge_physics::parameter::Bound;

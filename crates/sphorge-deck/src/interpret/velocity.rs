@@ -1,8 +1,8 @@
 //! Initial velocities that vary in space.
 
 use super::{check_axis, described, vector, wrong_length};
+use crate::fault::{Fault, Problems};
 use crate::raw::{RawRadialVelocity, RawVelocityGradient, RawVelocityProfile};
-use crate::report::{Fault, Problems};
 use crate::value::{Given, Kind, Length};
 use sphorge_engine::model::{Dimensions, RadialVelocity, VelocityProfile};
 use sphorge_physics::parameter::Bound;
@@ -17,7 +17,13 @@ pub(crate) fn gradient(
 ) -> Option<([[f64; 3]; 3], [f64; 3])> {
     let centre = raw.centre.as_ref().map_or(Some([0.0; 3]), |c| vector(c, dimensions, problems));
     if raw.rows.len() != dimensions.count() {
-        problems.push(wrong_length(dimensions, raw.rows.len(), at, "[\"0 /s\", \"1000 /s\"]"));
+        problems.push(wrong_length(
+            dimensions,
+            Some("velocity-gradient.rows"),
+            raw.rows.len(),
+            at,
+            "[\"0 /s\", \"1000 /s\"]",
+        ));
         return None;
     }
     let rows: Vec<_> = raw.rows.iter().map(|row| vector(row, dimensions, problems)).collect();

@@ -4,9 +4,11 @@ use super::constants::Constants;
 use super::listing::{MaterialListing, listing};
 use super::read::constants;
 use crate::declare::Named;
+use crate::fault::Problems;
 use crate::keys;
 use crate::raw::RawMaterial;
-use crate::report::{DeckReport, Problems, nearest};
+use crate::report::DeckReport;
+use crate::suggest::nearest;
 use crate::written::Spanned;
 use std::sync::LazyLock;
 

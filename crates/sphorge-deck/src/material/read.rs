@@ -1,10 +1,10 @@
 //! The constants of a material as written, in SI units.
 
 use super::constants::{Constants, ElasticConstants, LawConstants};
+use crate::fault::{Fault, Problems};
 use crate::raw::{LawTable, RawLaw, RawMaterial};
-use crate::report::{Fault, Problems, listed, nearest};
+use crate::suggest::listed;
 use crate::value::{Choice, Given, Kind, ScalarOr, Word};
-use crate::written::Spanned;
 use sphorge_physics::parameter::Bound;
 
 /// Constants in SI units; faults leave their key out.
@@ -49,33 +49,20 @@ fn law<C: LawTable>(raw: &RawLaw<C>, problems: &mut Problems) -> Option<LawConst
     let (Some((key, given)), None) = (laws.next(), laws.next()) else {
         let message = format!("expected one {}", C::WHAT);
         let found = if table.0.is_empty() { "none here".to_owned() } else { format!("{} here", table.0.len()) };
-        problems.push(Fault::new("exactly-one", message, at, found).help(format!("choose {}", listed(names(), "or"))));
+        let fault = Fault::new("exactly-one", message, at, found).help(format!("choose {}", listed(names(), "or")));
+        problems.push(fault.if_its_entry_is_whole());
         return None;
     };
-    let Some(law) = C::ENTRIES.iter().position(|entry| entry.key == key.get_ref()) else {
-        problems.push(unknown_key(&format!("{} `{}`", C::WHAT, key.get_ref()), key, names()));
-        return None;
-    };
+    // Other laws, and constants of others, are no keys of the deck: that has been told.
+    let law = C::ENTRIES.iter().position(|entry| entry.key == key.get_ref())?;
     let parameters = C::ENTRIES[law].parameters;
     let mut values = Vec::with_capacity(given.0.len());
     for (key, value) in &given.0 {
-        match parameters.iter().find(|p| p.key == key.get_ref()) {
-            Some(p) => {
-                if let Some(number) = value.bounded(p.quantity.into(), p.bound, problems) {
-                    values.push((p.key, number));
-                }
-            }
-            None => {
-                let what = format!("constant `{}` of {}", key.get_ref(), C::ENTRIES[law].key);
-                problems.push(unknown_key(&what, key, parameters.iter().map(|p| p.key)));
-            }
+        if let Some(p) = parameters.iter().find(|p| p.key == key.get_ref())
+            && let Some(number) = value.bounded(p.quantity.into(), p.bound, problems)
+        {
+            values.push((p.key, number));
         }
     }
     Some(LawConstants { law, values })
-}
-
-fn unknown_key<'a>(what: &str, key: &Spanned<String>, options: impl Iterator<Item = &'a str> + Clone) -> Fault {
-    let near = nearest(key.get_ref(), options.clone()).map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
-    Fault::new("unknown-key", format!("unknown {what}"), key.span(), "not known")
-        .help(format!("{near}There are {}.", listed(options, "and")))
 }

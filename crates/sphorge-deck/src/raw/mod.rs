@@ -35,7 +35,7 @@ tables! {
         /// One line for people.
         title: Option<Word>, example "Taylor impact of an Armco iron plate", default "";
         /// Space dimensions; they set the number of components of every vector in the deck.
-        dimensions: Choice<DimensionsWord>, example "plane-strain";
+        dimensions: Option<Choice<DimensionsWord>>, or fault, example "plane-strain";
         /// Method: a consistent set of the choices below. Any of them that the deck makes takes the place of the method's. A deck that
         /// names no method and a `search` among the present neighbours has `updated-lagrangian`.
         method: Option<Choice<MethodWord>>, example "updated-lagrangian", default "total-lagrangian";
@@ -49,43 +49,43 @@ tables! {
         /// Acceleration of every particle.
         gravity: Option<VectorOf<Acceleration>>, example ["0 m/s^2", "-9.81 m/s^2"], otherwise "none";
         /// Particles: resolution and smoothing.
-        particles: RawParticles;
+        particles: Option<RawParticles>, or fault;
         /// Choices of the discretisation.
         numerics: RawNumerics, or empty;
         /// End of the run and time step.
-        time: RawTime;
-        /// Bodies of particles; at least one.
+        time: Option<RawTime>, or fault;
+        /// Bodies of particles; at least one, at most 1000.
         body: Vec<RawBody>, or empty;
         /// Named sets of particles, chosen in the initial configuration; at most 32.
         region: Vec<RawRegion>, or empty;
-        /// Rigid walls.
+        /// Rigid walls; at most 1000.
         wall: Vec<RawWall>, or empty;
         /// Planes of symmetry.
         symmetry: Vec<RawSymmetry>, or empty;
         /// Periodic axes.
         periodic: RawPeriodic, or empty;
-        /// Held or driven particles.
+        /// Held or driven particles; at most 96.
         motion: Vec<RawMotion>, or empty;
         /// Heat that flows; no heat flows without this table.
         thermal: Option<RawThermal>;
         /// What to write and when.
         output: RawOutput, or empty;
-        /// Numbers to report: columns of `history.csv`, entries of `summary.json`.
+        /// Numbers to report: columns of `history.csv`, entries of `summary.json`; at most 1000.
         measure: Vec<RawMeasure>, or empty;
-        /// Particles to follow and points to watch: columns of `history.csv`.
+        /// Particles to follow and points to watch: columns of `history.csv`; at most 1000.
         tracer: Vec<RawTracer>, or empty;
-        /// Planes the force through which is written: columns of `history.csv`.
+        /// Planes the force through which is written: columns of `history.csv`; at most 1000.
         section: Vec<RawSection>, or empty;
         /// When a run is said to be broken: the limits of the checks that are made while it goes on.
         warnings: RawWarnings, or empty;
-        /// Own materials, or changes to those of the catalogue, by name.
+        /// Own materials, or changes to those of the catalogue, by name; at most 10000.
         material: Named<RawMaterial>, or empty;
     }
 
     /// Particles: resolution and smoothing.
     RawParticles {
         /// Distance of neighbouring lattice particles; the key for resolution.
-        spacing: Given<Length>, example "0.3 mm";
+        spacing: Option<Given<Length>>, or fault, example "0.3 mm";
         /// Smoothing length over spacing, h / spacing.
         smoothing: Option<Given<Number>>, example 1.2, default 1.2;
         /// How particles are arranged.
@@ -98,7 +98,7 @@ tables! {
     /// End of the run and time step.
     RawTime {
         /// Time at which the run ends.
-        end: Given<Time>, example "60 us";
+        end: Option<Given<Time>>, or fault, example "60 us";
         /// Courant number, on the longitudinal sound speed plus |mu|; above 0, at most 1.
         courant: Option<Given<Number>>, example 0.3, default 0.3;
         /// Upper bound of the time step.

@@ -5,7 +5,7 @@ use super::super::{value::*, written::Spanned};
 
 tables! {
     /// One solid, or several put together by `union`, `difference` or `intersection`; turned and then shifted. Every part is a shape
-    /// like this one, with its own `rotate` and `shift`, so parts can be composed themselves.
+    /// like this one, with its own `rotate` and `shift`, so parts can be composed themselves; at most 1000 at once.
     RawShape {
         /// Box along the axes; an interval in one dimension.
         cuboid as "box": Option<RawBox>;
@@ -91,7 +91,7 @@ tables! {
 
     /// Area inside a closed line.
     RawPolygon {
-        /// Corners in order, at least three; the last is joined to the first. The line must not cross itself.
+        /// Corners in order, at least three, at most 10000; the last is joined to the first. The line must not cross itself.
         corners: Vec<VectorOf<Length>>, example [["0 mm", "0 mm"], ["10 mm", "0 mm"], ["0 mm", "5 mm"]];
     }
 

@@ -226,7 +226,7 @@ fn what_is_no_toml_is_marked_where_it_breaks() {
 #[test]
 fn missing_keys_say_what_to_write() {
     told("end = \"60 us\"", "", "missing-key", "[time]", "`time` has no `end`", "add end = \"60 us\"");
-    told("[time]\nend = \"60 us\"", "", "missing-key", "", "the deck has no `time`", "[time]");
+    told("[time]\nend = \"60 us\"", "", "missing-key", "", "the deck has no `time`", "add time = { end = \"60 us\" }");
     told("plane = {", "# plane = {", "exactly-one", "\"anvil\"", "a wall needs one of `plane` or `segment`", "");
 }
 

@@ -1,5 +1,6 @@
 //! Decks read whole.
 
+mod corpus;
 mod diagnostics;
 mod features;
 mod filling;
@@ -13,32 +14,7 @@ use super::*;
 use sphorge_engine::model::*;
 
 /// The deck of the README.
-const FLAVOUR: &str = r#"
-title = "Taylor impact of an Armco iron plate (Patiño et al., test 2)"
-dimensions = "plane-strain"                      # or "3d", "1d"
-search = "every-step"                            # or "skin"
-
-[particles]
-spacing = "0.3 mm"
-smoothing = 1.2                                  # h / spacing
-
-[time]
-end = "60 us"
-
-[[body]]
-name = "bar"
-material = "armco-iron"
-shape = { box = { min = ["-3.8 mm", "0 mm"], max = ["3.8 mm", "25.46 mm"] } }
-velocity = ["0 m/s", "-200 m/s"]
-
-[[wall]]
-name = "anvil"
-plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
-
-[[measure]]
-name = "height"
-extent = { body = "bar", axis = "y" }
-"#;
+const FLAVOUR: &str = include_str!("decks/flavour.toml");
 
 /// The deck with a piece replaced.
 #[track_caller]

@@ -206,14 +206,14 @@ fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
         &["`bar.csv`, line 2, column `x`: `one` is not a number", "`bar.csv`, line 3, column `x`: `` is not a number"],
     );
     told("x,y,mass\n0,1,0\n", "", &["`bar.csv`, line 2, column `mass`: `0` must be above zero"]);
-    told("x,y\n0,1\n0\n", "", &["`bar.csv`, line 3: 1 cells, and 2 columns"]);
+    told("x,y\n0,1\n0\n", "", &["`bar.csv`, line 3: 1 cell, where line 1 names 2"]);
     told("x,y\n0,1\n1,1\n-0,1\n", "", &["`bar.csv`, lines 2 and 4 put a particle in one place"]);
     told("x,y\n", "", &["`bar.csv` holds no particles"]);
     told("x,y,mass,volume\n0,0,1,1\n", "", &["`bar.csv`, line 1: both `mass` and `volume`; one gives the other"]);
     told("x,y\n0,0\n", ", length-unit = \"kg\"", &["expected a length (m), found a mass in `kg`"]);
     let (_folder, path) = table(&format!("x,y\n{}", "a,1\n".repeat(9)), "");
     let Err(report) = load(&path, &[], MAX_PARTICLES) else { panic!("nine faults") };
-    assert_eq!((report.problems().len(), report.problems()[4].help()), (5, Some("and 4 more like it")));
+    assert_eq!((report.problems().len(), report.problems()[4].help()), (5, Some("and 4 more in this file")));
     let text = std::fs::read_to_string(&path).unwrap().replace("bar.csv", "rod.csv");
     std::fs::write(&path, text).unwrap();
     assert!(load(&path, &[], MAX_PARTICLES).err().unwrap().to_string().starts_with("`rod.csv` cannot be read"));

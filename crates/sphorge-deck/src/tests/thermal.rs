@@ -62,7 +62,7 @@ fn faults_of_contact_and_heat_are_told() {
     for (more, code, words) in [
         ("[contact]\npenalty = { friction = -1 }", "out-of-range", "zero or above"),
         ("[contact]\npenalty = { damping = 2 }", "out-of-range", "between 0 and 1"),
-        ("[contact]\n", "exactly-one", "a contact needs one of `penalty`"),
+        ("[contact]\n", "exactly-one", "a contact needs `penalty`"),
         ("[[thermal.boundary]]\nname = \"a\"", "exactly-one", "a heat boundary needs one of `hold`"),
         ("[[thermal.boundary]]\nname = \"a\"\nhold = 300\nflux = 3", "exactly-one", "only one of `hold`"),
         ("[[thermal.boundary]]\nname = \"a\"\nhold = \"-300 degC\"", "out-of-range", "absolute zero or above"),
