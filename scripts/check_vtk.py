@@ -12,11 +12,14 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkDataArray
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 import numpy
 
 SYMMETRIC = ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+# Fields that are pure numbers; all others have a unit.
+PURE = {"id", "body", "material", "plastic_strain", "plastic_strain_increment", "neighbors", "adapted", "last_searched"}
 
 
 class Complaint(Exception):
@@ -41,7 +44,36 @@ def read(path):
     return reader.GetOutput()
 
 
-def check_frame(path, time, particles):
+def unit_of(array):
+    return array.GetInformation().Get(vtkDataArray.UNITS_LABEL()) or ""
+
+
+def words_of(frame, name):
+    """The words of an array of field data."""
+    array = frame.GetFieldData().GetAbstractArray(name)
+    return [] if array is None else [array.GetValue(k) for k in range(array.GetNumberOfTuples())]
+
+
+def check_names(path, frame, bodies):
+    """Units and names, as VTK has read them."""
+    require(words_of(frame, "BodyName") == bodies, f"{path}: bodies are {words_of(frame, 'BodyName')}")
+    materials = words_of(frame, "BodyMaterial")
+    require(len(materials) == len(bodies) and all(materials), f"{path}: materials are {materials}")
+    units = {"Points": unit_of(frame.GetPoints().GetData())}
+    fields = frame.GetPointData()
+    for k in range(fields.GetNumberOfArrays()):
+        array = fields.GetArray(k)
+        units[array.GetName()] = unit_of(array)
+    require(units["Points"] == "m", f"{path}: positions are in {units['Points']!r}")
+    for name, unit in units.items():
+        require(bool(unit) != (name in PURE), f"{path}: the unit of {name} is {unit!r}")
+    listed = [f"{name}: {unit}" for name, unit in units.items() if unit]
+    require(words_of(frame, "Units") == listed, f"{path}: Units are {words_of(frame, 'Units')}, arrays have {listed}")
+    numbers = fields.GetArray("body")
+    require(numbers is None or numbers.GetRange()[1] < len(bodies), f"{path}: a body has no name")
+
+
+def check_frame(path, time, particles, bodies):
     """One frame; returns the names of its fields."""
     frame = read(path)
     require(frame.GetNumberOfPoints() == particles, f"{path}: {frame.GetNumberOfPoints()} points, {particles} particles")
@@ -50,6 +82,7 @@ def check_frame(path, time, particles):
     require((connectivity == numpy.arange(particles)).all(), f"{path}: vertices are not the points in order")
     value = frame.GetFieldData().GetArray("TimeValue")
     require(value is not None and value.GetValue(0) == time, f"{path}: TimeValue is not {time}")
+    check_names(path, frame, bodies)
     positions = vtk_to_numpy(frame.GetPoints().GetData())
     require(positions.dtype == numpy.float64, f"{path}: positions are {positions.dtype}")
     require(numpy.isfinite(positions).all(), f"{path}: a position is not finite")
@@ -78,6 +111,8 @@ def check_history(run, summary):
     times = [float(row["time"]) for row in rows]
     require(all(a < b for a, b in zip(times, times[1:])), "history.csv: time does not grow")
     require(summary["status"] == "failed" or times[-1] == summary["simulated_time"], "history.csv: ends elsewhere")
+    units = {column["name"]: column["unit"] for column in json.loads((run / "history-columns.json").read_text())}
+    require(units["time"] == "s" and units["kinetic_energy"] == summary["units"]["energy.kinetic"], "units differ")
     require(all(math.isfinite(float(row["kinetic_energy"])) for row in rows), "history.csv: an energy is not finite")
     return len(rows)
 
@@ -97,7 +132,8 @@ def check(run):
     listed = {file for _, file in entries}
     present = {f"fields/{path.name}" for path in (run / "fields").glob("*.vtp")}
     require(listed == present, f"fields.pvd lists other files than there are: {sorted(listed ^ present)}")
-    names = {tuple(check_frame(run / file, time, summary["particles"])) for time, file in entries}
+    bodies = [body["name"] for body in summary["bodies"]]
+    names = {tuple(check_frame(run / file, time, summary["particles"], bodies)) for time, file in entries}
     require(len(names) == 1, "frames hold different fields")
     rows = check_history(run, summary)
     print(f"{run}: {len(entries)} frames of {summary['particles']} particles, {len(next(iter(names)))} fields, {rows} rows")

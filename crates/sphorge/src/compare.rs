@@ -1,6 +1,6 @@
 //! Runs side by side: measures, times, conservation.
 
-use super::number::{four_digits, quantity};
+use super::number::{four_digits, plain, quantity};
 use crate::output::{AuditRecord, OutputError, RunDirectory, Status, Summary};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
@@ -106,13 +106,16 @@ impl ComparisonRow {
         let Some(value) = self.values[k] else { return "\u{2013}".into() };
         let text = match self.unit.as_str() {
             "B" if value < 1e5 => format!("{value:.0} B"),
-            "B" => format!("{} MiB", four_digits(value / (1u64 << 20) as f64)),
+            "B" if value < 1e6 => format!("{} kB", four_digits(value / 1e3)),
+            "B" if value < 1e9 => format!("{} MB", four_digits(value / 1e6)),
+            "B" => format!("{} GB", four_digits(value / 1e9)),
             "1/s" => format!("{value:.3e}"),
             "" if value != 0.0 && value.abs() < 1e-3 => format!("{value:.2e}"),
             // Seconds of waiting are not counted in kiloseconds.
             "s" if value >= 1.0 => format!("{} s", four_digits(value)),
             unit => quantity(value, unit),
         };
+        let text = plain(text);
         match self.values[0].filter(|first| self.is_measure && k > 0 && *first != 0.0) {
             Some(first) => format!("{text} ({:+.2} %)", 100.0 * (value / first - 1.0)),
             None => text,
@@ -165,7 +168,11 @@ mod tests {
     #[test]
     fn runs_are_set_against_the_first() {
         let folder = tempfile::tempdir().unwrap();
-        let first = save(folder.path(), "a", &summary(4.0, &[("height", Some(0.02)), ("width", Some(0.015))]));
+        let first = save(
+            folder.path(),
+            "a",
+            &summary(4.0, &[("height", Some(0.02)), ("width", Some(0.015)), ("gap", Some(-3e-6))]),
+        );
         let second = save(folder.path(), "b", &summary(2.0, &[("height", Some(0.021)), ("period", None)]));
         let comparison = Comparison::read(&[first, second]).unwrap();
         let row = |name: &str| comparison.rows.iter().find(|row| row.quantity == name).unwrap();
@@ -174,7 +181,7 @@ mod tests {
         assert_eq!(row("period").values, [None, None]);
         assert_eq!(row("speed-up").values, [Some(1.0), Some(2.0)]);
         assert_eq!((row("height").text(0), row("height").text(1)), ("20 mm".into(), "21 mm (+5.00 %)".into()));
-        assert_eq!((row("peak memory").text(1), row("width").text(1)), ("10 MiB".into(), "–".into()));
+        assert_eq!((row("peak memory").text(1), row("width").text(1)), ("10.49 MB".into(), "–".into()));
         assert_eq!(row("peak memory, per particle").text(0), "10486 B");
         assert_eq!(row("columns and lists, per particle").text(1), "900 B");
         let table = comparison.to_string();
@@ -186,6 +193,7 @@ mod tests {
             "{table}"
         );
         assert_eq!(comparison.status, [Status::Completed, Status::Completed]);
+        assert!(!table.contains(['\u{2212}', 'µ']), "{table}");
         assert!(!table.contains("warnings"), "{table}");
     }
 

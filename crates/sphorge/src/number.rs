@@ -21,12 +21,16 @@ fn round_step(rough: f64) -> f64 {
 
 /// The numbers of an axis, all with the decimals the step needs.
 pub(crate) fn tick_labels(ticks: &[f64], scale: f64) -> Vec<String> {
+    if let [only] = ticks {
+        // No step says how many decimals count: those the round number has.
+        return vec![minus(format!("{}", format!("{:.9e}", only / scale).parse().unwrap_or(0.0)))];
+    }
     let step = ticks.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min) / scale;
     let decimals = (0..9).find(|&d| {
         let shifted = step * 10f64.powi(d);
         (shifted - shifted.round()).abs() < 1e-6 * shifted
     });
-    let decimals = if step.is_finite() { decimals.unwrap_or(9) as usize } else { 3 };
+    let decimals = decimals.unwrap_or(9) as usize;
     ticks.iter().map(|t| minus(format!("{:.decimals$}", if *t == 0.0 { 0.0 } else { t / scale }))).collect()
 }
 
@@ -35,6 +39,16 @@ pub(crate) fn quantity(value: f64, unit: &str) -> String {
     let (scale, unit) = scaled_unit(value.abs(), unit);
     let text = four_digits(value / scale);
     if unit.is_empty() { text } else { format!("{text} {unit}") }
+}
+
+/// The same for a terminal, in what a keyboard has: `60 us`, `-200 m/s`.
+pub(crate) fn plain_quantity(value: f64, unit: &str) -> String {
+    plain(quantity(value, unit))
+}
+
+/// A number in what a keyboard has.
+pub(crate) fn plain(text: String) -> String {
+    text.replace('\u{2212}', "-").replace('µ', "u")
 }
 
 /// Four significant digits without trailing zeros.
@@ -77,7 +91,8 @@ pub(crate) fn scaled_unit(largest: f64, unit: &str) -> (f64, String) {
     let takes_prefix = matches!(unit, "Pa" | "m" | "s" | "W/kg") || unit.starts_with(['J', 'N']);
     // Metres are not counted in thousands, nor speeds of hundreds in thousandths of a kilometre.
     let speed = unit == "m/s" && largest < 0.1;
-    if takes_prefix || speed {
+    // Beyond the prefixes numbers would be long again.
+    if (takes_prefix || speed) && (1e-14..1e16).contains(&largest) {
         let (scale, prefix) = PREFIXES.into_iter().find(|(scale, _)| largest >= 0.999 * scale).unwrap_or((1e-12, "p"));
         let (scale, prefix) = if unit == "m" && scale > 1.0 { (1.0, "") } else { (scale, prefix) };
         return (scale, format!("{prefix}{pretty}"));
@@ -131,7 +146,7 @@ mod tests {
         assert_eq!(tick_labels(&[-0.25, 0.0, 0.25], 1.0), ["−0.25", "0.00", "0.25"]);
         assert_eq!(tick_labels(&[0.0, 5e8, 1e9], 1e9), ["0.0", "0.5", "1.0"]);
         assert_eq!(tick_labels(&ticks(0.0, 0.6, 3), 1.0), ["0.0", "0.2", "0.4", "0.6"]);
-        assert_eq!(tick_labels(&[7890.0], 1.0), ["7890.000"]);
+        assert_eq!(tick_labels(&[7890.0], 1.0), ["7890"]);
     }
 
     #[test]
@@ -151,6 +166,8 @@ mod tests {
         ] {
             assert_eq!(quantity(value, unit), text);
         }
+        let typed = [(6e-5, "s"), (-200.0, "m/s"), (-1.5e-6, "m")].map(|(value, unit)| plain_quantity(value, unit));
+        assert_eq!(typed, ["60 us", "-200 m/s", "-1.5 um"]);
         assert_eq!((grouped(2125), grouped(1234567)), ("2125".into(), "1\u{a0}234\u{a0}567".into()));
     }
 }

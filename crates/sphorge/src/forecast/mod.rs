@@ -6,13 +6,9 @@ use crate::{
     geometry::FilledMass,
     model::{Body, Dimensions, Model},
     observed::Observed,
-    output::{FrameHeader, write_frame},
-    particles::Particles,
+    output::uncompressed_bytes,
 };
-use std::{
-    io::{self, Write},
-    time::Instant,
-};
+use std::time::Instant;
 
 /// How to forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +50,7 @@ pub struct Forecast {
     pub memory_bytes: u64,
     /// Frames that would be written.
     pub frames: u64,
-    /// Bytes of all frames and the history.
+    /// Bytes of all frames before they are compressed, and of the history.
     pub output_bytes: u64,
 }
 
@@ -120,7 +116,7 @@ pub fn forecast(setup: Setup, options: &ForecastOptions) -> Result<Forecast, For
 fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
     let model = setup.model.clone();
     let bodies = bodies(&model, &setup.masses);
-    let frame_bytes = frame_bytes(&model, &setup.particles);
+    let frame_bytes = uncompressed_bytes(setup.particles.len(), &model.output.fields);
 
     let mut simulation = Simulation::new(setup.model, setup.particles);
     let (first_step, first_reason) = simulation.next_step_estimate()?;
@@ -169,32 +165,6 @@ fn bodies(model: &Model, masses: &[FilledMass]) -> Vec<BodyForecast> {
         filled,
     };
     model.bodies.iter().zip(masses).map(body).collect()
-}
-
-/// Size of one frame: writes it to nowhere.
-fn frame_bytes(model: &Model, particles: &Particles) -> u64 {
-    struct Counter(u64);
-    impl Write for Counter {
-        fn write(&mut self, data: &[u8]) -> io::Result<usize> {
-            self.0 += data.len() as u64;
-            Ok(data.len())
-        }
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-    let header = FrameHeader {
-        time: 0.0,
-        step: 0,
-        dimensions: model.dimensions.count(),
-        body_spacing: model.bodies.iter().map(|body| body.spacing).collect(),
-    };
-    let mut counter = Counter(0);
-    match write_frame(&mut counter, &header, particles, &model.output.fields) {
-        Ok(()) => counter.0,
-        // More particles than a frame can hold: the run will say so.
-        Err(_) => 0,
-    }
 }
 
 /// About the size of a row of the history.
@@ -259,7 +229,7 @@ mod tests {
         assert!(started.elapsed().as_secs() < 500);
         // Twenty steps of 48 ns are short of the first frame interval: the initial frame and that of the end.
         assert_eq!(forecast.frames, 2);
-        assert!(forecast.output_bytes > 2 * frame_bytes(&model, &particles));
+        assert!(forecast.output_bytes > 2 * uncompressed_bytes(particles.len(), &model.output.fields));
         assert!(forecast.memory_bytes > particles.len() as u64 * 500);
     }
 }

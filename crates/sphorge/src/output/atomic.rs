@@ -2,9 +2,14 @@
 
 use super::error::{AtPath, OutputError};
 use std::{
-    io::{self, BufWriter, Write},
+    io::{self, BufWriter, Seek, Write},
     path::Path,
 };
+
+/// What the content of a file is written to; what stands before the end can still be changed.
+pub(crate) trait Sink: Write + Seek {}
+
+impl<T: Write + Seek> Sink for T {}
 
 /// How names of unfinished files begin; a killed process may leave one behind.
 pub(crate) const UNFINISHED_PREFIX: &str = ".sphorge-";
@@ -24,7 +29,7 @@ pub(crate) enum Durability {
 pub(crate) fn write_file(
     path: &Path,
     durability: Durability,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     try_write(path, durability, content).writing(path)
 }
@@ -32,7 +37,7 @@ pub(crate) fn write_file(
 fn try_write(
     path: &Path,
     durability: Durability,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
 ) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();

@@ -18,7 +18,7 @@ use std::{
     io::{self, BufReader, Read, Write},
     path::{Path, PathBuf},
 };
-use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions, write::StreamWriter};
+use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions, write::StreamWriter};
 
 /// Version of the format of checkpoints; that of the values in it is the program's.
 const FORMAT: u32 = 1;
@@ -134,7 +134,7 @@ impl Writer<'_> {
     fn add(&mut self, name: &str, bytes: &[u8]) {
         if self.failure.is_none() {
             let options = SimpleFileOptions::default()
-                .compression_method(zip::CompressionMethod::Stored)
+                .compression_method(CompressionMethod::Stored)
                 .large_file(bytes.len() as u64 >= u64::from(u32::MAX));
             let started = self.zip.start_file(name, options).map_err(io::Error::other);
             self.failure = started.and_then(|()| self.zip.write_all(bytes)).err();
@@ -169,7 +169,9 @@ impl Checkpoint {
     pub(crate) fn open(path: &Path) -> Result<Self, OutputError> {
         let damaged = |error: &dyn std::fmt::Display| OutputError::damaged(path, error.to_string());
         let file = BufReader::with_capacity(1 << 17, regular_file::open(path).reading(path)?);
+        let file_bytes = file.get_ref().metadata().reading(path)?.len();
         let mut zip = ZipArchive::new(file).map_err(|error| damaged(&error))?;
+        check_sizes(&mut zip, file_bytes).map_err(|reason| damaged(&reason))?;
         for index in 0..zip.len() {
             let mut entry = zip.by_index(index).map_err(|error| damaged(&error))?;
             io::copy(&mut entry, &mut io::sink()).map_err(|error| damaged(&error))?;
@@ -183,6 +185,22 @@ impl Checkpoint {
         let deck = String::from_utf8(deck).map_err(|error| damaged(&error))?;
         Ok(Self { zip, about, deck })
     }
+}
+
+/// Refuses entries that hold more than there is: what they take to read, in memory and time, is bounded by the length of the file then.
+fn check_sizes(zip: &mut ZipArchive<BufReader<File>>, file_bytes: u64) -> Result<(), String> {
+    let mut bytes = 0u64;
+    for index in 0..zip.len() {
+        let entry = zip.by_index_raw(index).map_err(|error| error.to_string())?;
+        if entry.compression() != CompressionMethod::Stored || entry.compressed_size() != entry.size() {
+            return Err("a value in it is compressed, as none of a checkpoint is".to_owned());
+        }
+        bytes = bytes.saturating_add(entry.size());
+        if bytes > file_bytes {
+            return Err(format!("its values take more than the {file_bytes} bytes of the file"));
+        }
+    }
+    Ok(())
 }
 
 /// The bytes of an entry.
@@ -267,6 +285,52 @@ mod tests {
             }
         }
         assert!(recognised > whole.len() / 7 * 9 / 10, "{recognised} of {}", whole.len() / 7);
+    }
+
+    /// Why a file is no checkpoint.
+    fn refused(path: &Path, bytes: &[u8]) -> String {
+        fs::write(path, bytes).unwrap();
+        match Checkpoint::open(path) {
+            Err(OutputError::Damaged { reason, .. }) => reason,
+            Err(error) => panic!("{error}"),
+            Ok(_) => panic!("it is opened"),
+        }
+    }
+
+    /// Changes the bytes at `at` behind the last `mark`.
+    fn with_bytes(file: &[u8], mark: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
+        let place = file.windows(mark.len()).rposition(|w| w == mark).unwrap() + at;
+        let mut changed = file.to_vec();
+        changed[place..place + bytes.len()].copy_from_slice(bytes);
+        changed
+    }
+
+    #[test]
+    fn what_promises_more_than_the_file_holds_is_refused_before_it_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = written(folder.path(), 12);
+        let whole = fs::read(&path).unwrap();
+        // Fields of the directory of a ZIP file and of its end: method, sizes, number of entries.
+        let (entry, end): (&[u8], &[u8]) = (b"PK\x01\x02", b"PK\x05\x06");
+        let deflated = with_bytes(&whole, entry, 10, &8u16.to_le_bytes());
+        assert!(refused(&path, &deflated).contains("is compressed"));
+        let huge = [0xf0u8, 0xff, 0xff, 0xf0].repeat(2);
+        assert!(refused(&path, &with_bytes(&whole, entry, 20, &huge)).contains("take more than"));
+        let bomb = with_bytes(&whole, entry, 24, &huge[..4]);
+        assert!(refused(&path, &bomb).contains("is compressed"));
+        for count in [0u16, 1, 0xfffe] {
+            let bytes = [count.to_le_bytes(), count.to_le_bytes()].concat();
+            refused(&path, &with_bytes(&whole, end, 8, &bytes));
+        }
+        // An end of the long form that tells of 2^60 entries, and of a directory as long.
+        let at = whole.windows(4).rposition(|w| w == end).unwrap();
+        let many = (1u64 << 60).to_le_bytes();
+        let long =
+            [b"PK\x06\x06".as_slice(), &44u64.to_le_bytes(), &[45, 0, 45, 0], &[0; 8], &many, &many, &many, &[0; 8]];
+        let locator = [b"PK\x06\x07".as_slice(), &[0; 4], &(at as u64).to_le_bytes(), &1u32.to_le_bytes()];
+        let mut short = whole[at..].to_vec();
+        short[8..20].fill(0xff);
+        refused(&path, &[&whole[..at], &long.concat(), &locator.concat(), &short].concat());
     }
 
     #[test]

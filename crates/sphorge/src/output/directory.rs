@@ -25,7 +25,7 @@ use std::{
 /// | `history-columns.json` | name, unit and meaning of each column |
 /// | `summary.json` | how the run ended; written last |
 /// | `checkpoint-*.zip` | what the run can be resumed from, the last two |
-/// | `plots/*.png` | pictures, when asked for |
+/// | `plots/*.png`, `plots/*.svg` | pictures, when asked for |
 ///
 /// Every file is written aside and renamed into place, so a reader sees a complete file or none.
 #[derive(Clone, Debug)]
@@ -231,7 +231,8 @@ fn is_frame(name: &str) -> bool {
 /// A picture under a name that plotting gives: the field or the kind of history first.
 fn is_picture(name: &str) -> bool {
     let ours = |prefix: &str| name.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(['.', '-']));
-    name.ends_with(".png") && (ours("history") || FIELD_TABLE.iter().any(|field| ours(field.name)))
+    [".png", ".svg"].iter().any(|ending| name.ends_with(ending))
+        && (ours("history") || FIELD_TABLE.iter().any(|field| ours(field.name)))
 }
 
 fn is_unfinished(name: &str) -> bool {
@@ -279,15 +280,15 @@ mod tests {
         fs::create_dir(root.join("fields")).unwrap();
         fs::create_dir(root.join("plots")).unwrap();
         let ours =
-            ["summary.json", "deck.toml", "fields/000003.vtp", "plots/history-energy.png", "plots/pressure-last.png"];
-        let foreign = ["notes.txt", "fields/mine.vtp", "fields/000003.txt", "plots/paper.png"];
+            ["summary.json", "deck.toml", "fields/000003.vtp", "plots/history-energy.svg", "plots/pressure-last.png"];
+        let foreign = ["notes.txt", "fields/mine.vtp", "fields/000003.txt", "plots/paper.png", "plots/sketch.svg"];
         for name in ours.iter().chain(&foreign) {
             fs::write(root.join(name), "x").unwrap();
         }
         RunDirectory::create(root, true).unwrap();
         assert_eq!(names(root), [".sphorge-lock", "fields", "notes.txt", "plots"]);
         assert_eq!(names(&root.join("fields")), ["000003.txt", "mine.vtp"]);
-        assert_eq!(names(&root.join("plots")), ["paper.png"]);
+        assert_eq!(names(&root.join("plots")), ["paper.png", "sketch.svg"]);
     }
 
     #[test]

@@ -139,6 +139,15 @@ impl Row {
     }
 }
 
+/// What sums over particles are per.
+pub(super) fn per(dimensions: Dimensions) -> &'static str {
+    match dimensions {
+        Dimensions::One => "/m^2",
+        Dimensions::PlaneStrain => "/m",
+        Dimensions::Three => "",
+    }
+}
+
 /// How a column says that it is a measure.
 pub(crate) const MEASURE_MEANING: &str = "measure declared in the deck";
 
@@ -146,12 +155,7 @@ pub(crate) const MEASURE_MEANING: &str = "measure declared in the deck";
 fn row(model: &Model, sample: &HistorySample) -> Row {
     let ledger = sample.ledger;
     let total = &ledger.total;
-    let per = match model.dimensions {
-        Dimensions::One => "/m^2",
-        Dimensions::PlaneStrain => "/m",
-        Dimensions::Three => "",
-    };
-    let mut row = Row { cells: Vec::new(), per };
+    let mut row = Row { cells: Vec::new(), per: per(model.dimensions) };
     row.number("time", "s", "time", sample.time);
     row.add("step", "", "steps done", Cell::Count(sample.step));
     row.number("dt", "s", "last time step that was not shortened to land on an output time", sample.dt);

@@ -54,3 +54,15 @@ fn known_columns(run: &RunDirectory) -> Vec<HistoryColumn> {
         .and_then(|text| serde_json::from_slice(&text).ok())
         .unwrap_or_default()
 }
+
+/// The step of the last row, without reading the rows before.
+pub(crate) fn last_step(run: &RunDirectory) -> Option<u64> {
+    let text = regular_file::read(&run.history()).ok()?;
+    let lines = text.strip_suffix(b"\n")?;
+    let last = lines.iter().rposition(|byte| *byte == b'\n')?;
+    let first = lines.iter().position(|byte| *byte == b'\n')?;
+    let rows = [&text[..=first], &text[last + 1..]].concat();
+    let mut reader = csv::Reader::from_reader(rows.as_slice());
+    let column = reader.headers().ok()?.iter().position(|name| name == "step")?;
+    reader.records().next()?.ok()?.get(column)?.parse().ok()
+}

@@ -13,7 +13,9 @@ mod sync;
 #[cfg(test)]
 pub(crate) mod testing;
 mod vtp;
+mod vtp_data;
 mod vtp_read;
+mod xml;
 
 pub use directory::RunDirectory;
 pub use error::OutputError;
@@ -23,25 +25,28 @@ pub use series::{SeriesEntry, read_series};
 pub use summary::{
     AuditRecord, BodyRecord, EndReason, EnergyRecord, FailureRecord, StageSecondsRecord, Status, Summary, WarningRecord,
 };
-pub use vtp::{FrameHeader, write_frame};
+pub use vtp::{FrameBody, FrameHeader, FrameWriter, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 
 pub(crate) use atomic::{Durability, write_file};
 pub(crate) use checkpoint::{About, Checkpoint, checkpoints, remove_former_checkpoints, write_checkpoint};
 pub(crate) use error::AtPath;
 pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
+pub(crate) use history_read::last_step;
 pub(crate) use series::write_series;
 pub(crate) use sync::DiskSync;
+pub(crate) use vtp::uncompressed_bytes;
 
-use crate::engine::FieldSource;
+#[cfg(test)]
 use std::path::Path;
 
-/// Writes a frame to a file.
+/// Writes a frame of nameless bodies to a file.
+#[cfg(test)]
 pub(crate) fn write_frame_file(
     path: &Path,
     header: &FrameHeader,
-    particles: &dyn FieldSource,
+    particles: &dyn crate::engine::FieldSource,
     fields: &[String],
 ) -> Result<(), OutputError> {
-    write_file(path, Durability::Process, |out| write_frame(out, header, particles, fields))
+    write_file(path, Durability::Process, |mut out| write_frame(&mut out, header, particles, fields))
 }

@@ -4,7 +4,7 @@ use super::{
     RunDirectory,
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
-    regular_file,
+    regular_file, xml,
 };
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ pub(crate) fn write_series(path: &Path, entries: &[SeriesEntry]) -> Result<(), O
 pub fn read_series(run: &RunDirectory) -> Result<Vec<(f64, PathBuf)>, OutputError> {
     let path = run.series();
     let text = regular_file::read_to_string(&path).reading(&path)?;
-    let document = roxmltree::Document::parse(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))?;
+    let document = xml::parse(&text).map_err(|reason| OutputError::damaged(&path, reason))?;
     let frames: Vec<_> = document
         .descendants()
         .filter(|n| n.has_tag_name("DataSet"))

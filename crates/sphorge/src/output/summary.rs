@@ -4,11 +4,13 @@ use super::{
     RunDirectory,
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
+    history::per,
     regular_file,
 };
 use crate::{
     engine::{Audit, StageSeconds, persist_fields},
-    number::quantity,
+    model::Dimensions,
+    number::plain_quantity,
 };
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, fmt};
@@ -132,8 +134,8 @@ pub struct WarningRecord {
 impl fmt::Display for WarningRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, meaning, step, cure, .. } = self;
-        let [value, limit] = [self.value, self.limit].map(|number| quantity(number, &self.unit));
-        let time = quantity(self.time, "s");
+        let [value, limit] = [self.value, self.limit].map(|number| plain_quantity(number, &self.unit));
+        let time = plain_quantity(self.time, "s");
         write!(f, "{name}: {meaning} is {value}, limit {limit}, first at {time} (step {step})")?;
         match (&self.body, self.particle) {
             (Some(body), Some(particle)) => write!(f, ", particle {particle} of `{body}`")?,
@@ -185,7 +187,7 @@ impl From<StageSeconds> for StageSecondsRecord {
     }
 }
 
-/// Energies at the last row of the history, J.
+/// Energies at the last row of the history, J (per metre of thickness in plane strain, per square metre in one dimension).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyRecord {
     /// Kinetic.
@@ -253,9 +255,12 @@ persist_fields!(AuditRecord {
     momentum_residual,
 });
 
-/// All of `summary.json`. Units are SI throughout.
+/// All of `summary.json`. Units are SI throughout; [`Summary::units`] has them all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
+    /// Version of this form, see [`Summary::FORMAT`]; 0 for files from before there was one.
+    #[serde(default)]
+    pub format: u32,
     /// How it ended.
     pub status: Status,
     /// What ended it.
@@ -318,21 +323,92 @@ pub struct Summary {
     /// Units of the measures.
     #[serde(default)]
     pub measure_units: BTreeMap<String, String>,
+    /// Unit of every number above by its path, such as `energy.kinetic` or, of each of a list, `bodies.mass`; empty for pure numbers. Value and
+    /// limit of a warning have theirs beside them.
+    #[serde(default)]
+    pub units: BTreeMap<String, String>,
 }
 
+/// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
+const UNITS: [(&str, &str); 48] = [
+    ("format", ""),
+    ("failure.step", ""),
+    ("failure.time", "s"),
+    ("failure.particle", ""),
+    ("failure.position", "m"),
+    ("particles", ""),
+    ("bodies.particles", ""),
+    ("bodies.mass", "kg{per}"),
+    ("bodies.shape_mass", "kg{per}"),
+    ("steps", ""),
+    ("simulated_time", "s"),
+    ("wall_seconds", "s"),
+    ("threads", ""),
+    ("stage_seconds.search", "s"),
+    ("stage_seconds.kinematics", "s"),
+    ("stage_seconds.stress", "s"),
+    ("stage_seconds.forces", "s"),
+    ("stage_seconds.integrate", "s"),
+    ("stage_seconds.output", "s"),
+    ("mean_neighbors", ""),
+    ("particle_steps_per_second", "1/s"),
+    ("pairs_per_second", "1/s"),
+    ("searched_fraction", ""),
+    ("peak_memory_bytes", "B"),
+    ("engine_memory_bytes", "B"),
+    ("energy.kinetic", "J{per}"),
+    ("energy.internal", "J{per}"),
+    ("energy.elastic", "J{per}"),
+    ("energy.plastic_work", "J{per}"),
+    ("energy.external_work", "J{per}"),
+    ("energy.integration", "J{per}"),
+    ("energy.relative_drift", ""),
+    ("energy.largest_relative_drift", ""),
+    ("momentum_drift", ""),
+    ("largest_momentum_drift", ""),
+    ("audit.audits", ""),
+    ("audit.missed_pairs", ""),
+    ("audit.missed_share", ""),
+    ("audit.missed_foreign_pairs", ""),
+    ("audit.stale_pairs", ""),
+    ("audit.density_rate_error", ""),
+    ("audit.force_error", ""),
+    ("audit.momentum_residual", ""),
+    ("warnings.value_time", "s"),
+    ("warnings.step", ""),
+    ("warnings.time", "s"),
+    ("warnings.particle", ""),
+    ("warnings.position", "m"),
+];
+
 impl Summary {
+    /// Version of the form of `summary.json`: it grows when a key goes or changes its meaning or unit, not when one is added.
+    pub const FORMAT: u32 = 1;
+
+    /// Units of all numbers, for measures of these units.
+    pub(crate) fn units_of(dimensions: Dimensions, measures: &BTreeMap<String, String>) -> BTreeMap<String, String> {
+        let per = per(dimensions);
+        let own = UNITS.iter().map(|(path, unit)| ((*path).to_owned(), unit.replace("{per}", per)));
+        own.chain(measures.iter().map(|(name, unit)| (format!("measures.{name}"), unit.clone()))).collect()
+    }
+
     /// Reads the summary of a run.
     ///
     /// # Errors
     /// [`OutputError::NotEnded`] if the run has none yet, [`OutputError::Read`] if it cannot be read, [`OutputError::Damaged`] if it is
-    /// not a summary.
+    /// not a summary or one of a later form.
     pub fn read(run: &RunDirectory) -> Result<Self, OutputError> {
         let path = run.summary();
         if !path.exists() && run.deck().exists() {
             return Err(OutputError::NotEnded { path: run.path().to_owned() });
         }
         let text = regular_file::read(&path).reading(&path)?;
-        serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))
+        let summary: Self = serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))?;
+        if summary.format > Self::FORMAT {
+            let (format, own) = (summary.format, Self::FORMAT);
+            return Err(OutputError::damaged(&path, format!("its format is {format}, this program reads up to {own}")));
+        }
+        Ok(summary)
     }
 
     pub(crate) fn write(&self, run: &RunDirectory) -> Result<(), OutputError> {
@@ -340,5 +416,75 @@ impl Summary {
             serde_json::to_writer_pretty(&mut *out, self)?;
             out.write_all(b"\n")
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::testing;
+    use serde_json::Value;
+    use std::collections::BTreeSet;
+
+    /// Paths of all numbers.
+    fn numbers(value: &Value, path: &str, found: &mut BTreeSet<String>) {
+        match value {
+            Value::Number(_) => drop(found.insert(path.to_owned())),
+            Value::Array(values) => values.iter().for_each(|value| numbers(value, path, found)),
+            Value::Object(entries) => entries.iter().for_each(|(name, value)| {
+                let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+                numbers(value, &path, found);
+            }),
+            Value::Null | Value::Bool(_) | Value::String(_) => {}
+        }
+    }
+
+    /// One that has all there can be.
+    fn full() -> Summary {
+        let measure_units = BTreeMap::from([("height".to_owned(), "m".to_owned())]);
+        Summary {
+            failure: Some(Box::new(FailureRecord {
+                message: "lost".into(),
+                step: 7,
+                time: 1e-6,
+                field: None,
+                particle: Some(3),
+                body: None,
+                position: Some([0.0; 3]),
+            })),
+            bodies: vec![BodyRecord { name: "bar".into(), particles: 1000, mass: 2.0, shape_mass: 2.0 }],
+            audit: Some(AuditRecord::default()),
+            warnings: vec![testing::warning("hot")],
+            measures: BTreeMap::from([("height".to_owned(), Some(0.02))]),
+            units: Summary::units_of(Dimensions::PlaneStrain, &measure_units),
+            measure_units,
+            ..testing::summary(1.0)
+        }
+    }
+
+    #[test]
+    fn every_number_has_its_unit() {
+        let summary = full();
+        let mut found = BTreeSet::new();
+        numbers(&serde_json::to_value(&summary).unwrap(), "", &mut found);
+        // These have their unit beside them.
+        assert!(found.remove("warnings.value") && found.remove("warnings.limit"));
+        assert_eq!(found, summary.units.keys().cloned().collect());
+        let of = |path: &str| summary.units[path].as_str();
+        assert_eq!([of("energy.kinetic"), of("bodies.mass"), of("measures.height")], ["J/m", "kg/m", "m"]);
+        assert_eq!(Summary::units_of(Dimensions::Three, &BTreeMap::new())["energy.plastic_work"], "J");
+    }
+
+    #[test]
+    fn summaries_of_a_later_form_are_refused_and_those_without_one_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = RunDirectory::open(folder.path()).unwrap();
+        Summary { format: Summary::FORMAT + 1, ..full() }.write(&run).unwrap();
+        let Err(OutputError::Damaged { reason, .. }) = Summary::read(&run) else { panic!("it is read") };
+        assert_eq!(reason, "its format is 2, this program reads up to 1");
+        let mut former = serde_json::to_value(full()).unwrap();
+        former.as_object_mut().unwrap().retain(|name, _| name != "format" && name != "units");
+        std::fs::write(run.summary(), former.to_string()).unwrap();
+        assert_eq!(Summary::read(&run).unwrap().format, 0);
     }
 }

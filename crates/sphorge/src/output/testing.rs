@@ -84,6 +84,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
 /// Summary of a run of so many seconds.
 pub(crate) fn summary(seconds: f64) -> Summary {
     Summary {
+        format: Summary::FORMAT,
         status: Status::Completed,
         end_reason: EndReason::EndTime,
         failure: None,
@@ -112,6 +113,7 @@ pub(crate) fn summary(seconds: f64) -> Summary {
         warnings: Vec::new(),
         measures: Default::default(),
         measure_units: Default::default(),
+        units: Default::default(),
     }
 }
 

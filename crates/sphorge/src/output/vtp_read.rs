@@ -1,13 +1,15 @@
-//! Reads frames written by [`super::write_frame`] back; other `.vtp` files only as far as their form is the same.
+//! Reads frames written by [`super::FrameWriter`] back; other `.vtp` files only as far as their form is the same.
 
 use super::{
-    FrameHeader,
+    FrameBody, FrameHeader,
     error::{AtPath, OutputError},
     regular_file,
+    vtp_data::{self, COMPRESSOR},
+    xml,
 };
 use std::{
     fs::File,
-    io::{Read, Seek, SeekFrom},
+    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -18,12 +20,15 @@ pub struct FrameFile {
     file: File,
     /// What the frame states beside its particles.
     pub header: FrameHeader,
+    /// What the numbers of the field `body` stand for; empty where the frame does not say.
+    pub bodies: Vec<FrameBody>,
     /// Number of particles.
     pub count: usize,
     arrays: Vec<FrameArray>,
     points_offset: u64,
     data_start: u64,
     file_bytes: u64,
+    is_compressed: bool,
 }
 
 /// What is known of a field in a frame.
@@ -35,6 +40,8 @@ pub struct FrameArray {
     pub width: usize,
     /// Names of the components; empty for a scalar.
     pub components: Vec<String>,
+    /// Unit in SI, empty for pure numbers.
+    pub unit: String,
     whole_numbers: bool,
     offset: u64,
 }
@@ -62,8 +69,13 @@ impl FrameFile {
         let file_bytes = file.metadata().reading(path)?.len();
         let (xml, data_start) = read_header(path, &mut file)?;
         let damaged = |reason: &str| OutputError::damaged(path, reason);
-        let document = roxmltree::Document::parse(&xml).map_err(|e| OutputError::damaged(path, e.to_string()))?;
+        let document = xml::parse(&xml).map_err(|reason| damaged(&reason))?;
         let root = document.root_element();
+        let is_compressed = match root.attribute("compressor") {
+            None => false,
+            Some(COMPRESSOR) => true,
+            Some(other) => return Err(damaged(&format!("its values are compressed by `{other}`, not `{COMPRESSOR}`"))),
+        };
         if root.attribute("byte_order") != Some("LittleEndian") || root.attribute("header_type") != Some("UInt64") {
             return Err(damaged("values are not little-endian with lengths of 64 bits"));
         }
@@ -71,13 +83,13 @@ impl FrameFile {
         let piece = element("Piece").ok_or_else(|| damaged("no piece of data"))?;
         let count = number(piece, "NumberOfPoints").ok_or_else(|| damaged("no number of points"))? as usize;
 
+        let field_text = |name: &str| {
+            let array = element("FieldData")?.children().find(|n| n.attribute("Name") == Some(name));
+            array?.text()
+        };
         let field_data = |name: &str| -> Vec<f64> {
-            root.descendants()
-                .filter(|n| n.parent().is_some_and(|p| p.has_tag_name("FieldData")))
-                .find(|n| n.attribute("Name") == Some(name))
-                .and_then(|n| n.text())
-                .map(|text| text.split_whitespace().filter_map(|word| word.parse().ok()).collect())
-                .unwrap_or_default()
+            let words = field_text(name).unwrap_or_default().split_whitespace();
+            words.filter_map(|word| word.parse().ok()).collect()
         };
         let first = |name: &str| field_data(name).first().copied().ok_or_else(|| damaged(&format!("no `{name}`")));
         let header = FrameHeader {
@@ -86,6 +98,8 @@ impl FrameFile {
             dimensions: first("Dimensions")? as usize,
             body_spacing: field_data("BodySpacing"),
         };
+        let [names, materials] = ["BodyName", "BodyMaterial"].map(|name| strings(field_text(name).unwrap_or_default()));
+        let bodies = names.into_iter().zip(materials).map(|(name, material)| FrameBody { name, material }).collect();
 
         let points_offset = element("Points")
             .and_then(|n| n.children().find(|c| c.has_tag_name("DataArray")))
@@ -99,7 +113,8 @@ impl FrameFile {
             .map(|n| frame_array(n).ok_or_else(|| damaged("a field of unknown layout")))
             .collect::<Result<_, _>>()?;
         drop(document);
-        Ok(Self { path: path.to_owned(), file, header, count, arrays, points_offset, data_start, file_bytes })
+        let path = path.to_owned();
+        Ok(Self { path, file, header, bodies, count, arrays, points_offset, data_start, file_bytes, is_compressed })
     }
 
     /// Fields in the frame.
@@ -133,21 +148,11 @@ impl FrameFile {
 
     /// Bytes of the block at `offset`, which must hold `width` bytes a particle.
     fn block(&mut self, offset: u64, width: usize) -> Result<Vec<u8>, OutputError> {
-        let short = || OutputError::damaged(&self.path, "the file ends early");
-        let expected = (self.count as u64).checked_mul(width as u64).ok_or_else(short)?;
-        let start = self.data_start.checked_add(offset).ok_or_else(short)?;
-        if start.checked_add(8).and_then(|s| s.checked_add(expected)).is_none_or(|end| end > self.file_bytes) {
-            return Err(short());
-        }
-        self.file.seek(SeekFrom::Start(start)).reading(&self.path)?;
-        let mut length = [0; 8];
-        self.file.read_exact(&mut length).reading(&self.path)?;
-        if u64::from_le_bytes(length) != expected {
-            return Err(OutputError::damaged(&self.path, "a block has another length than the header says"));
-        }
-        let mut bytes = vec![0; expected as usize];
-        self.file.read_exact(&mut bytes).reading(&self.path)?;
-        Ok(bytes)
+        let damaged = |reason: &str| OutputError::damaged(&self.path, reason);
+        let expected = (self.count as u64).checked_mul(width as u64).ok_or_else(|| damaged("too many points"))?;
+        let start = self.data_start.checked_add(offset).ok_or_else(|| damaged("the file ends early"))?;
+        vtp_data::read(&mut self.file, self.file_bytes, start, expected, self.is_compressed)
+            .map_err(|reason| OutputError::damaged(&self.path, reason))
     }
 }
 
@@ -168,6 +173,14 @@ fn read_header(path: &Path, file: &mut File) -> Result<(String, u64), OutputErro
     Ok((format!("{xml}</AppendedData></VTKFile>"), (after + underscore + 1) as u64))
 }
 
+/// Words of an array of VTK: numbers of their bytes, each word closed by a zero.
+fn strings(text: &str) -> Vec<String> {
+    let bytes: Vec<u8> =
+        text.split_whitespace().filter_map(|code| code.parse::<i8>().ok()).map(|code| code as u8).collect();
+    let words = bytes.split_inclusive(|byte| *byte == 0);
+    words.map(|word| String::from_utf8_lossy(word).trim_end_matches('\0').to_owned()).collect()
+}
+
 fn number(node: roxmltree::Node, attribute: &str) -> Option<u64> {
     node.attribute(attribute)?.parse().ok()
 }
@@ -184,10 +197,12 @@ fn frame_array(node: roxmltree::Node) -> Option<FrameArray> {
         "UInt32" => true,
         _ => return None,
     };
+    let label = node.children().find(|n| n.attribute("name") == Some("UNITS_LABEL"));
     Some(FrameArray {
         name: node.attribute("Name")?.to_owned(),
         width,
         components,
+        unit: label.and_then(|n| n.text()).unwrap_or_default().trim().to_owned(),
         whole_numbers,
         offset: number(node, "offset")?,
     })
@@ -196,7 +211,11 @@ fn frame_array(node: roxmltree::Node) -> Option<FrameArray> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Particles, output::write_frame};
+    use crate::{
+        Particles,
+        output::{FrameWriter, write_frame},
+    };
+    use std::io::Cursor;
 
     /// Three particles whose values all differ.
     fn particles() -> Particles {
@@ -216,11 +235,21 @@ mod tests {
         FrameHeader { time: 6.1e-5, step: 42, dimensions: 3, body_spacing: vec![3e-4, 1e-3] }
     }
 
-    fn frame_bytes() -> Vec<u8> {
+    /// A frame in both forms, compressed first.
+    fn frames() -> [Vec<u8>; 2] {
         let fields = ["id", "pressure", "position", "stress", "velocity_gradient", "id"].map(str::to_owned);
-        let mut bytes = Vec::new();
-        write_frame(&mut bytes, &header(), &particles(), &fields).unwrap();
-        bytes
+        [true, false].map(|is_compressed| {
+            let mut file = Cursor::new(Vec::new());
+            let writer = FrameWriter { bodies: bodies(), is_compressed };
+            writer.write(&mut file, &header(), &particles(), &fields).unwrap();
+            file.into_inner()
+        })
+    }
+
+    fn bodies() -> Vec<FrameBody> {
+        [("Büchse", "copper"), ("plate", "")]
+            .map(|(name, material)| FrameBody { name: name.into(), material: material.into() })
+            .into()
     }
 
     fn open(bytes: &[u8]) -> (tempfile::TempDir, Result<FrameFile, OutputError>) {
@@ -233,51 +262,78 @@ mod tests {
 
     #[test]
     fn a_frame_comes_back_as_written() {
-        let (_folder, frame) = open(&frame_bytes());
-        let mut frame = frame.unwrap();
-        assert_eq!((frame.header.clone(), frame.count), (header(), 3));
-        let names: Vec<_> = frame.arrays().iter().map(|a| a.name.as_str()).collect();
-        assert_eq!(names, ["id", "pressure", "stress", "velocity_gradient"]);
-        assert_eq!(frame.arrays()[2].components, ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]);
-        assert_eq!(frame.positions().unwrap(), particles().position);
-        assert_eq!(frame.column("id").unwrap().unwrap().values, [7.0, 8.0, 9.0]);
-        let stress = frame.column("stress").unwrap().unwrap();
-        assert_eq!(stress.values[6..12], [-2e9, -2e9, -2e9, 0.0, 0.0, -4.0]);
-        let gradient = frame.column("velocity_gradient").unwrap().unwrap();
-        assert_eq!((gradient.width, gradient.values[9 * 2 + 5]), (9, 1.5));
-        assert_eq!(frame.column("speed").unwrap(), None);
+        for bytes in frames() {
+            let (_folder, frame) = open(&bytes);
+            let mut frame = frame.unwrap();
+            assert_eq!((frame.header.clone(), frame.count), (header(), 3));
+            assert_eq!(frame.bodies, bodies());
+            let names: Vec<_> = frame.arrays().iter().map(|a| (a.name.as_str(), a.unit.as_str())).collect();
+            assert_eq!(names, [("id", ""), ("pressure", "Pa"), ("stress", "Pa"), ("velocity_gradient", "1/s")]);
+            assert_eq!(frame.arrays()[2].components, ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]);
+            assert_eq!(frame.positions().unwrap(), particles().position);
+            assert_eq!(frame.column("id").unwrap().unwrap().values, [7.0, 8.0, 9.0]);
+            let stress = frame.column("stress").unwrap().unwrap();
+            assert_eq!(stress.values[6..12], [-2e9, -2e9, -2e9, 0.0, 0.0, -4.0]);
+            let gradient = frame.column("velocity_gradient").unwrap().unwrap();
+            assert_eq!((gradient.width, gradient.values[9 * 2 + 5]), (9, 1.5));
+            assert_eq!(frame.column("speed").unwrap(), None);
+        }
     }
 
     #[test]
     fn an_unknown_field_is_an_error() {
-        let failed = write_frame(&mut Vec::new(), &header(), &particles(), &["colour".to_owned()]);
+        let failed = write_frame(&mut Cursor::new(Vec::new()), &header(), &particles(), &["colour".to_owned()]);
         assert_eq!(failed.unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
     }
 
     #[test]
     fn a_file_cut_anywhere_is_an_error_and_never_a_panic() {
-        let bytes = frame_bytes();
-        for length in 0..bytes.len() - 40 {
-            let (_folder, frame) = open(&bytes[..length]);
-            let read_all = frame.and_then(|mut f| {
-                f.positions()?;
-                for name in ["id", "pressure", "stress", "velocity_gradient"] {
-                    f.column(name)?;
-                }
-                Ok(())
-            });
-            assert!(read_all.is_err(), "cut at {length}");
+        for bytes in frames() {
+            // The header is text: most places of it are alike.
+            let data = bytes.windows(2).position(|w| w == b" _").unwrap();
+            for length in (0..data).step_by(97).chain((data..bytes.len() - 40).step_by(3)) {
+                let (_folder, frame) = open(&bytes[..length]);
+                let read_all = frame.and_then(|mut f| {
+                    f.positions()?;
+                    for name in ["id", "pressure", "stress", "velocity_gradient"] {
+                        f.column(name)?;
+                    }
+                    Ok(())
+                });
+                assert!(read_all.is_err(), "cut at {length}");
+            }
         }
     }
 
+    /// A frame with another header.
+    fn changed(frame: &[u8], from: &str, to: &str) -> Result<(), OutputError> {
+        let at = frame.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
+        let (_folder, frame) = open(&[&frame[..at], to.as_bytes(), &frame[at + from.len()..]].concat());
+        frame.and_then(|mut frame| frame.positions()).map(drop)
+    }
+
     #[test]
-    fn a_header_that_promises_too_much_is_an_error() {
-        let text =
-            String::from_utf8_lossy(&frame_bytes()).replace("NumberOfComponents=\"6\"", "NumberOfComponents=\"0\"");
-        assert!(open(text.as_bytes()).1.is_err());
-        let text = String::from_utf8_lossy(&frame_bytes())
-            .replace("NumberOfPoints=\"3\"", "NumberOfPoints=\"18446744073709551615\"");
-        let (_folder, frame) = open(text.as_bytes());
-        assert!(frame.and_then(|mut f| f.positions()).is_err());
+    fn a_header_that_promises_too_much_or_is_of_another_form_is_an_error() {
+        for frame in frames() {
+            for (from, to) in [
+                ("NumberOfComponents=\"6\"", "NumberOfComponents=\"0\""),
+                ("NumberOfPoints=\"3\"", "NumberOfPoints=\"18446744073709551615\""),
+                ("NumberOfPoints=\"3\"", "NumberOfPoints=\"99999999999999999999999999\""),
+                ("NumberOfPoints=\"3\"", "NumberOfPoints=\"4\""),
+                ("offset=\"0\"", "offset=\"18446744073709551615\""),
+                ("LittleEndian", "BigEndian"),
+                ("<PolyData>", "<!DOCTYPE a [<!ENTITY b \"c\">]><PolyData>&b;"),
+            ] {
+                let error = changed(&frame, from, to);
+                assert!(matches!(error, Err(OutputError::Damaged { .. })), "{to}: {error:?}");
+            }
+        }
+        let [compressed, raw] = frames();
+        let Err(OutputError::Damaged { reason, .. }) = changed(&compressed, COMPRESSOR, "vtkLZ4DataCompressor") else {
+            panic!("it is read")
+        };
+        assert_eq!(reason, "its values are compressed by `vtkLZ4DataCompressor`, not `vtkZLibDataCompressor`");
+        // What is not compressed is not taken for it.
+        assert!(changed(&raw, "<VTKFile ", &format!("<VTKFile compressor=\"{COMPRESSOR}\" ")).is_err());
     }
 }

@@ -12,9 +12,9 @@ use crate::{
     model::{Body, Model, Precision},
     observed::Observed,
     output::{
-        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, History, HistorySample,
-        OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord, measure_unit, write_frame_file,
-        write_series,
+        AuditRecord, BodyRecord, DiskSync, Durability, EndReason, EnergyRecord, FailureRecord, FrameHeader,
+        FrameWriter, History, HistorySample, OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord,
+        measure_unit, write_file, write_series,
     },
 };
 use std::{array, time::Instant};
@@ -24,6 +24,7 @@ pub(super) struct Recorder {
     directory: RunDirectory,
     bodies: Vec<BodyRecord>,
     history: History,
+    frame_writer: FrameWriter,
     disk: DiskSync,
     measures: Measures,
     observed: Observed,
@@ -80,6 +81,7 @@ impl Recorder {
                 Beginning::Resumed => History::resumed(&directory, model, observed.columns())?,
             },
             observed,
+            frame_writer: FrameWriter::new(model),
             disk: DiskSync::new(),
             measures: Measures::new(model),
             directory,
@@ -217,7 +219,9 @@ impl Recorder {
         };
         let file = RunDirectory::frame_name(index);
         let path = self.directory.path().join(&file);
-        write_frame_file(&path, &header, engine, &model.output.fields)?;
+        write_file(&path, Durability::Process, |mut out| {
+            self.frame_writer.write(&mut out, &header, engine, &model.output.fields)
+        })?;
         self.frames.push(SeriesEntry { time: engine.time(), file });
         write_series(&self.directory.series(), &self.frames)?;
         self.history.flush()?;
@@ -263,7 +267,10 @@ impl Recorder {
         let mut stage_seconds = engine.stage_seconds();
         stage_seconds.output += self.seconds;
         let named = || model.measures.iter().map(|measure| measure.name.clone());
+        let measure_units =
+            named().zip(model.measures.iter().map(|measure| measure_unit(&measure.kind).to_owned())).collect();
         let summary = Summary {
+            format: Summary::FORMAT,
             status: match end_reason {
                 EndReason::Failure => Status::Failed,
                 EndReason::User => Status::Stopped,
@@ -308,9 +315,8 @@ impl Recorder {
             audit: model.audit.map(|_| self.audits),
             warnings: self.watch.records(model),
             measures: named().zip(self.measures.values().iter().copied()).collect(),
-            measure_units: named()
-                .zip(model.measures.iter().map(|measure| measure_unit(&measure.kind).to_owned()))
-                .collect(),
+            units: Summary::units_of(model.dimensions, &measure_units),
+            measure_units,
         };
         let written = summary.write(&self.directory);
         (summary, written)
