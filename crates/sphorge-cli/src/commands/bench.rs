@@ -29,7 +29,7 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
     /// Seconds of each measurement
-    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds, allow_negative_numbers = true)]
     seconds: f64,
 }
 

@@ -122,7 +122,7 @@ fn report(forecast: &Forecast, advice: &Advice) -> String {
         (
             "output",
             format!(
-                "about {} in {} frames",
+                "at most {} in {} frames",
                 readable::bytes(forecast.output_bytes as f64),
                 readable::count(forecast.frames)
             ),

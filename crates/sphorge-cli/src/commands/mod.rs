@@ -6,6 +6,7 @@ pub(crate) mod compare;
 pub(crate) mod decks;
 pub(crate) mod materials;
 pub(crate) mod plot;
+mod plot_quantities;
 pub(crate) mod resume;
 pub(crate) mod run;
 pub(crate) mod schema;

@@ -1,15 +1,20 @@
-//! `sphorge plot`: pictures of a run.
+//! `sphorge plot`: pictures of runs.
 
 use crate::{
+    commands::plot_quantities::{read_quantities, read_width},
     failure::{Ending, Failure, Outcome},
     terminal,
 };
 use clap::{Args, ValueEnum};
 use sphorge::{
     output::{OutputError, RunDirectory},
-    plot::{ColorMap, FieldPicture, FrameChoice, PlotError, View, plot_columns, plot_field, plot_run},
+    particles::find_field,
+    plot::{
+        ColorMap, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, View, animate_field, common_measures,
+        plot_columns, plot_columns_of_runs, plot_each_frame, plot_field, plot_field_of_runs, plot_run,
+    },
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
@@ -17,35 +22,54 @@ use std::path::PathBuf;
 Examples:
   sphorge plot out/iron-plate
   sphorge plot out/iron-plate --field temperature --frames first,20,last
+  sphorge plot out/iron-plate --field pressure --time \"12 us\" --range=-1,1GPa
   sphorge plot out/taylor-bar --field plastic_strain --view xz --section --range 0,1.5
+  sphorge plot out/copper-bar --field plastic_strain --view xz --section --mirror
   sphorge plot out/penetration --field plastic_strain --measures
+  sphorge plot out/penetration --field velocity --animate
+  sphorge plot out/penetration --field velocity --frames all --dpi 200
   sphorge plot out/iron-plate --column height --column width
+  sphorge plot out/1mm out/05mm --column height --width \"85 mm\" -o height.svg
 
-Without --field and --column the usual pictures are drawn; the other options
-go with --field. Pictures go to the folder `plots` of the run.")]
+Without --field and --column the usual pictures are drawn. Several runs are drawn
+side by side (--field) or over each other (--column). Pictures go to the folder
+`plots` of the first run unless -o says otherwise. Values are in SI, or have
+units as in decks: \"12 us\", \"1.5 GPa\", --window=\"-60,60,-100,20 mm\".")]
 pub(crate) struct PlotArguments {
-    /// Folder of a run, finished or not
-    #[arg(value_name = "DIR")]
-    directory: PathBuf,
+    /// Folders of runs, finished or not
+    #[arg(value_name = "DIR", required = true)]
+    directories: Vec<PathBuf>,
     /// Draw this field, or a component such as `stress.xy`; repeatable
     #[arg(long = "field", value_name = "FIELD")]
     fields: Vec<String>,
-    /// Frames side by side: `first`, `last`, numbers, or times in s with a point or exponent
-    #[arg(long, value_name = "FRAMES", value_delimiter = ',', default_value = "last", requires = "fields")]
-    frames: Vec<FrameChoice>,
+    /// Frames side by side: `first`, `last`, numbers, or times such as "12 us"; `all` draws each by itself [default: last]
+    #[arg(long, value_name = "FRAMES", value_delimiter = ',', requires = "fields")]
+    frames: Vec<FrameWord>,
+    /// The frames nearest to these times, side by side
+    #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = parse_time, requires = "fields", conflicts_with = "frames")]
+    time: Vec<FrameChoice>,
+    /// Draw the frames, all if none is named, one after the other as an animated PNG
+    #[arg(long, requires = "fields", conflicts_with = "format")]
+    animate: bool,
+    /// How long an animation takes
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "6 s", requires = "animate")]
+    duration: Duration,
     /// Direction of view: xy, xz, yz or corner [default: the plane of a plane problem, else a corner]
     #[arg(long, value_name = "VIEW", requires = "fields")]
     view: Option<View>,
-    /// Cut at the middle and look inside
+    /// Cut at the middle, or the plane of symmetry, and look inside
     #[arg(long, requires = "fields")]
     section: bool,
+    /// Show images in the deck's planes of symmetry too: the whole of a half or quarter model
+    #[arg(long, requires = "fields")]
+    mirror: bool,
     /// Show the deck's measures of craters and clouds on the particles
     #[arg(long, requires = "fields")]
     measures: bool,
-    /// Values at the ends of the colour bar, SI [default: to fit]
-    #[arg(long, value_name = "LOW,HIGH", value_parser = parse_range, allow_hyphen_values = true, requires = "fields")]
-    range: Option<(f64, f64)>,
-    /// Part of the plane of view to show, m: left, right, bottom, top [default: all]
+    /// Values at the ends of the colour bar [default: to fit]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, requires = "fields")]
+    range: Option<String>,
+    /// Part of the plane of view to show: left, right, bottom, top [default: all]
     #[arg(long, value_name = "L,R,B,T", value_parser = parse_window, allow_hyphen_values = true, requires = "fields")]
     window: Option<[(f64, f64); 2]>,
     /// Colours [default: to fit]
@@ -54,6 +78,18 @@ pub(crate) struct PlotArguments {
     /// Draw this column of history.csv over time; repeatable, those of one unit share a chart
     #[arg(long = "column", value_name = "COLUMN")]
     columns: Vec<String>,
+    /// File, as PNG or SVG by its ending, or folder to write to
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+    /// Form of pictures [default: png, or as the ending of -o says]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<FormatArgument>,
+    /// Pixels to the inch, 50 to 1200; texts keep their printed size [default: 100, of particles within SVG 300]
+    #[arg(long, value_name = "DPI", value_parser = clap::value_parser!(u32).range(50..=1200))]
+    dpi: Option<u32>,
+    /// Width of the picture, such as "85 mm" or "390 px" [default: to fit]
+    #[arg(long, value_name = "WIDTH")]
+    width: Option<String>,
 }
 
 /// Colours.
@@ -67,66 +103,267 @@ enum ColorArgument {
     Diverging,
 }
 
-fn parse_range(text: &str) -> Result<(f64, f64), String> {
-    let number = |text: &str| text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    match text.split_once(',').map(|(low, high)| (number(low), number(high))) {
-        Some((Some(low), Some(high))) if low < high => Ok((low, high)),
-        _ => Err("write two numbers, the smaller first: `0,1.5`".to_owned()),
+/// Forms of pictures.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FormatArgument {
+    /// Pixels
+    Png,
+    /// Vectors: lines and texts that scale
+    Svg,
+}
+
+/// Frames as they are asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum FrameWord {
+    All,
+    One(FrameChoice),
+}
+
+impl std::str::FromStr for FrameWord {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "all" { Ok(Self::All) } else { text.parse().map(Self::One) }
+    }
+}
+
+/// A span of time, s.
+#[derive(Clone, Copy, Debug)]
+struct Duration(f64);
+
+fn parse_time(text: &str) -> Result<FrameChoice, String> {
+    read_quantities::<1>(text, "s").map(|[time]| FrameChoice::Time(time))
+}
+
+fn parse_duration(text: &str) -> Result<Duration, String> {
+    match read_quantities::<1>(text, "s")? {
+        [time] if (0.01..=3600.0).contains(&time) => Ok(Duration(time)),
+        _ => Err("an animation takes between 0.01 s and an hour".to_owned()),
     }
 }
 
 fn parse_window(text: &str) -> Result<[(f64, f64); 2], String> {
-    let sides: Option<Vec<f64>> =
-        text.split(',').map(|side| side.trim().parse().ok().filter(|side: &f64| side.is_finite())).collect();
-    match sides.as_deref() {
-        Some([left, right, bottom, top]) if left < right && bottom < top => Ok([(*left, *right), (*bottom, *top)]),
-        _ => Err("write four numbers in m, left before right, bottom before top: `-0.06,0.06,-0.1,0.02`".to_owned()),
+    match read_quantities(text, "m")? {
+        [left, right, bottom, top] if left < right && bottom < top => Ok([(left, right), (bottom, top)]),
+        _ => Err("write left before right and bottom before top: `-60,60,-100,20 mm`".to_owned()),
     }
 }
 
 pub(crate) fn execute(arguments: PlotArguments) -> Ending {
-    let run = RunDirectory::open(&arguments.directory).map_err(|error| Failure::BadInput(error.into()))?;
-    let files = draw(&run, &arguments).map_err(failure)?;
+    let open = |path: &PathBuf| {
+        let run = RunDirectory::open(path).map_err(|error| Failure::BadInput(error.into()))?;
+        // The folder itself, where the path says `..`.
+        let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
+        let name = whole.file_name().map_or_else(|| "run".to_owned(), |name| name.to_string_lossy().into_owned());
+        Ok((name, run))
+    };
+    let runs = arguments.directories.iter().map(open).collect::<Result<Vec<_>, Failure>>()?;
+    let job = Job::new(&runs, &arguments)?;
+    let files = job.draw()?;
     let list: String = files.iter().map(|file| format!("{}\n", file.display())).collect();
     terminal::print(&list)?;
     Ok(Outcome::Done)
 }
 
-fn draw(run: &RunDirectory, arguments: &PlotArguments) -> Result<Vec<PathBuf>, PlotError> {
-    if arguments.fields.is_empty() && arguments.columns.is_empty() {
-        return plot_run(run);
+/// What is drawn, and where to.
+struct Job<'a> {
+    runs: &'a [(String, RunDirectory)],
+    arguments: &'a PlotArguments,
+    frames: Vec<FrameChoice>,
+    /// Each frame by itself.
+    apart: bool,
+    paper: Paper,
+    format: PictureFormat,
+}
+
+impl<'a> Job<'a> {
+    fn new(runs: &'a [(String, RunDirectory)], arguments: &'a PlotArguments) -> Result<Self, Failure> {
+        let chosen = arguments.frames.iter().filter_map(|word| match word {
+            FrameWord::All => None,
+            FrameWord::One(choice) => Some(*choice),
+        });
+        let frames: Vec<_> = chosen.chain(arguments.time.iter().copied()).collect();
+        let all = arguments.frames.contains(&FrameWord::All);
+        if all && !frames.is_empty() {
+            return Err(Failure::bad_input("`all` frames and others are asked for", "write `--frames all` alone"));
+        }
+        if runs.len() > 1 && (all || arguments.animate) {
+            return Err(Failure::bad_input(
+                "frames one after the other are those of one run",
+                "name one run, or choose frames such as `--frames first,last`, which are set side by side",
+            ));
+        }
+        let format = match (arguments.format, &arguments.output) {
+            (Some(FormatArgument::Png), _) => PictureFormat::Png,
+            (Some(FormatArgument::Svg), _) => PictureFormat::Svg,
+            (None, Some(path)) => PictureFormat::of(path).unwrap_or_default(),
+            (None, None) => PictureFormat::default(),
+        };
+        let dpi = arguments.dpi.unwrap_or(match format {
+            PictureFormat::Png => 100,
+            PictureFormat::Svg => 300,
+        });
+        let width = match &arguments.width {
+            Some(text) => Some(read_width(text, arguments.dpi.unwrap_or(100)).map_err(|reason| {
+                Failure::bad_input(
+                    format!("`--width {text}`: {reason}"),
+                    "write a width such as \"85 mm\" or \"390 px\"",
+                )
+            })?),
+            None => None,
+        };
+        let paper = Paper { dpi, width };
+        let job = Self { runs, arguments, frames, apart: all && !arguments.animate, paper, format };
+        if let Some(file) = job.single_file() {
+            job.check_file(file)?;
+        }
+        Ok(job)
     }
-    let mut files = Vec::new();
-    for field in &arguments.fields {
+
+    /// The file that `-o` names; none if it names a folder.
+    fn single_file(&self) -> Option<&'a Path> {
+        self.arguments.output.as_deref().filter(|path| path.extension().is_some() && !path.is_dir())
+    }
+
+    fn check_file(&self, file: &Path) -> Result<(), Failure> {
+        let format = PictureFormat::of(file).map_err(failure)?;
+        if format != self.format {
+            let ending = self.format.extension();
+            return Err(Failure::bad_input(
+                format!("{} is no name of a picture in the form {ending}", file.display()),
+                format!("end it with .{ending}, or leave --format out"),
+            ));
+        }
+        if self.arguments.animate && format != PictureFormat::Png {
+            return Err(Failure::bad_input("an animation is a PNG file", "end the name with .png"));
+        }
+        let named = self.arguments.fields.len() + usize::from(!self.arguments.columns.is_empty());
+        // Of several runs, what they have in common is one.
+        let pictures = if named == 0 && self.runs.len() > 1 { 1 } else { named };
+        if pictures != 1 || self.apart {
+            return Err(Failure::bad_input(
+                format!("{} is one file, and several pictures are asked for", file.display()),
+                "give a folder, or ask for one field, or for columns",
+            ));
+        }
+        Ok(())
+    }
+
+    fn draw(&self) -> Result<Vec<PathBuf>, Failure> {
+        let (arguments, paper) = (self.arguments, self.paper);
+        let [(_, run), others @ ..] = self.runs else { return Ok(Vec::new()) };
+        if arguments.fields.is_empty() && arguments.columns.is_empty() {
+            if others.is_empty() {
+                let folder = arguments.output.clone().unwrap_or_else(|| run.plots());
+                return plot_run(run, paper, self.format, &folder).map_err(failure);
+            }
+            return self.draw_measures();
+        }
+        let mut files = Vec::new();
+        for field in &arguments.fields {
+            files.extend(self.draw_field(run, field)?);
+        }
+        if !arguments.columns.is_empty() {
+            files.push(self.draw_columns(&arguments.columns)?);
+        }
+        Ok(files)
+    }
+
+    /// What several runs have in common when nothing is named: their measures.
+    fn draw_measures(&self) -> Result<Vec<PathBuf>, Failure> {
+        let measures = common_measures(self.runs).map_err(failure)?;
+        if measures.is_empty() {
+            return Err(Failure::bad_input(
+                "the runs have no measure in common",
+                "name what to draw: `--column total_energy`, `--field velocity`",
+            ));
+        }
+        Ok(vec![self.draw_columns(&measures)?])
+    }
+
+    fn draw_columns(&self, columns: &[String]) -> Result<PathBuf, Failure> {
+        let mut name = format!("history-{}", columns.join("-"));
+        if name.len() > 100 {
+            name = format!("history-{}-columns", columns.len());
+        }
+        let file = self.file(&name);
+        match self.runs {
+            [(_, run)] => plot_columns(run, columns, self.paper, &file),
+            several => plot_columns_of_runs(several, columns, self.paper, &file),
+        }
+        .map_err(failure)?;
+        Ok(file)
+    }
+
+    fn draw_field(&self, run: &RunDirectory, field: &str) -> Result<Vec<PathBuf>, Failure> {
+        let arguments = self.arguments;
+        let range = arguments.range.as_deref().map(|text| parse_range(text, field)).transpose()?;
         let picture = FieldPicture {
-            frames: arguments.frames.clone(),
+            frames: self.frames.clone(),
             view: arguments.view,
             section: arguments.section,
+            mirror: arguments.mirror,
             measures: arguments.measures,
-            range: arguments.range,
+            range,
             window: arguments.window,
             color_map: arguments.colors.map(|colors| match colors {
                 ColorArgument::Viridis => ColorMap::Viridis,
                 ColorArgument::Inferno => ColorMap::Inferno,
                 ColorArgument::Diverging => ColorMap::Diverging,
             }),
+            paper: self.paper,
             ..FieldPicture::new(field)
         };
-        let frames: Vec<_> = arguments.frames.iter().map(frame_word).collect();
         let measures = if arguments.measures { "-measures" } else { "" };
-        files.push(file(run, &format!("{field}-{}{measures}", frames.join("-"))));
-        plot_field(run, &picture, &files[files.len() - 1])?;
+        if self.apart {
+            let name = |number: usize| self.file(&format!("{field}-{number:06}{measures}"));
+            return plot_each_frame(run, &picture, name).map_err(failure);
+        }
+        if arguments.animate {
+            let file = self.file(&format!("{field}-animated{measures}"));
+            animate_field(run, &picture, arguments.duration.0, &file).map_err(failure)?;
+            return Ok(vec![file]);
+        }
+        let frames = if self.frames.is_empty() { vec![FrameChoice::Last] } else { self.frames.clone() };
+        let words: Vec<_> = frames.iter().map(frame_word).collect();
+        let file = self.file(&format!("{field}-{}{measures}", words.join("-")));
+        let picture = FieldPicture { frames, ..picture };
+        match self.runs {
+            [_] => plot_field(run, &picture, &file),
+            several => plot_field_of_runs(several, &picture, &file),
+        }
+        .map_err(failure)?;
+        Ok(vec![file])
     }
-    if !arguments.columns.is_empty() {
-        files.push(file(run, &format!("history-{}", arguments.columns.join("-"))));
-        plot_columns(run, &arguments.columns, &files[files.len() - 1])?;
+
+    /// Where a picture of that name goes; of several runs, the name says which.
+    fn file(&self, name: &str) -> PathBuf {
+        if let Some(file) = self.single_file() {
+            return file.to_owned();
+        }
+        let beside = match self.runs {
+            [_, others @ ..] if others.len() > 3 => format!("-of-{}-runs", self.runs.len()),
+            [_, others @ ..] => others.iter().map(|(other, _)| format!("-vs-{other}")).collect(),
+            [] => String::new(),
+        };
+        let own = self.runs.first().map(|(_, run)| run.plots());
+        let folder = self.arguments.output.clone().or(own).unwrap_or_default();
+        folder.join(format!("{name}{beside}.{}", self.format.extension()))
     }
-    Ok(files)
 }
 
-/// A picture in the folder of the run.
-fn file(run: &RunDirectory, name: &str) -> PathBuf {
-    run.plots().join(format!("{name}.png"))
+fn parse_range(text: &str, field: &str) -> Result<(f64, f64), Failure> {
+    let unit = find_field(field.split('.').next().unwrap_or_default()).map_or("", |field| field.unit);
+    let bad = |reason: &str| {
+        Failure::bad_input(
+            format!("`--range {text}` of {field}: {reason}"),
+            "write two values, the smaller first: `0,1.5`, or with a unit `-1,1 GPa`",
+        )
+    };
+    match read_quantities(text, unit).map_err(|reason| bad(&reason))? {
+        [low, high] if low < high => Ok((low, high)),
+        _ => Err(bad("the first is not the smaller")),
+    }
 }
 
 /// How a frame is called in the name of a picture.

@@ -24,8 +24,9 @@ Examples:
   sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
 
 Ctrl-C stops the run after the present step; frames, history and summary
-are complete up to there (exit code 130). `sphorge resume` goes on from
-there, or after a crash from the last checkpoint; SIGUSR1 makes one at once.
+are complete up to there (exit code 130; before the first step nothing is
+written). `sphorge resume` goes on from there, or after a crash from the
+last checkpoint; SIGUSR1 makes one at once.
 
 Checks made during the run warn where it is broken, such as more plastic
 work than energy or particles that fall together in pairs; summary.json
@@ -78,9 +79,6 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
     RunDirectory::check(&directory, arguments.overwrite).map_err(|error| Failure::BadInput(error.into()))?;
-    let setup = deck.load()?;
-    setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
-
     let mut display = ProgressDisplay::new();
     let stop = display.stop_flag()?;
     let options = RunOptions {
@@ -89,6 +87,8 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
         threads: arguments.threads,
         checkpoints: arguments.checkpoints.plan()?,
     };
+    let setup = deck.load()?;
+    setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
     let result = sphorge::run::execute(setup, engine, &options, stop.flag(), &mut display);
     stop.finish();
     drop(display);

@@ -18,6 +18,7 @@ use std::path::PathBuf;
 Examples:
   sphorge validate --quick
   sphorge validate taylor-plate plate-impact
+  sphorge validate --resume
   sphorge validate --list
 
 Every number of ours is printed beside the published or exact one, with the
@@ -30,12 +31,15 @@ pub(crate) struct ValidateArguments {
     /// List the cases and run none
     #[arg(long)]
     list: bool,
-    /// Low resolution: about two minutes on two cores
+    /// Low resolution: about four minutes on two cores, where all takes hours
     #[arg(long)]
     quick: bool,
     /// Folder of the report and the runs
     #[arg(short, long, value_name = "DIR", default_value = "out/validate")]
     output: PathBuf,
+    /// Go on with a validation that was stopped: keep the runs it finished
+    #[arg(long)]
+    resume: bool,
     /// Number of threads [default: all of the machine]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
@@ -49,14 +53,17 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
     }
     let options = ValidateOptions {
         directory: arguments.output,
+        resume: arguments.resume,
         cases: arguments.cases,
         effort: if arguments.quick { Effort::Quick } else { Effort::Full },
         threads: arguments.threads,
     };
-    let stop = StopFlag::new(|| terminal::note("stopping after this step (once more ends the program at once)"))
-        .into_diagnostic()
-        .wrap_err("cannot catch Ctrl-C")
-        .map_err(Failure::Failed)?;
+    let stop = StopFlag::new(std::sync::Arc::default(), || {
+        terminal::note("stopping after this step (once more ends the program at once)")
+    })
+    .into_diagnostic()
+    .wrap_err("cannot catch Ctrl-C")
+    .map_err(Failure::Failed)?;
     let result = validate(&options, stop.flag(), &mut Lines);
     stop.finish();
     match result {
@@ -66,7 +73,7 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
         }
         Err(ValidateError::Stopped { directory }) => {
             terminal::note(&format!(
-                "stopped; runs and report of the cases done so far are in {}",
+                "stopped; runs and report of the cases done so far are in {}; `--resume` goes on with them",
                 directory.display()
             ));
             Ok(Outcome::Stopped)

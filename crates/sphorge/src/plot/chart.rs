@@ -1,18 +1,21 @@
-//! Line charts: panels with axes, grid and legend.
+//! Line charts: panels with axes, grid and legend. Margins follow the labels.
 
 use super::{
     PlotError,
-    canvas::{Anchor, Area, Canvas, FRAME, GRID, INK},
-    color::{LINES, Rgb},
+    axis::AxisScale,
+    color::LINES,
+    font::{ASCENT, LEADING, text_width, widest, wrap},
+    legend::{Legend, SAMPLE},
+    page::{Anchor, Area, FRAME, GRID, MARGIN, Page, SMALL, TEXT},
+    paper::Paper,
 };
-use crate::number::{scaled_unit, tick_labels, ticks};
 
-const TEXT: f64 = 15.0;
-const SMALL: f64 = 13.0;
-/// Room a panel needs around its axes: left, top, bottom.
-const LEFT: f64 = 74.0;
-const TOP: f64 = 34.0;
-const BOTTOM: f64 = 56.0;
+/// Between an axis and its labels.
+const GAP: f64 = 8.0;
+/// Below the axes: labels and the name of the axis.
+const FOOT: f64 = 52.0;
+/// Share of a chart that names of curves take beside it, at most; longer ones go below.
+const BESIDE: f64 = 0.3;
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,33 +42,25 @@ pub(super) struct Chart {
 /// Time along the page.
 pub(super) const TIME: (&str, &str) = ("time", "s");
 
-/// Colour of the k-th curve.
-fn line_color(k: usize) -> Rgb {
-    LINES[k % LINES.len()]
-}
-
 /// The k-th curve; where colours come round again, dashed.
-fn stroke(canvas: &mut Canvas, points: &[(f64, f64)], width: f64, k: usize, marked: bool) {
+fn stroke(page: &mut Page, points: Vec<(f64, f64)>, width: f64, k: usize, marked: bool) {
     const HALF: f64 = 4.0;
-    let color = line_color(k);
+    let color = LINES[k % LINES.len()];
     if marked {
         for (x, y) in points {
-            canvas.outline(Area { x: x - HALF, y: y - HALF, width: 2.0 * HALF, height: 2.0 * HALF }, 1.5, color);
+            page.outline(Area { x: x - HALF, y: y - HALF, width: 2.0 * HALF, height: 2.0 * HALF }, 1.5, color);
         }
     } else if k < LINES.len() {
-        canvas.polyline(points, width, color);
+        page.polyline(points, width, color);
     } else {
-        canvas.dashed(points, width, color);
+        page.dashed(points, width, color);
     }
 }
 
 impl Chart {
-    /// Width of the legend; none for a single curve, which the title names.
-    fn legend_width(&self) -> f64 {
-        if self.curves.len() < 2 {
-            return 24.0;
-        }
-        60.0 + self.curves.iter().map(|c| Canvas::text_width(&c.name, SMALL)).fold(0.0, f64::max)
+    fn names(&self) -> Vec<&str> {
+        // The title names a single curve.
+        if self.curves.len() < 2 { Vec::new() } else { self.curves.iter().map(|curve| curve.name.as_str()).collect() }
     }
 
     /// Smallest and largest of the finite values.
@@ -79,50 +74,117 @@ impl Chart {
         self.range(|p| p.1).is_some()
     }
 
-    /// Draws the chart into an area of the page.
-    pub(super) fn draw(&self, canvas: &mut Canvas, area: Area, legend: f64) {
-        let axes = Area {
-            x: area.x + LEFT,
-            y: area.y + TOP,
-            width: (area.width - LEFT - legend).max(40.0),
-            height: (area.height - TOP - BOTTOM).max(40.0),
-        };
-        let (Some((t_low, t_high)), Some((low, high))) = (self.range(|p| p.0), self.range(|p| p.1)) else { return };
-        let (t_low, t_high) = if t_high > t_low { (t_low, t_high) } else { (t_low, t_low + 1.0) };
+    /// The upright axis over a height; none without a value.
+    fn upright(&self, height: f64) -> Option<AxisScale> {
+        let (low, high) = self.range(|p| p.1)?;
         let (low, high) = self.limits.filter(|(low, high)| low < high).unwrap_or_else(|| with_room(low, high));
-        let x = |t: f64| axes.x + (t - t_low) / (t_high - t_low) * axes.width;
-        let y = |value: f64| axes.y + axes.height - (value.clamp(low, high) - low) / (high - low) * axes.height;
+        Some(AxisScale::upright((low, high), &self.unit, height, SMALL))
+    }
 
-        let (scale, unit) = scaled_unit(low.abs().max(high.abs()), &self.unit);
-        let up = ticks(low, high, (axes.height / 45.0) as usize);
-        for (tick, label) in up.iter().zip(tick_labels(&up, scale)) {
-            canvas.line((axes.x, y(*tick)), (axes.x + axes.width, y(*tick)), 1.0, GRID);
-            canvas.text((axes.x - 8.0, y(*tick) + 0.36 * SMALL), SMALL, Anchor::Right, INK, &label);
+    /// Draws the chart into an area of the page.
+    fn draw(&self, page: &mut Page, area: Area, plan: &Plan) {
+        let (Some((t_low, t_high)), Some(up)) = (self.range(|p| p.0), self.upright(plan.height)) else { return };
+        let heading = wrap(&up.title(&self.quantity), TEXT, area.width);
+        let axes = Area {
+            x: area.x + plan.left,
+            y: area.y + plan.top,
+            width: area.width - plan.left - plan.right,
+            height: plan.height,
+        };
+        for (k, line) in heading.iter().enumerate() {
+            let lines_below = (heading.len() - 1 - k) as f64;
+            page.text((area.x, axes.y - 11.0 - LEADING * TEXT * lines_below), TEXT, Anchor::Left, line);
         }
-        let (t_scale, t_unit) = scaled_unit(t_low.abs().max(t_high.abs()), self.along.1);
-        let along = ticks(t_low, t_high, (axes.width / 80.0) as usize);
-        for (tick, label) in along.iter().zip(tick_labels(&along, t_scale)) {
-            canvas.line((x(*tick), axes.y), (x(*tick), axes.y + axes.height), 1.0, GRID);
-            canvas.text((x(*tick), axes.y + axes.height + 20.0), SMALL, Anchor::Centre, INK, &label);
+        let (t_low, t_high) = if t_high > t_low { (t_low, t_high) } else { (t_low, t_low + 1.0) };
+        let along = AxisScale::level((t_low, t_high), self.along.1, axes.width, SMALL);
+        let x = |t: f64| axes.x + along.share(t) * axes.width;
+        let y = |value: f64| axes.bottom() - up.share(value) * axes.height;
+        for (tick, label) in up.ticks.iter().zip(&up.labels) {
+            page.line((axes.x, y(*tick)), (axes.right(), y(*tick)), 1.0, GRID);
+            page.text((axes.x - GAP, y(*tick) + 0.36 * SMALL), SMALL, Anchor::Right, label);
         }
-        let foot = (axes.x + 0.5 * axes.width, axes.y + axes.height + 42.0);
-        canvas.text(foot, TEXT, Anchor::Centre, INK, &format!("{} ({t_unit})", self.along.0));
-        let heading = if unit.is_empty() { self.quantity.clone() } else { format!("{} ({unit})", self.quantity) };
-        canvas.text((axes.x, axes.y - 11.0), TEXT, Anchor::Left, INK, &heading);
-        canvas.outline(axes, 1.0, FRAME);
-
+        for (tick, label) in along.ticks.iter().zip(&along.labels) {
+            page.line((x(*tick), axes.y), (x(*tick), axes.bottom()), 1.0, GRID);
+            page.text((x(*tick), axes.bottom() + 20.0), SMALL, Anchor::Centre, label);
+        }
+        let (name, size) = (along.title(self.along.0), TEXT);
+        let half = 0.5 * text_width(&name, size);
+        let middle = (axes.x + 0.5 * axes.width).min(area.right() - half).max(area.x + half);
+        page.text((middle, axes.bottom() + 42.0), size, Anchor::Centre, &name);
+        page.outline(axes, 1.0, FRAME);
         for (k, curve) in self.curves.iter().enumerate() {
             for segment in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
-                let points: Vec<_> = segment.iter().map(|&(t, value)| (x(t), y(value))).collect();
-                stroke(canvas, &points, 2.0, k, curve.marked);
-            }
-            if self.curves.len() > 1 {
-                let (from, height) = (axes.x + axes.width + 14.0, axes.y + 10.0 + 22.0 * k as f64);
-                let sample = [(from, height), (from + 11.0, height), (from + 22.0, height)];
-                stroke(canvas, if curve.marked { &sample[1..2] } else { &sample }, 3.0, k, curve.marked);
-                canvas.text((from + 30.0, height + 0.36 * SMALL), SMALL, Anchor::Left, INK, &curve.name);
+                stroke(page, segment.iter().map(|&(t, value)| (x(t), y(value))).collect(), 2.0, k, curve.marked);
             }
         }
+        self.draw_legend(page, area, axes, plan);
+    }
+
+    fn draw_legend(&self, page: &mut Page, area: Area, axes: Area, plan: &Plan) {
+        let names = self.names();
+        let (legend, x, y) = match plan.beside {
+            true => (Legend::column(&names, SMALL), axes.right() + 14.0, axes.y),
+            false => (Legend::flow(&names, SMALL, area.width), area.x, axes.bottom() + FOOT),
+        };
+        let at = Area { x, y, width: legend.width, height: legend.height };
+        for (k, (entry, curve)) in legend.entries.iter().zip(&self.curves).enumerate() {
+            let (from, height) = (at.x + entry.x, at.y + entry.y);
+            let end = from + SAMPLE - 8.0;
+            let middle = (0.5 * (from + end), height);
+            let sample = if curve.marked { vec![middle] } else { vec![(from, height), middle, (end, height)] };
+            stroke(page, sample, 3.0, k, curve.marked);
+            for (line, text) in entry.lines.iter().enumerate() {
+                page.text(Legend::baseline(at, entry, line, SMALL), SMALL, Anchor::Left, text);
+            }
+        }
+    }
+}
+
+/// Room around the axes of charts beside and below each other, the same for all.
+struct Plan {
+    left: f64,
+    right: f64,
+    top: f64,
+    /// Of the axes.
+    height: f64,
+    /// Names of curves stand beside the axes, not below.
+    beside: bool,
+    /// Height of names below the axes.
+    below: f64,
+}
+
+impl Plan {
+    fn new(charts: &[Chart], width: f64, height: f64) -> Self {
+        let columns = charts.iter().map(|chart| Legend::column(&chart.names(), SMALL));
+        let (wide, tall) = columns
+            .filter(|legend| !legend.entries.is_empty())
+            .fold((0.0f64, 0.0f64), |(w, h), legend| (w.max(legend.width), h.max(legend.height)));
+        let beside = wide <= BESIDE * width && tall <= height;
+        let flows = charts.iter().map(|chart| Legend::flow(&chart.names(), SMALL, width).height);
+        let below = if beside { 0.0 } else { flows.fold(0.0, f64::max) };
+        let ups: Vec<_> = charts.iter().filter_map(|chart| Some((chart, chart.upright(height)?))).collect();
+        let lines = ups.iter().map(|(chart, up)| wrap(&up.title(&chart.quantity), TEXT, width).len());
+        let left = ups.iter().map(|(_, up)| widest(&up.labels, SMALL)).fold(0.0, f64::max) + GAP;
+        let lasts = charts.iter().filter_map(|chart| {
+            let (low, high) = chart.range(|p| p.0)?;
+            let along =
+                AxisScale::level((low, if high > low { high } else { low + 1.0 }), chart.along.1, width - left, SMALL);
+            Some(0.5 * widest(&along.labels, SMALL))
+        });
+        let label = lasts.fold(0.0, f64::max) + 2.0;
+        Self {
+            // The first label of time is centred at the corner.
+            left: left.max(label),
+            right: if beside && wide > 0.0 { (14.0 + wide).max(label) } else { label },
+            top: 18.0 + LEADING * TEXT * lines.max().unwrap_or(1) as f64,
+            height,
+            beside,
+            below,
+        }
+    }
+
+    fn outer_height(&self) -> f64 {
+        self.top + self.height + FOOT + self.below
     }
 }
 
@@ -140,49 +202,82 @@ fn with_room(low: f64, high: f64) -> (f64, f64) {
     (low, high)
 }
 
+/// Size of a title on a page of that width.
+pub(super) fn title_size(width: f64) -> f64 {
+    if width < 560.0 { 16.0 } else { 19.0 }
+}
+
 /// Draws charts in rows of `columns` and returns the page.
-/// The page has `size` pixels, or as many as fit.
+/// The page has `size` units, or is as wide as the paper, or as charts fit.
 pub(super) fn page(
     charts: &[Chart],
     columns: usize,
     title: &str,
     size: Option<(u32, u32)>,
-) -> Result<Canvas, PlotError> {
-    const MARGIN: f64 = 22.0;
-    const TITLE: f64 = 19.0;
-    let columns = columns.clamp(1, charts.len().max(1));
-    let rows = charts.len().div_ceil(columns);
-    let legend = charts.iter().map(Chart::legend_width).fold(24.0, f64::max);
-    let (panel_width, panel_height) =
-        if columns == 1 { (720.0 + LEFT + legend, 420.0) } else { (420.0 + LEFT + legend, 330.0) };
-    let width = size.map_or(2.0 * MARGIN + columns as f64 * panel_width, |size| f64::from(size.0));
-    let panel_width = (width - 2.0 * MARGIN) / columns as f64;
-    let lines = super::canvas::wrap(title, TITLE, width - 2.0 * MARGIN);
-    let top = MARGIN + 1.3 * TITLE * lines.len() as f64 + 6.0;
-    let height = size.map_or(top + rows as f64 * panel_height + 8.0, |size| f64::from(size.1));
-    let panel_height = (height - top - 8.0) / rows.max(1) as f64;
-    if panel_width < LEFT + legend + 80.0 || panel_height < TOP + BOTTOM + 60.0 {
-        return Err(PlotError::Size { width: width as u32, height: height as u32 });
+    paper: Paper,
+) -> Result<Page, PlotError> {
+    const BETWEEN: f64 = 26.0;
+    let given = size.map(|size| f64::from(size.0)).or(paper.units());
+    let columns = if given.is_some_and(|width| width < 700.0) { 1 } else { columns.clamp(1, charts.len().max(1)) };
+    let rows = charts.len().div_ceil(columns).max(1);
+    let width = given.unwrap_or(if columns == 1 { 900.0 } else { 1080.0 });
+    let panel_width = (width - 2.0 * MARGIN - (columns - 1) as f64 * BETWEEN) / columns as f64;
+    let title_size = title_size(width);
+    let lines = wrap(title, title_size, width - 2.0 * MARGIN);
+    let top = MARGIN + LEADING * title_size * lines.len() as f64;
+    let outer = |plan: &Plan| top + rows as f64 * plan.outer_height() + MARGIN;
+    let too_small = |height: f64| PlotError::Size { width: width.max(0.0) as u32, height: height.max(0.0) as u32 };
+    if panel_width < 120.0 {
+        return Err(too_small(size.map_or(0.0, |size| f64::from(size.1))));
     }
-    let mut canvas = Canvas::new(width.round() as u32, height.round() as u32)?;
-    for (k, line) in lines.iter().enumerate() {
-        canvas.text((MARGIN, MARGIN + TITLE * (0.8 + 1.3 * k as f64)), TITLE, Anchor::Left, INK, line);
+    let mut plan = Plan::new(charts, panel_width, (0.55 * panel_width).clamp(160.0, 330.0));
+    if let Some((_, height)) = size {
+        let room = plan.height + (f64::from(height) - outer(&plan)) / rows as f64;
+        plan = Plan::new(charts, panel_width, room);
+        let missing = outer(&plan) - f64::from(height);
+        plan = Plan::new(charts, panel_width, room - missing / rows as f64);
     }
+    let height = size.map_or_else(|| outer(&plan).ceil(), |size| f64::from(size.1));
+    if panel_width - plan.left - plan.right < 80.0 || plan.height < 60.0 {
+        return Err(too_small(height));
+    }
+    let mut page = Page::new(width, height, paper)?;
+    draw_title(&mut page, &lines, title_size);
     for (k, chart) in charts.iter().enumerate() {
         let area = Area {
-            x: MARGIN + (k % columns) as f64 * panel_width,
-            y: top + (k / columns) as f64 * panel_height,
+            x: MARGIN + (k % columns) as f64 * (panel_width + BETWEEN),
+            y: top + (k / columns) as f64 * plan.outer_height(),
             width: panel_width,
-            height: panel_height,
+            height: plan.outer_height(),
         };
-        chart.draw(&mut canvas, area, legend);
+        chart.draw(&mut page, area, &plan);
     }
-    Ok(canvas)
+    Ok(page)
+}
+
+/// Writes lines of a title in the upper left corner of a page.
+pub(super) fn draw_title(page: &mut Page, lines: &[String], size: f64) {
+    for (k, line) in lines.iter().enumerate() {
+        page.text((MARGIN, MARGIN + size * (ASCENT + LEADING * k as f64)), size, Anchor::Left, line);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::page::misplaced;
+
+    fn chart(names: &[&str], values: &[f64], unit: &str) -> Chart {
+        let points: Vec<_> = values.iter().enumerate().map(|(k, value)| (1e-6 * k as f64, *value)).collect();
+        let curve = |name: &&str| Curve { name: (*name).to_owned(), points: points.clone(), marked: false };
+        Chart {
+            along: TIME,
+            quantity: names.join(", "),
+            unit: unit.into(),
+            curves: names.iter().map(curve).collect(),
+            limits: None,
+        }
+    }
 
     #[test]
     fn ranges_have_room_and_are_never_empty() {
@@ -194,14 +289,38 @@ mod tests {
     }
 
     #[test]
+    fn no_label_leaves_the_page_or_covers_another_whatever_the_numbers_and_names() {
+        let long = "tracer.a_point_with_a_very_long_name_indeed.equivalent_strain_rate";
+        let names: [&[&str]; 3] = [&["drift"], &["total", "kinetic", "internal", "plastic work"], &[long, "b", long]];
+        let values: [&[f64]; 6] = [
+            &[-1_323_746.112, -1_323_746.11],
+            &[0.0, 1.0],
+            &[-1e-17, 1e-17],
+            &[1e300, -1e300],
+            &[123_456.7, 123_456.7],
+            &[0.001_234_5, 0.001_234_51, f64::NAN],
+        ];
+        let title = "A title that goes on and on until it no longer fits the width of a page of any sensible size";
+        for names in names {
+            for values in values {
+                let charts = ["J", "1/s", ""].map(|unit| chart(names, values, unit));
+                for width in [None, Some(0.085), Some(0.099), Some(0.17)] {
+                    let page = page(&charts, 2, title, None, Paper { dpi: 100, width }).unwrap();
+                    assert_eq!(misplaced(&page), Vec::<String>::new(), "{names:?} {values:?} {width:?}");
+                }
+                let page = page(&charts, 1, title, Some((900, 1400)), Paper::default()).unwrap();
+                assert_eq!(misplaced(&page), Vec::<String>::new(), "{names:?} {values:?}");
+            }
+        }
+    }
+
+    #[test]
     fn curves_with_gaps_or_nothing_are_drawn_without_harm() {
-        let nothing =
-            Chart { along: TIME, quantity: "q".into(), unit: String::new(), curves: Vec::new(), limits: None };
-        let points = vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)];
-        let gap = Curve { name: "a".into(), points, marked: false };
-        let charts = [nothing.clone(), Chart { curves: vec![gap], ..nothing }];
+        let (nothing, gap) = (chart(&[], &[], ""), chart(&["a"], &[1.0, f64::NAN, 3.0], ""));
+        let charts = [nothing, gap];
         assert!(!charts[0].has_values() && charts[1].has_values());
-        page(&charts, 2, "Title", None).unwrap();
-        assert!(matches!(page(&charts, 2, "Title", Some((300, 300))), Err(PlotError::Size { .. })));
+        page(&charts, 2, "Title", None, Paper::default()).unwrap();
+        let small = page(&charts, 2, "Title", Some((300, 200)), Paper::default());
+        assert!(matches!(small, Err(PlotError::Size { .. })));
     }
 }

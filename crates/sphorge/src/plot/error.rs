@@ -1,6 +1,7 @@
 //! What can go wrong with a picture.
 
 use crate::{deck::DeckReport, output::OutputError};
+use std::path::PathBuf;
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -47,6 +48,13 @@ pub enum PlotError {
         /// Pixels down.
         height: u32,
     },
+    /// The name of the file asks for a form that is not written.
+    #[error("{} is no name of a picture", path.display())]
+    #[diagnostic(code(sphorge::plot::format), help("end it with .png or .svg"))]
+    Format {
+        /// The name.
+        path: PathBuf,
+    },
     /// The picture could not be encoded.
     #[error("the picture could not be encoded: {reason}")]
     #[diagnostic(code(sphorge::plot::encode))]
@@ -54,4 +62,10 @@ pub enum PlotError {
         /// What the encoder said.
         reason: String,
     },
+}
+
+impl From<png::EncodingError> for PlotError {
+    fn from(error: png::EncodingError) -> Self {
+        Self::Encode { reason: error.to_string() }
+    }
 }

@@ -1,6 +1,6 @@
 //! What a picture of particles shall show.
 
-use super::{ColorMap, FrameChoice, View};
+use super::{ColorMap, FrameChoice, Paper, View};
 
 /// A picture of particles; of a problem in one dimension, a curve over x for each frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +11,11 @@ pub struct FieldPicture {
     pub frames: Vec<FrameChoice>,
     /// Direction of view; the plane of a plane problem, a corner of a solid one if not given.
     pub view: Option<View>,
-    /// Leave out what is in front of the middle, to show the inside.
+    /// Leave out what is in front of the middle, to show the inside. The middle is the plane of symmetry across the view where the
+    /// deck has one.
     pub section: bool,
+    /// Show the images of particles in the deck's planes of symmetry too.
+    pub mirror: bool,
     /// Show the crater and cloud measures of the deck as lines on the particles, in views along an axis.
     pub measures: bool,
     /// Values of the ends of the colour bar (or the upright axis). If not given: the extremes shown, or where a few outliers stretch them by half
@@ -22,10 +25,12 @@ pub struct FieldPicture {
     pub color_map: Option<ColorMap>,
     /// Part of the plane of view to show, right then up, m; all if not given.
     pub window: Option<[(f64, f64); 2]>,
-    /// Pixels across and down; to fit if not given.
+    /// Hundredths of an inch across and down, which are pixels at 100 to the inch; to fit if not given.
     pub size: Option<(u32, u32)>,
     /// Title; that of the deck if not given.
     pub title: Option<String>,
+    /// Fineness, and the width where `size` is not given.
+    pub paper: Paper,
 }
 
 impl FieldPicture {
@@ -36,12 +41,14 @@ impl FieldPicture {
             frames: vec![FrameChoice::Last],
             view: None,
             section: false,
+            mirror: false,
             measures: false,
             range: None,
             color_map: None,
             window: None,
             size: None,
             title: None,
+            paper: Paper::default(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Which frame of a series a picture shows.
 
 use super::PlotError;
+use crate::deck::read_quantity;
 use std::path::{Path, PathBuf};
 
 /// Which frame of a series.
@@ -20,14 +21,16 @@ pub enum FrameChoice {
 impl std::str::FromStr for FrameChoice {
     type Err = String;
 
-    /// `first`, `last`, a whole number (the frame), or a number with a point or an exponent (the time in seconds).
+    /// `first`, `last`, a whole number (the frame), a time with its unit as in decks (`12 us`), or a number with a point or an
+    /// exponent (the time in seconds).
     fn from_str(text: &str) -> Result<Self, String> {
-        let time = || text.parse().ok().filter(|time: &f64| time.is_finite()).map(Self::Time);
         match text {
             "first" => Ok(Self::First),
             "last" => Ok(Self::Last),
-            _ => text.parse().ok().map(Self::Index).or_else(time).ok_or_else(|| {
-                format!("`{text}` is no frame; write first, last, a number such as 12, or a time such as 6e-5")
+            _ => text.trim().parse().map(Self::Index).or_else(|_| {
+                read_quantity(text, "s").map(Self::Time).map_err(|reason| {
+                    format!("`{text}` is no frame ({reason}); write first, last, a number such as 12, or a time such as \"60 us\"")
+                })
             }),
         }
     }

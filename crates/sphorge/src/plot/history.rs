@@ -1,9 +1,9 @@
 //! Curves of the history.
 
 use super::{
-    PlotError,
+    Paper, PlotError,
     chart::{Chart, Curve, TIME, page},
-    title::run_title,
+    title::{run_title, title_of},
 };
 use crate::output::{HistoryTable, MEASURE_MEANING, RunDirectory};
 use std::path::Path;
@@ -36,11 +36,11 @@ impl HistoryPicture {
     }
 }
 
-/// Draws one of the standard pictures to a PNG file. Returns false if the history has nothing for it.
+/// Draws one of the standard pictures to a PNG or SVG file. Returns false if the history has nothing for it.
 ///
 /// # Errors
 /// [`PlotError::Output`] if the history cannot be read or the picture cannot be written.
-pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, to: &Path) -> Result<bool, PlotError> {
+pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, paper: Paper, to: &Path) -> Result<bool, PlotError> {
     let table = HistoryTable::read(run)?;
     let chart = |quantity: &str, columns: &[(&str, &str)]| {
         // A curve that is zero but for round-off says nothing but its name; keep those that the case has.
@@ -78,7 +78,7 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, to: &Path) -> R
         ],
         HistoryPicture::Measures => measure_names(&table)
             .iter()
-            .map(|name| chart(&name.trim_start_matches("measure.").replace('_', " "), &[(name, name)]))
+            .map(|name| chart(&words(name), &[(name, name)]))
             .filter(Chart::has_values)
             .collect(),
         HistoryPicture::Step => vec![chart("time step", &[("dt", "dt")])],
@@ -87,39 +87,86 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, to: &Path) -> R
         return Ok(false);
     }
     let columns = if picture == HistoryPicture::Measures && charts.len() > 1 { 2 } else { 1 };
-    page(&charts, columns, &run_title(run), None)?.save(to)?;
+    page(&charts, columns, &run_title(run), None, paper)?.save(to)?;
     Ok(true)
 }
 
-/// Draws columns of the history to a PNG file, those of one unit in one chart.
+/// Draws columns of the history to a PNG or SVG file, those of one unit in one chart.
 ///
 /// # Errors
 /// [`PlotError::Column`] for a column the history does not have, [`PlotError::Empty`] if none has a value, otherwise as
 /// [`plot_history`].
-pub fn plot_columns(run: &RunDirectory, columns: &[String], to: &Path) -> Result<(), PlotError> {
-    let table = HistoryTable::read(run)?;
+pub fn plot_columns(run: &RunDirectory, columns: &[String], paper: Paper, to: &Path) -> Result<(), PlotError> {
+    let title = run_title(run);
+    page(&charts(&[("", run)], columns)?, 1, &title, None, paper)?.save(to)
+}
+
+/// Draws columns of the history of several runs, under the given names, over each other: a chart for each column.
+///
+/// # Errors
+/// As [`plot_columns`]; the column that is missing in one of the runs is an error too.
+pub fn plot_columns_of_runs(
+    runs: &[(String, RunDirectory)],
+    columns: &[String],
+    paper: Paper,
+    to: &Path,
+) -> Result<(), PlotError> {
+    let runs: Vec<_> = runs.iter().map(|(name, run)| (name.as_str(), run)).collect();
+    let title = title_of(&runs);
+    page(&charts(&runs, columns)?, 1, &title, None, paper)?.save(to)
+}
+
+/// A chart for each unit of a run, or for each column of several.
+pub(super) fn charts(runs: &[(&str, &RunDirectory)], columns: &[String]) -> Result<Vec<Chart>, PlotError> {
     let mut charts: Vec<Chart> = Vec::new();
-    for name in columns {
-        let (column, _) = table.column(name).ok_or_else(|| unknown_column(&table, name))?;
-        let Some(curve) = curve(&table, name, name) else { continue };
-        match charts.iter_mut().find(|chart| chart.unit == column.unit) {
-            Some(chart) => {
-                chart.quantity = format!("{}, {name}", chart.quantity);
-                chart.curves.push(curve);
+    for (k, (run_name, run)) in runs.iter().enumerate() {
+        let table = HistoryTable::read(run)?;
+        for name in columns {
+            let (column, _) = table.column(name).ok_or_else(|| unknown_column(&table, name))?;
+            let words = words(name);
+            let label = if run_name.is_empty() { &words } else { *run_name };
+            let Some(curve) = curve(&table, name, label) else { continue };
+            let same =
+                |chart: &&mut Chart| if runs.len() > 1 { chart.quantity == words } else { chart.unit == column.unit };
+            match charts.iter_mut().find(same) {
+                Some(chart) => {
+                    if k == 0 {
+                        chart.quantity = format!("{}, {words}", chart.quantity);
+                    }
+                    chart.curves.push(curve);
+                }
+                None => charts.push(Chart {
+                    along: TIME,
+                    quantity: words,
+                    unit: column.unit.clone(),
+                    curves: vec![curve],
+                    limits: None,
+                }),
             }
-            None => charts.push(Chart {
-                along: TIME,
-                quantity: name.clone(),
-                unit: column.unit.clone(),
-                curves: vec![curve],
-                limits: None,
-            }),
         }
     }
     if !charts.iter().any(Chart::has_values) {
         return Err(PlotError::Empty { reason: "the columns hold no number".into() });
     }
-    page(&charts, 1, &run_title(run), None)?.save(to)
+    Ok(charts)
+}
+
+/// A column for people.
+fn words(column: &str) -> String {
+    column.trim_start_matches("measure.").replace('_', " ")
+}
+
+/// The measures that all of some runs have.
+///
+/// # Errors
+/// [`PlotError::Output`] if a history cannot be read.
+pub fn common_measures(runs: &[(String, RunDirectory)]) -> Result<Vec<String>, PlotError> {
+    let mut common: Option<Vec<String>> = None;
+    for (_, run) in runs {
+        let own = measure_names(&HistoryTable::read(run)?);
+        common = Some(common.map_or(own.clone(), |names| names.into_iter().filter(|n| own.contains(n)).collect()));
+    }
+    Ok(common.unwrap_or_default())
 }
 
 /// Draws one column of the history of several runs over each other, under the given names, with points of others `beside` them: time in s
@@ -131,15 +178,11 @@ pub fn plot_overlay(
     runs: &[(String, RunDirectory)],
     column: &str,
     beside: &[(String, Vec<(f64, f64)>)],
+    paper: Paper,
     to: &Path,
 ) -> Result<(), PlotError> {
-    let mut chart = Chart {
-        along: TIME,
-        quantity: column.replace('_', " "),
-        unit: String::new(),
-        curves: Vec::new(),
-        limits: None,
-    };
+    let mut chart =
+        Chart { along: TIME, quantity: words(column), unit: String::new(), curves: Vec::new(), limits: None };
     for (name, run) in runs {
         let table = HistoryTable::read(run)?;
         let (description, _) = table.column(column).ok_or_else(|| unknown_column(&table, column))?;
@@ -151,8 +194,8 @@ pub fn plot_overlay(
     if !chart.has_values() {
         return Err(PlotError::Empty { reason: format!("no run has a number in `{column}`") });
     }
-    let title = runs.first().map_or(String::new(), |(_, run)| run_title(run));
-    page(&[chart], 1, &title, None)?.save(to)
+    let runs: Vec<_> = runs.iter().map(|(name, run)| (name.as_str(), run)).collect();
+    page(&[chart], 1, &title_of(&runs), None, paper)?.save(to)
 }
 
 fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {

@@ -47,7 +47,7 @@ fn brightness(grid: &CellGrid, points: &[[f64; 3]], point: &[f64; 3], spacing: f
     // Inside, the normal is noise: it counts as far as the neighbours lean to one side.
     let surface = (3.0 * length / reach).min(1.0);
     // What faces the eye keeps its colour, so that a flat cut reads like the bar.
-    1.0 - surface * DARKEST * (1.0 - (towards_light / LIGHT[2]).clamp(0.0, 1.0))
+    1.0 - surface * DARKEST * (1.0 - (towards_light / LIGHT[2]).max(0.0))
 }
 
 #[cfg(test)]

@@ -2,29 +2,42 @@
 //!
 //! Everything is read back from the files of the run, so that a run can be pictured while it goes on, and later.
 
-mod canvas;
+mod axis;
 mod chart;
+mod clip;
 mod color;
+mod color_bar;
 mod error;
 mod field;
+mod field_page;
 mod field_picture;
+mod font;
 mod frame_choice;
 mod history;
+mod legend;
 mod light;
 mod mark;
+mod mirror;
+mod page;
+mod paper;
+mod pixels;
+mod save;
 mod scene;
 mod spans;
 mod splat;
 mod standard;
+mod svg;
 mod title;
 mod view;
+mod walls;
 
 pub use color::ColorMap;
 pub use error::PlotError;
-pub use field::{plot_field, plot_field_of_runs};
+pub use field::{animate_field, plot_each_frame, plot_field, plot_field_of_runs};
 pub use field_picture::FieldPicture;
 pub use frame_choice::FrameChoice;
-pub use history::{HistoryPicture, plot_columns, plot_history, plot_overlay};
+pub use history::{HistoryPicture, common_measures, plot_columns, plot_columns_of_runs, plot_history, plot_overlay};
+pub use paper::{Paper, PictureFormat};
 pub use standard::plot_run;
 pub use view::View;
 

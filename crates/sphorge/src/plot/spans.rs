@@ -2,8 +2,9 @@
 
 use super::{
     PlotError,
-    canvas::{Anchor, Area, Canvas, INK},
-    color::Rgb,
+    clip::clip_line,
+    font::text_width,
+    page::{Anchor, Area, INK, Page, WHITE},
 };
 use crate::{
     deck::load_model,
@@ -53,12 +54,12 @@ pub(super) fn spans(model: &Model, frame: &mut FrameFile) -> Result<Vec<NamedSpa
 
 const SIZE: f64 = 13.0;
 const TICK: f64 = 7.0;
-/// Pixels from a line too short for its label to the label.
+/// Units from a line too short for its label to the label.
 const LEADER: f64 = 48.0;
-const PAPER: Rgb = [255, 255, 255];
 
-/// Draws spans and, on top of all lines, their names and lengths; `place` puts a point of space on the page.
-pub(super) fn draw_spans(canvas: &mut Canvas, spans: &[NamedSpan], place: impl Fn([f64; 3]) -> (f64, f64)) {
+/// Draws spans and, on top of all lines, their names and lengths inside an area of the page; `place` puts a point of space
+/// on the page.
+pub(super) fn draw_spans(page: &mut Page, area: Area, spans: &[NamedSpan], place: impl Fn([f64; 3]) -> (f64, f64)) {
     for span in spans {
         let [from, to] = span.ends.map(&place);
         let length = (to.0 - from.0).hypot(to.1 - from.1);
@@ -66,25 +67,70 @@ pub(super) fn draw_spans(canvas: &mut Canvas, spans: &[NamedSpan], place: impl F
             continue;
         }
         let across = ((from.1 - to.1) / length * TICK, (to.0 - from.0) / length * TICK);
-        for (width, color) in [(5.0, PAPER), (2.0, INK)] {
-            canvas.line(from, to, width, color);
-            for end in [from, to] {
-                canvas.line((end.0 - across.0, end.1 - across.1), (end.0 + across.0, end.1 + across.1), width, color);
+        for (width, color) in [(5.0, WHITE), (2.0, INK)] {
+            let ends =
+                [from, to].map(|end| [(end.0 - across.0, end.1 - across.1), (end.0 + across.0, end.1 + across.1)]);
+            for line in [[from, to], ends[0], ends[1]] {
+                if let Some([from, to]) = clip_line(line, area) {
+                    page.line(from, to, width, color);
+                }
             }
         }
     }
+    let mut taken: Vec<Area> = Vec::new();
     for span in spans {
         let [from, to] = span.ends.map(&place);
         let text = format!("{} {}", span.name.replace('_', " "), quantity(span.length, "m"));
-        let width = Canvas::text_width(&text, SIZE) + 10.0;
         // Off the middle, where a line along and one across are likely to cross.
-        let share = if (to.0 - from.0).abs() < (to.1 - from.1).abs() { 0.4 } else { 0.5 };
-        let (x, mut y) = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
-        if (to.0 - from.0).abs() > (to.1 - from.1).abs() && (to.0 - from.0).abs() < width + 30.0 {
-            canvas.line((x, y), (x, y - LEADER), 1.0, INK);
-            y -= LEADER;
+        let lies = (to.0 - from.0).abs() > (to.1 - from.1).abs();
+        let share = if lies { 0.5 } else { 0.4 };
+        let foot = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+        let width = text_width(&text, SIZE) + 10.0;
+        let short = lies && (to.0 - from.0).abs() < width + 30.0;
+        let at = free_place(foot, (width, 1.5 * SIZE), if short { -LEADER } else { 0.0 }, area, &taken);
+        let middle = (at.x + 0.5 * at.width, at.y + 0.5 * at.height);
+        if !at.contains(foot) {
+            page.line(foot, middle, 1.0, INK);
         }
-        canvas.fill(Area { x: x - 0.5 * width, y: y - 0.75 * SIZE, width, height: 1.5 * SIZE }, PAPER);
-        canvas.text((x, y + 0.36 * SIZE), SIZE, Anchor::Centre, INK, &text);
+        page.fill(at, WHITE);
+        page.text((middle.0, middle.1 + 0.36 * SIZE), SIZE, Anchor::Centre, &text);
+        taken.push(at);
+    }
+}
+
+/// The place for a label of a size nearest to where it is wanted, `shift` below its point: inside the area and clear of others, as
+/// far as there is one.
+fn free_place(foot: (f64, f64), size: (f64, f64), shift: f64, area: Area, taken: &[Area]) -> Area {
+    let at = |dy: f64| Area {
+        x: (foot.0 - 0.5 * size.0).min(area.right() - size.0).max(area.x),
+        y: (foot.1 + dy - 0.5 * size.1).min(area.bottom() - size.1).max(area.y),
+        width: size.0,
+        height: size.1,
+    };
+    let steps = (0..40).flat_map(|k| [-1.0, 1.0].map(|side| at(shift + 0.5 * f64::from(k) * side * size.1)));
+    let mut places = steps.filter(|place| !taken.iter().any(|other| other.meets(place)));
+    places.next().unwrap_or(at(shift))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::{page::misplaced, paper::Paper};
+
+    #[test]
+    fn labels_of_measures_stay_apart_and_inside() {
+        let span = |name: &str, x: f64| NamedSpan {
+            name: name.to_owned(),
+            length: 0.0302,
+            ends: [[x, 0.0, 0.0], [x + 0.01, 0.0, 0.0]],
+        };
+        let spans = ["crater_diameter", "cloud_length", "cloud_width", "d"].map(|name| span(name, 0.0));
+        let spans: Vec<_> = spans.into_iter().chain([span("far", 5.0)]).collect();
+        let mut page = Page::new(300.0, 200.0, Paper::default()).unwrap();
+        let area = Area { x: 10.0, y: 10.0, width: 250.0, height: 150.0 };
+        draw_spans(&mut page, area, &spans, |p| (20.0 + 1e3 * p[0], 150.0));
+        assert_eq!(misplaced(&page), Vec::<String>::new());
+        let inside = |a: Area| area.contains((a.x, a.y)) && area.contains((a.right(), a.bottom()));
+        assert!(page.texts().count() == 5 && page.texts().all(|text| inside(text.area())));
     }
 }

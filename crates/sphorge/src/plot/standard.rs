@@ -1,37 +1,43 @@
 //! The standard pictures of a run.
 
-use super::{FieldPicture, FrameChoice, HistoryPicture, PlotError, plot_field, plot_history};
+use super::{FieldPicture, FrameChoice, HistoryPicture, Paper, PictureFormat, PlotError, plot_field, plot_history};
 use crate::output::{FrameFile, RunDirectory, read_series};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Fields pictured when none is named, where a run wrote them.
 const DEFAULT_FIELDS: [&str; 5] = ["plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity"];
 
-/// Draws the standard pictures of a run in its `plots` folder: the last frame by several fields, plastic strain before and
+/// Draws the standard pictures of a run in a folder: the last frame by several fields, plastic strain before and
 /// after, and the history. Returns their files.
 ///
 /// # Errors
 /// [`PlotError`] if the run has no readable frame or history.
-pub fn plot_run(run: &RunDirectory) -> Result<Vec<PathBuf>, PlotError> {
+pub fn plot_run(
+    run: &RunDirectory,
+    paper: Paper,
+    format: PictureFormat,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let ending = format.extension();
     let mut files = Vec::new();
     let series = read_series(run)?;
     let Some((_, last)) = series.last() else { return Ok(files) };
     let frame = FrameFile::open(last)?;
     let present = |name: &&&str| frame.arrays().iter().any(|array| array.name == **name);
     for &field in DEFAULT_FIELDS.iter().filter(present) {
-        let file = run.plots().join(format!("{field}-last.png"));
-        plot_field(run, &FieldPicture::new(field), &file)?;
+        let file = folder.join(format!("{field}-last.{ending}"));
+        plot_field(run, &FieldPicture { paper, ..FieldPicture::new(field) }, &file)?;
         files.push(file);
     }
     if let Some(field) = DEFAULT_FIELDS.iter().find(|name| present(name)).filter(|_| series.len() > 1) {
-        let file = run.plots().join(format!("{field}-before-after.png"));
+        let file = folder.join(format!("{field}-before-after.{ending}"));
         let frames = vec![FrameChoice::First, FrameChoice::Last];
-        plot_field(run, &FieldPicture { frames, ..FieldPicture::new(*field) }, &file)?;
+        plot_field(run, &FieldPicture { frames, paper, ..FieldPicture::new(*field) }, &file)?;
         files.push(file);
     }
     for picture in HistoryPicture::ALL {
-        let file = run.plots().join(format!("history-{}.png", picture.name()));
-        if plot_history(run, picture, &file)? {
+        let file = folder.join(format!("history-{}.{ending}", picture.name()));
+        if plot_history(run, picture, paper, &file)? {
             files.push(file);
         }
     }

@@ -8,6 +8,21 @@ pub(super) fn run_title(run: &RunDirectory) -> String {
     Summary::read(run).map_or_else(|_| folder(), |summary| titled(&summary))
 }
 
+/// Titles of runs, each once; of many that differ, that of the first and how many there are.
+pub(super) fn title_of(runs: &[(&str, &RunDirectory)]) -> String {
+    const MOST: usize = 3;
+    let mut titles: Vec<String> = Vec::new();
+    for title in runs.iter().map(|(_, run)| run_title(run)) {
+        if !titles.contains(&title) {
+            titles.push(title);
+        }
+    }
+    match &titles[..] {
+        [first, others @ ..] if others.len() >= MOST => format!("{first} and {} others", others.len()),
+        several => several.join("; "),
+    }
+}
+
 fn titled(summary: &Summary) -> String {
     let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
     if names.is_empty() { summary.title.clone() } else { format!("{} [broken: {}]", summary.title, names.join(", ")) }

@@ -3,7 +3,9 @@
 use super::runs::{Run, Runs};
 use crate::{
     output::RunDirectory,
-    plot::{FieldPicture, FrameChoice, PlotError, View, plot_columns, plot_field, plot_field_of_runs, plot_overlay},
+    plot::{
+        FieldPicture, FrameChoice, Paper, PlotError, View, plot_columns, plot_field, plot_field_of_runs, plot_overlay,
+    },
 };
 use std::path::Path;
 
@@ -73,7 +75,7 @@ impl Picture {
             }
             Subject::History(columns) => {
                 let columns: Vec<String> = columns.iter().map(|&column| column.to_owned()).collect();
-                plot_columns(finest, &columns, file)
+                plot_columns(finest, &columns, Paper::default(), file)
             }
             Subject::Inside { field, times, settings, .. } => {
                 let picture = FieldPicture {
@@ -89,7 +91,7 @@ impl Picture {
                     several => plot_field_of_runs(several, &picture, file),
                 }
             }
-            Subject::Overlay { column, beside, .. } => plot_overlay(&runs, column, &beside(), file),
+            Subject::Overlay { column, beside, .. } => plot_overlay(&runs, column, &beside(), Paper::default(), file),
         }
     }
 }
