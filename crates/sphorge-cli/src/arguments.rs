@@ -37,7 +37,7 @@ pub(crate) enum Command {
     Decks(decks::DecksArguments),
     /// List the materials of the catalogue, or print one with its constants and reference
     Materials(materials::MaterialsArguments),
-    /// Draw the particles before and after, and the history curves, of a run
+    /// Draw the particles before and after, and the history curves, of runs
     Plot(plot::PlotArguments),
     /// Set runs side by side: time, speed, conservation, measures
     Compare(compare::CompareArguments),

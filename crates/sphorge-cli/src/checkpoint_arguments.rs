@@ -3,31 +3,41 @@
 use crate::{failure::Failure, signals};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
-use sphorge::run::CheckpointPlan;
+use sphorge::{deck, run::CheckpointPlan};
 use std::time::Duration;
 
 /// When to write checkpoints.
 #[derive(Debug, Args)]
 pub(crate) struct CheckpointArguments {
-    /// Save the state of the run every so many minutes, and when it is stopped; 0 for never
-    #[arg(long, value_name = "MINUTES", default_value_t = 10.0, value_parser = parse_minutes)]
+    /// Save the state of the run every so many minutes, or a time with its unit such as "90 s", and when it is stopped; 0 for never
+    #[arg(long, value_name = "MINUTES", default_value_t = 10.0, value_parser = parse_minutes, allow_negative_numbers = true)]
     checkpoint_minutes: f64,
-    /// Save it also every so many seconds of simulated time
-    #[arg(long, value_name = "SECONDS", value_parser = parse_interval)]
+    /// Save it also every so much simulated time, such as "5 us"; a number alone is in seconds
+    #[arg(long, value_name = "TIME", value_parser = parse_interval, allow_negative_numbers = true)]
     checkpoint_interval: Option<f64>,
     /// Save it also when the run has reached its end, so that it can go on beyond
     #[arg(long)]
     checkpoint_at_end: bool,
 }
 
+/// Minutes: a number alone, or a time with its unit.
 fn parse_minutes(text: &str) -> Result<f64, String> {
-    let minutes = text.parse().ok().filter(|minutes| (0.0..1e6).contains(minutes));
-    minutes.ok_or_else(|| "write a number of minutes, 0 for never".to_owned())
+    let minutes = match text.trim().parse::<f64>() {
+        Ok(minutes) => minutes,
+        Err(_) => deck::read_quantity(text, "s")? / 60.0,
+    };
+    if (0.0..1e6).contains(&minutes) {
+        Ok(minutes)
+    } else {
+        Err("write minutes up to a million, or a time with its unit: `10` or `\"90 s\"`; 0 for never".to_owned())
+    }
 }
 
 fn parse_interval(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
-    seconds.ok_or_else(|| "write a number of seconds above zero: `5e-6`".to_owned())
+    match deck::read_quantity(text, "s")? {
+        seconds if seconds > 0.0 => Ok(seconds),
+        _ => Err("write a time above zero: `\"5 us\"`".to_owned()),
+    }
 }
 
 impl CheckpointArguments {
@@ -45,5 +55,28 @@ impl CheckpointArguments {
             at_end: self.checkpoint_at_end,
             request,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_written_as_in_decks_and_numbers_alone_keep_their_meaning() {
+        let minutes = ["10", "0", "10 min", "600 s", "0.5 h"].map(|text| parse_minutes(text).unwrap());
+        assert_eq!(minutes, [10.0, 0.0, 10.0, 10.0, 30.0]);
+        let seconds = ["5e-6", "5 us", "10 min", "600 s"].map(|text| parse_interval(text).unwrap());
+        assert_eq!(seconds, [5e-6, 5e-6, 600.0, 600.0]);
+        for (text, told) in
+            [("-1", "0 for never"), ("nan", "0 for never"), ("ten", "expected a time"), ("5 mm", "found a length")]
+        {
+            let error = parse_minutes(text).unwrap_err();
+            assert!(error.contains(told), "{text}: {error}");
+        }
+        for (text, told) in [("0", "above zero"), ("-5 us", "above zero"), ("5 mins", "min"), ("", "expected a time")] {
+            let error = parse_interval(text).unwrap_err();
+            assert!(error.contains(told), "{text}: {error}");
+        }
     }
 }

@@ -72,7 +72,8 @@ impl OrEnd {
                  Files that were written are complete; a run can be resumed from its last checkpoint. `sphorge check` tells how much memory a \
                  deck takes."
             );
-            std::process::exit(1);
+            // At once: what else ends a program would write what is buffered, perhaps in the middle of the write that wanted memory.
+            signal_hook::low_level::exit(1);
         }
         pointer
     }

@@ -7,8 +7,14 @@ use sphorge::{
     output::WarningRecord,
     run::{Observer, Progress, RunStart},
 };
-use std::io::{self, IsTerminal};
-use std::path::Path;
+use std::{
+    io::{self, IsTerminal},
+    path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
 /// Ticks of the bar.
 const TICKS: u64 = 1000;
@@ -36,6 +42,8 @@ pub(crate) struct ProgressDisplay {
     particles: usize,
     tenths: u64,
     last_line: f64,
+    /// Whether nothing of the run is on the disk yet.
+    sets_up: Arc<AtomicBool>,
 }
 
 impl ProgressDisplay {
@@ -47,7 +55,8 @@ impl ProgressDisplay {
                 Err(_) => bar,
             }
         });
-        Self { lines: Lines { bar }, particles: 0, tenths: 0, last_line: 0.0 }
+        let sets_up = Arc::new(AtomicBool::new(true));
+        Self { lines: Lines { bar }, particles: 0, tenths: 0, last_line: 0.0, sets_up }
     }
 
     /// The flag that stops the run, which says so among the lines of its progress.
@@ -56,7 +65,8 @@ impl ProgressDisplay {
     /// The system refuses to tell of signals.
     pub(crate) fn stop_flag(&self) -> Result<StopFlag, Failure> {
         let lines = self.lines.clone();
-        StopFlag::new(move || lines.print("stopping: writing what there is (once more ends the program at once)"))
+        let say = move || lines.print("stopping: writing what there is (once more ends the program at once)");
+        StopFlag::new(Arc::clone(&self.sets_up), say)
             .into_diagnostic()
             .wrap_err("cannot catch Ctrl-C")
             .map_err(Failure::Failed)
@@ -64,6 +74,10 @@ impl ProgressDisplay {
 }
 
 impl Observer for ProgressDisplay {
+    fn prepared(&mut self) {
+        self.sets_up.store(false, Ordering::SeqCst);
+    }
+
     fn started(&mut self, start: &RunStart) {
         memory::reset_peak();
         self.particles = start.particles;

@@ -1,4 +1,5 @@
-//! Ctrl-C, SIGTERM and the end of a session: the first asks the run to stop and write what it has, the second ends the program at once.
+//! Ctrl-C, SIGTERM and the end of a session: the first asks the run to stop and write what it has, the second ends the program at once. While a
+//! run is set up, which of many particles takes a while, the first one does.
 //! SIGUSR1 asks it to save its state and go on.
 
 use signal_hook::{consts::TERM_SIGNALS, flag, iterator::Signals};
@@ -73,13 +74,15 @@ impl Said {
 }
 
 impl StopFlag {
-    /// Catches the signals; `on_first` is called once, after the first one.
+    /// Catches the signals; `on_first` is called once, after the first one. While `sets_up` is true, nothing is on the disk that would have to be
+    /// completed, and the first signal ends the program at once.
     ///
     /// # Errors
     /// The system refuses the handlers.
-    pub(crate) fn new(on_first: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
+    pub(crate) fn new(sets_up: Arc<AtomicBool>, on_first: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
         let raised = Arc::new(AtomicBool::new(false));
         for signal in ending() {
+            flag::register_conditional_shutdown(signal, 130, Arc::clone(&sets_up))?;
             // In this order: the first signal finds the flag down and raises it, the second finds it up and ends the program.
             // Every file of a run is complete or absent at any moment, so nothing is lost by that but the work since.
             // The end of a session often comes twice, from the shell and from the system, and is never meant to end the program at once.

@@ -74,7 +74,7 @@ fn a_bad_deck_is_told_by_line_and_nothing_is_written() {
     let deck = common::DECK.replace("spacing = \"1 mm\"", "spacin = \"1 mm\"");
     fs::write(place.path("bad.toml"), deck).unwrap();
     let ended = place.run(&["run", "bad.toml"]).expect_code(2);
-    ended.expect_told(&["bad.toml:5", "spacin", "did you mean `spacing`"]);
+    ended.expect_told(&["bad.toml:6", "spacin", "did you mean `spacing`"]);
     let ended = place.run(&["run", "plate.toml", "--set", "time.end=\"3 kg\""]).expect_code(2);
     ended.expect_told(&["3 kg", "expected a time"]);
     let ended = place.run(&["check", "plate.toml", "--set", "particles.spacing=1e-9"]).expect_code(2);
@@ -235,7 +235,7 @@ fn strict_fails_a_broken_run_and_limits_are_those_of_the_deck() {
     let ended = place.run(&["run", "strip.toml", "--strict", "-o", "strict"]).expect_code(1);
     ended.expect_told(&["--strict: the run is broken by", "pairing"]);
     assert_eq!(place.summary("strict")["status"], "completed with warnings");
-    let names = "[\"pairing\", \"expansion\", \"lost-neighbors\", \"plastic-work\", \"hot\"]";
+    let names = "[\"pairing\", \"tearing\", \"expansion\", \"lost-neighbors\", \"plastic-work\", \"hot\"]";
     let off = format!("warnings.off={names}");
     place.run(&["run", "strip.toml", "--strict", "-o", "quiet", "--set", &off]).expect_code(0);
     assert_eq!(place.summary("quiet")["status"], "completed");

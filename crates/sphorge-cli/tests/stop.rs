@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Ended, Place, files, wait_for};
-use std::{fs, process::Command};
+use std::{fs, io::Read, process::Command};
 
 /// Starts a run of half a million steps, sends it a signal when it is under way, and looks at what it leaves.
 fn stopped_by(signal: &str) {
@@ -69,4 +69,27 @@ fn a_second_ctrl_c_ends_at_once_and_leaves_no_broken_file() {
         let complete = fs::read(&frame).unwrap().ends_with(b"</VTKFile>\n");
         assert!(complete || name.contains("unfinished"), "{name} is not complete");
     }
+}
+
+#[test]
+fn a_run_that_is_ended_while_it_is_set_up_leaves_nothing() {
+    let place = Place::new();
+    let block = [
+        "dimensions = \"3d\"",
+        "particles = { spacing = \"1 mm\" }",
+        "time = { end = \"1 us\" }",
+        "[[body]]",
+        "name = \"block\"",
+        // Tells a note before the first search, which takes seconds on one thread.
+        "material = \"armco-iron\"",
+        "shape = { box = { min = [\"0 mm\", \"0 mm\", \"0 mm\"], max = [\"60 mm\", \"60 mm\", \"60 mm\"] } }",
+    ];
+    fs::write(place.path("block.toml"), block.join("\n")).unwrap();
+    let mut child = place.command(&["run", "block.toml", "-o", "run", "--threads", "1"]).spawn().unwrap();
+    let mut told = [0; 5];
+    child.stderr.as_mut().unwrap().read_exact(&mut told).unwrap();
+    assert_eq!(&told, b"note:");
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    Ended::from(child.wait_with_output().unwrap()).expect_code(130);
+    assert!(!place.path("run").exists());
 }

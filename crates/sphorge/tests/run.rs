@@ -4,10 +4,11 @@ use sphorge::{
     deck::load_text,
     engine::ENGINES,
     output::{FrameFile, HistoryTable, RunDirectory, Status, Summary, read_series},
-    plot::{FieldPicture, plot_field, plot_run},
-    run::{RunError, RunOptions, Silent, execute},
+    plot::{FieldPicture, Paper, PictureFormat, plot_field, plot_run},
+    run::{Observer, RunError, RunOptions, Silent, execute},
+    validate::{Effort, ValidateError, ValidateOptions, Watcher, validate},
 };
-use std::{path::Path, sync::atomic::AtomicBool};
+use std::{fs, path::Path, sync::atomic::AtomicBool};
 
 /// A small plate hits a wall: 12 by 20 particles, 2 microseconds.
 const DECK: &str = r#"
@@ -71,12 +72,15 @@ fn a_deck_runs_and_its_folder_tells_the_story() {
     for (time, path) in &series {
         let mut frame = FrameFile::open(path).unwrap();
         assert_eq!((frame.header.time, frame.count), (*time, 240));
+        assert_eq!((frame.bodies[0].name.as_str(), frame.bodies[0].material.as_str()), ("bar", "armco-iron"));
         assert!(frame.positions().unwrap().iter().flatten().all(|x| x.is_finite()));
     }
 
-    let pictures = plot_run(&directory).unwrap();
-    assert!(pictures.len() >= 9 && pictures.iter().all(|path| path.metadata().unwrap().len() > 5000), "{pictures:?}");
-    let section = FieldPicture { section: true, ..FieldPicture::new("stress.yy") };
+    // A quarter of the pixels, which take a quarter of the time.
+    let paper = Paper { dpi: 50, ..Paper::default() };
+    let pictures = plot_run(&directory, paper, PictureFormat::Png, &directory.plots()).unwrap();
+    assert!(pictures.len() >= 9 && pictures.iter().all(|path| path.metadata().unwrap().len() > 2000), "{pictures:?}");
+    let section = FieldPicture { section: true, paper, ..FieldPicture::new("stress.yy") };
     plot_field(&directory, &section, &folder.path().join("p.png")).unwrap();
 }
 
@@ -112,4 +116,62 @@ fn what_is_found_broken_does_not_depend_on_the_number_of_threads() {
         assert!(names.contains(&name), "{name}: {names:?}");
     }
     assert_eq!(one, warnings(3));
+}
+
+/// Stops nobody and prints nothing.
+struct Quiet;
+
+impl Observer for Quiet {}
+impl Watcher for Quiet {}
+
+#[test]
+fn a_validation_goes_on_with_the_runs_that_the_same_program_finished() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("validate");
+    let seconds = |resume: bool| -> Result<Vec<Option<f64>>, ValidateError> {
+        let cases = vec!["heat-slab".to_owned()];
+        let options =
+            ValidateOptions { directory: folder.clone(), resume, cases, effort: Effort::Quick, threads: Some(1) };
+        let report = validate(&options, &AtomicBool::new(false), &mut Quiet)?;
+        assert!(report.passed, "{report}");
+        Ok(report.cases[0].runs.iter().map(|run| run.seconds).collect())
+    };
+    seconds(false).unwrap();
+    // Runs are known by the time they took.
+    let mut runs: Vec<_> = fs::read_dir(folder.join("heat-slab")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    runs.retain(|run| run.join("summary.json").is_file());
+    runs.sort();
+    for run in &runs {
+        let path = run.join("summary.json");
+        let mut summary: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        summary["wall_seconds"] = 12345.0.into();
+        fs::write(&path, summary.to_string()).unwrap();
+    }
+    // Of three: one was stopped before its end, one is of another deck.
+    let stopped = fs::read_to_string(runs[0].join("summary.json")).unwrap().replace("\"completed\"", "\"stopped\"");
+    fs::write(runs[0].join("summary.json"), stopped).unwrap();
+    let deck = runs[1].join("deck.toml");
+    fs::write(&deck, fs::read_to_string(&deck).unwrap() + "# changed\n").unwrap();
+
+    let kept = |seconds: Vec<Option<f64>>| seconds.iter().filter(|&&s| s == Some(12345.0)).count();
+    assert_eq!(kept(seconds(true).unwrap()), runs.len() - 2);
+    assert_eq!(kept(seconds(false).unwrap()), 0);
+
+    // A validation that has only begun takes nothing from the one before, however alike the runs are.
+    let mark = folder.join("validation.txt");
+    let begun = fs::read_to_string(&mark).unwrap();
+    let program: String =
+        begun.lines().filter(|line| !line.starts_with("heat-slab/")).map(|l| format!("{l}\n")).collect();
+    for run in &runs {
+        let path = run.join("summary.json");
+        let mut summary: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        summary["wall_seconds"] = 12345.0.into();
+        fs::write(&path, summary.to_string()).unwrap();
+    }
+    fs::write(&mark, program).unwrap();
+    assert_eq!(kept(seconds(true).unwrap()), 0);
+
+    fs::write(&mark, "Written by another program.\n").unwrap();
+    assert!(matches!(seconds(true), Err(ValidateError::AnotherProgram { .. })));
+    assert!(folder.join("report.json").is_file(), "nothing was changed");
 }

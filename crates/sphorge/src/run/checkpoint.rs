@@ -1,7 +1,7 @@
 //! When a run saves its state.
 
 use super::{progress::Observer, state::RunState};
-use crate::output::{About, OutputError, remove_former_checkpoints, write_checkpoint};
+use crate::output::{About, OutputError, checkpoints, remove_former_checkpoints, write_checkpoint};
 use std::{
     sync::{
         Arc,
@@ -57,9 +57,9 @@ impl Keeper {
         }
     }
 
-    /// Saves the state of a run that is stopped.
+    /// Saves the state of a run that is stopped; before the first step there is nothing to go on from.
     pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
-        if self.plan.saves() {
+        if self.plan.saves() && state.simulation.steps() > 0 {
             self.save(state, observer);
         }
     }
@@ -74,7 +74,12 @@ impl Keeper {
     /// Saves the state now. A run whose state cannot be written goes on: it is well, and the checkpoints before are there.
     pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
         if let Err(error) = self.try_save(state, observer) {
-            observer.noted(&format!("the state of the run could not be saved: {}", chain(&error)));
+            let kept = checkpoints(state.recorder.directory().path()).unwrap_or_default();
+            let kept = match kept.first() {
+                Some((step, _)) => format!("the checkpoint of step {step} is kept"),
+                None => "there is no checkpoint yet".to_owned(),
+            };
+            observer.noted(&format!("the state of the run could not be saved: {}; {kept}", chain(&error)));
         }
     }
 

@@ -46,25 +46,30 @@ pub fn execute(
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|source| RunError::Threads { threads: options.threads, source })?;
-    let directory = RunDirectory::create(&options.directory, options.overwrite).map_err(RunError::Directory)?;
-    let (deck, text) = (directory.deck(), &setup.deck_text);
-    write_file(&deck, Durability::Disk, |out| out.write_all(text.as_bytes())).map_err(RunError::Directory)?;
-    pool.install(|| run(directory, setup, kind, options.checkpoints.clone(), stop, observer))
+    RunDirectory::check(&options.directory, options.overwrite).map_err(RunError::Directory)?;
+    pool.install(|| run(setup, kind, options, stop, observer))
 }
 
 fn run(
-    directory: RunDirectory,
     setup: Setup,
     kind: &dyn EngineKind,
-    plan: CheckpointPlan,
+    options: &RunOptions,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Summary, RunError> {
-    let mut keeper = Keeper::new(plan, setup.model.name.clone(), setup.deck_text, 0.0);
+    let Setup { model, particles, masses, deck_text: text, .. } = setup;
     let pace = Pace::new();
-    let path = directory.path().to_owned();
-    let simulation = Simulation::start(kind, setup.model, setup.particles)
+    let name = model.name.clone();
+    let mut simulation = Simulation::start(kind, model, particles)
         .map_err(|failure| RunError::Start { engine: kind.name(), failure })?;
+    // Of many particles this takes a while. If it fails it does so again when the run begins, and is told as a failure of the run.
+    let _ = simulation.next_step_estimate();
+    observer.prepared();
+    let directory = RunDirectory::create(&options.directory, options.overwrite).map_err(RunError::Directory)?;
+    write_file(&directory.deck(), Durability::Disk, |out| out.write_all(text.as_bytes()))
+        .map_err(RunError::Directory)?;
+    let path = directory.path().to_owned();
+    let mut keeper = Keeper::new(options.checkpoints.clone(), name, text, 0.0);
     observer.started(&RunStart {
         directory: path.clone(),
         title: simulation.model().title.clone(),
@@ -72,7 +77,7 @@ fn run(
         threads: rayon::current_num_threads(),
         end: simulation.model().time.end,
     });
-    let mut state = RunState::new(directory, simulation, &setup.masses, pace, Beginning::New)
+    let mut state = RunState::new(directory, simulation, &masses, pace, Beginning::New)
         .map_err(|source| RunError::Output { source })?;
 
     let ended = state.begin(observer).and_then(|()| go_on(&mut state, &mut keeper, stop, observer));

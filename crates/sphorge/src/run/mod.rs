@@ -1,7 +1,8 @@
 //! Runs a model from start to end and writes what happens.
 //!
-//! Frames and rows of the history are written at exact multiples of their intervals, at the start and at the end. The
-//! initial values of energy and momentum are those of the first row. Definitions of what is in history and summary:
+//! Frames are written at exact multiples of their interval, for which steps are cut; a row of the history is that of the first step past a
+//! multiple of its interval, so that more rows change nothing. Both are written at the start and at the end. The initial values of energy and
+//! momentum are those of the first row. Definitions of what is in history and summary:
 //!
 //! - **Energy drift**: `(E - E0 - W) / scale`, with `E` kinetic plus internal energy and what contacts hold, `E0` its initial value, `W` the
 //!   external work and the heat through boundaries since then. `scale` is the largest so far of `|E0|`, the kinetic energy, the external

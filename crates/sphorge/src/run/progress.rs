@@ -54,6 +54,8 @@ pub struct Progress {
 
 /// Watches a run. Reports come some ten times a second, and after the last step.
 pub trait Observer: Send {
+    /// All is ready for the first step and nothing has been written yet: until now the process may end at any moment and leave no trace.
+    fn prepared(&mut self) {}
     /// The folder is there, the first step is next.
     fn started(&mut self, _start: &RunStart) {}
     /// Steps have been done.

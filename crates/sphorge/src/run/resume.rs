@@ -10,9 +10,10 @@ use super::{
 use crate::{
     deck::{DeckReport, Setup, load_text_within},
     engine::{ENGINES, EngineKind, FieldSource, Simulation},
+    number::plain_quantity,
     output::{
-        AtPath, Checkpoint, Durability, OutputError, RunDirectory, Status, Summary, checkpoints, regular_file,
-        write_file,
+        AtPath, Checkpoint, Durability, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
+        regular_file, write_file,
     },
 };
 use std::{
@@ -134,7 +135,11 @@ pub fn resume(
                     let own = env!("CARGO_PKG_VERSION");
                     if checkpoint.about.version != own {
                         let version = &checkpoint.about.version;
-                        observer.noted(&format!("{} was written by version {version}, this is {own}", file.display()));
+                        observer.noted(&format!(
+                            "{} was written by version {version}, this is {own}: what it holds fits or is refused, but the run may not go on to the \
+                             same bits",
+                            file.display()
+                        ));
                     }
                     let name = checkpoint.about.deck_name.clone();
                     let setup = load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
@@ -147,12 +152,31 @@ pub fn resume(
                 }
             },
         };
-        observer.noted(&format!("{why}; it is passed over"));
+        if passed_over.len() < MOST_TOLD {
+            observer.noted(&format!("{why}; it is passed over"));
+        }
         passed_over.push(file);
     }
+    tell_others(passed_over.len(), observer);
     let has_ended = Summary::read(&directory)
         .is_ok_and(|summary| matches!(summary.status, Status::Completed | Status::CompletedWithWarnings));
     Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended })
+}
+
+/// Checkpoints of no use that are told one by one.
+const MOST_TOLD: usize = 3;
+
+/// Tells how many more checkpoints of no use there are.
+fn tell_others(passed_over: usize, observer: &mut dyn Observer) {
+    if passed_over > MOST_TOLD {
+        observer.noted(&format!("{} more checkpoints are passed over for such reasons", passed_over - MOST_TOLD));
+    }
+}
+
+/// Steps that the files of a run know of: its summary or, of one that was killed, the last row of its history.
+fn steps_done(directory: &RunDirectory) -> u64 {
+    let of_summary = Summary::read(directory).map(|summary| summary.steps);
+    of_summary.ok().or_else(|| last_step(directory)).unwrap_or(0)
 }
 
 /// What a run goes on from.
@@ -186,6 +210,21 @@ fn go_on_from(
     if let Err(error) = state.load(&mut checkpoint) {
         return Ok(Err(error.to_string()));
     }
+    let about = &checkpoint.about;
+    if (state.simulation.steps(), state.simulation.time()) != (about.step, about.time) {
+        return Ok(Err("its values are of another step than it says".to_owned()));
+    }
+    if let Some(field) = state.broken_field() {
+        return Ok(Err(format!("its `{field}` has values that no particle can have")));
+    }
+    tell_others(passed_over.len(), observer);
+    let repeated = match steps_done(&directory).saturating_sub(about.step) {
+        0 => String::new(),
+        1 => ", so that 1 step is repeated".to_owned(),
+        steps => format!(", so that {steps} steps are repeated"),
+    };
+    observer.noted(&format!("going on from step {} at {}{repeated}", about.step, plain_quantity(about.time, "s")));
+    observer.prepared();
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
@@ -217,3 +256,6 @@ fn go_on_from(
     let ended = go_on(&mut state, &mut keeper, stop, observer);
     conclude(state, path, ended, observer).map(Ok).map_err(ResumeError::Run)
 }
+
+#[cfg(test)]
+mod tests;

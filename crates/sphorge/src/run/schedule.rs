@@ -1,6 +1,6 @@
 //! Output times: of frames, where steps end, and of rows, which come after the first step past theirs.
 
-use crate::engine::persist::{Archive, ArchiveError, Persist};
+use crate::engine::persist::{Archive, ArchiveError, Persist, require};
 
 /// The times `k * interval` after zero, and the end.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,9 @@ impl Schedule {
 impl Persist for Schedule {
     /// Interval and end are those of the model.
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.next.persist(&format!("{name}.next"), archive)
+        let name = format!("{name}.next");
+        self.next.persist(&name, archive)?;
+        require(self.next > 0, &name)
     }
 }
 

@@ -82,6 +82,19 @@ impl RunState {
         self.persist("run", archive)
     }
 
+    /// A field in which some particle has no finite value, or a density that is not positive.
+    pub(super) fn broken_field(&self) -> Option<&'static str> {
+        const FIELDS: [&str; 7] =
+            ["position", "velocity", "density", "energy", "temperature", "plastic_strain", "stress"];
+        FIELDS.into_iter().find(|field| match self.simulation.read(field) {
+            Ok(column) => (0..column.len()).any(|i| {
+                let size = column.magnitude(i);
+                !size.is_finite() || *field == "density" && size <= 0.0
+            }),
+            Err(_) => true,
+        })
+    }
+
     /// Takes output times from the model, whose intervals may be others than when the state was saved.
     pub(super) fn align_output(&mut self) {
         let time = self.simulation.time();

@@ -195,6 +195,7 @@ fn a_run_lands_on_its_output_times_and_says_what_it_did() {
     assert!(rows.iter().zip(due).all(|(time, due)| (due..due + 3.7e-3).contains(time)), "{rows:?}");
     let mut frame = FrameFile::open(&read_series(&directory).unwrap()[2].1).unwrap();
     assert_eq!((frame.header.time, frame.positions().unwrap()[1][0]), (0.5, 1.5));
+    assert_eq!(frame.bodies.iter().map(|body| body.name.as_str()).collect::<Vec<_>>(), ["bar"]);
     assert_eq!(fs::read_to_string(directory.deck()).unwrap(), "title = \"A test\"\n");
 
     // The column tells the step the physics allows, not the one cut for a frame.
@@ -277,6 +278,22 @@ fn what_an_engine_cannot_do_is_refused_before_anything_is_done() {
         (2, "the engine `clockwork` does not run this deck: gravity".into())
     );
     assert!(!folder.path().join("run").exists());
+}
+
+#[test]
+fn there_is_no_folder_until_all_is_ready_for_the_first_step() {
+    /// Looks for the folder when the run is prepared.
+    struct Watcher(std::path::PathBuf, Option<bool>);
+    impl Observer for Watcher {
+        fn prepared(&mut self) {
+            self.1 = Some(self.0.exists());
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let options = RunOptions { directory: folder.path().join("run"), ..RunOptions::default() };
+    let mut watcher = Watcher(options.directory.clone(), None);
+    execute(setup(model()), &ClockworkKind(None), &options, &AtomicBool::new(false), &mut watcher).unwrap();
+    assert_eq!(watcher.1, Some(false));
 }
 
 #[test]

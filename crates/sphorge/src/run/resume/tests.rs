@@ -1,0 +1,162 @@
+//! Folders of a short run whose checkpoints have been spoiled.
+
+use super::*;
+use crate::{
+    deck::load_text,
+    run::{RunOptions, execute},
+};
+use std::{
+    fs::File,
+    io::{Read, Write},
+};
+use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
+
+/// Twelve particles that fly on, twelve steps.
+const DECK: &str = r#"
+    dimensions = "1d"
+    [particles]
+    spacing = "1 mm"
+    [time]
+    end = "100 us"
+    max-steps = 12
+    [[body]]
+    name = "bar"
+    material = "ofhc-copper"
+    shape = { box = { min = ["0 mm"], max = ["12 mm"] } }
+    velocity = ["10 m/s"]
+"#;
+
+/// What a run tells.
+#[derive(Default)]
+struct Listener(Vec<String>);
+
+impl Observer for Listener {
+    fn noted(&mut self, note: &str) {
+        self.0.push(note.to_owned());
+    }
+}
+
+/// Runs the deck with checkpoints after about every third step and at the end; the folder of it.
+fn run_in(folder: &Path) -> PathBuf {
+    let checkpoints = CheckpointPlan { interval: Some(0.2e-6), at_end: true, ..CheckpointPlan::default() };
+    let options = RunOptions { directory: folder.join("run"), threads: Some(1), checkpoints, ..RunOptions::default() };
+    let setup = load_text("bar", DECK, &[]).unwrap();
+    execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Listener::default()).unwrap();
+    options.directory
+}
+
+fn go_on_in(folder: &Path) -> (Result<Summary, ResumeError>, Vec<String>) {
+    let options = ResumeOptions {
+        overrides: Vec::new(),
+        most_particles: 1e6,
+        threads: Some(1),
+        checkpoints: CheckpointPlan::default(),
+    };
+    let mut listener = Listener::default();
+    let ended = resume(folder, &options, &AtomicBool::new(false), &mut listener);
+    (ended, listener.0)
+}
+
+/// Writes a checkpoint anew with another value.
+fn forge(path: &Path, name: &str, change: impl Fn(&mut Vec<u8>)) {
+    let mut former = ZipArchive::new(File::open(path).unwrap()).unwrap();
+    let mut values = Vec::new();
+    for index in 0..former.len() {
+        let mut entry = former.by_index(index).unwrap();
+        let (name, mut bytes) = (entry.name().unwrap().into_owned(), Vec::new());
+        entry.read_to_end(&mut bytes).unwrap();
+        values.push((name, bytes));
+    }
+    drop(former);
+    change(&mut values.iter_mut().find(|(known, _)| known == name).unwrap_or_else(|| panic!("{name}")).1);
+    let mut forged = ZipWriter::new(File::create(path).unwrap());
+    for (name, bytes) in values {
+        forged.start_file(name, SimpleFileOptions::default().compression_method(CompressionMethod::Stored)).unwrap();
+        forged.write_all(&bytes).unwrap();
+    }
+    forged.finish().unwrap();
+}
+
+#[test]
+fn forged_values_are_passed_over_for_the_checkpoint_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let found = checkpoints(&run).unwrap();
+    let [(12, last), (before, _)] = &found[..] else { panic!("{found:?}") };
+    let whole = fs::read(last).unwrap();
+    let set_first = |value: f64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&value.to_le_bytes());
+    let set_count = |count: u64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&count.to_le_bytes());
+    let many = 1_000_000_000_000_000_000;
+    type Change<'a> = (&'a str, Box<dyn Fn(&mut Vec<u8>)>, &'a str);
+    let forgeries: [Change<'_>; 9] = [
+        ("state/particles.position", Box::new(set_first(f64::NAN)), "`position` has values that no particle can have"),
+        ("state/particles.velocity", Box::new(set_first(f64::INFINITY)), "`velocity` has values"),
+        ("state/particles.density", Box::new(set_first(-1.0)), "`density` has values"),
+        ("state/particles.position", Box::new(|bytes| bytes.truncate(240)), "particles.position"),
+        ("state/particles.id", Box::new(|bytes| bytes.extend([0; 4])), "particles.id"),
+        ("state/lists.list.count", Box::new(set_count(many)), "lists.list"),
+        ("state/run.recorder.watch.seen.count", Box::new(set_count(many)), "watch.seen"),
+        ("state/clock.steps", Box::new(set_count(11)), "another step than it says"),
+        ("state/run.frames.next", Box::new(set_count(0)), "run.frames.next"),
+    ];
+    for (name, change, reason) in forgeries {
+        fs::write(last, &whole).unwrap();
+        forge(last, name, change);
+        let (ended, told) = go_on_in(&run);
+        assert_eq!(ended.unwrap().steps, 12, "{name}");
+        assert_eq!(told.len(), 2, "{told:?}");
+        assert!(told[0].contains(reason) && told[0].ends_with("; it is passed over"), "{told:?}");
+        let (from, steps) = (format!("going on from step {before} at "), 12 - before);
+        let repeated = format!("so that {steps} step{} repeated", if steps == 1 { " is" } else { "s are" });
+        assert!(told[1].starts_with(&from) && told[1].ends_with(&repeated), "{told:?}");
+        assert!(!last.exists(), "{name}");
+    }
+}
+
+#[test]
+fn many_checkpoints_of_no_use_are_told_in_few_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    for step in 100..150 {
+        fs::write(run.join(format!("checkpoint-{step:012}.zip")), "").unwrap();
+    }
+    // One that was killed tells of its steps by its history alone.
+    fs::remove_file(run.join("summary.json")).unwrap();
+    let history = fs::read_to_string(run.join("history.csv")).unwrap();
+    let last = history.lines().last().unwrap().replacen(",12,", ",13,", 1);
+    fs::write(run.join("history.csv"), format!("{history}{last}\n")).unwrap();
+    let (ended, told) = go_on_in(&run);
+    assert_eq!(ended.unwrap().steps, 12);
+    assert_eq!(told.len(), 5, "{told:?}");
+    assert!(told[..3].iter().all(|note| note.ends_with("it is passed over")), "{told:?}");
+    assert_eq!(told[3], "47 more checkpoints are passed over for such reasons");
+    assert!(told[4].starts_with("going on from step 12 at ") && told[4].ends_with("1 step is repeated"), "{told:?}");
+    assert_eq!(checkpoints(&run).unwrap().len(), 2);
+
+    fs::remove_file(run.join("checkpoint-000000000012.zip")).unwrap();
+    for (_, path) in checkpoints(&run).unwrap() {
+        fs::write(path, "").unwrap();
+    }
+    let (ended, told) = go_on_in(&run);
+    assert!(matches!(ended, Err(ResumeError::NoCheckpoint { .. })), "{ended:?}");
+    assert_eq!(told.len(), 1, "{told:?}");
+}
+
+#[test]
+fn a_checkpoint_of_another_version_goes_on_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let (_, last) = checkpoints(&run).unwrap().swap_remove(0);
+    let own = format!("\"{}\"", env!("CARGO_PKG_VERSION"));
+    let other = |bytes: &mut Vec<u8>| {
+        *bytes = String::from_utf8_lossy(bytes).replace(&own, "\"9.9.9\"").into_bytes();
+    };
+    forge(&last, "checkpoint.json", other);
+    let (ended, told) = go_on_in(&run);
+    assert_eq!(ended.unwrap().steps, 12);
+    assert!(
+        told[0].contains("was written by version 9.9.9") && told[0].contains("not go on to the same bits"),
+        "{told:?}"
+    );
+    assert!(told[1].starts_with("going on from step 12 at "), "{told:?}");
+}
