@@ -27,6 +27,18 @@ pub enum ValidateError {
         /// The folder.
         path: PathBuf,
     },
+    /// There is nothing in the folder that this program could go on with.
+    #[error("{} holds no runs of this very program to go on with", path.display())]
+    #[diagnostic(
+        code(sphorge::validate::another_program),
+        help(
+            "numbers of two programs do not belong in one report: run it again without `--resume`; nothing was changed"
+        )
+    )]
+    AnotherProgram {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The folder cannot be used.
     #[error(transparent)]
     #[diagnostic(transparent)]

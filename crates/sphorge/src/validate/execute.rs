@@ -1,7 +1,7 @@
 //! Executes the runs of a case.
 
 use super::{
-    Case, ValidateError, ValidateOptions, Variant, Watcher,
+    Case, ValidateError, ValidateOptions, Variant, Watcher, earlier,
     folder::Folder,
     runs::{Finished, Run, Runs},
 };
@@ -9,9 +9,12 @@ use crate::{
     deck, decks,
     engine::ENGINES,
     output::{HistoryTable, RunDirectory, Status},
-    run::{CheckpointPlan, RunError, RunOptions, execute},
+    run::{CheckpointPlan, ResumeError, ResumeOptions, RunError, RunOptions, execute, resume},
 };
-use std::sync::atomic::AtomicBool;
+use std::{sync::atomic::AtomicBool, time::Duration};
+
+/// Wall-clock time from one saved state to the next.
+const CHECKPOINTS: Duration = Duration::from_secs(600);
 
 /// Runs every variant of a case.
 ///
@@ -52,11 +55,32 @@ fn run_variant(
         }
     };
     let spacing = setup.model.spacing;
-    // A case is run again rather than resumed.
-    let checkpoints = CheckpointPlan::default();
+    let goes_on = options.resume && folder.has_begun(&directory);
+    if goes_on && let Some(finished) = earlier::finished(&directory, &setup) {
+        return Ok(Run { variant, spacing, directory, outcome: Ok(finished) });
+    }
+    folder.note_begin(&directory)?;
+    let checkpoints = CheckpointPlan { every: Some(CHECKPOINTS), ..CheckpointPlan::default() };
+    let resumed = match goes_on && earlier::is_of(&directory, &setup) {
+        true => {
+            let resume_options = ResumeOptions {
+                overrides: Vec::new(),
+                most_particles: f64::INFINITY,
+                threads: options.threads,
+                checkpoints: checkpoints.clone(),
+            };
+            match resume(&directory, &resume_options, stop, watcher) {
+                Ok(summary) => Some(Ok(summary)),
+                Err(ResumeError::Run(error)) => Some(Err(error)),
+                // Nothing was saved that it could go on from.
+                Err(_) => None,
+            }
+        }
+        false => None,
+    };
     let run_options =
         RunOptions { directory: directory.clone(), overwrite: true, threads: options.threads, checkpoints };
-    let outcome = match execute(setup, ENGINES[0], &run_options, stop, watcher) {
+    let outcome = match resumed.unwrap_or_else(|| execute(setup, ENGINES[0], &run_options, stop, watcher)) {
         Ok(summary) if summary.status == Status::Stopped => {
             return Err(ValidateError::Stopped { directory: options.directory.clone() });
         }

@@ -1,9 +1,10 @@
 //! The folder of a validation.
 
-use super::{Report, ValidateError};
+use super::{Report, ValidateError, earlier};
 use crate::output::{Durability, OutputError, write_file};
 use std::{
-    fs, io,
+    fs,
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
@@ -21,8 +22,8 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder, or takes over that of a former validation.
-    pub(super) fn claim(path: &Path) -> Result<Self, ValidateError> {
+    /// Makes the folder, or takes over that of a former validation, by the same program if it is to be gone on with.
+    pub(super) fn claim(path: &Path, resume: bool) -> Result<Self, ValidateError> {
         let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
         match fs::read_dir(path) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => fs::create_dir_all(path).map_err(unwritable)?,
@@ -33,6 +34,10 @@ impl Folder {
                 }
             }
         }
+        let mark = path.join(MARK);
+        if resume && mark.is_file() {
+            earlier::check_program(&mark)?;
+        }
         let folder = Self { path: path.to_owned() };
         // The old report does not belong to the runs that are about to replace the old ones.
         for name in [MARKDOWN, HTML, JSON] {
@@ -41,10 +46,35 @@ impl Folder {
                 _ => {}
             }
         }
-        write_file(&path.join(MARK), Durability::Disk, |out| {
-            out.write_all(b"Written by `sphorge validate`, and replaced by the next one in this folder.\n")
+        if resume && mark.is_file() {
+            return Ok(folder);
+        }
+        write_file(&mark, Durability::Disk, |out| {
+            let program = earlier::program().unwrap_or_else(|| "an unknown program".to_owned());
+            writeln!(
+                out,
+                "Written by `sphorge validate`, and replaced by the next one in this folder unless it goes on with `--resume`:"
+            )?;
+            writeln!(out, "{program}")
         })?;
         Ok(folder)
+    }
+
+    /// Notes in the mark that a run in a folder of this validation begins: what else is there is of another one.
+    pub(super) fn note_begin(&self, run: &Path) -> Result<(), OutputError> {
+        if self.has_begun(run) {
+            return Ok(());
+        }
+        let path = self.path.join(MARK);
+        let unwritable = |source| OutputError::Unwritable { path: path.clone(), source };
+        let mut mark = fs::OpenOptions::new().append(true).open(&path).map_err(unwritable)?;
+        writeln!(mark, "{}", self.relative(run)).map_err(unwritable)
+    }
+
+    /// Whether this validation has begun the run in a folder.
+    pub(super) fn has_begun(&self, run: &Path) -> bool {
+        let mark = fs::read_to_string(self.path.join(MARK)).unwrap_or_default();
+        mark.lines().any(|line| line == self.relative(run))
     }
 
     /// Folder of a run.
@@ -104,17 +134,17 @@ mod tests {
     fn a_folder_of_something_else_is_refused_and_a_former_validation_is_replaced() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("validate");
-        Folder::claim(&path).unwrap();
+        Folder::claim(&path, false).unwrap();
         fs::write(path.join("report.md"), "old").unwrap();
-        Folder::claim(&path).unwrap();
+        Folder::claim(&path, false).unwrap();
         assert!(!path.join("report.md").exists());
 
         let other = place.path().join("thesis");
         fs::create_dir(&other).unwrap();
-        Folder::claim(&other).unwrap();
+        Folder::claim(&other, false).unwrap();
         fs::remove_file(other.join(MARK)).unwrap();
         fs::write(other.join("report.md"), "mine").unwrap();
-        assert!(matches!(Folder::claim(&other), Err(ValidateError::NotAValidation { .. })));
+        assert!(matches!(Folder::claim(&other, false), Err(ValidateError::NotAValidation { .. })));
         assert_eq!(fs::read_to_string(other.join("report.md")).unwrap(), "mine");
     }
 }

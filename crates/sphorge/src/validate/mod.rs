@@ -9,6 +9,7 @@
 
 mod case;
 mod cases;
+mod earlier;
 mod effort;
 mod error;
 mod execute;
@@ -55,7 +56,7 @@ pub fn validate(
     watcher: &mut dyn Watcher,
 ) -> Result<Report, ValidateError> {
     let cases = select(&options.cases)?;
-    let folder = Folder::claim(&options.directory)?;
+    let folder = Folder::claim(&options.directory, options.resume)?;
     let start = Instant::now();
     let mut report = Report::new(options.effort, cases.len());
     for (k, case) in cases.iter().enumerate() {
@@ -67,6 +68,9 @@ pub fn validate(
         let of_case = CaseReport::new(case, &runs, findings, pictures, &folder);
         watcher.case_judged(&of_case);
         report.add(of_case, start.elapsed().as_secs_f64());
+        if options.resume {
+            report.seconds = report.seconds_of_runs();
+        }
         // What is known so far outlives a stop.
         folder.write(&report).map_err(ValidateError::Report)?;
     }

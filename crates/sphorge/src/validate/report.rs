@@ -167,6 +167,11 @@ impl Report {
         Self { version, effort, asked, passed: false, seconds: 0.0, machine, cases: Vec::with_capacity(asked) }
     }
 
+    /// Seconds of all runs, also of those that an earlier program of this validation did.
+    pub(super) fn seconds_of_runs(&self) -> f64 {
+        self.cases.iter().flat_map(|case| &case.runs).filter_map(|run| run.seconds).sum()
+    }
+
     /// Adds a case; `seconds` have gone since the start.
     pub(super) fn add(&mut self, case: CaseReport, seconds: f64) {
         self.cases.push(case);
@@ -191,7 +196,7 @@ mod tests {
         let runs = Runs(vec![Run { variant, spacing: 1.0, directory: "x/case/run".into(), outcome }]);
         let case = Case { expected_warnings, ..CASES[0] };
         let place = tempfile::tempdir().unwrap();
-        let folder = Folder::claim(&place.path().join("report")).unwrap();
+        let folder = Folder::claim(&place.path().join("report"), false).unwrap();
         CaseReport::new(&case, &runs, Findings::default(), Vec::new(), &folder)
     }
 
