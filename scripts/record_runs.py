@@ -34,6 +34,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 from array import array
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
@@ -225,19 +226,32 @@ class Store:
 TYPES = {"Float64": ("d", 8), "Float32": ("f", 4), "UInt32": ("I", 4), "Int32": ("i", 4), "Int64": ("q", 8)}
 
 
+def array_bytes(data, at, is_compressed):
+    """The bytes of an array of a frame that begins at `at`; compressed, it is blocks of zlib streams behind their number and sizes."""
+    (count,) = struct.unpack_from("<Q", data, at)
+    if not is_compressed:
+        return data[at + 8 : at + 8 + count]
+    at += 24 + 8 * count
+    blocks = []
+    for size in struct.unpack_from(f"<{count}Q", data, at - 8 * count):
+        blocks.append(zlib.decompress(data[at : at + size]))
+        at += size
+    return b"".join(blocks)
+
+
 def read_frame(path):
     """Time and step of a `.vtp` frame, and its arrays in order of `id`: name, type, components, bytes."""
     data = path.read_bytes()
     header_end = data.index(b"<AppendedData")
     start = data.index(b"_", data.index(b">", header_end)) + 1
-    header = ElementTree.fromstring(data[:header_end] + b"</VTKFile>").find("PolyData")
+    root = ElementTree.fromstring(data[:header_end] + b"</VTKFile>")
+    header, is_compressed = root.find("PolyData"), root.get("compressor") == "vtkZLibDataCompressor"
     stated = {element.get("Name"): element.text for element in header.iterfind("FieldData/DataArray")}
     arrays = []
     for element in [*header.iterfind("Piece/Points/DataArray"), *header.iterfind("Piece/PointData/DataArray")]:
-        at = start + int(element.get("offset"))
-        (length,) = struct.unpack_from("<Q", data, at)
+        content = array_bytes(data, start + int(element.get("offset")), is_compressed)
         width = int(element.get("NumberOfComponents", "1"))
-        arrays.append((element.get("Name"), element.get("type"), width, data[at + 8 : at + 8 + length]))
+        arrays.append((element.get("Name"), element.get("type"), width, content))
     ids = array("I", next(content for name, _, _, content in arrays if name == "id"))
     order = sorted(range(len(ids)), key=ids.__getitem__)
     if len(set(ids)) < len(ids):

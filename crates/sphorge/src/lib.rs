@@ -2,6 +2,26 @@
 //!
 //! A [`deck`] becomes a validated [`model`]; [`run`] takes its [`particles`] through time with an [`engine`], [`measures`] them and
 //! writes what happened ([`output`]); [`plot`] and [`compare`] read the files, [`validate`] compares cases with known answers.
+//!
+//! ```
+//! use sphorge::{deck::load_text, decks, engine::ENGINES, output::{RunDirectory, Summary}, run::{RunOptions, Silent, execute}};
+//! use std::{path::PathBuf, sync::atomic::AtomicBool};
+//!
+//! let plate = decks::find("iron-plate").ok_or("a shipped deck")?;
+//! // As `sphorge run iron-plate --set time.max-steps=3`.
+//! let setup = load_text(plate.name, plate.text, &[("time.max-steps".into(), "3".into())])?;
+//! let directory = PathBuf::from("out/iron-plate");
+//! # let folder = tempfile::tempdir()?;
+//! # let directory = folder.path().join("run");
+//! let options = RunOptions { directory, ..RunOptions::default() };
+//! execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent)?;
+//!
+//! let summary = Summary::read(&RunDirectory::open(&options.directory)?)?;
+//! assert_eq!(summary.steps, 3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The folder `examples` of the crate has longer ones: running a deck with progress and pictures, varying a parameter, reading a run.
 
 pub mod bench;
 pub mod compare;
