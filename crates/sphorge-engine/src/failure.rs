@@ -19,6 +19,8 @@ pub struct RunFailure {
     pub position: Option<[f64; 3]>,
     /// What was wrong and what may help.
     pub message: String,
+    /// Whether a smaller step may go well.
+    pub step_may_be_smaller: bool,
 }
 
 impl fmt::Display for RunFailure {
@@ -40,6 +42,16 @@ impl std::error::Error for RunFailure {}
 impl RunFailure {
     /// A failure of the engine rather than of a particle.
     pub fn of_engine(message: String) -> Self {
-        Self { step: 0, time: 0.0, field: "engine", particle: None, body: None, position: None, message }
+        let step_may_be_smaller = false;
+        Self {
+            step: 0,
+            time: 0.0,
+            field: "engine",
+            particle: None,
+            body: None,
+            position: None,
+            message,
+            step_may_be_smaller,
+        }
     }
 }

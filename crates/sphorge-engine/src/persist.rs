@@ -311,6 +311,43 @@ impl MemoryArchive {
     pub fn bytes(&self) -> usize {
         self.values.values().map(Vec::len).sum()
     }
+
+    /// The same values, to load from as often as is wanted.
+    pub fn reader(&self) -> impl Archive + '_ {
+        Reader(&self.values)
+    }
+}
+
+/// Reads an archive in memory and leaves it as it is.
+struct Reader<'a>(&'a BTreeMap<String, Vec<u8>>);
+
+impl Archive for Reader<'_> {
+    fn is_saving(&self) -> bool {
+        false
+    }
+    fn save(&mut self, _: &str, _: Vec<u8>) {}
+    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        self.0.get(name).cloned().ok_or_else(|| ArchiveError::Missing(name.to_owned()))
+    }
+}
+
+/// Counts the bytes of what is saved, and keeps none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ByteCount(
+    /// Bytes so far.
+    pub u64,
+);
+
+impl Archive for ByteCount {
+    fn is_saving(&self) -> bool {
+        true
+    }
+    fn save(&mut self, _: &str, bytes: Vec<u8>) {
+        self.0 += bytes.len() as u64;
+    }
+    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        Err(ArchiveError::Missing(name.to_owned()))
+    }
 }
 
 impl Archive for MemoryArchive {

@@ -15,12 +15,14 @@ pub enum LimitReason {
     Deck,
     /// Landing exactly on an output or end time.
     Output,
+    /// A step nearby was taken back because it changed too much.
+    Repeat,
 }
 
 impl LimitReason {
     /// Every reason, in the order of their numbers.
-    const ALL: [Self; 6] =
-        [Self::SoundSpeed, Self::Acceleration, Self::Contact, Self::Conduction, Self::Deck, Self::Output];
+    const ALL: [Self; 7] =
+        [Self::SoundSpeed, Self::Acceleration, Self::Contact, Self::Conduction, Self::Deck, Self::Output, Self::Repeat];
 
     /// The reason of this number.
     pub(crate) fn from_u8(number: u8) -> Option<Self> {
@@ -36,6 +38,7 @@ impl LimitReason {
             Self::Conduction => "conduction",
             Self::Deck => "deck",
             Self::Output => "output",
+            Self::Repeat => "repeat",
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::engine::{Engine, EngineKind, TimeStepLimit};
 use crate::model::Model;
 use crate::particles::{Column, FIELDS, History, Particles};
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, require};
 use crate::reduction::{FieldSource, ParticleSource, Reduction};
 use crate::step::advance;
 use crate::{ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
@@ -15,18 +15,31 @@ pub struct Simulation {
     engine: Box<dyn Engine>,
     name: &'static str,
     clock: RunClock,
+    /// Share of the stable step that the last step took or tried.
+    tried_share: f64,
     seconds: StageSeconds,
 }
 
 /// How far a run is.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct RunClock {
     /// Longest stable next step; unknown before the initial rates are.
     limit: Option<TimeStepLimit>,
     /// s.
     time: f64,
     steps: u64,
+    /// Share of that step to take: 1, unless a step was taken back.
+    share: f64,
 }
+
+impl Default for RunClock {
+    fn default() -> Self {
+        Self { limit: None, time: 0.0, steps: 0, share: 1.0 }
+    }
+}
+
+/// Growth of the share of the stable step after one was taken back: four steps double it.
+const RECOVERY: f64 = 1.189_207_115_002_721;
 
 impl Persist for RunClock {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
@@ -35,7 +48,9 @@ impl Persist for RunClock {
         let mut limit = self.limit.map(|limit| (limit.dt, limit.reason));
         limit.persist(&format!("{name}.limit"), archive)?;
         self.limit = limit.map(|(dt, reason)| TimeStepLimit { dt, reason });
-        Ok(())
+        let share = format!("{name}.share");
+        self.share.persist(&share, archive)?;
+        require(self.share > 0.0 && self.share <= 1.0, &share)
     }
 }
 
@@ -71,7 +86,7 @@ impl Simulation {
         let model = Arc::new(model);
         let engine = kind.start(model.clone(), particles)?;
         let seconds = StageSeconds::default();
-        Ok(Self { model, engine, name: kind.name(), clock: RunClock::default(), seconds })
+        Ok(Self { model, engine, name: kind.name(), clock: RunClock::default(), tried_share: 1.0, seconds })
     }
 
     /// Takes one time step, shortened so that it does not pass `land_on`, s.
@@ -81,10 +96,12 @@ impl Simulation {
     pub fn step(&mut self, land_on: Option<f64>) -> Result<StepReport, RunFailure> {
         let limit = self.next_limit()?;
         let (dt, reason) = self.choose_step(limit, land_on)?;
+        self.tried_share = dt / limit.dt.min(self.model.time.max_step.unwrap_or(f64::INFINITY));
         let advanced = advance(self.engine.as_mut(), dt, &mut self.seconds).map_err(|f| self.date(f))?;
         let clock = &mut self.clock;
         clock.limit = Some(advanced.limit);
         clock.steps += 1;
+        clock.share = (clock.share * RECOVERY).min(1.0);
         // Landing is exact: the sum of steps would miss the output time by a rounding.
         clock.time = match land_on {
             Some(t) if reason == LimitReason::Output && clock.time + dt >= t * (1.0 - 1e-12) => t,
@@ -99,6 +116,21 @@ impl Simulation {
             pairs: self.engine.pairs(),
             audit: advanced.audit,
         })
+    }
+
+    /// Makes the next step at most this share, above 0 and below 1, of the longest stable one. Those after it grow by and by.
+    pub fn shorten_next_step(&mut self, share: f64) {
+        self.clock.share = self.clock.share.min(share);
+    }
+
+    /// Share of the longest stable step that the next step is to take: 1 unless steps were taken back.
+    pub fn step_share(&self) -> f64 {
+        self.clock.share
+    }
+
+    /// Share of the longest stable step that the last step took, or tried where it failed.
+    pub fn tried_share(&self) -> f64 {
+        self.tried_share
     }
 
     /// Size of the next step, s, and its reason, before landing on output times. Evaluates the initial rates if needed.
@@ -210,6 +242,9 @@ impl Simulation {
         }
         if let Some(max) = control.max_step.filter(|&max| max < dt) {
             (dt, reason) = (max, LimitReason::Deck);
+        }
+        if self.clock.share < 1.0 && control.fixed_step.is_none() {
+            (dt, reason) = (dt * self.clock.share, LimitReason::Repeat);
         }
         if let Some(left) = land_on.map(|t| t - self.clock.time).filter(|&left| left > 0.0) {
             if left <= dt * (1.0 + 1e-9) {

@@ -29,6 +29,7 @@ pub mod pair;
 pub mod parameter;
 pub mod real;
 pub mod return_mapping;
+pub mod step_control;
 pub mod stress;
 pub mod surface;
 pub mod tensile_part;

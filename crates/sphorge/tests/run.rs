@@ -175,3 +175,36 @@ fn a_validation_goes_on_with_the_runs_that_the_same_program_finished() {
     assert!(matches!(seconds(true), Err(ValidateError::AnotherProgram { .. })));
     assert!(folder.join("report.json").is_file(), "nothing was changed");
 }
+
+#[test]
+fn steps_that_are_too_long_are_repeated_and_the_answer_is_that_of_short_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |courant: &str, more: &[(&str, &str)]| {
+        let usual = [("time.courant", courant), ("particles.spacing", "\"0.5 mm\""), ("time.end", "\"1 us\"")];
+        let settings: Vec<_> =
+            usual.iter().chain(more).map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let text = sphorge::deck::decks::find("disc-on-plate").unwrap().text;
+        let setup = load_text("disc-on-plate", text, &settings).unwrap();
+        let directory = folder.path().join(format!("{courant}-{}", more.len()));
+        let options = RunOptions { directory, ..RunOptions::default() };
+        execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent)
+    };
+    let short = run("0.3", &[]).unwrap();
+    let long = run("1.0", &[]).unwrap();
+    assert!(
+        short.repeated_steps == 0 && long.repeated_steps > 0 && long.steps < short.steps,
+        "{}",
+        long.repeated_steps
+    );
+    let ratio = |name: &str| long.measures[name].unwrap() / short.measures[name].unwrap();
+    // The disc loses a fifteenth of its speed. The pressure is that of the first contact, which the long steps see less often.
+    assert!((ratio("residual_velocity") - 1.0).abs() < 3e-3, "{}", ratio("residual_velocity"));
+    assert!((ratio("max_pressure") - 1.0).abs() < 0.06, "{}", ratio("max_pressure"));
+    assert!(long.energy.largest_relative_drift < 1e-8 && long.largest_momentum_drift < 1e-8);
+
+    // Without, all goes on as if nothing were wrong.
+    let wrong = run("1.0", &[("time.step-control.repeats", "0")]).unwrap();
+    assert_eq!(wrong.repeated_steps, 0);
+    let ratio = wrong.measures["max_pressure"].unwrap() / short.measures["max_pressure"].unwrap();
+    assert!(ratio > 1.5, "{ratio}");
+}

@@ -5,20 +5,26 @@ use crate::defaults;
 use crate::fault::{Fault, Problems};
 use crate::method::{Choices, Method};
 use crate::raw::{
-    RawAdaptive, RawDeck, RawNumerics, RawOutput, RawSearch, RawSkin, RawSmoothingLength, RawTime, RawTotalLagrangian,
+    RawAdaptive, RawDeck, RawNumerics, RawOutput, RawSearch, RawSkin, RawSmoothingLength, RawStepControl, RawTime,
+    RawTotalLagrangian,
 };
 use crate::strategy::Strategy;
 use crate::value::{Choice, Given, Number, ScalarOr};
 use sphorge_engine::model::{
-    AdaptiveSearch, ArtificialStress, Formulation, Numerics, OutputControl, Search, SmoothingLength, TimeControl,
+    AdaptiveSearch, ArtificialStress, Formulation, Numerics, OutputControl, Search, SmoothingLength, StepControl,
+    TimeControl,
 };
 use sphorge_engine::particles::FIELDS;
 use sphorge_physics::parameter::Bound;
+use sphorge_physics::step_control::StepChange;
 
 /// Exponents above give a force that is zero or infinite in all but name.
 const LARGEST_EXPONENT: u64 = 16;
 /// Stretches at which the reference configuration may be renewed: above those of elastic bodies.
 const RENEWAL_RANGE: std::ops::RangeInclusive<f64> = 1.1..=100.0;
+
+/// A step halved more often than this does not move the time.
+const MOST_REPEATS: u64 = 100;
 
 /// More frames or rows than these are a slip of units, and would fill a disk.
 const MOST_FRAMES: f64 = 1e5;
@@ -270,15 +276,48 @@ pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl
     let stop = or_default!(raw.stop_kinetic_fraction, None, |s: &Given<Number>| {
         s.within(Bound::Between(0.0, 1.0), problems).map(Some)
     });
+    let step_control = step_control(&raw.step_control, problems);
+    let RawStepControl { density, stretch, energy, jump, repeats } = &raw.step_control;
+    let numbers = [density, stretch, energy, jump].into_iter().flatten().map(Given::span);
+    if let Some(fixed) = &raw.fixed_step
+        && let Some(given) = numbers.chain(repeats.as_ref().map(crate::value::Count::span)).next()
+    {
+        let fault =
+            Fault::new("not-together", "a fixed step is taken as it is: there is no step control", given, "not used");
+        problems.push(fault.also(fixed.span(), "given here").help("leave out one of them"));
+    }
     let max_steps = or_default!(raw.max_steps, None, |n: &crate::value::Count| n.whole(problems).map(Some));
     Some(TimeControl {
         end: end?,
         courant: courant?,
         max_step: max_step?,
         fixed_step: fixed_step?,
+        // A step that is given is taken as it is.
+        step_control: step_control?.filter(|_| raw.fixed_step.is_none()),
         stop_kinetic_fraction: stop?,
         max_steps: max_steps?,
     })
+}
+
+/// When a step is taken back; `None` inside for never.
+fn step_control(raw: &RawStepControl, problems: &mut Problems) -> Option<Option<StepControl>> {
+    let default = StepChange::DEFAULT;
+    let density = or_default!(raw.density, default.density, |n: &Given<_>| n.positive(problems));
+    let stretch = or_default!(raw.stretch, default.stretch, |n: &Given<_>| n.positive(problems));
+    let energy = or_default!(raw.energy, default.energy, |n: &Given<_>| n.positive(problems));
+    let jump = or_default!(raw.jump, default.jump, |n: &Given<_>| n.positive(problems));
+    let repeats = or_default!(raw.repeats, defaults::REPEATS, |n: &crate::value::Count| {
+        let count = n.whole(problems)?;
+        if count > MOST_REPEATS {
+            let message = format!("a step is repeated at most {MOST_REPEATS} times");
+            problems.push(Fault::new("out-of-range", message, n.span(), format!("found {count}")));
+            return None;
+        }
+        Some(count as u32)
+    });
+    let largest = StepChange { density: density?, stretch: stretch?, energy: energy?, jump: jump? };
+    let repeats = repeats?;
+    Some((repeats > 0).then_some(StepControl { largest, repeats }))
 }
 
 /// What to write and when; `end` is the end of the run, if it could be read.

@@ -105,10 +105,27 @@ tables! {
         max_step: Option<Given<Time>>, example "10 ns", otherwise "none";
         /// Time step to use instead of the stable one; larger than the stable one stops the run.
         fixed_step: Option<Given<Time>>, example "5 ns", otherwise "none";
+        /// When a step is taken back and repeated at half its size. A fixed step is never taken back.
+        step_control: RawStepControl, or empty;
         /// Stop when the kinetic energy has fallen below this share of its initial value.
         stop_kinetic_fraction: Option<Given<Number>>, example 0.01, otherwise "none";
         /// Stop after this many steps.
         max_steps: Option<Count>, example 1000, otherwise "none";
+    }
+
+    /// What a step may change of a particle at most; beyond it, it is taken back and repeated at half its size.
+    #[derive(Default)]
+    RawStepControl {
+        /// Change of the density, over the density.
+        density: Option<Given<Number>>, example 0.1, default 0.2;
+        /// Strain of the material.
+        stretch: Option<Given<Number>>, example 0.1, default 0.25;
+        /// Change of the specific internal energy, over itself and the square of the sound speed at rest.
+        energy: Option<Given<Number>>, example 0.05, default 0.1;
+        /// Distance that the acceleration of the step moves the particle, over the smoothing length.
+        jump: Option<Given<Number>>, example 0.05, default 0.1;
+        /// How often a step is repeated before the run is stopped, at most 100; 0 for no step control, which saves the memory of a second state.
+        repeats: Option<Count>, example 5, default 10;
     }
 
     /// What to write and when.

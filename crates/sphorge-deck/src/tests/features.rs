@@ -161,6 +161,7 @@ fn numerics_time_and_output_arrive() {
         courant: 0.2,
         max_step: Some(1e-6),
         fixed_step: Some(0.5e-6),
+        step_control: None,
         stop_kinetic_fraction: Some(0.01),
         max_steps: Some(12),
     };

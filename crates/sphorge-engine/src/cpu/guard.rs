@@ -5,6 +5,7 @@ use crate::model::{HeatBoundaryKind, Model};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
+use sphorge_physics::step_control::StepChange;
 
 /// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
 pub(super) fn is_cooled(model: &Model) -> bool {
@@ -29,19 +30,47 @@ pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
             "`temperature` became {value} K: a flux out of the body takes more heat than there is; convection ends by itself"
         )
     } else {
-        format!(
-            "`{field}` became {value}; a smaller `time.courant`, more artificial viscosity or a gentler contact may help"
-        )
+        format!("`{field}` became {value}")
     };
-    Err(RunFailure {
-        step: 0,
-        time: 0.0,
-        field,
-        particle: Some(p.id[i]),
-        body: Some(p.body[i]),
-        position: last_place(p, i),
-        message,
-    })
+    let step_may_be_smaller = !(field == "temperature" && is_cooled);
+    Err(RunFailure { field, step_may_be_smaller, ..of_particle(p, i, message) })
+}
+
+fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
+    let (particle, body) = (Some(p.id[i]), Some(p.body[i]));
+    RunFailure { particle, body, position: last_place(p, i), ..RunFailure::of_engine(message) }
+}
+
+/// Names the first particle that a step of size `dt` (s) has changed by more than the deck allows.
+pub(super) fn check_change(model: &Model, p: &Particles, dt: f64) -> Result<(), RunFailure> {
+    let Some(control) = model.time.step_control.filter(|_| dt > 0.0 && model.thermal.mechanics) else {
+        return Ok(());
+    };
+    let speeds: Vec<f64> = model.materials.iter().map(|m| m.equation_of_state.reference_sound_speed()).collect();
+    let beyond = |i: usize| {
+        let speed = speeds[p.material[i] as usize];
+        // What a driven particle is pushed with does not move it.
+        let is_driven = p.motion.get(i).is_some_and(|&motion| motion > 0);
+        let acceleration = if is_driven { &[0.0; 3] } else { &p.acceleration[i] };
+        let h = p.smoothing_length[i];
+        let change =
+            StepChange::of(&p.velocity_gradient[i], (p.energy[i], p.energy_rate[i]), speed, acceleration, h, dt);
+        change.beyond(&control.largest)
+    };
+    let Some(i) = (0..p.len()).into_par_iter().with_min_len(1024).find_first(|&i| beyond(i).is_some()) else {
+        return Ok(());
+    };
+    let Some((k, number, limit)) = beyond(i) else { return Ok(()) };
+    let (field, what) = [
+        ("density", "the density changed by {} of itself"),
+        ("velocity_gradient", "the material was stretched by {}"),
+        ("energy", "the energy changed by {} of itself and the square of the sound speed"),
+        ("position", "the particle was pushed by {} smoothing lengths"),
+    ][k];
+    let number = if number < 1e-3 { format!("{number:.1e}") } else { format!("{number:.3}") };
+    let what = what.replace("{}", &number);
+    let message = format!("{what} in one step, more than the {limit:?} of `time.step-control`");
+    Err(RunFailure { field, step_may_be_smaller: true, ..of_particle(p, i, message) })
 }
 
 /// Where a particle was last. What moves it is guarded, so that only the end of a predictor–corrector step can lose its place within the step;

@@ -338,7 +338,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        guard::check(&self.particles, guard::is_cooled(&self.model))
+        guard::check(&self.particles, guard::is_cooled(&self.model))?;
+        guard::check_change(&self.model, &self.particles, self.step.dt)
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {

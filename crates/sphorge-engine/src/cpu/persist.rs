@@ -24,6 +24,8 @@ impl<T: PairScalar> CpuEngine<T> {
         if self.has_come_apart.contains(&true) {
             // Its columns are there from the first renewal on.
             self.particles.allocate(Owner::Renewal);
+        } else {
+            self.particles.release(Owner::Renewal);
         }
         self.particles.persist("particles", archive)?;
         self.ghosts.halo.persist("halo", archive)?;

@@ -25,7 +25,7 @@ pub use material::{Material, NO_HEATING};
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, ParticleSelection, Perforation};
 pub use numerics::{
     AdaptiveSearch, ArtificialStress, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,
-    Search, SmoothingLength, TemperatureSource, TimeControl,
+    Search, SmoothingLength, StepControl, TemperatureSource, TimeControl,
 };
 pub use observed::{Section, Tracer};
 pub use problem::Model;

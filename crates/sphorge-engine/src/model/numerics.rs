@@ -2,6 +2,7 @@
 
 use sphorge_physics::kernel::Kernel;
 use sphorge_physics::pair::{EnergySplit, PairForm};
+use sphorge_physics::step_control::StepChange;
 
 /// Arithmetic of the pair sums; state is always accumulated in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -158,10 +159,21 @@ pub struct TimeControl {
     pub max_step: Option<f64>,
     /// Fixed step, s (the limit is still reported; a fixed step above it is an error at run time).
     pub fixed_step: Option<f64>,
+    /// Steps that change too much are taken back; never with a fixed step.
+    pub step_control: Option<StepControl>,
     /// Stop when kinetic energy has fallen below this share of its initial value.
     pub stop_kinetic_fraction: Option<f64>,
     /// Stop after this many steps.
     pub max_steps: Option<u64>,
+}
+
+/// When a step is taken back and repeated smaller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepControl {
+    /// What a step may change of a particle at most.
+    pub largest: StepChange,
+    /// How often a step is repeated, each time at half its size, before the run is stopped; above 0.
+    pub repeats: u32,
 }
 
 /// What to write and when.

@@ -123,6 +123,11 @@ macro_rules! columns {
                 $( if owner == Owner::$owner { self.$name.resize(count, $initial); } )+
             }
 
+            /// Takes the columns of an owner away.
+            pub(crate) fn release(&mut self, owner: Owner) {
+                $( if owner == Owner::$owner { self.$name = Vec::new(); } )+
+            }
+
             /// Number of particles.
             pub fn len(&self) -> usize {
                 self.position.len()

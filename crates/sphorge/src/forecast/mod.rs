@@ -2,7 +2,7 @@
 
 use crate::{
     deck::Setup,
-    engine::{LimitReason, RunFailure, Simulation},
+    engine::{LimitReason, RunFailure, Simulation, persist::ByteCount},
     geometry::FilledMass,
     model::{Body, Dimensions, Model},
     observed::Observed,
@@ -127,8 +127,12 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
         simulation.time() >= model.time.end || model.time.max_steps.is_some_and(|most| simulation.steps() >= most)
     };
     while steps == 0 || start.elapsed().as_secs_f64() < seconds && !is_over(&simulation) {
-        simulation.step(None)?;
-        steps += 1;
+        match simulation.step(None) {
+            Ok(_) => steps += 1,
+            // A run would repeat it.
+            Err(failure) if failure.step_may_be_smaller && steps > 0 => break,
+            Err(failure) => return Err(failure),
+        }
     }
     let seconds_per_step = start.elapsed().as_secs_f64() / steps as f64;
     let mean_step = (simulation.time() - start_time) / steps as f64;
@@ -151,10 +155,17 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
         threads: rayon::current_num_threads(),
         seconds_per_step,
         run_seconds: seconds_per_step * expected_steps,
-        memory_bytes: simulation.memory_bytes(),
+        memory_bytes: simulation.memory_bytes() + kept_bytes(&mut simulation),
         frames,
         output_bytes: frames * frame_bytes + (rows * history_row_bytes(&model)) as u64,
     })
+}
+
+/// Bytes of the state that step control keeps.
+fn kept_bytes(simulation: &mut Simulation) -> u64 {
+    let mut count = ByteCount::default();
+    let is_kept = simulation.model().time.step_control.is_some() && simulation.persist(&mut count).is_ok();
+    if is_kept { count.0 } else { 0 }
 }
 
 fn bodies(model: &Model, masses: &[FilledMass]) -> Vec<BodyForecast> {

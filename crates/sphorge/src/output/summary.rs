@@ -281,6 +281,9 @@ pub struct Summary {
     pub bodies: Vec<BodyRecord>,
     /// Steps done.
     pub steps: u64,
+    /// How often a step was taken back and repeated at half its size.
+    #[serde(default)]
+    pub repeated_steps: u64,
     /// Time reached, s.
     pub simulated_time: f64,
     /// Wall-clock seconds from the first preparation to the end, writing included.
@@ -330,7 +333,7 @@ pub struct Summary {
 }
 
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 48] = [
+const UNITS: [(&str, &str); 49] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -341,6 +344,7 @@ const UNITS: [(&str, &str); 48] = [
     ("bodies.mass", "kg{per}"),
     ("bodies.shape_mass", "kg{per}"),
     ("steps", ""),
+    ("repeated_steps", ""),
     ("simulated_time", "s"),
     ("wall_seconds", "s"),
     ("threads", ""),

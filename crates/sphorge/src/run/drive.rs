@@ -4,6 +4,7 @@ use super::{
     checkpoint::{CheckpointPlan, Keeper},
     error::{RunError, Trouble, failure_record},
     progress::{Observer, Pace, RunStart},
+    repeat::Repeater,
     state::{Beginning, RunState},
 };
 use crate::{
@@ -135,11 +136,12 @@ pub(super) fn go_on(
 ) -> Result<EndReason, Trouble> {
     let stopped = || stop.load(Ordering::Relaxed).then_some(EndReason::User);
     let mut last_report = None;
+    let mut repeater = Repeater::new(state);
     let reason = loop {
         if let Some(reason) = state.end_reason().or_else(stopped) {
             break reason;
         }
-        let report = state.step(observer)?;
+        let report = repeater.step(state, observer)?;
         keeper.after_step(state, observer);
         state.tell(&report, observer, false);
         last_report = Some(report);

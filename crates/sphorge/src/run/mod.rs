@@ -19,6 +19,7 @@ mod drive;
 mod error;
 mod progress;
 mod record;
+mod repeat;
 mod resume;
 mod schedule;
 mod state;

@@ -107,6 +107,11 @@ impl Pace {
         self.before + self.start.elapsed().as_secs_f64()
     }
 
+    /// Sets the seconds of the run so far.
+    pub(super) fn set_seconds(&mut self, seconds: f64) {
+        (self.before, self.start) = (seconds, Instant::now());
+    }
+
     /// Steps per second since the last report and seconds left, if it is time to report (or `now`).
     pub(super) fn report(&mut self, step: u64, fraction: f64, now: bool) -> Option<(f64, Option<f64>)> {
         let seconds = self.seconds();

@@ -56,6 +56,8 @@ struct StepSums {
     count: u64,
     searched: f64,
     pairs: f64,
+    /// How often steps were repeated smaller.
+    repeats: u64,
 }
 
 impl Recorder {
@@ -151,9 +153,10 @@ impl Recorder {
         self.watch.news(model)
     }
 
-    /// Takes a step into the sums.
-    pub(super) fn stepped(&mut self, report: &StepReport) {
+    /// Takes a step, which has failed some times before, into the sums.
+    pub(super) fn stepped(&mut self, report: &StepReport, failures: u32) {
         self.steps.count += 1;
+        self.steps.repeats += u64::from(failures);
         self.steps.searched += report.searched_fraction;
         self.steps.pairs += report.pairs as f64;
         self.pairs = Some(report.pairs);
@@ -285,6 +288,7 @@ impl Recorder {
             particles: engine.count() as u64,
             bodies: self.bodies.clone(),
             steps,
+            repeated_steps: self.steps.repeats,
             simulated_time: engine.time(),
             wall_seconds: seconds,
             threads: rayon::current_num_threads(),
@@ -323,7 +327,7 @@ impl Recorder {
     }
 }
 
-persist_fields!(StepSums { count, searched, pairs });
+persist_fields!(StepSums { count, searched, pairs, repeats });
 
 impl Persist for Recorder {
     /// Everything but where it is written to. Frames are named by their numbers, so their times tell all of them.

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     engine::{
         FieldSource, Simulation, StepReport,
-        persist::{Archive, ArchiveError, Persist},
+        persist::{Archive, ArchiveError, MemoryArchive, Persist},
     },
     geometry::FilledMass,
     model::TimeControl,
@@ -82,6 +82,14 @@ impl RunState {
         self.persist("run", archive)
     }
 
+    /// Goes back to a state of this run. The time spent since counts.
+    pub(super) fn go_back(&mut self, kept: &MemoryArchive) -> Result<(), ArchiveError> {
+        let seconds = self.pace.seconds();
+        self.load(&mut kept.reader())?;
+        self.pace.set_seconds(seconds);
+        Ok(())
+    }
+
     /// A field in which some particle has no finite value, or a density that is not positive.
     pub(super) fn broken_field(&self) -> Option<&'static str> {
         const FIELDS: [&str; 7] =
@@ -113,11 +121,11 @@ impl RunState {
         self.frame(observer)
     }
 
-    /// Takes a step and writes what is due after it.
-    pub(super) fn step(&mut self, observer: &mut dyn Observer) -> Result<StepReport, Trouble> {
+    /// Takes a step, which has failed some times before, and writes what is due after it.
+    pub(super) fn step(&mut self, observer: &mut dyn Observer, failures: u32) -> Result<StepReport, Trouble> {
         // Steps end at frames. Rows come after the first step that has passed them, so that asking for more changes nothing.
         let report = self.simulation.step(Some(self.frames.next()))?;
-        self.recorder.stepped(&report);
+        self.recorder.stepped(&report, failures);
         let hope = match telling(&report) {
             Some(dt) => self.recorder.watch_step(self.simulation.model(), dt, report.step, report.time),
             None => Ok(()),

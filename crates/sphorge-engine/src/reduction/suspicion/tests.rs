@@ -76,6 +76,7 @@ fn model(materials: Vec<Material>) -> Model {
             courant: 0.3,
             max_step: None,
             fixed_step: None,
+            step_control: None,
             stop_kinetic_fraction: None,
             max_steps: None,
         },

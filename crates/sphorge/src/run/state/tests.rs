@@ -105,7 +105,7 @@ fn story(mut state: RunState, folder: &Path) -> (String, String, Summary) {
         if let Some(reason) = state.end_reason() {
             break reason;
         }
-        state.step(&mut Silent).unwrap();
+        state.step(&mut Silent, 0).unwrap();
     };
     state.close(&mut Silent).unwrap();
     let (summary, written) = state.recorder.summary(&state.simulation, reason, None, 1.0, None);
@@ -127,7 +127,7 @@ fn a_run_resumed_anywhere_tells_the_same_story() {
     archives.push(("begun".to_owned(), saved(&mut whole)));
     for stop in [1, 6, 20, 45, 80] {
         while whole.simulation.steps() < stop {
-            whole.step(&mut Silent).unwrap();
+            whole.step(&mut Silent, 0).unwrap();
         }
         archives.push((stop.to_string(), saved(&mut whole)));
     }
@@ -219,7 +219,7 @@ fn what_an_archive_lacks_or_has_in_another_size_is_named() {
     let mut state = new(&root.path().join("whole"));
     state.begin(&mut Silent).unwrap();
     for _ in 0..8 {
-        state.step(&mut Silent).unwrap();
+        state.step(&mut Silent, 0).unwrap();
     }
     let values = values_of(&mut state);
     let of_the_run: Vec<&String> = values.keys().filter(|name| name.starts_with("run.")).collect();
