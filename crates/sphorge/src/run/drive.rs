@@ -62,7 +62,7 @@ fn run(
     let pace = Pace::new();
     let name = model.name.clone();
     let mut simulation = Simulation::start(kind, model, particles)
-        .map_err(|failure| RunError::Start { engine: kind.name(), failure })?;
+        .map_err(|failure| RunError::Start { engine: kind.name(), failure: Box::new(failure) })?;
     // Of many particles this takes a while. If it fails it does so again when the run begins, and is told as a failure of the run.
     let _ = simulation.next_step_estimate();
     observer.prepared();

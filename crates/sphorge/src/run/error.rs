@@ -39,7 +39,7 @@ pub enum RunError {
         /// Name of the engine.
         engine: &'static str,
         /// Why.
-        failure: RunFailure,
+        failure: Box<RunFailure>,
     },
     /// The solution broke down. All frames and rows up to then are on the disk, `summary.json` says `failed`.
     #[error("the run failed in {failure}")]

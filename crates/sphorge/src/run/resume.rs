@@ -204,7 +204,7 @@ fn go_on_from(
         return Err(ResumeError::EndPassed { end, reached });
     }
     let simulation = Simulation::start(kind, model, particles)
-        .map_err(|failure| ResumeError::Run(RunError::Start { engine: kind.name(), failure }))?;
+        .map_err(|failure| ResumeError::Run(RunError::Start { engine: kind.name(), failure: Box::new(failure) }))?;
     let pace = Pace::new();
     let mut state = RunState::new(directory.clone(), simulation, &masses, pace, Beginning::Resumed)?;
     if let Err(error) = state.load(&mut checkpoint) {
