@@ -87,7 +87,7 @@ impl WarningKind {
                 "plastic-work",
                 1.01,
                 "plastic work over the energy supplied",
-                "refine, or try `search = \"total-lagrangian\"` or `artificial-stress`; stresses and temperatures are not to be used",
+                "try `search = \"total-lagrangian\"`, or other `artificial-stress`: with XSPH, or pulled, it feeds plastic work; stresses and temperatures are not to be used",
             ),
             Self::NegativeEnergy => above(
                 "negative-energy",

@@ -1,7 +1,7 @@
 //! Tension of a waisted steel bar: Fraser et al., verification.
 
 use super::super::{
-    Bounds, Case, Effort, Finding, NumberTable, ReferenceKind, Unit, Variant,
+    Bounds, Case, Effort, ExpectedWarning, Finding, NumberTable, ReferenceKind, Unit, Variant,
     findings::Findings,
     picture::{Beside, Picture, Subject, ViewSettings},
     runs::{Run, Runs},
@@ -24,7 +24,12 @@ pub(super) const CASE: Case = Case {
             between planes of symmetry. Strain is that of the particles that start around the middle of the waist. Particles 2.5 mm \
             apart take an hour of a core: they ran once (`reference/fine/tensile.py`), without hardening, and are quoted.",
     deck: "tensile",
-    expected_warnings: &[],
+    expected_warnings: &[ExpectedWarning {
+        name: "plastic-work",
+        reason: "the artificial stress of the paper's method gives way while metal is pulled: after 3 ms at 5 mm its work is -717 J where 395 J \
+                 were supplied (-391 J of 421 J without XSPH; without artificial stress 8 J are left of 471 J for viscosity), and metal \
+                 yields by as much more; runs without it are held to the limit",
+    }],
     variants,
     judge,
     pictures: &[
@@ -276,6 +281,17 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             )
         } else {
             beside_elements(finding, run, true)
+        });
+    }
+    for run in perfect().chain(series(HARDENING)) {
+        let energy = run.summary().map(|summary| &summary.energy);
+        let ratio = energy.map(|energy| energy.plastic_work / energy.external_work);
+        let finding = Finding::new("plastic work over the work supplied", Unit::NONE, run.label(), ratio);
+        let has_artificial_stress = STRATEGIES[..3].iter().any(|(name, _)| run.label().starts_with(name));
+        findings.add(if has_artificial_stress {
+            finding
+        } else {
+            finding.must(Bounds::AtMost(1.01), "metal yields by what is supplied")
         });
     }
     findings.note(
