@@ -110,6 +110,8 @@ pub(crate) struct Problems {
     spoiled: BTreeSet<usize>,
     /// Whether entries could not be read.
     lacks_entries: bool,
+    /// Whether keys that were to be set were not.
+    lacks_keys: bool,
 }
 
 impl Problems {
@@ -127,6 +129,7 @@ impl Problems {
             entries: Entries::default(),
             spoiled: BTreeSet::new(),
             lacks_entries: false,
+            lacks_keys: false,
         }
     }
 
@@ -181,9 +184,15 @@ impl Problems {
         self.lacks_entries = true;
     }
 
+    /// A key cannot be set: what is missing may be that.
+    pub(crate) fn lacks_a_key(&mut self) {
+        self.lacks_keys = true;
+    }
+
     fn is_echo(&self, fault: &Fault) -> bool {
         match fault.echo {
-            Echo::Never => false,
+            Echo::Never => self.lacks_keys && fault.code == "missing-key",
+            Echo::OfItsEntry if self.lacks_keys => true,
             Echo::OfItsEntry => self.entries.at(fault.start()).is_some_and(|entry| self.spoiled.contains(&entry)),
             Echo::OfAnyEntry => self.lacks_entries,
         }

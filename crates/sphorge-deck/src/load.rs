@@ -112,10 +112,13 @@ pub(super) fn read(
     let mut deck_text = text.to_owned();
     let mut shown = shown.to_owned();
     if !overrides.is_empty()
-        && let Some(changed) = overrides::apply(text, overrides)?
+        && let Some((changed, refused)) = overrides::apply(text, overrides)
     {
-        deck_text = changed;
         shown.push_str(", with --set");
+        if !refused.is_empty() {
+            return Err(with_faults_of_the_rest(refused, &shown, name, &changed, folder));
+        }
+        deck_text = changed;
     }
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
     let Interpreted { model, places, mut notes } = read_model(name, &mut problems)?;
@@ -134,6 +137,23 @@ pub(super) fn read(
             Err(problems.report("the bodies could not be filled"))
         }
     }
+}
+
+/// What is wrong with overrides, and what else is wrong with the deck and the overrides that could be worked in.
+fn with_faults_of_the_rest(
+    mut refused: Vec<DeckReport>,
+    shown: &str,
+    name: &str,
+    changed: &str,
+    folder: Option<&Path>,
+) -> DeckReport {
+    let mut problems = Problems::new(shown, changed).with_folder(folder.unwrap_or(Path::new("")));
+    problems.lacks_a_key();
+    let raw: Option<RawDeck> = keys::read(&mut problems);
+    // Without a model where keys are missing, which is no fault of its own.
+    let _ = raw.and_then(|raw| interpret(&raw, name, &mut problems));
+    refused.extend(problems.check().err());
+    DeckReport::joined(shown, refused)
 }
 
 /// A deck that finds its tables from any folder.

@@ -11,17 +11,19 @@ use super::suggest::suggest;
 use std::collections::BTreeMap;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
-/// The text with the overrides worked in; `None` if the text is no TOML, which reading it will report.
-pub(crate) fn apply(text: &str, overrides: &[(String, String)]) -> Result<Option<String>, DeckReport> {
-    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(None) };
+/// The text with the overrides worked in, and what is wrong with those that are not; `None` if the text is no TOML, which reading it will
+/// report.
+pub(crate) fn apply(text: &str, overrides: &[(String, String)]) -> Option<(String, Vec<DeckReport>)> {
+    let mut document = text.parse::<DocumentMut>().ok()?;
+    let mut refused = Vec::new();
     for (path, value) in overrides {
         let mut problems = Problems::new("--set", &format!("{path}={value}"));
         if let Err(fault) = set(&mut document, path, value) {
             problems.push(fault);
         }
-        problems.check()?;
+        refused.extend(problems.check().err());
     }
-    Ok(Some(document.to_string()))
+    Some((document.to_string(), refused))
 }
 
 /// The text with other files of particles for the bodies at these places of the list.
@@ -249,12 +251,15 @@ fields = ["velocity"]
 "#;
 
     fn with(path: &str, value: &str) -> String {
-        apply(DECK, &[(path.to_owned(), value.to_owned())]).unwrap().unwrap()
+        let (text, refused) = apply(DECK, &[(path.to_owned(), value.to_owned())]).unwrap();
+        assert!(refused.is_empty(), "{refused:?}");
+        text
     }
 
     fn refused(path: &str, value: &str) -> (String, String) {
-        let report = apply(DECK, &[(path.to_owned(), value.to_owned())]).unwrap_err();
-        let problem = &report.problems()[0];
+        let (text, refused) = apply(DECK, &[(path.to_owned(), value.to_owned())]).unwrap();
+        assert_eq!(text, DECK);
+        let problem = &refused[0].problems()[0];
         (problem.to_string(), problem.help().unwrap_or_default().to_owned())
     }
 

@@ -124,6 +124,13 @@ impl DeckReport {
         Self { name, problems: vec![problem], more: 0 }
     }
 
+    /// One report of several texts.
+    pub(crate) fn joined(name: &str, reports: Vec<Self>) -> Self {
+        let more = reports.iter().map(|report| report.more).sum();
+        let problems = reports.into_iter().flat_map(|report| report.problems).collect();
+        Self { name: printable(name).into_owned(), problems, more }
+    }
+
     fn count(&self) -> usize {
         self.problems.len() + self.more
     }

@@ -134,6 +134,15 @@ fn overrides_are_part_of_the_deck_as_run() {
 }
 
 #[test]
+fn of_many_bad_overrides_as_many_are_told_as_of_a_deck() {
+    let overrides: Vec<_> = (0..25).map(|k| (format!("particles.key{k}"), "1 mm".to_owned())).collect();
+    let report = load_text("deck", FLAVOUR, &overrides).unwrap_err();
+    assert_eq!(report.to_string(), "25 faults in deck, with --set, the first 20 are");
+    assert_eq!(miette::Diagnostic::related(&report).unwrap().count(), 20);
+    assert_eq!(report.problems()[24].to_string(), "unknown key `key24` in `particles`");
+}
+
+#[test]
 fn overrides_of_a_deck_that_is_no_toml_are_not_lost() {
     // 2^63 fits no integer of TOML.
     let deck = changed("smoothing = 1.2", "smoothing = 9223372036854775808");
