@@ -94,16 +94,12 @@ impl FoundDeck {
     }
 }
 
-/// The shipped deck whose name is most like this one, if any is like it.
-pub(crate) fn nearest(name: &str) -> Option<&'static str> {
-    let known = decks::DECKS.iter().map(|deck| (strsim::normalized_damerau_levenshtein(deck.name, name), deck.name));
-    known.filter(|(likeness, _)| *likeness >= 0.5).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, known)| known)
-}
-
 fn missing(path: &Path, name: &str) -> Failure {
-    let help = match nearest(name) {
-        Some(known) => format!("did you mean the shipped deck `{known}`? `sphorge decks` lists all"),
-        None => "give the path of a deck file, or the name of a shipped deck: `sphorge decks` lists them".to_owned(),
+    let near = decks::like(name);
+    let help = if near.is_empty() {
+        "give the path of a deck file, or the name of a shipped deck: `sphorge decks` lists them".to_owned()
+    } else {
+        deck::did_you_mean(near) + "`sphorge decks` lists all shipped decks"
     };
     Failure::bad_input(format!("there is no deck `{}`", path.display()), help)
 }

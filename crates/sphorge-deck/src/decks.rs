@@ -1,5 +1,7 @@
 //! The decks that come with the program, part of it, so that an installed program runs them by name anywhere.
 
+use super::suggest;
+
 /// A shipped deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShippedDeck {
@@ -48,6 +50,11 @@ pub fn find(name: &str) -> Option<&'static ShippedDeck> {
     DECKS.iter().find(|deck| deck.name == name)
 }
 
+/// The names of shipped decks that may be meant by this one.
+pub fn like(name: &str) -> Vec<&'static str> {
+    suggest::like(name, DECKS.iter().map(|deck| deck.name))
+}
+
 impl ShippedDeck {
     /// Its `title`.
     pub fn title(&self) -> String {
@@ -59,6 +66,14 @@ impl ShippedDeck {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn decks_are_found_by_slips_and_by_parts_of_their_names() {
+        assert_eq!(like("blok"), ["block"]);
+        assert_eq!(like("iron-plat"), ["iron-plate"]);
+        assert_eq!(like("tailor"), ["taylor-plate", "taylor-bar", "taylor-bar-42crmo4"]);
+        assert_eq!(like("my-case"), [""; 0]);
+    }
     use std::{collections::BTreeSet, fs, path::Path};
 
     #[test]

@@ -39,6 +39,7 @@ pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
+pub use suggest::did_you_mean;
 
 /// The words of the key `search`, one for each neighbour search.
 pub fn search_words() -> Vec<&'static str> {

@@ -1,11 +1,11 @@
 //! `sphorge decks`: the decks that come with the program.
 
 use crate::{
-    deck_arguments::nearest,
     failure::{Ending, Failure, Outcome},
     table, terminal,
 };
 use clap::Args;
+use sphorge::deck::did_you_mean;
 use sphorge::decks::{self, DECKS};
 
 /// Arguments of `decks`.
@@ -31,7 +31,7 @@ pub(crate) fn execute(arguments: DecksArguments) -> Ending {
             Some(deck) => deck.text.to_owned(),
             None => {
                 let message = format!("there is no shipped deck `{name}`");
-                let near = nearest(&name).map_or(String::new(), |near| format!("did you mean `{near}`? "));
+                let near = did_you_mean(decks::like(&name));
                 return Err(Failure::bad_input(message, format!("{near}`sphorge decks` lists them")));
             }
         },

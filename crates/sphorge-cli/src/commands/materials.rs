@@ -5,6 +5,7 @@ use crate::{
     readable, table, terminal,
 };
 use clap::Args;
+use sphorge::deck::did_you_mean;
 use sphorge::material::{self, ConstantLine, LawListing, MaterialListing};
 use std::fmt::Write;
 
@@ -27,7 +28,7 @@ pub(crate) fn execute(arguments: MaterialsArguments) -> Ending {
     let text = match arguments.name {
         None => overview(&material::catalogue()),
         Some(name) => details(&material::find(&name).map_err(|near| {
-            let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
+            let near = did_you_mean(near);
             let help = format!("{near}`sphorge materials` lists all; a deck can also define its own");
             Failure::bad_input(format!("there is no material `{name}` in the catalogue"), help)
         })?),

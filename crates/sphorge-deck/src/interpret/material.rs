@@ -5,7 +5,7 @@ use crate::fault::{Fault, Problems};
 use crate::material::{Constants, Incomplete, advice, build, constants, entries, entry};
 use crate::printable::is_printable;
 use crate::raw::RawMaterial;
-use crate::suggest::nearest;
+use crate::suggest::{did_you_mean, like};
 use crate::value::Word;
 use sphorge_engine::model::Material;
 use std::{
@@ -72,8 +72,8 @@ impl Library {
     }
 
     fn unknown(&self, name: &str, at: Range<usize>) -> Fault {
-        let names = || self.own.keys().map(String::as_str).chain(entries().iter().map(|(n, _)| n.as_str()));
-        let near = nearest(name, names()).map(|n| format!("did you mean `{n}`? ")).unwrap_or_default();
+        let names = self.own.keys().map(String::as_str).chain(entries().iter().map(|(n, _)| n.as_str()));
+        let near = did_you_mean(like(name, names));
         Fault::new(
             "unknown-material",
             format!("there is no material called `{name}`"),

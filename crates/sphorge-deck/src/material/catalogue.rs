@@ -8,7 +8,7 @@ use crate::fault::Problems;
 use crate::keys;
 use crate::raw::RawMaterial;
 use crate::report::DeckReport;
-use crate::suggest::nearest;
+use crate::suggest::like;
 use crate::written::Spanned;
 use std::sync::LazyLock;
 
@@ -45,14 +45,14 @@ pub fn catalogue() -> Vec<MaterialListing> {
     entries().iter().map(|(name, constants)| listing(name, constants)).collect()
 }
 
-/// One material of the catalogue; otherwise the name most like the one asked for, if any is.
+/// One material of the catalogue; otherwise the names like the one asked for.
 ///
 /// # Errors
-/// The nearest name.
-pub fn find(name: &str) -> Result<MaterialListing, Option<&'static str>> {
+/// Names that may be meant; none if no name is like it.
+pub fn find(name: &str) -> Result<MaterialListing, Vec<&'static str>> {
     match entry(name) {
         Some(constants) => Ok(listing(name, constants)),
-        None => Err(nearest(name, entries().iter().map(|(n, _)| n.as_str()))),
+        None => Err(like(name, entries().iter().map(|(n, _)| n.as_str()))),
     }
 }
 
@@ -131,8 +131,23 @@ mod tests {
 
     #[test]
     fn a_slip_in_a_name_finds_the_nearest() {
-        assert_eq!(find("armco-irn").unwrap_err(), Some("armco-iron"));
-        assert_eq!(find("unobtainium").unwrap_err(), None);
+        assert_eq!(find("armco-irn").unwrap_err(), ["armco-iron"]);
+        let coppers = find("copr").unwrap_err();
+        assert!(coppers.len() == 6 && coppers.iter().all(|name| name.contains("copper")), "{coppers:?}");
+        for other in [
+            "unobtainium",
+            "lead",
+            "zinc",
+            "tin",
+            "gold",
+            "silver",
+            "bronze",
+            "magnesium",
+            "316-steel",
+            "7075-t6-aluminium",
+        ] {
+            assert_eq!(find(other).unwrap_err(), [""; 0], "{other}");
+        }
         assert_eq!(find("armco-iron").unwrap().strength.unwrap().constants[0].value, Some(175e6));
     }
 }
