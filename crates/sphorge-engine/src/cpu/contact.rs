@@ -6,6 +6,7 @@
 //! friction takes by their effusivities.
 
 use super::CpuEngine;
+use super::contact_laws::PairLaws;
 use super::contact_search::ContactSearch;
 use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
@@ -55,7 +56,7 @@ struct Table {
     /// `1/rho` at rest.
     specific_volume: Vec<f64>,
     smoothing_length: Vec<f64>,
-    laws: Vec<ContactLaw<f64>>,
+    laws: PairLaws,
     /// Share of the heat of friction that the first takes up.
     friction_shares: Vec<f64>,
 }
@@ -111,16 +112,6 @@ impl Table {
                 }
             })
             .collect();
-        // One law for both orders of a pair, so that forces are opposite to the last digit.
-        let law = |a: usize, b: usize| {
-            if a == b {
-                return ContactLaw::with_itself(kernel, dimension, &bodies[a], strength);
-            }
-            let law = ContactLaw::new(kernel, dimension, &bodies[a.min(b)], &bodies[a.max(b)], strength);
-            if a <= b { law } else { law.turned() }
-        };
-        let laws = (0..bodies.len()).flat_map(|a| (0..bodies.len()).map(move |b| (a, b))).map(|(a, b)| law(a, b));
-        let laws = laws.collect();
         let effusivities: Vec<f64> = model.bodies.iter().map(|b| model.materials[b.material].effusivity()).collect();
         let share = |a: usize, b: usize| {
             let share = friction_share(effusivities[a.min(b)], effusivities[a.max(b)]);
@@ -140,13 +131,13 @@ impl Table {
             places,
             specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
             smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
-            laws,
+            laws: PairLaws::new(
+                &bodies,
+                |body| ContactLaw::with_itself(kernel, dimension, body, strength),
+                |a, b| ContactLaw::new(kernel, dimension, a, b, strength),
+            ),
             friction_shares,
         }
-    }
-
-    fn law(&self, a: usize, b: usize) -> &ContactLaw<f64> {
-        &self.laws[a * self.bodies + b]
     }
 
     /// Kernel of two bodies' particles at a distance, m.
@@ -402,7 +393,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         }
                         let x = places.apart(i, j);
                         let kernel = table.kernel(a, b, dot(x, x).sqrt());
-                        sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
+                        sum.add(table.laws.of(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
                     }
                     let k = i % BLOCK;
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
@@ -512,7 +503,7 @@ impl Table {
                 continue;
             }
             let x = points.places.apart(i, j);
-            let law = self.law(a, b);
+            let law = self.laws.of(a, b);
             let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
             let kernel = self.kernel(a, b, dot(x, x).sqrt());
             let other_volume = other_mass * self.specific_volume[b];

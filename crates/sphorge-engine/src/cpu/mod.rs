@@ -4,6 +4,7 @@ mod conduction;
 mod conduction_table;
 mod constitutive;
 mod contact;
+mod contact_laws;
 mod contact_search;
 mod external;
 mod faces;
