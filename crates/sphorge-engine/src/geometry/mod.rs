@@ -5,6 +5,7 @@ mod fill;
 mod fit;
 mod lattice;
 mod overlap;
+mod parts;
 mod pattern;
 mod rings;
 mod shape;

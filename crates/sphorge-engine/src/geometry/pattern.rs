@@ -103,14 +103,13 @@ impl Pattern {
         let Some((first, others)) = parts.split_first() else { return false };
         let rounding = ROUNDING * self.spacing;
         let first = self.keeps(first, local, own);
+        let in_another = |tolerance| parts.distance_of_others(local, self.dimensions, tolerance) <= tolerance;
         match operation {
-            Operation::Union => first || others.iter().any(|part| part.contains(local, self.dimensions, rounding)),
+            Operation::Union => first || in_another(rounding),
             Operation::Intersection => {
                 first && others.iter().all(|part| part.contains(local, self.dimensions, rounding))
             }
-            Operation::Difference => {
-                first && !others.iter().any(|part| part.contains(local, self.dimensions, -rounding))
-            }
+            Operation::Difference => first && !in_another(-rounding),
         }
     }
 
@@ -151,7 +150,7 @@ mod tests {
     }
 
     fn composed(operation: Operation, parts: Vec<Shape>) -> Shape {
-        shape(Solid::Composed { operation, parts })
+        shape(Solid::Composed { operation, parts: parts.into() })
     }
 
     fn sites(shape: &Shape, dimensions: Dimensions, arrangement: Arrangement) -> Vec<([f64; 3], f64)> {

@@ -117,7 +117,7 @@ impl Solid {
             // One part alone is itself.
             // Known with the spacing and the density only.
             Self::Cloud { .. } => return None,
-            Self::Composed { parts, .. } => match parts.as_slice() {
+            Self::Composed { parts, .. } => match &**parts {
                 [one] => one.solid.exact_volume(dimensions)?,
                 _ => return None,
             },
@@ -203,12 +203,12 @@ mod tests {
         let plate = part(Solid::Box { min: [-2.0, -2.0, 0.0], max: [2.0, 2.0, 1.0] });
         let hole =
             part(Solid::Cylinder { from: [0.5, 0.0, -1.0], to: [0.5, 0.0, 2.0], radius: 1.0, inner_radius: 0.0 });
-        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![plate, hole.clone()] };
+        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![plate, hole.clone()].into() };
         let volume = size(drilled, Dimensions::Three);
         assert!(!volume.is_exact && (volume.size / (16.0 - PI) - 1.0).abs() < 1e-3, "{volume:?}");
         // A disc far thinner than wide has no room above and below it.
         let disc = Solid::Cylinder { from: [0.0; 3], to: [0.0, 0.0, 0.03], radius: 1.0, inner_radius: 0.0 };
-        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![part(disc), hole] };
+        let drilled = Solid::Composed { operation: Operation::Difference, parts: vec![part(disc), hole].into() };
         let lens = 2.0 * (0.25f64.acos() - 0.25 * (1.0 - 0.0625f64).sqrt());
         let volume = size(drilled, Dimensions::Three);
         assert!((volume.size / (0.03 * (PI - lens)) - 1.0).abs() < 3e-3, "{volume:?}");
@@ -227,7 +227,7 @@ mod tests {
         let bar = turned(Solid::Revolution { from: [0.0; 3], axis: [0.0, 1.0, 0.0], profile });
         for operation in [Operation::Union, Operation::Difference, Operation::Intersection] {
             for others in [vec![tube.clone()], vec![bullet.clone(), ball.clone()], vec![bar.clone(), tube.clone()]] {
-                let parts = [vec![plate.clone()], others].concat();
+                let parts = [vec![plate.clone()], others].concat().into();
                 let shape = part(Solid::Composed { operation, parts });
                 let (low, high) = shape.solid.bounds(Dimensions::Three);
                 let n = 24;

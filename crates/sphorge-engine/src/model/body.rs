@@ -1,5 +1,6 @@
 //! Bodies: shape, lattice, first motion.
 
+use super::Parts;
 use std::{path::PathBuf, sync::Arc};
 
 /// A body of particles.
@@ -167,7 +168,7 @@ pub enum Solid {
         /// How.
         operation: Operation,
         /// The shapes, at least one; each is placed in the frame of the whole.
-        parts: Vec<Shape>,
+        parts: Parts,
     },
 }
 

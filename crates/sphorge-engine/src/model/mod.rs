@@ -10,6 +10,7 @@ mod material;
 mod measure;
 mod numerics;
 mod observed;
+mod parts;
 mod problem;
 mod thermal;
 mod warnings;
@@ -28,6 +29,7 @@ pub use numerics::{
     Search, SmoothingLength, StepControl, TemperatureSource, TimeControl,
 };
 pub use observed::{Section, Tracer};
+pub use parts::Parts;
 pub use problem::Model;
 pub use thermal::{HeatBoundary, HeatBoundaryKind, Thermal};
 pub use warnings::{STOP_AT_STEPS, WarningInfo, WarningKind, WarningLimits};
