@@ -219,6 +219,18 @@ pub fn require(fits: bool, name: &str) -> Result<(), ArchiveError> {
     if fits { Ok(()) } else { Err(ArchiveError::Mismatch(name.to_owned())) }
 }
 
+/// No run takes more steps, nor counts more of anything: a state that says so was not saved by one, and its counts would soon wrap.
+pub const MOST_COUNTED: u64 = 1 << 53;
+
+/// Saves or loads a count that grows.
+///
+/// # Errors
+/// See [`ArchiveError`]; a count above [`MOST_COUNTED`] is a mismatch.
+pub fn persist_count(count: &mut u64, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+    count.persist(name, archive)?;
+    require(*count <= MOST_COUNTED, name)
+}
+
 /// Saves or loads a column that is as long as it is.
 ///
 /// # Errors

@@ -3,7 +3,7 @@
 use crate::engine::{Engine, EngineKind, TimeStepLimit};
 use crate::model::Model;
 use crate::particles::{Column, FIELDS, History, Particles};
-use crate::persist::{Archive, ArchiveError, Persist, require};
+use crate::persist::{Archive, ArchiveError, Persist, persist_count, require};
 use crate::reduction::{FieldSource, ParticleSource, Reduction};
 use crate::step::advance;
 use crate::{ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
@@ -44,7 +44,7 @@ const RECOVERY: f64 = 1.189_207_115_002_721;
 impl Persist for RunClock {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
-        self.steps.persist(&format!("{name}.steps"), archive)?;
+        persist_count(&mut self.steps, &format!("{name}.steps"), archive)?;
         let mut limit = self.limit.map(|limit| (limit.dt, limit.reason));
         limit.persist(&format!("{name}.limit"), archive)?;
         self.limit = limit.map(|(dt, reason)| TimeStepLimit { dt, reason });

@@ -39,7 +39,7 @@ use crate::halo::{FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Precision};
 use crate::particles::{Column, Particles};
-use crate::persist::{Archive, ArchiveError};
+use crate::persist::{Archive, ArchiveError, Persist, persist_count};
 use crate::reduction::{self, Reduction};
 use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
@@ -137,7 +137,16 @@ impl StepState {
     }
 }
 
-crate::persist_fields!(StepState { time, dt, count, mls_energy, pairs, any_adapted });
+impl Persist for StepState {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.time.persist(&format!("{name}.time"), archive)?;
+        self.dt.persist(&format!("{name}.dt"), archive)?;
+        persist_count(&mut self.count, &format!("{name}.count"), archive)?;
+        self.mls_energy.persist(&format!("{name}.mls_energy"), archive)?;
+        self.pairs.persist(&format!("{name}.pairs"), archive)?;
+        self.any_adapted.persist(&format!("{name}.any_adapted"), archive)
+    }
+}
 
 impl<T: PairScalar> CpuEngine<T> {
     fn new(model: Arc<Model>, mut particles: Particles, halo: Box<dyn Halo>) -> Self {

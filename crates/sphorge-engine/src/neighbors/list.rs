@@ -206,14 +206,22 @@ impl NeighborList {
     /// The first block that is not as a search of `rows` particles among `points` leaves it; for lists that were loaded.
     pub(crate) fn first_unfit(&self, rows: usize, points: usize) -> Option<usize> {
         let blocks = rows.div_ceil(BLOCK);
-        let fits = |b: usize| self.blocks.get(b).is_some_and(|block| block.fits(BLOCK.min(rows - b * BLOCK), points));
+        let fits = |b: usize| {
+            self.blocks.get(b).is_some_and(|block| block.fits(b * BLOCK, BLOCK.min(rows - b * BLOCK), points))
+        };
         (0..blocks.max(self.blocks.len())).find(|&b| b >= blocks || !fits(b))
     }
 }
 
 impl Block {
-    fn fits(&self, rows: usize, points: usize) -> bool {
+    /// Whether it is one of `rows` particles from `first` on, among `points`.
+    fn fits(&self, first: usize, rows: usize, points: usize) -> bool {
         let (starts, indices) = (&self.starts, &self.indices);
+        // Sums take padding off again as the particle itself, which is always near.
+        let is_padded = |k: usize| {
+            let padding = (starts[k] + self.lengths[k]) as usize..starts[k + 1] as usize;
+            indices[padding].iter().all(|&j| j as usize == first + k)
+        };
         let room = |k: usize| starts[k + 1].checked_sub(starts[k]).filter(|room| (*room as usize).is_multiple_of(PAD));
         self.lengths.len() == rows
             && starts.len() == rows + 1
@@ -222,6 +230,7 @@ impl Block {
             && starts[rows] as usize == self.used
             && self.used <= indices.len()
             && indices[..self.used].iter().all(|&j| (j as usize) < points)
+            && (0..rows).all(is_padded)
     }
 }
 

@@ -103,6 +103,11 @@ impl Pace {
         Self { start: Instant::now(), before: 0.0, last_seconds: 0.0, last_step: 0, last_fraction: 0.0, rate: None }
     }
 
+    /// The step of the last report.
+    pub(super) fn last_step(&self) -> u64 {
+        self.last_step
+    }
+
     pub(super) fn seconds(&self) -> f64 {
         self.before + self.start.elapsed().as_secs_f64()
     }

@@ -4,8 +4,7 @@ use super::{conservation::Conservation, error::Trouble, state::Beginning, watch:
 use crate::{
     engine::{
         Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
-        persist::{Archive, ArchiveError, Persist, persist_option, require},
-        persist_fields,
+        persist::{Archive, ArchiveError, MOST_COUNTED, Persist, persist_count, persist_option, require},
     },
     geometry::FilledMass,
     measures::Measures,
@@ -327,7 +326,14 @@ impl Recorder {
     }
 }
 
-persist_fields!(StepSums { count, searched, pairs, repeats });
+impl Persist for StepSums {
+    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_count(&mut self.count, &format!("{name}.count"), archive)?;
+        self.searched.persist(&format!("{name}.searched"), archive)?;
+        self.pairs.persist(&format!("{name}.pairs"), archive)?;
+        persist_count(&mut self.repeats, &format!("{name}.repeats"), archive)
+    }
+}
 
 impl Persist for Recorder {
     /// Everything but where it is written to. Frames are named by their numbers, so their times tell all of them.
@@ -355,6 +361,7 @@ impl Persist for Recorder {
         self.pairs.persist(&of("pairs"), archive)?;
         persist_option(&mut self.audit, &of("audit"), archive)?;
         self.audits.persist(&of("audits"), archive)?;
+        require(self.audits.audits <= MOST_COUNTED, &of("audits.audits"))?;
         self.engine_bytes.persist(&of("engine_bytes"), archive)?;
         self.seconds.persist(&of("seconds"), archive)
     }

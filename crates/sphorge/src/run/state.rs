@@ -10,7 +10,7 @@ use super::{
 use crate::{
     engine::{
         FieldSource, Simulation, StepReport,
-        persist::{Archive, ArchiveError, MemoryArchive, Persist},
+        persist::{Archive, ArchiveError, MemoryArchive, Persist, require},
     },
     geometry::FilledMass,
     model::TimeControl,
@@ -209,6 +209,7 @@ impl Persist for RunState {
         self.simulation.persist(archive)?;
         self.recorder.persist(&format!("{name}.recorder"), archive)?;
         self.pace.persist(&format!("{name}.pace"), archive)?;
+        require(self.pace.last_step() <= self.simulation.steps(), &format!("{name}.pace.last_step"))?;
         self.frames.persist(&format!("{name}.frames"), archive)?;
         self.rows.persist(&format!("{name}.rows"), archive)?;
         self.initial_kinetic.persist(&format!("{name}.initial_kinetic"), archive)?;

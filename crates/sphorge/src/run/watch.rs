@@ -7,7 +7,7 @@
 use crate::{
     engine::{
         Ledger, ParticleSource, Quantity, Reduction, RunFailure, Simulation, StepReport,
-        persist::{Archive, ArchiveError, Persist, persist_all, persist_option, require},
+        persist::{Archive, ArchiveError, Persist, persist_all, persist_count, persist_option, require},
         persist_fields,
         reduction::{Suspects, Suspicion, TEARING_RADIUS},
     },
@@ -468,7 +468,7 @@ impl Persist for Watch {
         self.pairs_at.persist(&of("pairs_at"), archive)?;
         self.pieces_at.persist(&of("pieces_at"), archive)?;
         self.first_step.persist(&of("first_step"), archive)?;
-        self.hopeless_steps.persist(&of("hopeless_steps"), archive)?;
+        persist_count(&mut self.hopeless_steps, &of("hopeless_steps"), archive)?;
         let known = self.seen.iter().all(|seen| usize::from(seen.kind) < WarningKind::ALL.len());
         require(archive.is_saving() || known && self.told <= self.seen.len(), &of("seen"))
     }

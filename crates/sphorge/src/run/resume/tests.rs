@@ -88,7 +88,7 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
     let set_count = |count: u64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&count.to_le_bytes());
     let many = 1_000_000_000_000_000_000;
     type Change<'a> = (&'a str, Box<dyn Fn(&mut Vec<u8>)>, &'a str);
-    let forgeries: [Change<'_>; 9] = [
+    let forgeries: [Change<'_>; 15] = [
         ("state/particles.position", Box::new(set_first(f64::NAN)), "`position` has values that no particle can have"),
         ("state/particles.velocity", Box::new(set_first(f64::INFINITY)), "`velocity` has values"),
         ("state/particles.density", Box::new(set_first(-1.0)), "`density` has values"),
@@ -97,6 +97,18 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
         ("state/lists.list.count", Box::new(set_count(many)), "lists.list"),
         ("state/run.recorder.watch.seen.count", Box::new(set_count(many)), "watch.seen"),
         ("state/clock.steps", Box::new(set_count(11)), "another step than it says"),
+        // Counts that the next step would wrap, and differences below nothing.
+        ("state/step.count", Box::new(set_count(u64::MAX)), "step.count"),
+        ("state/run.recorder.steps.count", Box::new(set_count(u64::MAX)), "recorder.steps.count"),
+        ("state/run.recorder.steps_at_last_row.count", Box::new(set_count(13)), "steps_at_last_row.count"),
+        ("state/run.recorder.watch.hopeless_steps", Box::new(set_count(u64::MAX)), "watch.hopeless_steps"),
+        ("state/run.pace.last_step", Box::new(set_count(13)), "run.pace.last_step"),
+        // The padding behind a row of two is not the particle itself.
+        (
+            "state/lists.list.0.indices",
+            Box::new(|bytes| bytes[12..16].copy_from_slice(&7u32.to_le_bytes())),
+            "lists.list",
+        ),
         ("state/run.frames.next", Box::new(set_count(0)), "run.frames.next"),
     ];
     for (name, change, reason) in forgeries {
