@@ -72,6 +72,10 @@ words! {
         "constant" => false, "as at the start";
         "follow-density" => true, "grows where material expands and shrinks where it is compressed, at most by a factor of 2";
     }
+    CompressionWord, "compression of frames", bool {
+        "zlib" => true, "by zlib, as every reader of VTK files reads it";
+        "none" => false, "values as they are: longer files, for programs that read them without zlib";
+    }
     SearchWord, "search strategy", Strategy {
         "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
         "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";

@@ -46,6 +46,30 @@ fn run(folder: &Path, threads: usize) -> Result<(RunDirectory, Summary), RunErro
 }
 
 #[test]
+fn frames_are_compressed_unless_the_deck_says_no() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = [None, Some("zlib"), Some("none")].map(|word| {
+        let set: Vec<_> = word.map(|word| ("output.compression".to_owned(), word.to_owned())).into_iter().collect();
+        let mut setup = load_text("plate", DECK, &set).unwrap();
+        setup.model.time.max_steps = Some(3);
+        let directory = folder.path().join(word.unwrap_or("default"));
+        let options = RunOptions { directory, threads: Some(1), ..RunOptions::default() };
+        execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap();
+        let directory = RunDirectory::open(&options.directory).unwrap();
+        let (_, last) = read_series(&directory).unwrap().pop().unwrap();
+        let bytes = fs::read(&last).unwrap();
+        let says_so = String::from_utf8_lossy(&bytes).contains("vtkZLibDataCompressor");
+        let mut frame = FrameFile::open(&last).unwrap();
+        let values = (frame.positions().unwrap(), frame.column("velocity").unwrap(), frame.column("stress").unwrap());
+        (bytes.len(), says_so, format!("{values:?}"))
+    });
+    let [default, zlib, none] = frames;
+    assert_eq!(default, zlib);
+    assert!(zlib.1 && !none.1 && zlib.0 < none.0, "{} and {} bytes", zlib.0, none.0);
+    assert_eq!(zlib.2, none.2);
+}
+
+#[test]
 fn a_deck_runs_and_its_folder_tells_the_story() {
     let folder = tempfile::tempdir().unwrap();
     let (directory, summary) = run(folder.path(), 2).unwrap();

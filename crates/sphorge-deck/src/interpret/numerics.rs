@@ -345,6 +345,7 @@ pub(crate) fn output(
         }
         Some(words) => super::observed::listed_fields(words, problems),
     };
+    let is_compressed = or_default!(raw.compression, true, |k: &Choice<_>| k.get(problems));
     let end = end?;
     let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);
     let history_interval = history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64);
@@ -360,5 +361,5 @@ pub(crate) fn output(
             problems.push(Fault::new("out-of-range", message, at, "here").help("choose a longer interval"));
         }
     }
-    Some(OutputControl { frame_interval, history_interval, fields: fields? })
+    Some(OutputControl { frame_interval, history_interval, fields: fields?, is_compressed: is_compressed? })
 }

@@ -139,5 +139,7 @@ tables! {
         history_interval: Option<Given<Time>>, example "0.1 us", otherwise "end / 500";
         /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: who was searched in the last step.
         fields: Option<Vec<Choice<FieldWord>>>, example ["velocity", "plastic_strain"], otherwise "the usual ones";
+        /// How values of frames are compressed.
+        compression: Option<Choice<CompressionWord>>, example "none", default "zlib";
     }
 }

@@ -185,4 +185,6 @@ pub struct OutputControl {
     pub history_interval: f64,
     /// Names of the fields to write; see [`crate::particles::FIELDS`].
     pub fields: Vec<String>,
+    /// Whether values of frames are compressed.
+    pub is_compressed: bool,
 }

@@ -74,6 +74,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             frame_interval: 0.1,
             history_interval: 0.01,
             fields: ["id", "body", "velocity", "stress"].map(str::to_owned).into(),
+            is_compressed: true,
         },
         measures: Vec::new(),
         tracers: Vec::new(),

@@ -1,6 +1,6 @@
 //! Writes one frame as VTK XML PolyData (`.vtp`).
 //!
-//! Values are little-endian and stand behind the XML header ([`super::vtp_data`]), compressed by zlib unless [`FrameWriter`] is told otherwise.
+//! Values are little-endian and stand behind the XML header ([`super::vtp_data`]), compressed by zlib unless the deck has `output.compression = "none"`.
 //! Points are `Float64`: displacements of elastic cases are below the resolution of `Float32` coordinates. Fields are
 //! `Float32`, whole numbers `UInt32`. Every particle is a vertex cell, so that ParaView shows and thresholds it. The unit of an array is its
 //! `UNITS_LABEL`, where VTK keeps units. Field data carry what a reader needs beside the particles: `TimeValue` (s), `Step`, `Dimensions`,
@@ -71,13 +71,13 @@ const MAX_PARTICLES: usize = i32::MAX as usize;
 const ARRAYS_BEFORE: usize = 3;
 
 impl FrameWriter {
-    /// Of frames that name the bodies of a model.
+    /// Of the frames of a model, with the names of its bodies.
     pub fn new(model: &Model) -> Self {
         let material =
             |index: usize| model.materials.get(index).map_or_else(String::new, |material| material.name.clone());
         let bodies = model.bodies.iter();
         let bodies = bodies.map(|body| FrameBody { name: body.name.clone(), material: material(body.material) });
-        Self { bodies: bodies.collect(), ..Self::default() }
+        Self { bodies: bodies.collect(), is_compressed: model.output.is_compressed }
     }
 
     /// Writes a frame with the named fields from where `out` stands, particles in the order they are read in. The position is written as

@@ -90,7 +90,7 @@ fn model(materials: Vec<Material>) -> Model {
         periodic: [None; 3],
         motions: Vec::new(),
         gravity: [0.0; 3],
-        output: OutputControl { frame_interval: 1.0, history_interval: 1.0, fields: Vec::new() },
+        output: OutputControl { frame_interval: 1.0, history_interval: 1.0, fields: Vec::new(), is_compressed: true },
         measures: Vec::new(),
         tracers: Vec::new(),
         sections: Vec::new(),
