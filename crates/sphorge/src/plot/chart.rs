@@ -8,6 +8,7 @@ use super::{
     legend::{Legend, SAMPLE},
     page::{Anchor, Area, FRAME, GRID, MARGIN, Page, SMALL, TEXT},
     paper::Paper,
+    walls::PlacedWall,
 };
 
 /// Between an axis and its labels.
@@ -37,6 +38,8 @@ pub(super) struct Chart {
     pub(super) curves: Vec<Curve>,
     /// Ends of the upright axis; to fit if none. Values beyond are drawn at the end.
     pub(super) limits: Option<(f64, f64)>,
+    /// Walls across the axis along the page.
+    pub(super) walls: Vec<PlacedWall>,
 }
 
 /// Time along the page.
@@ -69,6 +72,16 @@ impl Chart {
         finite.map(|p| (pick(p), pick(p))).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
+    /// Ends of the axis along the page; none without a value.
+    fn ends(&self) -> Option<(f64, f64)> {
+        let (low, high) = self
+            .walls
+            .iter()
+            .filter_map(PlacedWall::across)
+            .fold(self.range(|p| p.0)?, |(low, high), x| (low.min(x), high.max(x)));
+        Some((low, if high > low { high } else { low + 1.0 }))
+    }
+
     /// Whether there is a value to draw.
     pub(super) fn has_values(&self) -> bool {
         self.range(|p| p.1).is_some()
@@ -83,7 +96,7 @@ impl Chart {
 
     /// Draws the chart into an area of the page.
     fn draw(&self, page: &mut Page, area: Area, plan: &Plan) {
-        let (Some((t_low, t_high)), Some(up)) = (self.range(|p| p.0), self.upright(plan.height)) else { return };
+        let (Some(ends), Some(up)) = (self.ends(), self.upright(plan.height)) else { return };
         let heading = wrap(&up.title(&self.quantity), TEXT, area.width);
         let axes = Area {
             x: area.x + plan.left,
@@ -95,8 +108,7 @@ impl Chart {
             let lines_below = (heading.len() - 1 - k) as f64;
             page.text((area.x, axes.y - 11.0 - LEADING * TEXT * lines_below), TEXT, Anchor::Left, line);
         }
-        let (t_low, t_high) = if t_high > t_low { (t_low, t_high) } else { (t_low, t_low + 1.0) };
-        let along = AxisScale::level((t_low, t_high), self.along.1, axes.width, SMALL);
+        let along = AxisScale::level(ends, self.along.1, axes.width, SMALL);
         let x = |t: f64| axes.x + along.share(t) * axes.width;
         let y = |value: f64| axes.bottom() - up.share(value) * axes.height;
         for (tick, label) in up.ticks.iter().zip(&up.labels) {
@@ -112,6 +124,9 @@ impl Chart {
         let middle = (axes.x + 0.5 * axes.width).min(area.right() - half).max(area.x + half);
         page.text((middle, axes.bottom() + 42.0), size, Anchor::Centre, &name);
         page.outline(axes, 1.0, FRAME);
+        for wall in &self.walls {
+            wall.draw(page, axes, |[at, _]| (x(at), axes.y));
+        }
         for (k, curve) in self.curves.iter().enumerate() {
             for segment in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
                 stroke(page, segment.iter().map(|&(t, value)| (x(t), y(value))).collect(), 2.0, k, curve.marked);
@@ -166,9 +181,7 @@ impl Plan {
         let lines = ups.iter().map(|(chart, up)| wrap(&up.title(&chart.quantity), TEXT, width).len());
         let left = ups.iter().map(|(_, up)| widest(&up.labels, SMALL)).fold(0.0, f64::max) + GAP;
         let lasts = charts.iter().filter_map(|chart| {
-            let (low, high) = chart.range(|p| p.0)?;
-            let along =
-                AxisScale::level((low, if high > low { high } else { low + 1.0 }), chart.along.1, width - left, SMALL);
+            let along = AxisScale::level(chart.ends()?, chart.along.1, width - left, SMALL);
             Some(0.5 * widest(&along.labels, SMALL))
         });
         let label = lasts.fold(0.0, f64::max) + 2.0;
@@ -276,6 +289,7 @@ mod tests {
             unit: unit.into(),
             curves: names.iter().map(curve).collect(),
             limits: None,
+            walls: Vec::new(),
         }
     }
 

@@ -9,6 +9,7 @@ use super::{
     save::save_animation,
     scene::{Extent, Look, Panel, Scene, Source},
     title::{run_title, title_of},
+    walls::PlacedWall,
 };
 use crate::output::RunDirectory;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ pub(super) fn particles(scene: &Scene, picture: &FieldPicture, title: &str) -> R
 }
 
 /// A problem of one dimension is a curve over x for each frame.
-fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Page, PlotError> {
+pub(super) fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Page, PlotError> {
     let curve = |panel: &Panel| {
         let mut points: Vec<_> = panel.marks.iter().map(|mark| (mark.right, mark.value)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -91,7 +92,17 @@ fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> Result<Page,
         _ => title.to_owned(),
     };
     let (quantity, unit) = (scene.label.clone(), scene.unit.to_owned());
-    let chart = Chart { along: ("x", "m"), quantity, unit, curves, limits: picture.range };
+    // Those that are near the particles, once where they do not move.
+    let (low, high) = scene.extent.window[0];
+    let off = 1e-9 * (high - low);
+    let is_near = |wall: &PlacedWall| wall.across().is_some_and(|x| (low - off..=high + off).contains(&x));
+    let mut walls: Vec<PlacedWall> = Vec::new();
+    for wall in scene.panels.iter().flat_map(|panel| &panel.walls).filter(|wall| is_near(wall)) {
+        if !walls.contains(wall) {
+            walls.push(*wall);
+        }
+    }
+    let chart = Chart { along: ("x", "m"), quantity, unit, curves, limits: picture.range, walls };
     page(&[chart], 1, &title, picture.size, picture.paper)
 }
 

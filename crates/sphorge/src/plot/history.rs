@@ -52,6 +52,7 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, paper: Paper, t
         Chart {
             along: TIME,
             limits: None,
+            walls: Vec::new(),
             quantity: quantity.into(),
             unit: unit.unwrap_or_default(),
             curves: if some.is_empty() { curves } else { some },
@@ -141,6 +142,7 @@ pub(super) fn charts(runs: &[(&str, &RunDirectory)], columns: &[String]) -> Resu
                     unit: column.unit.clone(),
                     curves: vec![curve],
                     limits: None,
+                    walls: Vec::new(),
                 }),
             }
         }
@@ -181,8 +183,14 @@ pub fn plot_overlay(
     paper: Paper,
     to: &Path,
 ) -> Result<(), PlotError> {
-    let mut chart =
-        Chart { along: TIME, quantity: words(column), unit: String::new(), curves: Vec::new(), limits: None };
+    let mut chart = Chart {
+        along: TIME,
+        quantity: words(column),
+        unit: String::new(),
+        curves: Vec::new(),
+        limits: None,
+        walls: Vec::new(),
+    };
     for (name, run) in runs {
         let table = HistoryTable::read(run)?;
         let (description, _) = table.column(column).ok_or_else(|| unknown_column(&table, column))?;

@@ -113,7 +113,7 @@ impl Source {
         let (samples, count) = self.shown(samples, picture, view);
         let projection = view.projection();
         let placed = match (&self.model, bounds(&samples)) {
-            (Some(model), Some(bounds)) if !look.line => walls(model, frame.header.time, &projection, &bounds),
+            (Some(model), Some(bounds)) => walls(model, frame.header.time, &projection, &bounds),
             _ => Vec::new(),
         };
         let project = |sample: &Sample| {

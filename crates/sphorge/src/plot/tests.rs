@@ -97,6 +97,42 @@ fn a_problem_in_one_dimension_is_a_curve_for_each_frame() {
 }
 
 #[test]
+fn walls_of_one_dimension_stand_across_the_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 1);
+    let wall = |name: &str, point: &str, normal: i32, velocity: &str| {
+        format!(
+            "[[wall]]\nname = \"{name}\"\nplane = {{ point = [\"{point}\"], normal = [{normal}] }}\n\
+             velocity = [\"{velocity}\"]\n"
+        )
+    };
+    let deck =
+        "dimensions = \"1d\"\n[particles]\nspacing = \"1 mm\"\n[time]\nend = \"1 us\"\n[[body]]\nname = \"bar\"\n\
+                material = \"armco-iron\"\nshape = { box = { min = [\"0 mm\"], max = [\"20 mm\"] } }\n"
+            .to_owned();
+    let stands = wall("stands", "22 mm", -1, "0 m/s");
+    let moves = wall("moves", "-2 mm", 1, "100 m/s");
+    fs::write(run.deck(), deck + &stands + &moves + &wall("far", "-200 mm", 1, "0 m/s")).unwrap();
+    let frames = vec![FrameChoice::First, FrameChoice::Last];
+    let picture = FieldPicture { frames, size: Some((900, 500)), ..FieldPicture::new("pressure") };
+    let drawn = |picture: &FieldPicture| {
+        let page = field::draw_line(&seen(&run, picture), picture, "A bar between walls").unwrap();
+        let mut places = Vec::new();
+        for item in &page.items {
+            let page::Item::Line { points, width: 2.5, .. } = item else { continue };
+            assert!(points[0].0 == points[1].0 && (points[1].1 - points[0].1).abs() > 200.0, "{points:?}");
+            places.push(points[0].0);
+        }
+        places
+    };
+    // One stands; the other is drawn where it was at either time, 1 mm apart.
+    let places = drawn(&picture);
+    let [stands, first, last] = places[..] else { panic!("{places:?}") };
+    assert!(((last - first) / (stands - first) - 1.0 / 24.0).abs() < 1e-9, "{places:?}");
+    assert_eq!(drawn(&FieldPicture { window: Some([(0.0, 0.01), (0.0, 0.0)]), ..picture }), [0.0; 0]);
+}
+
+#[test]
 fn a_single_particle_without_size_is_drawn_or_refused_but_never_a_fault() {
     let folder = tempfile::tempdir().unwrap();
     for (k, dimensions) in [1, 2, 3].into_iter().enumerate() {

@@ -127,6 +127,14 @@ impl PlacedWall {
         }
     }
 
+    /// Where it crosses the axis to the right, if it is across it, m.
+    pub(super) fn across(&self) -> Option<f64> {
+        match *self {
+            Self::Line { point: [x, _], normal: [_, up] } if up.abs() < EDGEWISE => Some(x),
+            Self::Line { .. } | Self::Face { .. } | Self::Segment { .. } => None,
+        }
+    }
+
     /// Whether it is drawn before the particles.
     pub(super) fn is_behind(&self) -> bool {
         matches!(self, Self::Face { filled: true, .. })
