@@ -31,6 +31,9 @@ pub struct Setup {
     /// What the user should know before the run, such as keys that the chosen form does without, a material that is
     /// probably not meant, or a spacing that does not fit a body.
     pub notes: Vec<String>,
+    /// What is doubtful of materials of the catalogue that the deck uses as they are published: no choice of the deck, so that `run` does
+    /// not say it of every run, `check` and `sphorge materials NAME` do.
+    pub catalogue_notes: Vec<String>,
 }
 
 /// Longest deck, bytes: read in seconds. Numbers by the thousand belong into a file of their own.
@@ -121,14 +124,15 @@ pub(super) fn read(
         deck_text = changed;
     }
     let mut problems = Problems::new(&shown, &deck_text).with_folder(folder.unwrap_or(Path::new("")));
-    let Interpreted { model, places, mut notes } = read_model(name, &mut problems)?;
+    let Interpreted { model, places, mut notes, catalogue_notes } = read_model(name, &mut problems)?;
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
             placement::check_tracers(&model, &particles, &places, &mut problems);
             problems.check()?;
             let masses = geometry::filled_masses(&model, &particles);
             notes.extend(placement::notes(&model, &particles, &masses));
-            Ok(Setup { deck_text: with_whole_paths(deck_text, &model)?, model, particles, masses, notes })
+            let deck_text = with_whole_paths(deck_text, &model)?;
+            Ok(Setup { deck_text, model, particles, masses, notes, catalogue_notes })
         }
         Err(errors) => {
             for error in errors {

@@ -35,7 +35,8 @@ pub(crate) struct CheckArguments {
 pub(crate) fn execute(arguments: CheckArguments) -> Ending {
     let setup = arguments.deck.find()?.load()?;
     let advice = advice(&setup.model, &setup.particles);
-    setup.notes.iter().chain(&advice.notes).for_each(|note| terminal::note(&format!("note: {note}")));
+    let notes = setup.catalogue_notes.iter().chain(&setup.notes).chain(&advice.notes);
+    notes.for_each(|note| terminal::note(&format!("note: {note}")));
     let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
     terminal::print(&report(&forecast, &advice))?;

@@ -54,6 +54,9 @@ fn details(material: &MaterialListing) -> String {
             let _ = writeln!(text, "{name}: {value}");
         }
     }
+    for doubt in &material.doubts {
+        let _ = writeln!(text, "note: {doubt}");
+    }
     text += &format!("\n{}", constants(&material.constants));
     for (what, law) in [("pressure", &material.equation_of_state), ("strength", &material.strength)] {
         if let Some(law) = law {

@@ -124,11 +124,13 @@ pub(crate) struct Chosen<'a> {
     indices: HashMap<String, usize>,
     /// What the user should know of them.
     notes: Vec<String>,
+    /// The same of those of the catalogue as they are.
+    catalogue_notes: Vec<String>,
 }
 
 impl<'a> Chosen<'a> {
     pub(crate) fn new(library: &'a Library) -> Self {
-        Self { library, chosen: Vec::new(), indices: HashMap::new(), notes: Vec::new() }
+        Self { library, chosen: Vec::new(), indices: HashMap::new(), notes: Vec::new(), catalogue_notes: Vec::new() }
     }
 
     /// The index of the material a body names.
@@ -145,7 +147,8 @@ impl<'a> Chosen<'a> {
         let constants = self.library.constants(name)?;
         let own = self.library.own.get(name);
         let material = build(name, &constants).map_err(|incomplete| report(name, incomplete, word, own, problems)).ok();
-        self.notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
+        let notes = if own.is_some() { &mut self.notes } else { &mut self.catalogue_notes };
+        notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
         self.indices.insert(name.to_owned(), self.chosen.len());
         self.chosen.push((name.to_owned(), material, word.span()));
         Some(self.chosen.len() - 1)
@@ -182,9 +185,14 @@ impl<'a> Chosen<'a> {
         }
     }
 
-    /// What the user should know of the materials.
+    /// What the user should know of the materials of the deck.
     pub(crate) fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// What the user should know of materials of the catalogue that the deck has not changed.
+    pub(crate) fn catalogue_notes(&self) -> &[String] {
+        &self.catalogue_notes
     }
 
     /// All of them; those with faults are left out.

@@ -209,6 +209,8 @@ pub(crate) struct Interpreted {
     pub(crate) places: SourceSpans,
     /// What the user should know: what the choices of the deck leave out, what is doubtful in a material.
     pub(crate) notes: Vec<String>,
+    /// The same of materials of the catalogue as they are.
+    pub(crate) catalogue_notes: Vec<String>,
 }
 
 /// Interprets a deck; `None` only with faults in `problems`.
@@ -290,6 +292,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     };
     let dropped = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n));
     let mut notes = materials.notes().to_vec();
+    let catalogue_notes = materials.catalogue_notes().to_vec();
     notes.extend(dropped);
     let (materials, mut output) = (materials.into_materials(), output?);
     if raw.output.fields.is_none() {
@@ -321,7 +324,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         sections: sections?,
         warnings: warnings?,
     };
-    Some(Interpreted { model, places, notes })
+    Some(Interpreted { model, places, notes, catalogue_notes })
 }
 
 /// Choices that exclude each other.

@@ -1,5 +1,6 @@
 //! A material of the catalogue for people: every constant with its letter, unit and meaning, and what is not given.
 
+use super::advice::advice;
 use super::build::{Incomplete, build};
 use super::constants::{Constants, LawConstants};
 use crate::defaults::REFERENCE_TEMPERATURE;
@@ -48,6 +49,8 @@ pub struct MaterialListing {
     pub reference: String,
     /// What a user has to know; may be empty.
     pub note: String,
+    /// What is doubtful about the constants.
+    pub doubts: Vec<String>,
     /// Constants that belong to no law.
     pub constants: Vec<ConstantLine>,
     /// Pressure law; `None` if not given and not derivable from elastic constants.
@@ -105,7 +108,9 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
             "temperature of zero internal energy",
         ),
     ];
-    let missing = match build(name, constants) {
+    let built = build(name, constants);
+    let doubts = built.as_ref().map(|material| advice(constants, material)).unwrap_or_default();
+    let missing = match built {
         Ok(_) => Vec::new(),
         Err(Incomplete::Inconsistent(message)) => vec![message],
         Err(Incomplete::Missing(missing)) => missing
@@ -124,6 +129,7 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
         description: constants.description.clone().unwrap_or_default(),
         reference: constants.reference.clone().unwrap_or_default(),
         note: constants.note.clone().unwrap_or_default(),
+        doubts,
         constants: all.into_iter().filter(|line| line.value.is_some()).collect(),
         equation_of_state: state.as_ref().map(|c| law(&EQUATIONS_OF_STATE[c.law], c, constants)),
         strength: constants.strength.as_ref().map(|c| law(&FLOW_LAWS[c.law], c, constants)),

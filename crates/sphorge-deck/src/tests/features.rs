@@ -330,7 +330,10 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
 
 #[test]
 fn doubtful_materials_are_told_and_run() {
-    let notes = |deck: &str| load_text("taylor", &fitted(deck), &[]).unwrap().notes;
+    let notes = |deck: &str| {
+        let setup = load_text("taylor", &fitted(deck), &[]).unwrap();
+        [setup.catalogue_notes, setup.notes].concat()
+    };
     // Bulk modulus and shear modulus of the papers' iron do not belong together; once for each material.
     let twice = FLAVOUR.to_owned()
         + "[[body]]\nname = \"other\"\nmaterial = \"armco-iron\"\nshape = { box = { min = [1, 0], max = [1.0102, 0.0102] } }\n";
@@ -350,4 +353,19 @@ fn doubtful_materials_are_told_and_run() {
     assert!(setup.notes.len() == 1 && setup.notes[0].contains("has no `specific-heat`: its temperature stays"));
     let meant = deck.replace("density = 7850", "density = 7850\ntaylor-quinney = 0");
     assert_eq!(notes(&meant), Vec::<String>::new());
+}
+
+#[test]
+fn a_run_tells_of_what_its_deck_has_changed_and_not_of_published_constants() {
+    let is_of_ratio = |notes: &[String]| notes.len() == 1 && notes[0].contains("Poisson's ratio");
+    let plate = crate::decks::find("iron-plate").unwrap().text;
+    let shipped = load_text("iron-plate", plate, &[]).unwrap();
+    assert_eq!(shipped.notes, [""; 0]);
+    assert!(is_of_ratio(&shipped.catalogue_notes), "{:?}", shipped.catalogue_notes);
+    let doubts = crate::material::find("armco-iron").unwrap().doubts;
+    assert_eq!(doubts, shipped.catalogue_notes);
+    // Where the deck has a hand in the constants, they are its own.
+    let denser = ("material.armco-iron.density".to_owned(), "7900 kg/m3".to_owned());
+    let changed = load_text("iron-plate", plate, &[denser]).unwrap();
+    assert!(is_of_ratio(&changed.notes) && changed.catalogue_notes.is_empty(), "{:?}", changed.notes);
 }

@@ -156,7 +156,14 @@ fn setup(model: Model) -> Setup {
     particles.velocity[1][0] = 3.0;
     particles.id[1] = 1;
     let masses = vec![FilledMass { particles: 2, mass: 3.0, shape_mass: 4.0, is_estimate: false }];
-    Setup { model, particles, masses, deck_text: "title = \"A test\"\n".into(), notes: Vec::new() }
+    Setup {
+        model,
+        particles,
+        masses,
+        deck_text: "title = \"A test\"\n".into(),
+        notes: Vec::new(),
+        catalogue_notes: Vec::new(),
+    }
 }
 
 fn run(folder: &Path, model: Model, fail_at: Option<f64>) -> Result<Summary, RunError> {
