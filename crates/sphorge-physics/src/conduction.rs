@@ -263,6 +263,20 @@ mod tests {
         // |dw/dq| is 2 q - 1.5 q^2 at 1/1.2 and (2 - q)^2/2 at 2/1.2.
         let (near, far) = ((2.0 - 1.5 / 1.2) / 1.44, (1.0 / 9.0) / 1.2);
         assert!((sums.moment - 2.0 * (near + far) / 1.2).abs() < 1e-14, "{sums:?}");
+        // In a plane, h = spacing: of the next neighbours 1 |dw/dq| = 1/2, of those across sqrt(2) (2 - sqrt(2))^2/2. The outermost layer
+        // has three and two of the four and four, its own row in full.
+        let sums = lattice(Kernel::CubicSpline, Dimension::Two, 0.5, 0.5);
+        let scale = 15.0 / (7.0 * core::f64::consts::PI) / 2.0;
+        let root = Real::sqrt(2.0);
+        let (near, far) = (0.5, 0.5 * root * (2.0 - root) * (2.0 - root));
+        assert!((sums.moment - scale * (4.0 * near + 4.0 * far)).abs() < 1e-14, "{sums:?}");
+        assert!((sums.surface_moment - scale * (3.0 * near + 2.0 * far)).abs() < 1e-14, "{sums:?}");
+        // Only spacings to a smoothing length matter, and none within the support is left out.
+        let fine = lattice(Kernel::WendlandC2, Dimension::One, 0.25, 3.0);
+        let kernel = Kernel::WendlandC2;
+        let term = |k: i32| -f64::from(k * k) * kernel.dw_over_q(f64::from(k) / 12.0) / 1728.0;
+        let by_hand = kernel.normalisation(Dimension::One) * 2.0 * (1..=24).map(term).sum::<f64>();
+        assert!((fine.moment - by_hand).abs() < 1e-14, "{fine:?} {by_hand}");
         // Many neighbours: one.
         for dimension in [Dimension::One, Dimension::Two, Dimension::Three] {
             let many = lattice(Kernel::WendlandC2, dimension, 1.0, 4.0);
@@ -315,6 +329,8 @@ mod tests {
         let b = stretched(&turned);
         assert!((0..9).all(|c| (a[c / 3][c % 3] - b[c / 3][c % 3]).abs() < 1e-12), "{b:?}");
         assert!((best_flow(&f) - 3.6).abs() < 1e-12);
+        // Sheared by 2: J C^-1 = [[5, -2, 0], [-2, 1, 0], [0, 0, 1]].
+        assert_eq!(best_flow(&[[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 7.0f64);
         assert_eq!(best_flow(&[[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]]), 1.0f64);
         // 50 (0.4 - 1) 2 (-3) along x with B = 2 twice; 50 2.6 1 along z.
         let correction = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

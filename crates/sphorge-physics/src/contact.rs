@@ -394,6 +394,50 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_slope_of_a_flat_body_is_that_of_its_sum() {
+        for dimension in [Dimension::One, Dimension::Two, Dimension::Three] {
+            let at = |gap: f64| flat_body(Kernel::QuinticSpline, dimension, 0.5, 0.6, gap);
+            let difference = (at(0.4 - 1e-5).sum - at(0.4 + 1e-5).sum) / 2e-5;
+            assert!((at(0.4).slope / difference - 1.0).abs() < 1e-7, "{dimension:?} {difference} {:?}", at(0.4));
+        }
+    }
+
+    #[test]
+    fn two_bodies_press_and_damp_by_the_harmonic_means_of_theirs() {
+        // Stacks of layers in one dimension that see each other through several of them, differing in all they can.
+        let (kernel, h) = (Kernel::QuinticSpline, 2.0e-3);
+        let steel = ContactBody { smoothing_length: 1.8e-3, ..STEEL };
+        let copper = ContactBody { spacing: 0.7e-3, smoothing_length: 2.2e-3, density: 8960.0, bulk_modulus: 137e9 };
+        let strength = ContactStrength { stiffness: 0.7, damping: 0.3, friction: 0.1 };
+        let law = ContactLaw::new(kernel, Dimension::One, &steel, &copper, strength);
+        let touching = 0.85e-3;
+        let scale = kernel.normalisation(Dimension::One) / Real::powu(h, 3);
+        let slope = |r: f64| -scale * kernel.dw_over_q(r / h) * r;
+        let pairs = |gap: f64| {
+            (0..20).flat_map(move |i| (0..20).map(move |j| (i, j, gap + f64::from(i) * 1e-3 + f64::from(j) * 0.7e-3)))
+        };
+        let area = 1e-3 * 0.7e-3;
+        let shown: f64 = pairs(touching).map(|(_, _, r)| area * slope(r)).sum();
+        let impedance = |b: &ContactBody| Real::sqrt(b.density * b.bulk_modulus);
+        let (z_a, z_b) = (impedance(&steel), impedance(&copper));
+        let critical = Real::sqrt(2.0) * 2.0 / (1.0 / z_a + 1.0 / z_b);
+        assert!((law.damping * shown / (0.3 * critical) - 1.0).abs() < 1e-12, "{law:?}");
+        // Closed by a ten-thousandth of the mean spacing.
+        let gap = touching * (1.0 - 1e-4);
+        let closed = |own: i32, spacing: f64, other: f64, inverse: f64| {
+            let y = gap + f64::from(own) * spacing;
+            flat_body(kernel, Dimension::One, other, h, y).sum * inverse - 1.0
+        };
+        let of_pair = |(i, j, r): (i32, i32, f64)| {
+            let overlaps = (closed(i, 1e-3, 0.7e-3, law.inverse_sums.0), closed(j, 0.7e-3, 1e-3, law.inverse_sums.1));
+            area * slope(r) * law.modulus * pair_pressure(&law, overlaps)
+        };
+        let pressure: f64 = pairs(gap).map(of_pair).sum();
+        let expected = 0.7 * 2.0 / (1.0 / 160e9 + 1.0 / 137e9) * 1e-4;
+        assert!((pressure / expected - 1.0).abs() < 1e-3, "{pressure:.6e} {expected:.6e}");
+    }
+
     /// Pressure between two flat stacks of layers in one dimension, and the energy per area.
     fn stacks(law: &ContactLaw<f64>, gap: f64) -> (f64, f64) {
         let (kernel, spacing, h) = (Kernel::CubicSpline, STEEL.spacing, STEEL.smoothing_length);
@@ -481,6 +525,9 @@ mod tests {
         assert!((f.stored + 3.09 * (0.6 * 2.0 - 0.8)).abs() < 1e-12);
         assert!((f.damped - 2.0).abs() < 1e-12 && (f.rubbed - 1.118 * 2.0).abs() < 1e-12);
         assert_eq!(f.approach, 1.0);
+        // At half the speed half the damping, and a quarter of its power.
+        let slower = contact_force(&LAW, &ContactPair { v: [2.0, -0.5, 0.0], ..pair() });
+        assert!((slower.force[1] - (3.09 * 0.8 + 1.0)).abs() < 1e-12 && (slower.damped - 0.5).abs() < 1e-12);
         // The powers are those of the force.
         let power = f.force[0] * 2.0 - f.force[1];
         assert!((power + f.stored + f.damped + f.rubbed).abs() < 1e-12);
@@ -519,17 +566,19 @@ mod tests {
     #[test]
     fn the_stable_step_of_a_contact_by_hand() {
         let kernel = ContactKernel { w: 1.0, slope: 0.5, r: 2.0, h: 4.0 };
-        let own = Overlap { overlap: 1.0, away: [0.0, 3.0, 4.0], weight: 0.0 };
+        let own = Overlap { overlap: 2.0, away: [0.0, 3.0, 4.0], weight: 0.0 };
         let mut contact = ContactStiffness::default();
-        // weight 2 3 0.5 2 = 6; phi' (1) 2 = 8/3, phi'(-1) = 0, so 6 (8/3)/4 = 4; nothing of the neighbour's. Own: 2 2 25 = 100.
+        // weight 2 3 0.5 2 = 6; phi' (1) 2 = 8/3, phi'(-1) = 0, so 6 (8/3)/4 = 4; nothing of the neighbour's. Own: 2 5 25 = 250.
         contact.add(&LAW, &kernel, (1.0, -1.0), 2.0, 3.0);
-        // K (4 + 100) = 1040, damping 4 6 = 24: 2 1040/520 = 4 and 2 24/520.
-        let want = oscillator_limit(4.0, 48.0 / 520.0);
+        // One that is apart adds nothing, no damping either.
+        contact.add(&LAW, &kernel, (-0.1, -1.0), 2.0, 3.0);
+        // K (4 + 250) = 2540, damping 4 6 = 24: 2 2540/520 and 2 24/520.
+        let want = oscillator_limit(2.0 * 2540.0 / 520.0, 48.0 / 520.0);
         assert!((contact.limit(&own, 2.0, 520.0) - want).abs() < 1e-14);
         // The neighbour's overlap: 3 phi''(1) (2 0.5 2 5)^2 = 600 and 6 (8/3 + 4/3 5)/4 = 14 on top.
         let mut contact = ContactStiffness::default();
         contact.add(&LAW, &kernel, (1.0, 1.0), 2.0, 3.0);
-        let want = oscillator_limit(2.0 * 10.0 * (600.0 + 14.0 + 100.0) / 520.0, 48.0 / 520.0);
+        let want = oscillator_limit(2.0 * 10.0 * (600.0 + 14.0 + 250.0) / 520.0, 48.0 / 520.0);
         assert!((contact.limit(&own, 2.0, 520.0) - want).abs() < 1e-14);
         // Apart, there is neither.
         let mut apart = ContactStiffness::default();

@@ -213,6 +213,10 @@ mod tests {
         assert_eq!(sums, SpringSums { acceleration: [38.5, 0.0, 0.0], energy_rate: 75.0 });
         // Too far apart, it is drawn together.
         assert!(Misfit { error: -1.5, ..misfit }.strength(spring, scale, 0.5, 6.0) < 0.0);
+        // The same in micrometres.
+        let small = Misfit { initial2: 4e-12, r2: 2.25e-12, error: 1.5e-12, ..misfit };
+        let scale = PairScale { h: 2e-6, inverse_h: 0.5e6, gradient: 0.125e12 };
+        assert!((small.strength(spring, scale, 0.5, 6.0) / 25e12 - 1.0).abs() < 1e-12);
         // A particle and itself.
         let none = Misfit { initial2: 0.0, r2: 0.0, error: 0.0, v_dot_x: 0.0 };
         assert_eq!(none.strength(spring, scale, 0.5, 6.0), 0.0);

@@ -159,6 +159,23 @@ mod tests {
     }
 
     #[test]
+    fn a_neighbourhood_is_one_from_a_hundredth_of_the_smoothing_length_on() {
+        // Two places at a distance d on a line: variance d^2/4. Four on a cross in a plane, d from its middle: d^2/2 along each axis.
+        for h in [1.0, 10.0] {
+            for (share, spans) in [(0.99, false), (1.01, true)] {
+                let d = 0.02 * h * share;
+                let mut line = Moments::<f64>::default();
+                [0.0, d].map(|x| line.add([x, 0.0, 0.0], 0.25));
+                assert_eq!(line.solve(h, Dimension::One).is_some(), spans);
+                let d = 0.01 * h * share * f64::sqrt(2.0);
+                let mut cross = Moments::<f64>::default();
+                [[d, 0.0], [-d, 0.0], [0.0, d], [0.0, -d]].map(|[x, y]| cross.add([x, y, 0.0], 0.25));
+                assert_eq!(cross.solve(h, Dimension::Two).is_some(), spans);
+            }
+        }
+    }
+
+    #[test]
     fn two_neighbours_on_a_line_by_hand() {
         // x_ij = 0 with weight 0.5, x_ij = -1 with weight 0.25: A = [[0.75, -0.25], [-0.25, 0.25]],
         // determinant 0.125, beta = (0.25, 0.25)/0.125 = (2, 2).

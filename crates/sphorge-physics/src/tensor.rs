@@ -253,6 +253,13 @@ mod tests {
     }
 
     #[test]
+    fn a_symmetric_tensor_times_a_vector_by_hand() {
+        let t = SymmetricTensor { xx: 2.0, yy: 3.0, zz: 5.0, xy: 7.0, yz: 11.0, xz: 13.0f64 };
+        // (2 17 + 7 19 + 13 23, 7 17 + 3 19 + 11 23, 13 17 + 11 19 + 5 23).
+        assert_eq!(t.dot([17.0, 19.0, 23.0]), [466.0, 429.0, 545.0]);
+    }
+
+    #[test]
     fn congruence_with_a_quarter_turn_swaps_axes() {
         // Turning about z by 90 degrees carries the x axis to y.
         let q = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0f64]];

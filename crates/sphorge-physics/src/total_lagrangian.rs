@@ -153,6 +153,8 @@ mod tests {
         }
         // The sum of the squares alone, 3 1.9^2, would be above 2^2; flat is not long.
         assert!(!is_stretched(&diagonal(1.9, 1.9, 1.9), 2.0) && !is_stretched(&diagonal(0.1, 1.1, 1.1), 2.0));
+        // Alone: the squares add up to little more than that of the bound.
+        assert!(is_stretched(&diagonal(1.6, 0.1, 0.1), 1.5) && !is_stretched(&diagonal(1.4, 0.1, 0.1), 1.5));
         // Simple shear by 2: 1 + sqrt 2.
         let shear = [[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert!(is_stretched(&shear, 2.41) && !is_stretched(&shear, 2.42));

@@ -97,13 +97,13 @@ mod tests {
     #[test]
     fn balsara_lets_compression_through_and_holds_shear_back() {
         // |tr L| = 3, curl (2, 0, -sqrt(12)) of length 4: 3/(3 + 4 + 1e-4 5000/0.5).
-        let l = [[-4.0, 12.0f64.sqrt(), 1.0], [0.0, 1.5, 5.0], [1.0, 7.0, -0.5]];
+        let l = [[-4.0, 1.0 + 12.0f64.sqrt(), 1.0], [1.0, 1.5, 5.0], [1.0, 7.0, -0.5]];
         assert!((balsara(&l, 5000.0, 0.5) - 0.375).abs() < 1e-15);
         let shear = [[1.0, 9.0, 0.0], [0.0, -1.0, 0.0], [0.0; 3]];
         assert_eq!(balsara(&shear, 5000.0f64, 0.5), 0.0);
         assert_eq!(balsara(&[[9.0, 0.0, 0.0], [0.0; 3], [0.0; 3]], 5000.0f64, 0.5), 0.9);
-        // 8 times the mean of 0.25 and 0.75; 3 times that of 1 and 0.
-        assert_eq!((switched(8.0, 0.25, 0.75), switched(3.0, 1.0, 0.0)), (4.0, 1.5));
+        // 8 times the mean of 0.5 and 0.75; 3 times that of 1 and 0.
+        assert_eq!((switched(8.0, 0.5, 0.75), switched(3.0, 1.0, 0.0)), (5.0, 1.5));
     }
 
     #[test]

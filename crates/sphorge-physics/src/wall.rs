@@ -208,5 +208,7 @@ mod tests {
         assert!((slow.acceleration[2] * 1e-5 - 1e-4).abs() < 1e-18);
         // No sliding, no friction, nothing undefined.
         assert_near(penalty_contact(p, &touching, 0.005, [0.0; 3], 0.0).acceleration, [0.0, 2000.0, 0.0]);
+        // In a step of no length friction has nothing to stop.
+        assert_near(penalty_contact(p, &touching, 0.005, [1.0, 0.0, 0.0], 0.0).acceleration, [0.0, 2000.0, 0.0]);
     }
 }

@@ -132,17 +132,20 @@ mod tests {
         let law = EquationOfState::MieGruneisenHugoniot(MieGruneisenHugoniot::new(&[2700.0, 5300.0, 1.5, 1.7]));
         let law = BoundedPressure::new(&law, 1.5e9, cp, t_0);
         let (mut rho, mut energy, mut spalled) = (2700.0, 0.0, 0.0);
-        for _ in 0..200_000 {
+        for count in 0..200_000 {
             let (step, half) = (-0.01, -0.005);
             let slope = |rho: f64, e: f64| law.at(rho, e).pressure / (rho * rho);
             energy += step * slope(rho + half, energy + half * slope(rho, energy));
             rho += step;
-            let temperature = t_0 + (energy - law.cold_energy(rho, t_0, cp)) / cp;
-            if law.at(rho, energy).pressure > -1.5e9 {
+            let intact = law.at(rho, energy).pressure > -1.5e9;
+            if intact {
                 spalled = t_0 * (rho / 2700.0).powf(1.7);
-                assert!((temperature - spalled).abs() < 1e-3, "{rho}: {temperature} {spalled}");
-            } else {
-                assert!((temperature - spalled).abs() < 0.5, "{rho}: {temperature} {spalled}");
+            }
+            // The cold energy costs more than a hundred steps.
+            if count % 97 == 0 {
+                let temperature = t_0 + (energy - law.cold_energy(rho, t_0, cp)) / cp;
+                let tolerance = if intact { 1e-3 } else { 0.5 };
+                assert!((temperature - spalled).abs() < tolerance, "{rho}: {temperature} {spalled}");
             }
         }
         assert!(rho < 701.0 && spalled < 295.0, "{rho} {spalled}");

@@ -24,6 +24,11 @@ fn laws() -> [EquationOfState<f64>; 6] {
 }
 
 #[test]
+fn laws_made_of_a_straight_line_of_shocks_say_its_slope() {
+    assert_eq!(laws().map(|law| law.shock_slope()), [None, None, Some(1.49), Some(1.5), Some(1.49), Some(1.8)]);
+}
+
+#[test]
 fn linear_by_hand() {
     // K = 7850 4600^2 = 166.106 GPa, 1 % compression.
     let steel = (entry("linear").build)(&[7850.0, 4600.0]);

@@ -149,6 +149,47 @@ fn tables_agree_with_the_laws() {
     assert_eq!(entry("pressure-and-damage").parameters[3].quantity.si_unit(), "1/Pa");
 }
 
+#[test]
+fn every_law_takes_good_constants_keeps_them_in_single_precision_and_knows_where_it_melts() {
+    let (good, melts): (&[(&str, &[f64])], _) = (
+        &[
+            ("none", &[]),
+            ("elastic", &[]),
+            ("perfectly-plastic", &[90.0e6]),
+            ("bilinear", &[350.0e6, 210.0e9, 2.0e9]),
+            ("johnson-cook", &IRON),
+            ("zerilli-armstrong-bcc", &[65.0e6, 1033.0e6, 6.98e-3, 4.15e-4, 266.0e6, 0.289, 1e-3]),
+            ("zerilli-armstrong-fcc", &[65.0e6, 890.0e6, 2.8e-3, 1.15e-4, 1e-3]),
+            ("steinberg-guinan", &[120e6, 640e6, 36.0, 0.45, 2.8e-11, 3.8e-4, 300.0, 1790.0, 2.02, 1.5, 0.0]),
+            ("pressure-and-damage", &PRESSED),
+        ],
+        ["johnson-cook", "steinberg-guinan"],
+    );
+    assert_eq!(good.len(), FLOW_LAWS.len());
+    let at = FlowState { pressure: 1.0e9, compression: 1.01, ..state(0.1, 1.0e3, 400.0) };
+    let single = FlowState {
+        pressure: 1.0e9f32,
+        compression: 1.01,
+        plastic_strain: 0.1,
+        plastic_strain_rate: 1.0e3,
+        ..FlowState::at_rest(400.0)
+    };
+    for (key, constants) in good {
+        assert_eq!((entry(key).check)(constants), None, "{key}");
+        let law = (entry(key).build)(constants);
+        assert_eq!(law.melting_temperature().is_some(), melts.contains(key), "{key}");
+        let history = vec![0.25; law.history().len()];
+        let y = law.yield_stress(at, &history).value;
+        let in_single = law.cast::<f32>().yield_stress(single, &vec![0.25; history.len()]).value;
+        assert!(y == f64::from(in_single) || (f64::from(in_single) / y - 1.0).abs() < 1e-5, "{key}: {y} {in_single}");
+    }
+    // A law that cannot harden further is one.
+    assert_eq!(
+        (entry("steinberg-guinan").check)(&[2e8, 2e8, 36.0, 0.45, 2.8e-11, 3.8e-4, 300.0, 1790.0, 2.02, 1.5, 0.0]),
+        None
+    );
+}
+
 /// `sigma_y`, `H`, `k`, `A`, `W` of the law that uses all there is.
 const PRESSED: [f64; 5] = [200.0e6, 1.0e9, 0.1, 2.0e-11, 100.0e6];
 

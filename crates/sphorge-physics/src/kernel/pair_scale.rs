@@ -77,5 +77,7 @@ mod tests {
         let (q, inverse_q) = scale.reduced_distance(9.0);
         assert!((q - 1.5).abs() < 1e-15 && (inverse_q - 2.0 / 3.0).abs() < 1e-15);
         assert_eq!(scale.reduced_distance(0.0), (0.0, 1e6));
+        let (q, _) = PairScale::new::<2>(1.0f64, 2e-6).reduced_distance(9e-12);
+        assert!((q - 1.5).abs() < 1e-15);
     }
 }

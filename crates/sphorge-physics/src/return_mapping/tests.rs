@@ -69,6 +69,8 @@ fn perfect_plasticity_and_linear_hardening_have_closed_forms() {
     close(r.deviator.von_mises(), 90.0e6, 1e-14);
     close(r.plastic_work, 90.0e6 * 410.0 / 240.0e3, 1e-14);
     assert_eq!(r.iterations, 1);
+    // However weak: what counts as elastic is a share of the yield stress.
+    close(radial(&law("perfectly-plastic", &[1.0]), 1.5, 0.3, 300.0, 1e-8).deviator.von_mises(), 1.0, 1e-14);
     // sigma_y = 350 + H 0.05 with H = 210 2/208 GPa; increment (sigma_trial - sigma_y)/(3 G + H) (Fraser Eq 12).
     let h = 210.0e9 * 2.0 / 208.0;
     let r = radial(&law("bilinear", &[350.0e6, 210.0e9, 2.0e9]), 800.0e6, 0.05, 300.0, 1e-8);
@@ -103,7 +105,7 @@ fn residual_is_zero_over_the_whole_range() {
     let copper = [90.0e6, 292.0e6, 0.31, 0.025, 1.09, 1.0, 293.0, 1356.0];
     let steep = [0.0, 500.0e6, 0.05, 0.5, 0.3, 1e-3, 300.0, 301.0];
     let convex = [50.0e6, 2000.0e6, 1.8, 0.01, 1.0, 100.0, 300.0, 900.0];
-    let mut worst = 0;
+    let (mut worst, mut total) = (0, 0);
     for constants in [IRON, copper, steep, convex] {
         let law = law("johnson-cook", &constants);
         let (t_0, t_m) = (constants[6], constants[7]);
@@ -123,12 +125,14 @@ fn residual_is_zero_over_the_whole_range() {
                         assert!((sigma_trial - 3.0 * G * dep - sigma).abs() <= 1e-12 * sigma_trial, "{case:?}");
                         assert!((y - r.yield_stress).abs() <= 1e-14 * y, "{case:?}");
                         worst = worst.max(r.iterations);
+                        total += r.iterations;
                     }
                 }
             }
         }
     }
-    assert!(worst < MAXIMUM_ITERATIONS, "{worst} iterations");
+    // What the search from the left and the bracket spare shows here alone: any way of halving ends at the same stress.
+    assert!(worst < MAXIMUM_ITERATIONS / 2 && total < 15_000, "{worst} iterations, {total} in all");
 }
 
 #[test]
@@ -250,6 +254,8 @@ fn a_guess_changes_the_iterations_and_nothing_else() {
         assert!(difference.abs() < 1e-10, "{factor}: {difference}");
         assert!((guessed.yield_stress / plain.yield_stress - 1.0).abs() < 1e-11);
     }
+    // As near as its error squared is beyond double precision, the first look is the last.
+    assert_eq!(from((1.0 + 1e-9) * plain.plastic_strain_increment).iterations, 1);
     assert!(from(1.01 * plain.plastic_strain_increment).iterations + 3 <= plain.iterations);
 }
 
