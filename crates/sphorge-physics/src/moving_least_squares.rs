@@ -165,11 +165,15 @@ mod tests {
             for (share, spans) in [(0.99, false), (1.01, true)] {
                 let d = 0.02 * h * share;
                 let mut line = Moments::<f64>::default();
-                [0.0, d].map(|x| line.add([x, 0.0, 0.0], 0.25));
+                for x in [0.0, d] {
+                    line.add([x, 0.0, 0.0], 0.25);
+                }
                 assert_eq!(line.solve(h, Dimension::One).is_some(), spans);
                 let d = 0.01 * h * share * f64::sqrt(2.0);
                 let mut cross = Moments::<f64>::default();
-                [[d, 0.0], [-d, 0.0], [0.0, d], [0.0, -d]].map(|[x, y]| cross.add([x, y, 0.0], 0.25));
+                for [x, y] in [[d, 0.0], [-d, 0.0], [0.0, d], [0.0, -d]] {
+                    cross.add([x, y, 0.0], 0.25);
+                }
                 assert_eq!(cross.solve(h, Dimension::Two).is_some(), spans);
             }
         }

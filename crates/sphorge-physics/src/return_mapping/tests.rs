@@ -260,6 +260,20 @@ fn a_guess_changes_the_iterations_and_nothing_else() {
 }
 
 #[test]
+fn the_rate_before_a_step_does_not_matter() {
+    // At 1e6/s the iron would bear 83 % more: a trial of 1.2 times the yield stress flows all the same.
+    let iron = law("johnson-cook", &IRON);
+    let from = |plastic_strain_rate, sigma_trial| {
+        let begin = FlowState { plastic_strain_rate, ..state(0.0, 293.15) };
+        return_mapping(ReturnRule::RadialReturn, &iron, G, deviator(sigma_trial), begin, &[], 1e-3)
+    };
+    for sigma_trial in [100.0e6, 210.0e6] {
+        assert_eq!(from(1.0e6, sigma_trial), from(0.0, sigma_trial));
+    }
+    assert!(from(1.0e6, 210.0e6).plastic_strain_increment > 0.0);
+}
+
+#[test]
 fn pressure_and_history_are_held_over_the_step_and_the_shear_modulus_is_the_one_given() {
     let law = law("pressure-and-damage", &[200.0e6, 1.0e9, 0.1, 2.0e-11, 100.0e6]);
     // Y = (200 + 100 + 500) 0.75 = 600 MPa with the slope 0.75 GPa, and (200 + 20 - 100) 0.5 = 60 MPa with 0.5 GPa.
