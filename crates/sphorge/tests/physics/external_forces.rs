@@ -1,6 +1,7 @@
 //! Gravity, friction, prescribed motion: motions known in closed form.
 
 use super::setup::{by_id, run_to, simulation};
+use sphorge::engine::LimitReason;
 
 /// A soft block of 10 x 5 particles, so that contact is soft and steps are long.
 const SOFT_BLOCK: &str = r#"
@@ -69,6 +70,22 @@ contact = { penalty = { stiffness = 1.0, damping = 0.3, friction = 0.25 } }
     assert!((ledger.total.momentum[1] / MASS).abs() < 5e-3);
     let lowest = simulation.particles().unwrap().position.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
     assert!((4.8e-3..5.2e-3).contains(&lowest), "{lowest}");
+}
+
+#[test]
+fn a_stiff_wall_limits_the_step_by_the_frequency_of_its_spring() {
+    let floor = r#"
+[[wall]]
+name = "floor"
+plane = { point = ["0 mm", "-50 mm"], normal = [0, 1] }
+contact = { penalty = { stiffness = 100.0, damping = 0.0, friction = 0.0 } }
+"#;
+    let mut simulation = simulation(&format!("{SOFT_BLOCK}{floor}"), &[]);
+    let (dt, reason) = simulation.next_step_estimate().unwrap();
+    // K = 20 MPa/(3 (1 - 0.6)); omega = sqrt(100) sqrt(K/rho)/dx, and 2/omega is stable.
+    let omega = 10.0 * (20e6f64 / 1.2 / 1000.0).sqrt() / 0.01;
+    assert_eq!(reason, LimitReason::Contact);
+    assert!((dt / (simulation.model().time.courant * 2.0 / omega) - 1.0).abs() < 1e-9, "{dt}");
 }
 
 /// A block of copper strikes a wall at rest, in the total Lagrangian form, whose particles a wall meets at their faces.
