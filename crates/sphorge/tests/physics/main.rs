@@ -4,6 +4,7 @@ mod adaptive;
 mod combinations;
 mod conservation;
 mod contact;
+mod contact_step;
 mod external_forces;
 mod failure;
 mod heat;
