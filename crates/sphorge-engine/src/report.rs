@@ -100,11 +100,9 @@ pub struct BodyLedger {
 pub struct ContactLedger {
     /// Force of the first body on the second, N.
     pub force: [f64; 3],
-    /// Energy the elastic part of the contact holds, J: none without overlap.
+    /// Work against the elastic part of the contact since the start, J: what the contact holds. It comes back when the bodies part, to
+    /// second order of the time step.
     pub stored_energy: f64,
-    /// Work against the elastic part of the contact since the start less what it has come to hold, J: of second order of the time step. Without
-    /// it the total would not close; that it is small shows that steps are small enough.
-    pub integration_energy: f64,
     /// Work friction turned to heat since the start, J.
     pub friction_work: f64,
     /// Work damping turned to heat since the start, J.
@@ -158,10 +156,10 @@ impl Ledger {
         self.heat.supplied.iter().sum()
     }
 
-    /// Kinetic, internal and stored contact energy, with what finite steps leave of the latter, J: what external work and heat alone change.
+    /// Kinetic, internal and stored contact energy, J: what external work and heat alone change.
     pub fn total_energy(&self) -> f64 {
         let Energies { kinetic, internal, .. } = self.total.energies;
-        kinetic + internal + self.contacts.iter().map(|c| c.stored_energy + c.integration_energy).sum::<f64>()
+        kinetic + internal + self.contacts.iter().map(|c| c.stored_energy).sum::<f64>()
     }
 }
 

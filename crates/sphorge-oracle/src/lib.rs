@@ -11,7 +11,6 @@ use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported};
 use sphorge_engine::{LimitReason, Particles};
 use sphorge_physics::contact::Overlap;
-use sphorge_physics::face::{FaceMetric, Leverage};
 use sphorge_physics::{Dimension, Tensor, Vector};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -40,7 +39,7 @@ pub(crate) struct Oracle {
     /// Start and size of the step, s, and steps begun.
     pub(crate) time: f64,
     pub(crate) dt: f64,
-    pub(crate) count: u64,
+    count: u64,
     /// Velocities the last forces were evaluated with, and what the particles are smoothed by.
     pub(crate) evaluated: Vec<Vector<f64>>,
     pub(crate) xsph: Vec<Vector<f64>>,
@@ -67,11 +66,6 @@ pub(crate) struct Oracle {
     pub(crate) arm: Vec<Vector<f64>>,
     pub(crate) stands: Vec<Vector<f64>>,
     pub(crate) stands_moving: Vec<Vector<f64>>,
-    /// How others see them there, and how displacements of neighbours deform them.
-    pub(crate) metric: Vec<FaceMetric<f64>>,
-    /// Unit normals of the faces that meet at particles of corners, at the start.
-    pub(crate) corner: Vec<Tensor<f64>>,
-    pub(crate) leverage: Vec<Leverage<f64>>,
     /// Force of the contact, N, power that goes to heat, W, and speed of approach, m/s, of every particle.
     pub(crate) contact_push: Vec<(Vector<f64>, f64, f64)>,
     pub(crate) initial_volume: Vec<f64>,
@@ -152,9 +146,6 @@ impl EngineKind for OracleKind {
             arm: vec![[0.0; 3]; n],
             stands: p.position.clone(),
             stands_moving: p.velocity.clone(),
-            metric: vec![FaceMetric::round(); n],
-            corner: Vec::new(),
-            leverage: Vec::new(),
             contact_push: Vec::new(),
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,
@@ -293,7 +284,6 @@ impl Engine for Oracle {
             self.find_surfaces();
             if !self.has_come_apart.contains(&true) {
                 self.find_depths();
-                self.find_corners();
             }
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })

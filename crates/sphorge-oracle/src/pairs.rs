@@ -3,9 +3,7 @@
 use super::Oracle;
 use sphorge_engine::model::{BodyContact, Model, Search};
 use sphorge_physics::contact::flat_body;
-use sphorge_physics::corner::{Approach, face_towards, faces_of_corner};
-use sphorge_physics::face::{Face, FaceMetric, Leverage};
-use sphorge_physics::surface::{are_back_to_back, are_different_sides, surface_normal};
+use sphorge_physics::surface::{FaceShift, are_back_to_back, are_different_sides, surface_normal};
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length};
 
@@ -51,10 +49,6 @@ impl Image {
 
     pub(crate) fn vector(&self, v: Vector<f64>) -> Vector<f64> {
         [0, 1, 2].map(|a| self.sign[a] * v[a])
-    }
-
-    pub(crate) fn face(&self, seen: &FaceMetric<f64>) -> FaceMetric<f64> {
-        FaceMetric { normal: self.vector(seen.normal), ..*seen }
     }
 
     pub(crate) fn tensor(&self, t: &Tensor<f64>) -> Tensor<f64> {
@@ -134,7 +128,7 @@ impl Oracle {
                     let x = minus(at[i], image.point(at[j]));
                     // Heat crosses contacts between positions.
                     let now = minus(p.position[i], image.point(p.position[j]));
-                    let squared = if is_foreign { self.seen(x, i, (j, image)).min(dot(now, now)) } else { dot(x, x) };
+                    let squared = if is_foreign { dot(x, x).min(dot(now, now)) } else { dot(x, x) };
                     if squared < (support * h).powi(2) && image.is_of(model, at[j]) {
                         let list = if is_foreign { &mut foreign } else { &mut rows };
                         list[i].push((j, k));
@@ -143,12 +137,6 @@ impl Oracle {
             }
         }
         (rows, foreign)
-    }
-
-    /// The least square of a distance as particles see each other, or as it is, m^2.
-    fn seen(&self, x: Vector<f64>, i: usize, (j, image): (usize, &Image)) -> f64 {
-        let of_face = |face: FaceMetric<f64>| face.distance(x).powi(2);
-        dot(x, x).min(of_face(self.metric[i])).min(of_face(image.face(&self.metric[j])))
     }
 
     /// Finds the surfaces of the configuration the sums are taken in, midway between what the outermost layer of a flat body has of the kernel
@@ -195,67 +183,14 @@ impl Oracle {
         });
     }
 
-    /// Unit normals of the faces that meet at particles of corners, at the start.
-    pub(crate) fn find_corners(&mut self) {
-        self.corner = self.each(|i| {
-            let unit = |n: Vector<f64>| n.map(|c| c / dot(n, n).sqrt());
-            let Some(own) = self.normal[i] else { return [[0.0; 3]; 3] };
-            let mut beside = Vec::new();
-            for n in self.pairs(i, &self.searched_at).filter(|n| self.p.body[n.j] == self.p.body[i]) {
-                if let Some(normal) = self.normal[n.j] {
-                    beside.push((n.x.map(|c| -c), unit(n.image.vector(normal))));
-                }
-            }
-            faces_of_corner(unit(own), beside.into_iter(), self.model.bodies[self.p.body[i] as usize].spacing)
-        });
-    }
-
-    /// Gives particles of corners the face that looks at what comes near and is not in reach yet.
-    fn choose_faces(&mut self) {
-        let support = self.model.numerics.kernel.support();
-        self.arm = self.each(|i| {
-            let (arm, Some(own)) = (self.arm[i], self.normal[i]) else { return self.arm[i] };
-            if self.corner[i][0] == [0.0; 3] || self.has_come_apart[self.p.body[i] as usize] {
-                return arm;
-            }
-            let mut near = Approach::default();
-            for n in self.foreign[i].iter().map(|&n| self.pair(i, n, &self.p.position)) {
-                let [h, k] = [i, n.j].map(|k| self.model.bodies[self.p.body[k] as usize].smoothing_length);
-                near.add(n.x, support * pair_smoothing_length(h, k));
-            }
-            if !near.is_free(self.count == 0) {
-                return arm;
-            }
-            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            let (depth, own) = (dot(arm, arm).sqrt(), own.map(|c| c / dot(own, own).sqrt()));
-            face_towards(&whole, own, &self.corner[i], near.direction).map(|n| depth * n)
-        });
-    }
-
-    /// How displacements of neighbours deform particles, in the configuration the sums are taken in.
-    pub(crate) fn find_leverage(&mut self) {
-        self.leverage = self.each(|i| {
-            let gradient = |n: &Pair| n.x.map(|c| n.f * self.initial_volume[n.j] * c);
-            let neighbours =
-                self.pairs(i, &self.searched_at).map(|n| (gradient(&n), self.p.mass[i] / self.p.mass[n.j]));
-            Leverage::new(&self.correction[i], neighbours)
-        });
-    }
-
-    /// Where particles stand for the contact, and how others see them.
+    /// Where particles stand for the contact.
     pub(crate) fn shift_to_faces(&mut self) {
-        if self.total_lagrangian().is_some() && !self.corner.is_empty() {
-            self.foreign = self.near(&self.p.position).1;
-            self.choose_faces();
-        }
         (self.stands, self.stands_moving) = (self.p.position.clone(), self.evaluated.clone());
         for i in 0..self.p.len() {
             let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            if let Some(face) = Face::new(self.dimension, &whole, self.arm[i]) {
+            if let Some(face) = FaceShift::new(&whole, self.arm[i]) {
                 self.stands[i] = plus(self.stands[i], 1.0, face.shift());
-                let rates = face.rates(&self.p.velocity_gradient[i]);
-                self.stands_moving[i] = plus(self.stands_moving[i], 1.0, rates.shift);
-                self.metric[i] = face.metric();
+                self.stands_moving[i] = plus(self.stands_moving[i], 1.0, face.rate(&self.p.velocity_gradient[i]));
             }
         }
         if self.total_lagrangian().is_some() {
@@ -279,8 +214,7 @@ impl Oracle {
                 let other = surface_normal(&self.deformation[j], other_then);
                 for (k, image) in self.images.iter().enumerate() {
                     let [now, then] = [&self.stands, &self.searched_at].map(|x| minus(x[i], image.point(x[j])));
-                    let is_near =
-                        self.seen(now, i, (j, image)) < reach * reach && image.is_of(&self.model, self.p.position[j]);
+                    let is_near = dot(now, now) < reach * reach && image.is_of(&self.model, self.p.position[j]);
                     let is_sheet = dot(then, then) < (32.0 * spacing).powi(2)
                         && are_back_to_back(then, own_then, image.vector(other_then), 0.25 * spacing);
                     let are_different_sides = are_different_sides(own, image.vector(other));

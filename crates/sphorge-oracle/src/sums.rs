@@ -91,9 +91,6 @@ impl Oracle {
         };
         if self.is_corrected() && (self.total_lagrangian().is_none() || std::mem::take(&mut self.is_renewed)) {
             self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, rho[i]), &self.weight, &at));
-            if self.model.has_faces() {
-                self.find_leverage();
-            }
         }
         let gradients = self.each(|i| {
             let mut sum = tensor::zero();

@@ -1,6 +1,6 @@
 //! What is not a kernel sum of stress: contact between bodies, walls, gravity, heat, and the accounts of all of it.
 
-use super::pairs::{Pair, apply, minus, plus};
+use super::pairs::{apply, minus, plus};
 use super::{Oracle, elastic_energy};
 use sphorge_engine::model::{
     BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
@@ -12,12 +12,11 @@ use sphorge_physics::conduction::{
     pair_conductivity, surface_area, surface_conductance, touch,
 };
 use sphorge_physics::contact::{
-    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, PairKernels, contact_force,
-    contact_share, held_energy, load_of_face, pair_weight, stopping,
+    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
-use sphorge_physics::face::{Face, FaceLoad, PressedFace};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::pair::mean;
+use sphorge_physics::surface::FaceShift;
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
@@ -32,8 +31,7 @@ pub(crate) struct Accounts {
     /// `1/S`, `K` and so on, by ordered pair of bodies.
     laws: Vec<Vec<ContactLaw<f64>>>,
     lattices: Vec<Lattice>,
-    /// Forces, energies and powers of the contacts, by pair of bodies, the elastic power in the place of what integration leaves; powers of the heat
-    /// boundaries, W.
+    /// Powers of the contacts, by pair of bodies, and of the heat boundaries, W.
     contacts: Vec<ContactLedger>,
     boundary_power: Vec<f64>,
     /// Powers of the walls, W.
@@ -106,12 +104,10 @@ impl Oracle {
         &self.accounts.laws[self.p.body[i] as usize][self.p.body[j] as usize]
     }
 
-    /// The contact has the smoothing lengths of the start, and the lattices of faces at rest.
-    fn contact_kernels(&self, i: usize, n: &Pair) -> PairKernels<f64> {
-        let [h_i, h_j] = [i, n.j].map(|k| self.model.bodies[self.p.body[k] as usize].smoothing_length);
-        let h = pair_smoothing_length(h_i, h_j);
-        let faces = (&self.metric[i], &n.image.face(&self.metric[n.j]));
-        ContactKernel::of_pair(self.model.numerics.kernel, self.dimension, n.x, h, faces)
+    /// The contact has the smoothing lengths of the start.
+    fn contact_kernel(&self, i: usize, j: usize, r: f64) -> ContactKernel<f64> {
+        let [h_i, h_j] = [i, j].map(|k| self.model.bodies[self.p.body[k] as usize].smoothing_length);
+        ContactKernel::new(self.model.numerics.kernel, self.dimension, r, pair_smoothing_length(h_i, h_j))
     }
 
     /// `s_i = sum_j V_j W_ij / S_ab - 1`.
@@ -123,8 +119,8 @@ impl Oracle {
                 if count == 0 {
                     sum = Overlap::before_the_first();
                 }
-                let kernels = self.contact_kernels(i, &n);
-                sum.add(self.contact_law(i, n.j), &kernels, self.rest_volume(i), self.rest_volume(n.j));
+                let kernel = self.contact_kernel(i, n.j, n.r);
+                sum.add(self.contact_law(i, n.j), &kernel, n.x, self.rest_volume(i), self.rest_volume(n.j));
             }
             sum
         });
@@ -134,31 +130,23 @@ impl Oracle {
     pub(crate) fn push_bodies(&mut self) {
         self.contact_exerted.clear();
         self.contact_push.clear();
-        let before = self.accounts.contacts.clone();
         self.accounts.contacts.fill(ContactLedger::default());
         self.accounts.contact_limit = f64::INFINITY;
         let places = self.model.contact_pairs();
         for i in 0..self.p.len() {
-            let (mut load, mut heat, mut rubbed, mut approach) = (FaceLoad::default(), 0.0, 0.0, 0.0_f64);
-            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            let face = Face::new(self.dimension, &whole, self.arm[i]).map(|face| {
-                let pressed = PressedFace::new(face, &self.deformation[i], self.leverage[i]);
-                (pressed, face.rates(&self.p.velocity_gradient[i]))
-            });
-            let mut stiffness = ContactStiffness::new(face.as_ref().map(|face| &face.0));
+            let (mut force, mut heat, mut rubbed, mut approach) = ([0.0; 3], 0.0, 0.0, 0.0_f64);
+            let mut stiffness = ContactStiffness::default();
             let pairs: Vec<_> = self.meetings(i).collect();
             for n in &pairs {
                 let (j, own, other) = (n.j, self.overlap[i], self.overlap[n.j]);
-                let masses = (self.p.mass[i], self.p.mass[j]);
-                let (v, w) = (self.rest_volume(i), self.rest_volume(j));
-                let kernels = self.contact_kernels(i, n);
-                let weight = pair_weight(&kernels, v, w);
+                let (masses, volumes) = ((self.p.mass[i], self.p.mass[j]), (self.rest_volume(i), self.rest_volume(j)));
+                let kernel = self.contact_kernel(i, j, n.r);
+                let weight = kernel.weight(volumes.0, volumes.1);
                 let law = *self.contact_law(i, j);
                 let f = contact_force(
                     &law,
                     &ContactPair {
-                        volumes: v * w,
-                        away: (kernels.0.away, kernels.1.away),
+                        x: n.x,
                         v: minus(self.stands_moving[i], n.image.vector(self.stands_moving[j])),
                         weight,
                         overlaps: (own.overlap, other.overlap),
@@ -166,15 +154,8 @@ impl Oracle {
                         stopping: stopping(masses.0, masses.1, weight, (own.weight, other.weight), self.dt),
                     },
                 );
-                stiffness.add(&law, &kernels, (&self.metric[i], n.x), (&own, &other), v, w);
-                let mut shape = FaceLoad::default();
-                if face.is_some() {
-                    (shape.by_widening, shape.by_normal) =
-                        load_of_face(&law, &kernels, (&self.metric[i], n.x), other.overlap, v, w);
-                }
-                load.force = plus(load.force, 1.0, f.force);
-                load.by_widening += shape.by_widening;
-                load.by_normal = plus(load.by_normal, 1.0, shape.by_normal);
+                stiffness.add(&law, &kernel, (own.overlap, other.overlap), volumes.0, volumes.1);
+                force = plus(force, 1.0, f.force);
                 self.contact_exerted.push((i, j, n.image, f.force));
                 let share = friction_share(self.material(i).effusivity(), self.material(j).effusivity());
                 (heat, rubbed) = (heat + 0.5 * f.damped + share * f.rubbed, rubbed + share * f.rubbed);
@@ -186,34 +167,23 @@ impl Oracle {
                     account.force = plus(account.force, -1.0, f.force);
                 }
                 // The other half is that of the other particle.
-                account.integration_energy += 0.5 * f.stored;
-                if let Some((_, rates)) = &face {
-                    account.integration_energy += shape.power_of_shape(rates);
-                }
-                account.stored_energy += held_energy(&law, &kernels, own.overlap, v, w);
+                account.stored_energy += 0.5 * f.stored;
                 account.friction_work += 0.5 * f.rubbed;
                 account.damping_work += 0.5 * f.damped;
             }
             let mass = self.p.mass[i];
-            if let Some((face, rates)) = &face {
-                heat += dot(load.force, rates.shift) - load.power_of_shape(rates);
-                let stress = face.stress(&load);
-                for (row, moment) in self.face_stress[i].iter_mut().zip(stress) {
+            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
+            if let Some(face) = FaceShift::new(&whole, self.arm[i]) {
+                heat += dot(force, minus(self.stands_moving[i], self.evaluated[i]));
+                for (row, moment) in self.face_stress[i].iter_mut().zip(face.stress(&self.deformation[i], force)) {
                     *row = plus(*row, 1.0 / self.initial_volume[i], moment);
                 }
             }
             self.friction_heat[i] += rubbed / mass;
-            self.contact_push.push((load.force, heat, approach));
+            self.contact_push.push((force, heat, approach));
             if !pairs.is_empty() {
-                let limit = stiffness.limit(&self.overlap[i], mass);
+                let limit = stiffness.limit(&self.overlap[i], self.rest_volume(i), mass);
                 self.accounts.contact_limit = self.accounts.contact_limit.min(limit);
-            }
-        }
-        // What is held is not worked for at the start; then it is, but for what finite steps leave.
-        if self.count > 0 {
-            self.ledger.contacts.resize(before.len(), ContactLedger::default());
-            for ((sum, before), now) in self.ledger.contacts.iter_mut().zip(&before).zip(&self.accounts.contacts) {
-                sum.integration_energy -= now.stored_energy - before.stored_energy;
             }
         }
     }
@@ -233,7 +203,7 @@ impl Oracle {
     pub(crate) fn book_contacts(&mut self, dt: f64) {
         self.ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
         for (works, now) in self.ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
-            works.integration_energy += dt * now.integration_energy;
+            works.stored_energy += dt * now.stored_energy;
             works.friction_work += dt * now.friction_work;
             works.damping_work += dt * now.damping_work;
         }
@@ -349,7 +319,7 @@ impl Oracle {
                 least = least.min(limit(penalty_limit(stiffness, fastest, courant), LimitReason::Contact));
             }
         }
-        least.min(limit(contact_share(courant) * self.accounts.contact_limit, LimitReason::Contact))
+        least.min(limit(courant * self.accounts.contact_limit, LimitReason::Contact))
     }
 
     pub(crate) fn conduction_limit(&self) -> f64 {
@@ -537,7 +507,7 @@ impl Oracle {
         ledger.total = self.sums(|_| true);
         ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
         for (works, now) in ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
-            (works.force, works.stored_energy) = (now.force, now.stored_energy);
+            works.force = now.force;
         }
         if !model.thermal.conduction {
             ledger.heat.supplied.clear();

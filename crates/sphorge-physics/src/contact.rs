@@ -4,8 +4,7 @@
 //!
 //! `s_i = sum_j V_j W_ij / S_ab - 1`,
 //!
-//! a sum over the neighbours of other bodies with the volumes `V` they have at rest and, in the total Lagrangian form, the distances in their
-//! lattice at rest ([`crate::face`]). `S_ab` is what the sum is for a particle of
+//! a sum over the neighbours of other bodies with the volumes `V` they have at rest. `S_ab` is what the sum is for a particle of
 //! body `a` one mean spacing from the outermost layer of a flat body `b`, so bodies that touch have none: contact begins where
 //! one lattice would continue the other. Where it is positive it stores the energy
 //!
@@ -13,8 +12,8 @@
 //!
 //! a contact potential in the sense of Campbell, Vignjevic & Libersky (2000) and Vignjevic, De Vuyst & Campbell (2006), here of
 //! the kernel-weighted overlap rather than of single distances. What follows from that:
-//! - The force is `-grad U`, so what is stored comes back. It is along `x_ij` between bodies at rest, equal and opposite, and never attracts,
-//!   since `phi' >= 0` and kernels fall: linear and angular momentum are conserved, pair by pair, with the stress of the faces.
+//! - The force is `-grad U`, so what is stored comes back. It is along `x_ij`, equal and opposite, and never attracts, since
+//!   `phi' >= 0` and kernels fall: linear and angular momentum are conserved, pair by pair.
 //! - A lattice is smooth to another one through a kernel sum: its rows are no bumps to what slides along them, as they would be
 //!   if single pairs touched.
 //! - Stiffness grows with the overlap: bodies that have met at several km/s do not pass through each other.
@@ -24,17 +23,9 @@
 //! Damping and friction act along and across the direction `n_ij` of the difference of both overlap gradients, which points from
 //! one body to the other and turns its sign with the pair.
 
-mod energy;
-#[cfg(test)]
-mod onset;
-mod stiffness;
-
-pub use energy::{held_energy, load_of_face};
-pub use stiffness::{ContactStiffness, contact_share};
-
-use crate::face::FaceMetric;
 use crate::kernel::Kernel;
 use crate::tensor::dot;
+use crate::time_step::oscillator_limit;
 use crate::{Dimension, Real, Scalar, Vector};
 
 /// Overlap over which damping comes in, so that it does not jump at first touch.
@@ -186,6 +177,12 @@ fn overlap_pressure<T: Scalar>(overlap: T) -> T {
     s * (T::one() + s * s / T::of(3.0))
 }
 
+/// `phi''` of an overlap; zero where there is none.
+#[inline(always)]
+fn overlap_stiffness<T: Scalar>(overlap: T) -> T {
+    if overlap > T::zero() { T::one() + overlap * overlap } else { T::zero() }
+}
+
 /// What a particle sees of other bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlap<T> {
@@ -197,51 +194,33 @@ pub struct Overlap<T> {
     pub weight: T,
 }
 
-/// Kernel of a pair of particles of different bodies, as one of them is seen by the other.
+/// Kernel of a pair of particles of different bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactKernel<T> {
     /// `W_ij`, m^-d.
     pub w: T,
     /// `-(1/r) dW/dr`, m^-(d+2).
     pub slope: T,
-    /// `-grad_i W_ij`, m^-(d+1).
-    pub away: Vector<T>,
+    /// Distance, m.
+    pub r: T,
     /// Smoothing length of the pair, m.
     pub h: T,
 }
 
-/// Both kernels of a pair: that of `j` as `i` sees it, in `s_i`, and that of `i` as `j` does, in `s_j`.
-pub type PairKernels<T> = (ContactKernel<T>, ContactKernel<T>);
-
 impl<T: Scalar> ContactKernel<T> {
-    /// Of a particle with this face at `x_ij` (m), with the smoothing length of the pair, m.
+    /// At a distance, m, with the smoothing length of the pair, m.
     #[inline]
-    pub fn new(kernel: Kernel, dimension: Dimension, x_ij: Vector<T>, h: T, seen: &FaceMetric<T>) -> Self {
+    pub fn new(kernel: Kernel, dimension: Dimension, r: T, h: T) -> Self {
         let scale = T::of(kernel.normalisation(dimension)) / h.powu(dimension.count() as u32);
-        let q = seen.distance(x_ij) / h;
-        let slope = -scale * kernel.dw_over_q(q) / (h * h);
-        Self { w: scale * kernel.w(q), slope, away: seen.pull(x_ij).map(|x| slope * x), h }
+        let q = r / h;
+        Self { w: scale * kernel.w(q), slope: -scale * kernel.dw_over_q(q) / (h * h), r, h }
     }
 
-    /// Both of a pair of particles with these faces.
-    #[inline]
-    pub fn of_pair(
-        kernel: Kernel,
-        dimension: Dimension,
-        x_ij: Vector<T>,
-        h: T,
-        faces: (&FaceMetric<T>, &FaceMetric<T>),
-    ) -> PairKernels<T> {
-        let of = |seen| Self::new(kernel, dimension, x_ij, h, seen);
-        (of(faces.1), of(faces.0))
+    /// `V_i V_j |dW/dr|`, m^(d-1), with the volumes at rest, m^d.
+    #[inline(always)]
+    pub fn weight(&self, volume_i: T, volume_j: T) -> T {
+        volume_i * volume_j * self.slope * self.r
     }
-}
-
-/// `V_i V_j |grad W|`, m^(d-1), the mean of both kernels; volumes, m^d.
-#[inline(always)]
-pub fn pair_weight<T: Scalar>(kernels: &PairKernels<T>, volume_i: T, volume_j: T) -> T {
-    let length = |k: &ContactKernel<T>| dot(k.away, k.away).sqrt();
-    T::of(0.5) * volume_i * volume_j * (length(&kernels.0) + length(&kernels.1))
 }
 
 impl<T: Scalar> Overlap<T> {
@@ -250,14 +229,14 @@ impl<T: Scalar> Overlap<T> {
         Self { overlap: -T::one(), away: [T::zero(); 3], weight: T::zero() }
     }
 
-    /// Adds a neighbour in another body; volumes at rest, m^d.
+    /// Adds a neighbour in another body at `x_ij` (m); volumes at rest, m^d.
     #[inline(always)]
-    pub fn add(&mut self, law: &ContactLaw<T>, kernels: &PairKernels<T>, volume_i: T, volume_j: T) {
+    pub fn add(&mut self, law: &ContactLaw<T>, kernel: &ContactKernel<T>, x_ij: Vector<T>, volume_i: T, volume_j: T) {
         let share = volume_j * law.inverse_sums.0;
-        self.overlap += share * kernels.0.w;
-        self.weight += pair_weight(kernels, volume_i, volume_j);
+        self.overlap += share * kernel.w;
+        self.weight += kernel.weight(volume_i, volume_j);
         for a in 0..3 {
-            self.away[a] += share * kernels.0.away[a];
+            self.away[a] += share * kernel.slope * x_ij[a];
         }
     }
 }
@@ -265,13 +244,11 @@ impl<T: Scalar> Overlap<T> {
 /// A pair of particles of different bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPair<T> {
+    /// `x_ij`, m.
+    pub x: Vector<T>,
     /// `v_ij`, m/s.
     pub v: Vector<T>,
-    /// `V_i V_j`, m^2d.
-    pub volumes: T,
-    /// `-grad_i W_ij` in `s_i` and in `s_j`, m^-(d+1).
-    pub away: (Vector<T>, Vector<T>),
-    /// [`pair_weight`], m^(d-1).
+    /// `V_i V_j |dW/dr|`, m^(d-1).
     pub weight: T,
     /// `s_i`, `s_j`.
     pub overlaps: (T, T),
@@ -292,10 +269,46 @@ pub fn stopping<T: Scalar>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) ->
     if dt > T::zero() && weight > T::zero() { reduced * share / dt } else { T::zero() }
 }
 
-/// `phi'(s_i)/S_ab` and `phi'(s_j)/S_ba`.
+/// Stiffness and damping of the contacts of a particle: the diagonal of the second derivative of the energy by its place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactStiffness<T> {
+    /// Of the overlaps its neighbours see, N/m.
+    stiffness: T,
+    /// Largest `K` among its contacts, Pa.
+    modulus: T,
+    /// N s/m.
+    damping: T,
+}
+
+impl<T: Scalar> ContactStiffness<T> {
+    /// Adds a neighbour in another body with the overlap `s_j`; volumes at rest, m^d.
+    #[inline(always)]
+    pub fn add(&mut self, law: &ContactLaw<T>, kernel: &ContactKernel<T>, overlaps: (T, T), volume_i: T, volume_j: T) {
+        let weight = kernel.weight(volume_i, volume_j);
+        let pressed = pair_pressure(law, overlaps);
+        let through = volume_i * kernel.slope * kernel.r * law.inverse_sums.1;
+        self.stiffness +=
+            law.modulus * (volume_j * overlap_stiffness(overlaps.1) * through * through + weight * pressed / kernel.h);
+        if pressed > T::zero() {
+            self.damping += law.damping * weight;
+        }
+        self.modulus = self.modulus.max(law.modulus);
+    }
+
+    /// Largest stable step, s, of a particle of that volume at rest (m^d) and mass (kg). Twice the diagonal stands for neighbours that
+    /// swing against the particle.
+    pub fn limit(&self, own: &Overlap<T>, volume: T, mass: T) -> T {
+        let stiffness =
+            self.stiffness + self.modulus * volume * overlap_stiffness(own.overlap) * dot(own.away, own.away);
+        let two = T::of(2.0);
+        oscillator_limit(two * stiffness / mass, two * self.damping / mass)
+    }
+}
+
+/// `phi'(s_i)/S_ab + phi'(s_j)/S_ba`.
 #[inline(always)]
-fn pair_pressures<T: Scalar>(law: &ContactLaw<T>, overlaps: (T, T)) -> (T, T) {
-    (overlap_pressure(overlaps.0) * law.inverse_sums.0, overlap_pressure(overlaps.1) * law.inverse_sums.1)
+fn pair_pressure<T: Scalar>(law: &ContactLaw<T>, overlaps: (T, T)) -> T {
+    overlap_pressure(overlaps.0) * law.inverse_sums.0 + overlap_pressure(overlaps.1) * law.inverse_sums.1
 }
 
 /// What a pair does.
@@ -315,42 +328,43 @@ pub struct ContactForce<T> {
 
 /// Force of a pair.
 ///
-/// Elastic: `-V_i V_j K (phi'(s_i)/S_ab grad_i W_ij + phi'(s_j)/S_ba grad_i W_ij)`, each with its kernel. Damping: opposes the speed of approach `u` along
+/// Elastic: `V_i V_j |dW/dr| K (phi'(s_i)/S_ab + phi'(s_j)/S_ba)` along `x_ij`. Damping: opposes the speed of approach `u` along
 /// `n_ij`, never by more than the elastic force where bodies part. Friction: the lesser of `friction` times the normal force and
 /// what stops the sliding within a step, against the sliding velocity.
 #[inline]
 pub fn contact_force<T: Scalar>(law: &ContactLaw<T>, pair: &ContactPair<T>) -> ContactForce<T> {
     let zero = T::zero();
     let mut result = ContactForce::default();
+    let r2 = dot(pair.x, pair.x);
     let n2 = dot(pair.direction, pair.direction);
     // Beyond the reach of the kernel, where lists with a skin have pairs too, there is nothing to approach.
-    if n2 <= zero || pair.weight <= zero {
+    if r2 <= zero || n2 <= zero || pair.weight <= zero {
         return result;
     }
-    let length = n2.sqrt();
+    let (r, length) = (r2.sqrt(), n2.sqrt());
     let normal = pair.direction.map(|c| c / length);
     let speed_n = dot(pair.v, normal);
     result.approach = -speed_n;
     let (s_i, s_j) = pair.overlaps;
-    let (own, other) = pair_pressures(law, pair.overlaps);
-    if own + other <= zero {
+    let pressure = pair_pressure(law, pair.overlaps);
+    if pressure <= zero {
         return result;
     }
-    let scale = pair.volumes * law.modulus;
-    let elastic = [0, 1, 2].map(|a| scale * (own * pair.away.0[a] + other * pair.away.1[a]));
+    let elastic = pair.weight * law.modulus * pressure;
     let onset = ((s_i.max(zero) + s_j.max(zero)) / T::of(ONSET)).min(T::one());
-    let damping = (onset * pair.weight * law.damping * -speed_n).max(-dot(elastic, elastic).sqrt());
+    let damping = (onset * pair.weight * law.damping * -speed_n).max(-elastic);
     let sliding = [0, 1, 2].map(|a| pair.v[a] - speed_n * normal[a]);
     let slip = dot(sliding, sliding).sqrt();
-    let pressing = (dot(elastic, normal) + damping).max(zero);
+    let along = elastic * dot(pair.x, normal) / r;
+    let pressing = (along + damping).max(zero);
     let mut drag = zero;
     if slip > zero {
         drag = (law.friction * pressing / slip).min(pair.stopping);
     }
     for a in 0..3 {
-        result.force[a] = elastic[a] + damping * normal[a] - drag * sliding[a];
+        result.force[a] = elastic * pair.x[a] / r + damping * normal[a] - drag * sliding[a];
     }
-    result.stored = -dot(elastic, pair.v);
+    result.stored = -elastic * dot(pair.x, pair.v) / r;
     result.damped = -damping * speed_n;
     result.rubbed = drag * slip * slip;
     result
@@ -417,8 +431,7 @@ mod tests {
         };
         let of_pair = |(i, j, r): (i32, i32, f64)| {
             let overlaps = (closed(i, 1e-3, 0.7e-3, law.inverse_sums.0), closed(j, 0.7e-3, 1e-3, law.inverse_sums.1));
-            let (own, other) = pair_pressures(&law, overlaps);
-            area * slope(r) * law.modulus * (own + other)
+            area * slope(r) * law.modulus * pair_pressure(&law, overlaps)
         };
         let pressure: f64 = pairs(gap).map(of_pair).sum();
         let expected = 0.7 * 2.0 / (1.0 / 160e9 + 1.0 / 137e9) * 1e-4;
@@ -436,13 +449,11 @@ mod tests {
             energy += 2.0 * spacing * law.modulus * if s > 0.0 { s * s / 2.0 + s.powi(4) / 12.0 } else { 0.0 };
             for j in 0..4 {
                 let r = gap + (i + j) as f64 * spacing;
-                let away = [-kernel.dw_over_q(r / h) * r / h.powi(3), 0.0, 0.0];
-                let volumes = spacing * spacing;
+                let weight = -spacing * spacing * kernel.dw_over_q(r / h) * r / h.powi(3);
                 let pair = ContactPair {
+                    x: [r, 0.0, 0.0],
                     v: [0.0; 3],
-                    volumes,
-                    away: (away, away),
-                    weight: volumes * away[0],
+                    weight,
                     overlaps: (s, overlap(j)),
                     direction: [2.0, 0.0, 0.0],
                     stopping: 0.0,
@@ -458,20 +469,12 @@ mod tests {
         let (kernel, spacing, h) = (Kernel::CubicSpline, STEEL.spacing, STEEL.smoothing_length);
         let law = ContactLaw::with_itself(kernel, Dimension::One, &STEEL, STRENGTH);
         let pressure = |gap: f64| {
-            let round = FaceMetric::round();
-            let kernels = ContactKernel::of_pair(kernel, Dimension::One, [gap, 0.0, 0.0], h, (&round, &round));
+            let pair = ContactKernel::new(kernel, Dimension::One, gap, h);
             let mut seen = Overlap::before_the_first();
-            seen.add(&law, &kernels, spacing, spacing);
-            let pair = ContactPair {
-                v: [0.0; 3],
-                volumes: spacing * spacing,
-                away: (kernels.0.away, kernels.1.away),
-                weight: pair_weight(&kernels, spacing, spacing),
-                overlaps: (seen.overlap, seen.overlap),
-                direction: [2.0, 0.0, 0.0],
-                stopping: 0.0,
-            };
-            contact_force(&law, &pair).force[0]
+            seen.add(&law, &pair, [gap, 0.0, 0.0], spacing, spacing);
+            let (weight, overlaps) = (pair.weight(spacing, spacing), (seen.overlap, seen.overlap));
+            let (x, direction) = ([gap, 0.0, 0.0], [2.0, 0.0, 0.0]);
+            contact_force(&law, &ContactPair { x, v: [0.0; 3], weight, overlaps, direction, stopping: 0.0 }).force[0]
         };
         assert_eq!(pressure(1.001e-3), 0.0);
         let closed = pressure(1.0e-3 * (1.0 - 1e-4));
@@ -501,9 +504,8 @@ mod tests {
 
     fn pair() -> ContactPair<f64> {
         ContactPair {
+            x: [3.0, 4.0, 0.0],
             v: [2.0, -1.0, 0.0],
-            volumes: 0.25,
-            away: ([1.2, 1.6, 0.0], [5.0, -1.0, 0.0]),
             weight: 0.5,
             overlaps: (0.3, -0.2),
             direction: [0.0, 7.0, 0.0],
@@ -516,7 +518,7 @@ mod tests {
     #[test]
     fn a_pair_by_hand() {
         let f = contact_force(&LAW, &pair());
-        // Elastic 0.25 10 2 0.3 (1 + 0.03) 2 = 3.09 along (0.6, 0.8), the other sees no overlap; damping 0.5 4 1 = 2 along y (fully on at s = 0.2);
+        // Elastic 0.5 10 2 0.3 (1 + 0.03) = 3.09 along (0.6, 0.8); damping 0.5 4 1 = 2 along y (fully on at s = 0.2);
         // friction 0.25 (3.09 0.8 + 2) = 1.118 against x.
         assert!((f.force[0] - (3.09 * 0.6 - 1.118)).abs() < 1e-12, "{f:?}");
         assert!((f.force[1] - (3.09 * 0.8 + 2.0)).abs() < 1e-12, "{f:?}");
@@ -529,9 +531,6 @@ mod tests {
         // The powers are those of the force.
         let power = f.force[0] * 2.0 - f.force[1];
         assert!((power + f.stored + f.damped + f.rubbed).abs() < 1e-12);
-        // With an overlap of the other, 10 0.25 5 0.2 (1 + 0.04/3) = 2.5333 along its (5, -1).
-        let both = contact_force(&LAW, &ContactPair { overlaps: (0.3, 0.2), ..pair() });
-        assert!((both.stored - f.stored + 2.533_333_333_333_333 * (5.0 * 2.0 + 1.0)).abs() < 1e-12, "{both:?}");
         // Friction stops, it does not turn round.
         let gentle = contact_force(&LAW, &ContactPair { stopping: 0.1, ..pair() });
         assert!((gentle.force[0] - (3.09 * 0.6 - 0.1 * 2.0)).abs() < 1e-12);
@@ -540,31 +539,17 @@ mod tests {
     #[test]
     fn an_overlap_by_hand() {
         // Cubic spline in one dimension, q = 1, h = 2: W = 1/12, -(1/r) dW/dr = 1/16.
-        let near =
-            ContactKernel::new(Kernel::CubicSpline, Dimension::One, [2.0, 0.0, 0.0], 2.0f64, &FaceMetric::round());
+        let near = ContactKernel::new(Kernel::CubicSpline, Dimension::One, 2.0, 2.0f64);
         assert!((near.w - 1.0 / 12.0).abs() < 1e-15 && (near.slope - 0.0625).abs() < 1e-15);
-        assert_eq!(near.away, [0.125, 0.0, 0.0]);
-        // Twice as wide a face as seen from 4 beside it.
-        let wide = FaceMetric { normal: [0.0, 1.0, 0.0], widening: 2.0 };
-        let seen = ContactKernel::new(Kernel::CubicSpline, Dimension::One, [4.0, 0.0, 0.0], 2.0f64, &wide);
-        assert!((seen.w - near.w).abs() < 1e-15 && (seen.away[0] - 0.0625).abs() < 1e-15, "{seen:?}");
-        // In a pair the other's face is seen first.
-        let kernels = ContactKernel::of_pair(
-            Kernel::CubicSpline,
-            Dimension::One,
-            [4.0, 0.0, 0.0],
-            2.0f64,
-            (&FaceMetric::round(), &wide),
-        );
-        assert_eq!((kernels.0, kernels.1.w), (seen, 0.0));
-        // V_j/S_ab = 0.4 2; then 0.1 2 and W 0.25; weights 3 0.4 (0.125 + 0.5)/2 and 3 0.1 1.5.
-        let mut overlap = Overlap::before_the_first();
-        overlap.add(&LAW, &(near, ContactKernel { away: [0.0, 0.5, 0.0], ..near }), 3.0, 0.4);
-        let far = ContactKernel { w: 0.25, away: [0.0, -1.5, 0.0], ..near };
-        overlap.add(&LAW, &(far, far), 3.0, 0.1);
-        assert!((overlap.overlap - (0.8 / 12.0 + 0.05 - 1.0)).abs() < 1e-15);
-        assert!((overlap.away[0] - 0.1).abs() < 1e-15 && (overlap.away[1] + 0.3).abs() < 1e-15);
-        assert!((overlap.weight - (0.375 + 0.45)).abs() < 1e-15);
+        assert!((near.weight(3.0, 4.0) - 1.5).abs() < 1e-14);
+        // V_j/S_ab = 0.4 2; then 0.1 2 at a distance of 3: W 0.25, slope 0.5.
+        let mut seen = Overlap::before_the_first();
+        seen.add(&LAW, &near, [2.0, 0.0, 0.0], 3.0, 0.4);
+        let far = ContactKernel { w: 0.25, slope: 0.5, r: 3.0, h: 2.0 };
+        seen.add(&LAW, &far, [0.0, -3.0, 0.0], 3.0, 0.1);
+        assert!((seen.overlap - (0.8 / 12.0 + 0.05 - 1.0)).abs() < 1e-15);
+        assert!((seen.away[0] - 0.1).abs() < 1e-15 && (seen.away[1] + 0.3).abs() < 1e-15);
+        assert!((seen.weight - (0.15 + 0.45)).abs() < 1e-15);
     }
 
     #[test]
@@ -579,10 +564,33 @@ mod tests {
     }
 
     #[test]
+    fn the_stable_step_of_a_contact_by_hand() {
+        let kernel = ContactKernel { w: 1.0, slope: 0.5, r: 2.0, h: 4.0 };
+        let own = Overlap { overlap: 2.0, away: [0.0, 3.0, 4.0], weight: 0.0 };
+        let mut contact = ContactStiffness::default();
+        // weight 2 3 0.5 2 = 6; phi' (1) 2 = 8/3, phi'(-1) = 0, so 6 (8/3)/4 = 4; nothing of the neighbour's. Own: 2 5 25 = 250.
+        contact.add(&LAW, &kernel, (1.0, -1.0), 2.0, 3.0);
+        // One that is apart adds nothing, no damping either.
+        contact.add(&LAW, &kernel, (-0.1, -1.0), 2.0, 3.0);
+        // K (4 + 250) = 2540, damping 4 6 = 24: 2 2540/520 and 2 24/520.
+        let want = oscillator_limit(2.0 * 2540.0 / 520.0, 48.0 / 520.0);
+        assert!((contact.limit(&own, 2.0, 520.0) - want).abs() < 1e-14);
+        // The neighbour's overlap: 3 phi''(1) (2 0.5 2 5)^2 = 600 and 6 (8/3 + 4/3 5)/4 = 14 on top.
+        let mut contact = ContactStiffness::default();
+        contact.add(&LAW, &kernel, (1.0, 1.0), 2.0, 3.0);
+        let want = oscillator_limit(2.0 * 10.0 * (600.0 + 14.0 + 250.0) / 520.0, 48.0 / 520.0);
+        assert!((contact.limit(&own, 2.0, 520.0) - want).abs() < 1e-14);
+        // Apart, there is neither.
+        let mut apart = ContactStiffness::default();
+        apart.add(&LAW, &kernel, (-0.1, -1.0), 2.0, 3.0);
+        assert!(apart.limit(&Overlap { overlap: -0.1, ..own }, 2.0, 520.0).is_infinite());
+    }
+
+    #[test]
     fn the_other_particle_feels_the_opposite_to_the_bit() {
         let p = pair();
         let mirrored = ContactPair {
-            away: (p.away.1.map(|c| -c), p.away.0.map(|c| -c)),
+            x: p.x.map(|c| -c),
             v: p.v.map(|c| -c),
             overlaps: (p.overlaps.1, p.overlaps.0),
             direction: p.direction.map(|c| -c),
@@ -609,10 +617,10 @@ mod tests {
         let none = ContactPair { overlaps: (-0.1, 0.0), ..pair() };
         assert_eq!(contact_force(&LAW, &none).force, [0.0; 3]);
         // Bodies that part fast: damping takes the push away, no more.
-        let parting = ContactPair { away: ([0.0, 2.0, 0.0], [0.0; 3]), v: [0.0, 1e6, 0.0], ..pair() };
+        let parting = ContactPair { x: [0.0, 5.0, 0.0], v: [0.0, 1e6, 0.0], ..pair() };
         assert_eq!(contact_force(&LAW, &parting).force, [0.0; 3]);
         // Coincident particles, or a direction that is none, push nowhere.
-        assert_eq!(contact_force(&LAW, &ContactPair { weight: 0.0, ..pair() }).force, [0.0; 3]);
+        assert_eq!(contact_force(&LAW, &ContactPair { x: [0.0; 3], ..pair() }).force, [0.0; 3]);
         assert_eq!(contact_force(&LAW, &ContactPair { direction: [0.0; 3], ..pair() }).force, [0.0; 3]);
     }
 }

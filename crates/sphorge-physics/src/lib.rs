@@ -16,10 +16,8 @@
 pub mod artificial_stress;
 pub mod conduction;
 pub mod contact;
-pub mod corner;
 pub mod dimension;
 pub mod eos;
-pub mod face;
 pub mod flow;
 pub mod gradient_correction;
 pub mod heat;

@@ -1,4 +1,4 @@
-//! Surfaces of a body: where their normals go as it deforms, and which places of them can meet.
+//! Surfaces of a body: where their normals and faces go as it deforms, and which places of them can meet.
 
 use crate::tensor::{apply, dot, inverse, transpose};
 use crate::{Scalar, Tensor, Vector};
@@ -32,6 +32,81 @@ pub fn are_back_to_back<T: Scalar>(x: Vector<T>, normal_i: Vector<T>, normal_j: 
     j.max(i) > by && j.min(i) > -by
 }
 
+/// Where a particle near a surface stands for others that meet the surface.
+///
+/// Contact begins where one lattice would continue the other, half a spacing in front of the outermost particles. Material that is pressed
+/// to a part `lambda` of its thickness has its face nearer, at `lambda` times the depth `D` of the particle below it. So that faces meet,
+/// the particle stands for the contact at `z = x + D (c(lambda) - 1) n`: as far below the face as it was at rest. `n` is the present normal and
+/// `1/lambda = |F^-T N|`; `c = lambda` where the material is pressed. Where it is stretched along the normal `c = 2 - 1/lambda`, whose
+/// value and slope are the same at rest, and which keeps the shift of what is torn apart below one depth.
+///
+/// The contact counts neighbours with their volumes at rest, though pressing spreads them: faces of material that was pressed to a half at constant
+/// volume overlap by a third of a spacing before they press each other. They stood off each other by half a spacing without the shift.
+///
+/// A force `f` on `z` is one on `x` and the stress `P` of [`Self::stress`], which follows from `f . dz = f . dx - V P : dF`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceShift<T> {
+    normal: Vector<T>,
+    depth: T,
+    /// `lambda`.
+    thinning: T,
+    /// `c(lambda)` and its derivative.
+    c: T,
+    slope: T,
+}
+
+impl<T: Scalar> FaceShift<T> {
+    /// Of a particle with this deformation gradient, whose depth below the face at rest (m) times the outward unit normal of the face there is
+    /// the `arm`; `None` where there is no face near.
+    #[inline]
+    pub fn new(f: &Tensor<T>, arm: Vector<T>) -> Option<Self> {
+        let depth = dot(arm, arm).sqrt();
+        if depth == T::zero() {
+            return None;
+        }
+        let carried = apply(&transpose(&inverse(f)), arm);
+        let length = dot(carried, carried).sqrt();
+        let thinning = depth / length;
+        let (c, slope) = if thinning < T::one() {
+            (thinning, T::one())
+        } else {
+            (T::of(2.0) - T::one() / thinning, T::one() / (thinning * thinning))
+        };
+        Some(Self { normal: carried.map(|n| n / length), depth, thinning, c, slope })
+    }
+
+    /// `z - x`, m.
+    #[inline]
+    pub fn shift(&self) -> Vector<T> {
+        self.normal.map(|n| self.depth * (self.c - T::one()) * n)
+    }
+
+    /// Its rate with a velocity gradient (1/s), m/s.
+    #[inline]
+    pub fn rate(&self, velocity_gradient: &Tensor<T>) -> Vector<T> {
+        // d(F^-T N)/dt = -L^T F^-T N.
+        let turned = apply(&transpose(velocity_gradient), self.normal);
+        let along = dot(self.normal, turned);
+        let thinner = self.depth * self.slope * self.thinning * along;
+        let tilt = self.depth * (self.c - T::one());
+        [0, 1, 2].map(|a| thinner * self.normal[a] - tilt * (turned[a] - along * self.normal[a]))
+    }
+
+    /// First Piola-Kirchhoff stress times the reference volume, N m, of a force (N) on `z`, in the reference configuration from which `f` is the
+    /// deformation gradient: `P V = D n ⊗ F^-1 [(c - 1) f_t - c' lambda f_n n]`.
+    #[inline]
+    pub fn stress(&self, f: &Tensor<T>, force: Vector<T>) -> Tensor<T> {
+        let along = dot(force, self.normal);
+        let (tilt, press) = (self.c - T::one(), self.slope * self.thinning);
+        let q = [0, 1, 2].map(|a| {
+            let normal = along * self.normal[a];
+            self.depth * (tilt * (force[a] - normal) - press * normal)
+        });
+        let back = apply(&inverse(f), q);
+        self.normal.map(|n| back.map(|b| n * b))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,6 +122,53 @@ mod tests {
         }
         // It points to the same side.
         assert!(dot(normal, apply(&f, [0.0, -1.0, 1.0])) > 0.0);
+    }
+
+    /// Double contraction.
+    fn contract(a: &Tensor<f64>, b: &Tensor<f64>) -> f64 {
+        (0..3).map(|i| dot(a[i], b[i])).sum()
+    }
+
+    #[test]
+    fn a_particle_stands_as_far_below_its_face_as_at_rest() {
+        let stretched = |n: f64| [[1.5, 0.0, 0.0], [0.0, n, 0.0], [0.0, 0.0, 0.8]];
+        let shift = |n: f64| FaceShift::new(&stretched(n), [0.0, 0.5, 0.0]).unwrap().shift();
+        // Pressed to 0.4, the face is 0.2 above the particle, which stands 0.3 deeper.
+        assert!((shift(0.4)[1] + 0.3).abs() < 1e-15 && shift(0.4)[0] == 0.0);
+        // Stretched by 4: 0.5 (2 - 1/4 - 1), never more than 0.5.
+        assert!((shift(4.0)[1] - 0.375).abs() < 1e-15 && shift(1e9)[1] < 0.5);
+        assert_eq!(shift(1.0)[1], 0.0);
+        assert_eq!(FaceShift::new(&stretched(0.4), [0.0; 3]), None);
+    }
+
+    #[test]
+    fn rate_and_stress_of_a_face_are_derivatives_of_its_place() {
+        let arm = [0.3, -0.4, 0.2];
+        let pressed = [[1.2, 0.5, 0.3], [-0.4, 0.7, 0.1], [0.1, 0.2, 0.6]];
+        let pulled = [[1.9, -0.3, 0.2], [0.4, 2.1, 0.1], [-0.2, 0.3, 1.4]];
+        let l = [[0.3, -1.0, 0.4], [0.7, 0.2, -0.5], [0.1, 0.9, -0.6]];
+        let force = [3.0, -1.0, 2.0];
+        for (f, is_pressed) in [(pressed, true), (pulled, false)] {
+            let face = FaceShift::new(&f, arm).unwrap();
+            assert_eq!(face.thinning < 1.0, is_pressed);
+            let rate_of_f = crate::tensor::multiply(&l, &f);
+            let at = |t: f64| {
+                let moved = [0, 1, 2].map(|i| [0, 1, 2].map(|j| f[i][j] + t * rate_of_f[i][j]));
+                FaceShift::new(&moved, arm).unwrap().shift()
+            };
+            let (ahead, behind) = (at(1e-5), at(-1e-5));
+            let rate = face.rate(&l);
+            for a in 0..3 {
+                let difference = (ahead[a] - behind[a]) / 2e-5;
+                assert!((rate[a] - difference).abs() < 1e-8, "{is_pressed}: {rate:?} {a} {difference}");
+            }
+            // f . dz/dt = -V P : dF/dt, also where the reference configuration has been renewed: dF/dt = L F' there.
+            let power = -dot(force, rate);
+            assert!((contract(&face.stress(&f, force), &rate_of_f) - power).abs() < 1e-12);
+            let renewed = [[0.9, 0.1, 0.0], [0.2, 1.1, -0.1], [0.0, 0.3, 1.2]];
+            let rate_of_f = crate::tensor::multiply(&l, &renewed);
+            assert!((contract(&face.stress(&renewed, force), &rate_of_f) - power).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use super::CpuEngine;
 use super::contact_laws::PairLaws;
 use super::contact_search::ContactSearch;
-use super::faces::MovingFace;
+use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
 use crate::ContactLedger;
@@ -21,11 +21,10 @@ use crate::persist::{Archive, ArchiveError, Persist, persist_each};
 use rayon::prelude::*;
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::contact::{
-    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, PairKernels, contact_force,
-    held_energy, load_of_face, pair_weight, stopping,
+    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
-use sphorge_physics::face::{FaceLoad, FaceMetric};
 use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
+use sphorge_physics::surface::FaceShift;
 use sphorge_physics::{Dimension, Tensor, Vector, tensor::dot};
 
 /// Contact of all bodies with each other.
@@ -67,8 +66,6 @@ struct Table {
 struct PairSums {
     /// Force on the first, N.
     force: Vector<f64>,
-    /// Energy held, J.
-    held: f64,
     /// Powers, W.
     stored: f64,
     friction: f64,
@@ -92,8 +89,7 @@ impl BlockSums {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Works {
-    /// Work against the elastic force less what has come to be held: what a finite step leaves.
-    integration: f64,
+    stored: f64,
     friction: f64,
     damped: f64,
 }
@@ -144,15 +140,10 @@ impl Table {
         }
     }
 
-    /// Kernels of two bodies' particles at `x_ij`, m, with these faces.
-    fn kernels(
-        &self,
-        (a, b): (usize, usize),
-        x: Vector<f64>,
-        faces: (&FaceMetric<f64>, &FaceMetric<f64>),
-    ) -> PairKernels<f64> {
+    /// Kernel of two bodies' particles at a distance, m.
+    fn kernel(&self, a: usize, b: usize, r: f64) -> ContactKernel<f64> {
         let h = pair_smoothing_length(self.smoothing_length[a], self.smoothing_length[b]);
-        ContactKernel::of_pair(self.kernel, self.dimension, x, h, faces)
+        ContactKernel::new(self.kernel, self.dimension, r, h)
     }
 }
 
@@ -205,48 +196,13 @@ struct Points<'a> {
     places: Places<'a>,
     mass: WithGhosts<'a, f64>,
     body: WithGhosts<'a, u32>,
-    faces: Option<(WithGhosts<'a, Vector<f64>>, WithGhosts<'a, f64>)>,
     overlap: WithGhosts<'a, f64>,
     direction: WithGhosts<'a, Vector<f64>>,
     weight: WithGhosts<'a, f64>,
     surfaces: Surfaces<'a>,
 }
 
-impl<'a> Points<'a> {
-    /// Of particles at `position`, m.
-    fn new(position: &'a [Vector<f64>], own: &'a Particles, ghosts: &'a Particles) -> Self {
-        let faces = || {
-            (
-                WithGhosts::new(&own.contact_normal, &ghosts.contact_normal),
-                WithGhosts::new(&own.contact_widening, &ghosts.contact_widening),
-            )
-        };
-        Self {
-            places: Places::new(position, own, ghosts),
-            mass: WithGhosts::new(&own.mass, &ghosts.mass),
-            body: WithGhosts::new(&own.body, &ghosts.body),
-            faces: (!own.contact_normal.is_empty()).then(faces),
-            overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
-            direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
-            weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
-            surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
-        }
-    }
-
-    /// Volume at rest, m^d.
-    fn volume(&self, table: &Table, j: usize) -> f64 {
-        self.mass.at(j) * table.specific_volume[self.body.at(j) as usize]
-    }
-
-    /// How others see it.
-    fn metric(&self, j: usize) -> FaceMetric<f64> {
-        let of = |(normal, widening): (WithGhosts<'_, Vector<f64>>, WithGhosts<'_, f64>)| FaceMetric {
-            normal: normal.at(j),
-            widening: widening.at(j),
-        };
-        self.faces.map_or_else(FaceMetric::round, of)
-    }
-
+impl Points<'_> {
     /// Overlap of a particle or ghost with other bodies.
     fn overlap_of(&self, j: usize) -> Overlap<f64> {
         Overlap { overlap: self.overlap.at(j), away: self.direction.at(j), weight: self.weight.at(j) }
@@ -297,7 +253,7 @@ impl BodyContacts {
     /// Adds the powers of the last evaluation over a time `dt`, s.
     pub(super) fn book(&mut self, dt: f64) {
         for (works, now) in self.works.iter_mut().zip(&self.now) {
-            works.integration += dt * now.stored;
+            works.stored += dt * now.stored;
             works.friction += dt * now.friction;
             works.damped += dt * now.damped;
         }
@@ -305,9 +261,8 @@ impl BodyContacts {
 
     /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
     pub(super) fn release(&mut self, body: usize, particles: &mut Particles) {
-        let place = self.table.places[body * self.table.bodies + body];
-        let (Some(works), Some(now)) = (self.works.get_mut(place), self.now.get_mut(place)) else { return };
-        let held = std::mem::take(&mut now.held);
+        let Some(works) = self.works.get_mut(self.table.places[body * self.table.bodies + body]) else { return };
+        let held = std::mem::take(&mut works.stored);
         works.damped += held;
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
         // By how far they are pressed; evenly where none is any more.
@@ -323,12 +278,6 @@ impl BodyContacts {
         for i in (0..energy.len()).filter(|&i| bodies[i] as usize == body) {
             energy[i] += held * share(i) / all;
         }
-    }
-
-    /// How far particles of two bodies reach, m.
-    pub(super) fn reach(&self, a: u32, b: u32) -> f64 {
-        let [h_a, h_b] = [a, b].map(|body| self.table.smoothing_length[body as usize]);
-        self.table.kernel.support() * pair_smoothing_length(h_a, h_b)
     }
 
     /// Smoothing lengths of particles in the contact, by body, m.
@@ -351,8 +300,16 @@ impl BodyContacts {
         ghosts: &Particles,
         dt: f64,
     ) -> Vector<f64> {
-        let points = Points::new(places, own, ghosts);
-        self.table.row(i, &[j], &points, (None, dt), &mut BlockSums::default()).load.force
+        let points = Points {
+            places: Places::new(places, own, ghosts),
+            mass: WithGhosts::new(&own.mass, &ghosts.mass),
+            body: WithGhosts::new(&own.body, &ghosts.body),
+            overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(&own.contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
+            surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
+        };
+        self.table.row(i, &[j], &points, dt, &mut BlockSums::default()).force
     }
 
     /// Largest stable step over the margin, s.
@@ -364,8 +321,7 @@ impl BodyContacts {
     pub(super) fn ledger(&self) -> Vec<ContactLedger> {
         let of = |(now, works): (&PairSums, &Works)| ContactLedger {
             force: now.force.map(|f| 0.0 - f),
-            stored_energy: now.held,
-            integration_energy: works.integration,
+            stored_energy: works.stored,
             friction_work: works.friction,
             damping_work: works.damped,
         };
@@ -389,28 +345,15 @@ impl BodyContacts {
         self.search.as_ref().map_or(of_list, |search| &search.ghosts)
     }
 
-    /// Sums over the blocks. What is held has changed by the work that is booked around it, but for what a finite step leaves; at the
-    /// start it is there.
-    fn close(&mut self, is_start: bool) {
-        for (works, now) in self.works.iter_mut().zip(&mut self.now) {
-            if !is_start {
-                works.integration += now.held;
-            }
-            *now = PairSums::default();
-        }
+    fn close(&mut self) {
+        self.now.fill(PairSums::default());
         for &(place, part) in self.partial.iter().flat_map(|block| &block.0) {
             let sum = &mut self.now[place];
-            sum.held += part.held;
             sum.stored += part.stored;
             sum.friction += part.friction;
             sum.damped += part.damped;
             for k in 0..3 {
                 sum.force[k] += part.force[k];
-            }
-        }
-        if !is_start {
-            for (works, now) in self.works.iter_mut().zip(&self.now) {
-                works.integration -= now.held;
             }
         }
     }
@@ -426,7 +369,10 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut weights = std::mem::take(&mut self.particles.contact_weight);
         let p = &self.particles;
         let ghosts = &contacts.ghosts(&self.ghosts).columns;
-        let points = Points::new(&p.position, p, ghosts);
+        let places = Places::new(&p.position, p, ghosts);
+        let masses = WithGhosts::new(&p.mass, &ghosts.mass);
+        let bodies = WithGhosts::new(&p.body, &ghosts.body);
+        let surfaces = Surfaces::new(&p.reference_normal, &p.deformation, ghosts);
         (
             contacts.foreign.blocks().par_iter(),
             overlaps.par_chunks_mut(BLOCK),
@@ -436,18 +382,18 @@ impl<T: PairScalar> CpuEngine<T> {
             .into_par_iter()
             .for_each(|(block, overlaps, directions, weights)| {
                 for (i, row) in block.rows() {
-                    let a = points.body.at(i) as usize;
-                    let (volume, face) = (points.volume(table, i), points.metric(i));
+                    let a = bodies.at(i) as usize;
+                    let volume = masses.at(i) * table.specific_volume[a];
                     let mut sum = Overlap::before_the_first();
                     for &j in row {
                         let j = j as usize;
-                        let b = points.body.at(j) as usize;
-                        if a == b && !points.surfaces.press(i, j) {
+                        let b = bodies.at(j) as usize;
+                        if a == b && !surfaces.press(i, j) {
                             continue;
                         }
-                        let x = points.places.apart(i, j);
-                        let kernels = table.kernels((a, b), x, (&face, &points.metric(j)));
-                        sum.add(table.laws.of(a, b), &kernels, volume, points.volume(table, j));
+                        let x = places.apart(i, j);
+                        let kernel = table.kernel(a, b, dot(x, x).sqrt());
+                        sum.add(table.laws.of(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
                     }
                     let k = i % BLOCK;
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
@@ -466,7 +412,16 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
         let mut face_stress = std::mem::take(&mut self.particles.face_stress);
         let p = &self.particles;
-        let points = Points::new(&p.position, p, ghosts);
+        let points = Points {
+            places: Places::new(&p.position, p, ghosts),
+            mass: WithGhosts::new(&p.mass, &ghosts.mass),
+            body: WithGhosts::new(&p.body, &ghosts.body),
+            overlap: WithGhosts::new(&p.contact_overlap, &ghosts.contact_overlap),
+            direction: WithGhosts::new(&p.contact_direction, &ghosts.contact_direction),
+            weight: WithGhosts::new(&p.contact_weight, &ghosts.contact_weight),
+            surfaces: Surfaces::new(&p.reference_normal, &p.deformation, ghosts),
+        };
+        let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
         let (table, dt) = (&*table, self.step.dt);
         let update = |block: &ForeignBlock,
                       (sums, limit): (&mut BlockSums, &mut f64),
@@ -476,13 +431,15 @@ impl<T: PairScalar> CpuEngine<T> {
             *limit = f64::INFINITY;
             pushes.clear();
             for (i, row) in block.rows() {
-                let face = Self::pressed_face(table.dimension, p, i);
-                let mut push = table.row(i, row, &points, (face.as_ref(), dt), sums);
+                let mut push = table.row(i, row, &points, dt, sums);
                 friction_heat[i % BLOCK] += push.friction / p.mass[i];
                 *limit = limit.min(push.limit);
-                if let (Some(stress), Some((face, rates))) = (face_stress.get_mut(i % BLOCK), face) {
-                    push.heat += dot(push.load.force, rates.shift) - push.load.power_of_shape(&rates);
-                    let moment = face.stress(&push.load);
+                let face = || FaceShift::new(&whole.at(i), p.face_arm[i]);
+                if let (Some(stress), Some(face)) =
+                    (face_stress.get_mut(i % BLOCK), points.places.shift.and_then(|_| face()))
+                {
+                    push.heat += dot(push.force, p.contact_shift_rate[i]);
+                    let moment = face.stress(&p.deformation[i], push.force);
                     for (own, row) in stress.iter_mut().zip(moment) {
                         (0..3).for_each(|a| own[a] += row[a] / p.reference_volume[i]);
                     }
@@ -501,8 +458,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 .into_par_iter()
                 .for_each(|(block, sums, pushes, stress)| update(block, sums, pushes, stress));
         }
-        // The rates of the start come from a step of no length.
-        contacts.close(self.step.count == 0);
+        contacts.close();
         (self.particles.friction_heat, self.particles.face_stress) = (friction_heat, face_stress);
     }
 
@@ -512,7 +468,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let Particles { acceleration, energy_rate, mu, mass, .. } = &mut self.particles;
         for &(i, push) in contacts.pushes.iter().flatten() {
             for axis in 0..3 {
-                acceleration[i][axis] += push.load.force[axis] / mass[i];
+                acceleration[i][axis] += push.force[axis] / mass[i];
             }
             energy_rate[i] += push.heat / mass[i];
             mu[i] = mu[i].max(push.approach);
@@ -523,7 +479,7 @@ impl<T: PairScalar> CpuEngine<T> {
 /// Sums of one particle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
-    load: FaceLoad<f64>,
+    force: Vector<f64>,
     /// Power that turns to heat of its own in all its pairs, W; with it what the stress of its face takes from the forces.
     heat: f64,
     /// Friction's part of it, W.
@@ -533,20 +489,13 @@ struct Push {
 }
 
 impl Table {
-    /// Sums of particle `i` over its neighbours, in a step `dt` (s); a particle near no face is pressed at its centre.
-    fn row(
-        &self,
-        i: usize,
-        row: &[u32],
-        points: &Points<'_>,
-        (face, dt): (Option<&MovingFace>, f64),
-        sums: &mut BlockSums,
-    ) -> Push {
+    fn row(&self, i: usize, row: &[u32], points: &Points<'_>, dt: f64, sums: &mut BlockSums) -> Push {
         let a = points.body.at(i) as usize;
-        let (mass, volume) = (points.mass.at(i), points.volume(self, i));
-        let (own, own_metric) = (points.overlap_of(i), points.metric(i));
+        let mass = points.mass.at(i);
+        let volume = mass * self.specific_volume[a];
+        let own = points.overlap_of(i);
         let mut push = Push::default();
-        let mut stiffness = ContactStiffness::new(face.map(|face| &face.0));
+        let mut stiffness = ContactStiffness::default();
         for &j in row {
             let j = j as usize;
             let b = points.body.at(j) as usize;
@@ -556,14 +505,12 @@ impl Table {
             let x = points.places.apart(i, j);
             let law = self.laws.of(a, b);
             let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
-            let kernels = self.kernels((a, b), x, (&own_metric, &points.metric(j)));
-            let other_volume = points.volume(self, j);
-            let weight = pair_weight(&kernels, volume, other_volume);
-            let overlaps = (own.overlap, other.overlap);
+            let kernel = self.kernel(a, b, dot(x, x).sqrt());
+            let other_volume = other_mass * self.specific_volume[b];
+            let (weight, overlaps) = (kernel.weight(volume, other_volume), (own.overlap, other.overlap));
             let pair = ContactPair {
+                x,
                 v: points.places.relative_velocity(i, j),
-                volumes: volume * other_volume,
-                away: (kernels.0.away, kernels.1.away),
                 weight,
                 overlaps,
                 direction: difference(own.away, other.away),
@@ -573,7 +520,7 @@ impl Table {
             push.approach = push.approach.max(force.approach);
             let sum = sums.of(self.places[a * self.bodies + b]);
             for k in 0..3 {
-                push.load.force[k] += force.force[k];
+                push.force[k] += force.force[k];
                 if a < b {
                     sum.force[k] += force.force[k];
                 }
@@ -581,28 +528,19 @@ impl Table {
             let friction = self.friction_shares[a * self.bodies + b] * force.rubbed;
             push.heat += 0.5 * force.damped + friction;
             push.friction += friction;
-            sum.held += held_energy(law, &kernels, own.overlap, volume, other_volume);
-            if let Some((_, rates)) = face {
-                let (by_widening, by_normal) =
-                    load_of_face(law, &kernels, (&own_metric, x), other.overlap, volume, other_volume);
-                let shape = FaceLoad { by_widening, by_normal, ..FaceLoad::default() };
-                sum.stored += shape.power_of_shape(rates);
-                push.load.by_widening += by_widening;
-                (0..3).for_each(|k| push.load.by_normal[k] += by_normal[k]);
-            }
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
             sum.friction += 0.5 * force.rubbed;
             sum.damped += 0.5 * force.damped;
-            stiffness.add(law, &kernels, (&own_metric, x), (&own, &other), volume, other_volume);
+            stiffness.add(law, &kernel, overlaps, volume, other_volume);
         }
-        push.limit = stiffness.limit(&own, mass);
+        push.limit = stiffness.limit(&own, volume, mass);
         push
     }
 }
 
-crate::persist_fields!(PairSums { force, held, stored, friction, damped });
-crate::persist_fields!(Works { integration, friction, damped });
+crate::persist_fields!(PairSums { force, stored, friction, damped });
+crate::persist_fields!(Works { stored, friction, damped });
 
 impl Persist for BodyContacts {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {

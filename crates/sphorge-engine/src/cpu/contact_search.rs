@@ -40,8 +40,6 @@ pub(super) struct ContactSearch {
     /// Positions of the particles at the last search, m, and their shifts to where they stood for the contact, where they have such.
     searched_at: Vec<Vector<f64>>,
     shifts: Vec<Vector<f64>>,
-    /// How wide their faces were.
-    widenings: Vec<f64>,
     /// Reading of the displacement bound at the last search.
     displacement: DisplacementBound,
     is_made: bool,
@@ -64,7 +62,6 @@ impl ContactSearch {
             searcher: Searcher::default(),
             searched_at: Vec::new(),
             shifts: Vec::new(),
-            widenings: Vec::new(),
             displacement: DisplacementBound::default(),
             is_made: false,
         }
@@ -73,10 +70,9 @@ impl ContactSearch {
     /// Whether two particles may be nearer each other than the contact reaches and not be among the pairs.
     fn is_due(&self, particles: &Particles, displacement: DisplacementBound) -> bool {
         let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
-        // What the shifts have changed is spent, of the skin that a particle has: that of a pair is the mean of both; what faces have
-        // widened adds to the reach of a pair. Particles are as they were at the last evaluation.
-        let spent = self.largest_change_of_shift(particles) * smallest + 0.5 * self.largest_growth_of_reach(particles);
-        let half = 0.5 * SKIN * self.support * smallest - spent;
+        // What the shifts have changed is spent, of the skin that a particle has: that of a pair is the mean of both. Particles are as they were
+        // at the last evaluation.
+        let half = smallest * (0.5 * SKIN * self.support - self.largest_change_of_shift(particles));
         // Images in symmetry planes are displaced otherwise than their sources.
         let differ =
             || !self.ghosts.halo.is_empty() || differ_beyond(&particles.position, &self.searched_at, 2.0 * half);
@@ -97,17 +93,6 @@ impl ContactSearch {
         columns.map(squared).reduce(|| 0.0, f64::max).sqrt()
     }
 
-    /// Largest growth of how far a particle reaches along its face since the last search, m.
-    fn largest_growth_of_reach(&self, particles: &Particles) -> f64 {
-        let columns = (&particles.contact_widening, &self.widenings).into_par_iter().with_min_len(BLOCK);
-        let growth = columns.map(|(now, then)| now.max(1.0) - then.max(1.0)).reduce(|| 0.0, f64::max);
-        growth * self.support * self.largest_smoothing_length()
-    }
-
-    fn largest_smoothing_length(&self) -> f64 {
-        self.smoothing_length_of.iter().copied().fold(0.0, f64::max)
-    }
-
     /// Makes the next search due, of other particles.
     pub(super) fn forget(&mut self) {
         self.is_made = false;
@@ -125,11 +110,10 @@ impl ContactSearch {
         foreign: &mut ForeignList,
     ) {
         let factor = self.support * (1.0 + SKIN);
-        let largest = self.largest_smoothing_length();
-        // Particles of stretched material stand farther out than they are, and reach farther along wide faces.
+        let largest = self.smoothing_length_of.iter().copied().fold(0.0, f64::max);
+        // Particles of stretched material stand farther out than they are.
         let farthest = largest_length(&particles.contact_shift);
-        let widest = particles.contact_widening.par_iter().with_min_len(BLOCK).copied().reduce(|| 1.0, f64::max);
-        if self.ghosts.halo.rebuild(&particles.position, factor * largest * widest + farthest) {
+        if self.ghosts.halo.rebuild(&particles.position, factor * largest + farthest) {
             self.searcher.forget();
         }
         self.ghosts.exchange(FieldSet::Search, particles);
@@ -149,12 +133,9 @@ impl ContactSearch {
         // Heat crosses faces between positions, which are nearer each other than the places they stand at.
         let beyond =
             |i: usize| if self.conducts { 2.0 / self.support * dot(shift.at(i), shift.at(i)).sqrt() } else { 0.0 };
-        // A pair has the mean of both and shall reach as far as the wider face.
-        let widening = WithGhosts::new(&particles.contact_widening, &ghosts.contact_widening);
         self.smoothing_length.extend(self.members.iter().map(|&i| {
             let i = i as usize;
-            let own = self.smoothing_length_of[body.at(i) as usize];
-            own + (widening.at(i) - 1.0).max(0.0) * (own + largest) + beyond(i)
+            self.smoothing_length_of[body.at(i) as usize] + beyond(i)
         }));
         let reach = Reach::new(&self.smoothing_length, factor);
         self.searcher.search(&self.points, own, &reach, displacement, instructions, &mut self.list);
@@ -175,7 +156,6 @@ impl ContactSearch {
         });
         self.searched_at.clone_from(&particles.position);
         self.shifts.clone_from(&particles.contact_shift);
-        self.widenings.clone_from(&particles.contact_widening);
         self.displacement = displacement;
         self.is_made = true;
     }
@@ -201,7 +181,6 @@ impl ContactSearch {
             + self.searcher.bytes()
             + 36 * self.points.capacity()
             + 24 * (self.searched_at.capacity() + self.shifts.capacity())
-            + 8 * self.widenings.capacity()
     }
 }
 
@@ -249,7 +228,6 @@ impl Persist for ContactSearch {
         self.searcher.persist(&of("searcher"), archive)?;
         self.searched_at.persist(&of("searched_at"), archive)?;
         self.shifts.persist(&of("shifts"), archive)?;
-        self.widenings.persist(&of("widenings"), archive)?;
         self.displacement.persist(&of("displacement"), archive)?;
         self.is_made.persist(&of("is_made"), archive)
     }
@@ -265,7 +243,6 @@ impl ContactSearch {
         self.find_members(particles);
         let fits = self.searched_at.len() == particles.len()
             && self.shifts.len() == particles.contact_shift.len()
-            && self.widenings.len() == particles.contact_widening.len()
             && self.searcher.fits(self.members.len());
         require(!self.is_made || fits, &format!("{name}.searched_at"))
     }

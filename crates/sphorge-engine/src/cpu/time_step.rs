@@ -7,7 +7,6 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::{LimitReason, TimeStepLimit};
 use rayon::prelude::*;
-use sphorge_physics::contact::contact_share;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, penalty_limit, sound_limit};
 use sphorge_physics::total_lagrangian::limiting_length;
 
@@ -89,8 +88,7 @@ pub(super) fn limit(model: &Model, p: &Particles, contact: Option<f64>, instruct
         .reduce(|| (f64::INFINITY, f64::INFINITY), |a, b| (a.0.min(b.0), a.1.min(b.1)));
     let particles = TimeStepLimit { dt: by_sound, reason: LimitReason::SoundSpeed }
         .min(TimeStepLimit { dt: by_acceleration, reason: LimitReason::Acceleration });
-    let contact =
-        contact.map(|limit| TimeStepLimit { dt: contact_share(courant) * limit, reason: LimitReason::Contact });
+    let contact = contact.map(|limit| TimeStepLimit { dt: courant * limit, reason: LimitReason::Contact });
     model.walls.iter().filter_map(|w| wall_limit(model, &w.contact)).chain(contact).fold(particles, TimeStepLimit::min)
 }
 

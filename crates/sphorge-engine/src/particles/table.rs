@@ -305,19 +305,9 @@ columns! {
     pub(crate) face_arm: Vector<f64> = [0.0; 3], Faces,
         Internal("m", "depth below the nearest face, times its outward unit normal, in the initial configuration; zero far inside"),
         Unmirrored[], None;
-    pub(crate) corner_faces: Tensor<f64> = [[0.0; 3]; 3], Faces,
-        Internal("", "unit normals of the faces that meet at the particle of a corner, in the initial configuration, row by row"),
-        Unmirrored[], None;
     pub(crate) contact_shift: Vector<f64> = [0.0; 3], Faces,
         Internal("m", "from the position to where the particle stands for the contact"), Vector[Contact], None;
     pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
-    pub(crate) contact_normal: Vector<f64> = [0.0; 3], Faces,
-        Internal("", "outward unit normal of the face near the particle, zero where there is none"), Vector[Contact], None;
-    pub(crate) contact_widening: f64 = 1.0, Faces, Internal("", "width of that face over that at rest"), Same[Contact], None;
-    pub(crate) leverage_sum: Vector<f64> = [0.0; 3], Faces,
-        Internal("1/m", "sum of the gradients by which displacements of neighbours deform the particle"), Unmirrored[], None;
-    pub(crate) leverage_squares: Tensor<f64> = [[0.0; 3]; 3], Faces,
-        Internal("1/m^2", "sum of their squares by inverse masses, times the mass of the particle"), Unmirrored[], None;
     pub(crate) earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;
 }

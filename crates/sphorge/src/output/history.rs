@@ -174,10 +174,8 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     let contact_pairs = model.contact_pairs();
     if !contact_pairs.is_empty() {
         let sum = |of: fn(&ContactLedger) -> f64| ledger.contacts.iter().map(of).sum::<f64>();
-        let stored = "energy the contacts of bodies hold: zero where nothing overlaps";
+        let stored = "energy the contacts of bodies hold: work against their elastic force so far";
         row.number("contact_stored_energy", "J", stored, sum(|c| c.stored_energy));
-        let left = "work against the elastic force of contacts so far less what they have come to hold: second order of the time step";
-        row.number("contact_integration_energy", "J", left, sum(|c| c.integration_energy));
         row.number(
             "contact_friction_work",
             "J",
@@ -186,7 +184,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         );
         row.number("contact_damping_work", "J", "heat of contact damping so far", sum(|c| c.damping_work));
     }
-    let meaning = "kinetic plus internal energy, what contacts of bodies hold, and what finite steps leave of that";
+    let meaning = "kinetic plus internal energy, and what contacts of bodies hold";
     row.number("total_energy", "J", meaning, ledger.total_energy());
     let drift = "total energy less external work, boundary heat and initial total, over the energy in play";
     row.number("energy_drift", "", drift, sample.energy_drift);
@@ -225,7 +223,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         if a != b {
             row.vector(&format!("{name}.force"), "N", "force of the first body on the second", contact.force);
         }
-        let stored = "energy the contact holds: zero where nothing overlaps";
+        let stored = "work against the elastic force of the contact so far";
         row.number(&format!("{name}.stored_energy"), "J", stored, contact.stored_energy);
         row.number(&format!("{name}.friction_work"), "J", "heat of friction so far", contact.friction_work);
         row.number(&format!("{name}.damping_work"), "J", "heat of contact damping so far", contact.damping_work);

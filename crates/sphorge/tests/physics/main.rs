@@ -4,7 +4,6 @@ mod adaptive;
 mod combinations;
 mod conservation;
 mod contact;
-mod contact_step;
 mod external_forces;
 mod failure;
 mod heat;

@@ -73,7 +73,6 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     fn kinematics(&self, engine: &mut CpuEngine<T>) {
         if !engine.reference_corrected {
             correct_reference(engine);
-            engine.find_leverage();
             engine.reference_corrected = true;
         }
         let dimension = crate::cpu::dimension(&engine.model);
