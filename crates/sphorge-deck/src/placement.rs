@@ -4,7 +4,7 @@ use super::fault::{Fault, Problems};
 use super::interpret::SourceSpans;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{
-    BYTES_PER_PARTICLE, BoundingPlane, FillError, FilledMass, MASS_TOLERANCE, MAX_PARTICLES, fitting_spacings,
+    BoundingPlane, FillError, FilledMass, MASS_TOLERANCE, MAX_PARTICLES, bytes_per_particle, fitting_spacings,
     misplaced_layers, rings_fill,
 };
 use sphorge_engine::model::{Arrangement, LatticePlacement, Model};
@@ -120,7 +120,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
                 .help("check where the parts of its shape lie, or make the spacing smaller")
         }
         FillError::TooMany { body, count, limit } => {
-            let gigabytes = count * BYTES_PER_PARTICLE / 1e9;
+            let gigabytes = count * bytes_per_particle(model) / 1e9;
             let memory = if gigabytes < 1e4 { format!("{gigabytes:.0}") } else { format!("{gigabytes:.1e}") };
             let message = format!("the deck makes about {count:.2e} particles, which take about {memory} GB");
             let why = if limit < MAX_PARTICLES { "the memory that may be used here holds" } else { "the limit is" };
@@ -133,9 +133,13 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             } else {
                 "; check the units".to_owned()
             };
+            let kept = match model.time.step_control {
+                Some(_) if limit < MAX_PARTICLES => ", `time.step-control.repeats = 0` nearly halves the memory",
+                _ => "",
+            };
             Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")
                 .also(places.bodies[body].clone(), "most of them here")
-                .help(format!("{why} {limit:.0e}{cure}"))
+                .help(format!("{why} {limit:.0e}{cure}{kept}"))
         }
         FillError::Crowded { body, position, count, spacing } => {
             let message = format!("particles of body `{}` are far nearer each other than its spacing", name(body));

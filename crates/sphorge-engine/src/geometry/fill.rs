@@ -10,6 +10,13 @@ pub const MAX_REGIONS: usize = 32;
 pub const MAX_PARTICLES: f64 = 2e8;
 /// Memory of a run per particle, bytes, rounded: columns, the arrays of the engine and neighbour lists in three dimensions.
 pub const BYTES_PER_PARTICLE: f64 = 1000.0;
+/// Memory per particle of the state that step control keeps, bytes, rounded.
+const KEPT_BYTES_PER_PARTICLE: f64 = 800.0;
+
+/// Memory of a run of this model per particle, bytes, rounded.
+pub fn bytes_per_particle(model: &Model) -> f64 {
+    BYTES_PER_PARTICLE + if model.time.step_control.is_some() { KEPT_BYTES_PER_PARTICLE } else { 0.0 }
+}
 
 pub(super) fn pattern(model: &Model, body: &Body) -> Pattern {
     let density = model.materials[body.material].density;
@@ -21,7 +28,8 @@ pub fn estimated_count(model: &Model) -> Vec<f64> {
     model.bodies.iter().map(|body| pattern(model, body).estimate(&body.shape)).collect()
 }
 
-/// Fills every body and selects the regions, with no more than `most_particles` (see [`BYTES_PER_PARTICLE`]) or [`MAX_PARTICLES`].
+/// Fills every body and selects the regions, with no more particles than there is memory for or [`MAX_PARTICLES`]; `most_particles` is that memory
+/// over [`BYTES_PER_PARTICLE`].
 ///
 /// Particles are numbered body by body. Mass is density times the volume a particle stands for, on a lattice spacing to the
 /// power of the dimensions: per metre of thickness in plane strain, per square metre in one dimension.
@@ -39,7 +47,7 @@ pub fn fill(model: &Model, most_particles: f64) -> Result<Particles, Vec<FillErr
     }
     let counts = estimated_count(model);
     let total: f64 = counts.iter().sum();
-    let limit = most_particles.min(MAX_PARTICLES);
+    let limit = (most_particles * BYTES_PER_PARTICLE / bytes_per_particle(model)).min(MAX_PARTICLES);
     if total > limit {
         let body = (0..counts.len()).max_by(|&a, &b| counts[a].total_cmp(&counts[b])).unwrap_or(0);
         errors.push(FillError::TooMany { body, count: total, limit });

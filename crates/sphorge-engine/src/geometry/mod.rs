@@ -12,7 +12,7 @@ mod shape;
 mod volume;
 
 pub use error::FillError;
-pub use fill::{BYTES_PER_PARTICLE, MAX_PARTICLES, MAX_REGIONS, estimated_count, fill};
+pub use fill::{BYTES_PER_PARTICLE, MAX_PARTICLES, MAX_REGIONS, bytes_per_particle, estimated_count, fill};
 pub use fit::{
     BoundingPlane, FilledMass, LAYER_TOLERANCE, MASS_TOLERANCE, MisplacedLayer, filled_masses, fitting_spacings,
     misplaced_layers,
