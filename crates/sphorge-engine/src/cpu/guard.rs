@@ -41,12 +41,12 @@ fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
     RunFailure { particle, body, position: last_place(p, i), ..RunFailure::of_engine(message) }
 }
 
-/// Names the first particle that a step of size `dt` (s) has changed by more than the deck allows.
-pub(super) fn check_change(model: &Model, p: &Particles, dt: f64) -> Result<(), RunFailure> {
+/// Names the first particle that a step of size `dt` (s) has changed by more than the deck allows; `speeds` are the sound speeds of the materials at
+/// rest, m/s.
+pub(super) fn check_change(model: &Model, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
     let Some(control) = model.time.step_control.filter(|_| dt > 0.0 && model.thermal.mechanics) else {
         return Ok(());
     };
-    let speeds: Vec<f64> = model.materials.iter().map(|m| m.equation_of_state.reference_sound_speed()).collect();
     let beyond = |i: usize| {
         let speed = speeds[p.material[i] as usize];
         // What a driven particle is pushed with does not move it.

@@ -101,6 +101,8 @@ struct CpuEngine<T: PairScalar> {
     instructions: Instructions,
     /// Coefficient of the artificial stress, by body; nothing without one.
     repulsion: Vec<f64>,
+    /// Sound speed at rest, by material, m/s.
+    sound_speeds: Vec<f64>,
     lists: Lists<T>,
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
@@ -175,6 +177,7 @@ impl<T: PairScalar> CpuEngine<T> {
             constants,
             instructions: Instructions::best(),
             repulsion: initial::repulsion(&model),
+            sound_speeds: model.materials.iter().map(|m| m.equation_of_state.reference_sound_speed()).collect(),
             has_come_apart: vec![false; model.bodies.len()],
             particles,
             model,
@@ -349,7 +352,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn guard(&self) -> Result<(), RunFailure> {
         guard::check(&self.particles, guard::is_cooled(&self.model))?;
-        guard::check_change(&self.model, &self.particles, self.step.dt)
+        guard::check_change(&self.model, &self.particles, &self.sound_speeds, self.step.dt)
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
