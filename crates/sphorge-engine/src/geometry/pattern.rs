@@ -128,9 +128,12 @@ impl Pattern {
                 let sites: f64 = (0..self.dimensions.count()).map(along).product();
                 (volume / self.spacing.powi(self.dimensions.count() as i32)).max(sites * LEAST_KEPT)
             }
-            (Solid::Composed { .. }, _) | (_, Arrangement::Rings) => {
-                volume / self.spacing.powi(self.dimensions.count() as i32)
+            // The same of rings.
+            (Solid::Composed { .. }, Arrangement::Rings) => {
+                let sites = rings::sites(owner(shape).0, self.spacing);
+                (volume / self.spacing.powi(self.dimensions.count() as i32)).max(sites * LEAST_KEPT)
             }
+            (_, Arrangement::Rings) => volume / self.spacing.powi(self.dimensions.count() as i32),
             (solid, _) => {
                 // A profile can be one thin flange.
                 let grid = Grid::new(solid, self.dimensions, self.spacing, self.lattice);
@@ -167,6 +170,16 @@ mod tests {
 
     fn disc(centre: [f64; 2], radius: f64) -> Shape {
         shape(Solid::Ball { centre: [centre[0], centre[1], 0.0], radius, inner_radius: 0.0 })
+    }
+
+    #[test]
+    fn a_sliver_of_wide_rings_counts_what_is_gone_through() {
+        let lattice = Lattice { arrangement: Arrangement::Rings, placement: LatticePlacement::CellCentres };
+        let pattern = Pattern { dimensions: Dimensions::PlaneStrain, spacing: 0.1, density: 1.0, lattice };
+        let sliver = composed(Operation::Intersection, vec![disc([0.0, 0.0], 1e6), square([0.0, 0.0], [1.0, 1.0])]);
+        assert!(pattern.estimate(&sliver) > 1e12);
+        let quarter = composed(Operation::Intersection, vec![disc([0.0, 0.0], 1.0), square([0.0, 0.0], [1.0, 1.0])]);
+        assert!(pattern.estimate(&quarter) < 90.0);
     }
 
     #[test]

@@ -19,6 +19,19 @@ pub(crate) fn can_fill(solid: &Solid, dimensions: Dimensions) -> bool {
         || matches!(solid, Solid::Ball { .. }) && dimensions == Dimensions::PlaneStrain
 }
 
+/// About as many particles as a solid that rings can fill has.
+pub(super) fn sites(solid: &Solid, spacing: f64) -> f64 {
+    let of_section = |inner: f64, outer: f64| 0.5 * TAU * (outer - inner) * (outer + inner) / (spacing * spacing);
+    match solid {
+        Solid::Ball { radius, inner_radius, .. } => of_section(*inner_radius, *radius),
+        Solid::Cylinder { from, to, radius, inner_radius } => {
+            let axis = subtract(*to, *from);
+            of_section(*inner_radius, *radius) * (dot(axis, axis).sqrt() / spacing).max(1.0)
+        }
+        _ => 0.0,
+    }
+}
+
 /// Calls `visit` with place and volume (area in the plane) of every particle of a solid that rings can fill.
 pub(super) fn for_each_site(solid: &Solid, spacing: f64, mut visit: impl FnMut([f64; 3], f64)) {
     match solid {
@@ -63,7 +76,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    fn sites(solid: &Solid, spacing: f64) -> Vec<([f64; 3], f64)> {
+    fn all_sites(solid: &Solid, spacing: f64) -> Vec<([f64; 3], f64)> {
         let mut all = Vec::new();
         for_each_site(solid, spacing, |site, volume| all.push((site, volume)));
         all
@@ -73,22 +86,24 @@ mod tests {
     fn a_disc_of_rings_has_its_area_and_its_centre() {
         let disc = Solid::Ball { centre: [2.0, 1.0, 0.0], radius: 1.0, inner_radius: 0.0 };
         // Rings of width 0.25 at 1/8, 3/8, 5/8, 7/8, whose areas are those of 3.1, 9.4, 15.7 and 22.0 particles.
-        let all = sites(&disc, 0.25);
+        let all = all_sites(&disc, 0.25);
         assert_eq!(all.len(), 4 + 8 + 16 + 20);
+        assert!((sites(&disc, 0.25) - 50.27).abs() < 0.01);
         assert!((all.iter().map(|s| s.1).sum::<f64>() - PI).abs() < 1e-12);
         let moment = |a: usize| all.iter().map(|s| s.1 * s.0[a]).sum::<f64>() / PI;
         assert!((moment(0) - 2.0).abs() < 1e-12 && (moment(1) - 1.0).abs() < 1e-12);
         // Of the smallest rings a particle is 4/3.1 or 8/9.4 of a spacing squared.
         assert!(all.iter().all(|s| (s.1 / 0.0625 - 1.0).abs() < 0.22));
-        assert!(sites(&disc, 0.01).iter().filter(|s| (s.1 / 1e-4 - 1.0).abs() > 0.05).count() < 400);
+        assert!(all_sites(&disc, 0.01).iter().filter(|s| (s.1 / 1e-4 - 1.0).abs() > 0.05).count() < 400);
     }
 
     #[test]
     fn a_tube_of_rings_has_its_volume_whatever_its_axis() {
         let tube = Solid::Cylinder { from: [0.0; 3], to: [0.6, 0.8, 0.0], radius: 0.5, inner_radius: 0.33 };
-        let all = sites(&tube, 0.07);
+        let all = all_sites(&tube, 0.07);
         let volume: f64 = all.iter().map(|s| s.1).sum();
         assert!((volume / (PI * (0.25 - 0.33 * 0.33)) - 1.0).abs() < 1e-12);
+        assert!((sites(&tube, 0.07) / all.len() as f64 - 1.0).abs() < 0.1);
         // Two rings, 14 slices.
         let radius = |p: [f64; 3]| super::super::shape::about_axis(p, [0.0; 3], [0.6, 0.8, 0.0]).1;
         let inner = all.iter().filter(|s| radius(s.0) < 0.415).count();
