@@ -80,9 +80,11 @@ fn a_run_that_is_ended_while_it_is_set_up_leaves_nothing() {
         "time = { end = \"1 us\" }",
         "[[body]]",
         "name = \"block\"",
-        // Tells a note before the first search, which takes seconds on one thread.
         "material = \"armco-iron\"",
         "shape = { box = { min = [\"0 mm\", \"0 mm\", \"0 mm\"], max = [\"60 mm\", \"60 mm\", \"60 mm\"] } }",
+        // The deck's own iron, with a doubt that is told before the first search, which takes seconds on one thread.
+        "[material.armco-iron]",
+        "density = \"7891 kg/m^3\"",
     ];
     fs::write(place.path("block.toml"), block.join("\n")).unwrap();
     let mut child = place.command(&["run", "block.toml", "-o", "run", "--threads", "1"]).spawn().unwrap();
