@@ -56,6 +56,11 @@ impl DiskSync {
         if self.pacing.is_due() { self.sync() } else { Ok(()) }
     }
 
+    /// Files that are no longer there need not come to the disk.
+    pub(crate) fn forget_missing(&mut self) {
+        self.pending.retain(|path| path.exists());
+    }
+
     /// Everything written is on the disk when this returns.
     pub(crate) fn sync(&mut self) -> Result<(), OutputError> {
         let pending = std::mem::take(&mut self.pending);

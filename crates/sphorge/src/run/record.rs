@@ -123,6 +123,7 @@ impl Recorder {
     pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
         self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
+        self.disk.forget_missing();
         if !self.frames.is_empty() {
             write_series(&self.directory.series(), &self.frames)?;
         }

@@ -61,7 +61,12 @@ fn story(deck: &str, sparseness: f64, resumed_after: Option<u64>) -> (String, St
         if let Some(reason) = state.end_reason() {
             break reason;
         }
+        let before = state.simulation.steps();
         own.step(&mut state, &mut Silent).unwrap();
+        if state.simulation.steps() <= before {
+            // Frames that the run has gone back behind are no longer there.
+            state.recorder.flush().unwrap();
+        }
         if resumed_after == Some(state.simulation.steps()) {
             let mut archive = MemoryArchive::new();
             state.save(&mut archive).unwrap();
