@@ -77,7 +77,7 @@ const BARS: &[Bar] = &[
         speed: 300.0,
         measured: None,
         across: &[12],
-        missed: &[(12, STRAIN, 0.16), (12, OUTLINE, 0.038)],
+        missed: &[(12, STRAIN, 0.16), (12, OUTLINE, 0.032)],
         ..COPPER
     },
     Bar {
@@ -297,8 +297,9 @@ fn judge(runs: &Runs, findings: &mut Findings) {
 const NOTES: &[&str] = &[
     "What is asked and missed, and kept within a wider bound: copper at 250 and 300 m/s. The largest strain, of 3.5 and 4.9 at the axis of the \
      foot, falls steeply from there, and a particle says the mean of its size: 13 and 15 % less with 12 across, 5.03 % at 250 m/s with 24. That of the \
-     elements rises by 3 and 4 % with the mesh. Shafts are up to 2.2 and 3.7 % too thick with 12 across. The latter was 3.2 % when the reference \
-     configuration was renewed from a stretch of 8 on, which takes the foot apart with 24 across; from 12 on it is that of runs without renewal.",
+     elements rises by 3 and 4 % with the mesh. Shafts are up to 2.2 and 3.7 % too thick with 12 across. \
+     The latter fails its bound of 3.2 %, which is kept: it was met (3.16 %) while the reference configuration was renewed from a stretch of 8 on, \
+     which takes the foot apart with 24 across, and is missed with the renewal at 16 as without any.",
     "The short bar of 4340 steel: with 24 across its radius at the wall, drawn there from the two lowest slices, is 1.2 % too large; feet of the \
      elements still rise by 0.3 % with the mesh.",
     "Bars that yield early and harden with what elastic waves leave in the shaft say what artificial viscosity does: with \
