@@ -95,7 +95,8 @@ pub trait Engine: Send {
     fn forces(&mut self) -> Result<(), RunFailure>;
     /// Closes the step: correction or second kick.
     fn finish(&mut self) -> Result<(), RunFailure>;
-    /// Every value finite, every density positive.
+    /// Every value finite, every density positive, and nothing changed in this step by more than `time.step-control` allows. A failure says
+    /// whether a smaller step may go well ([`RunFailure::step_may_be_smaller`]).
     fn guard(&self) -> Result<(), RunFailure>;
     /// Longest stable next step.
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure>;

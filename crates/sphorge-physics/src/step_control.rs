@@ -5,7 +5,21 @@
 //!
 //! All numbers are the same in every uniformly moving frame: what flies fast is not changed by it.
 
+use crate::stress::strain_rate;
 use crate::{SymmetricTensor, Tensor, Vector};
+
+/// What a step can change too much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Changed {
+    /// The density.
+    Density,
+    /// The shape.
+    Stretch,
+    /// The specific internal energy.
+    Energy,
+    /// The place.
+    Jump,
+}
 
 /// What a step has changed of a particle, or may change at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,23 +49,42 @@ impl StepChange {
         smoothing_length: f64,
         dt: f64,
     ) -> Self {
-        let d = SymmetricTensor::symmetric_part(l);
         let squared = acceleration.iter().map(|a| a * a).sum::<f64>();
         Self {
-            density: d.trace().abs() * dt,
-            stretch: d.double_dot(d).sqrt() * dt,
+            density: SymmetricTensor::symmetric_part(l).trace().abs() * dt,
+            stretch: strain_rate(l) * dt,
             energy: energy_rate.abs() * dt / (energy.abs() + sound_speed * sound_speed),
             jump: squared.sqrt() * dt * dt / smoothing_length,
         }
     }
 
-    /// The first number that is above its limit: its place in the order of the fields, the number and the limit.
+    /// Each number with what it is of.
     #[inline(always)]
-    pub fn beyond(&self, limits: &Self) -> Option<(usize, f64, f64)> {
-        let numbers = [self.density, self.stretch, self.energy, self.jump];
-        let limits = [limits.density, limits.stretch, limits.energy, limits.jump];
-        let first = numbers.iter().zip(&limits).position(|(number, limit)| number > limit)?;
-        Some((first, numbers[first], limits[first]))
+    fn numbers(&self) -> [(Changed, f64); 4] {
+        [
+            (Changed::Density, self.density),
+            (Changed::Stretch, self.stretch),
+            (Changed::Energy, self.energy),
+            (Changed::Jump, self.jump),
+        ]
+    }
+
+    /// Whether a number is above its limit, or none.
+    #[inline(always)]
+    pub fn is_beyond(&self, limits: &Self) -> bool {
+        let is_above = |((_, number), (_, limit)): ((Changed, f64), (Changed, f64))| number > limit || number.is_nan();
+        self.numbers().into_iter().zip(limits.numbers()).any(is_above)
+    }
+
+    /// What has changed most beside its limit, by how much, and the limit. What is no number is more than any.
+    pub fn worst(&self, limits: &Self) -> (Changed, f64, f64) {
+        let pairs = self.numbers().into_iter().zip(limits.numbers());
+        let of_pair = |((changed, number), (_, limit))| (changed, number, limit);
+        let larger = |a: (Changed, f64, f64), b: (Changed, f64, f64)| {
+            let is_more = b.1.is_nan() && !a.1.is_nan() || b.1 / b.2 > a.1 / a.2;
+            if is_more { b } else { a }
+        };
+        pairs.map(of_pair).reduce(larger).unwrap_or((Changed::Density, self.density, limits.density))
     }
 }
 
@@ -86,20 +119,20 @@ mod tests {
     }
 
     #[test]
-    fn the_first_number_beyond_its_limit_is_named() {
-        let limits = StepChange { density: 1.0, stretch: 1.0, energy: 1.0, jump: 1.0 };
-        assert_eq!(change(2.0).beyond(&limits), None);
-        assert_eq!(change(4.0).beyond(&StepChange { stretch: 9.0, ..limits }), Some((3, 3.2, 1.0)));
-        for (k, broken) in [
-            StepChange { density: 0.5, ..limits },
-            StepChange { stretch: 0.5, ..limits },
-            StepChange { energy: 0.5, ..limits },
-            StepChange { jump: 0.5, ..limits },
-        ]
-        .iter()
-        .enumerate()
-        {
-            assert_eq!(limits.beyond(broken), Some((k, 1.0, 0.5)));
+    fn what_changes_most_beside_its_limit_is_named() {
+        let limits = StepChange { density: 1.0, stretch: 2.0, energy: 4.0, jump: 8.0 };
+        let at = |density, stretch, energy, jump| StepChange { density, stretch, energy, jump };
+        assert!(!limits.is_beyond(&limits));
+        for (change, worst) in [
+            (at(3.0, 2.0, 4.0, 8.0), (Changed::Density, 3.0, 1.0)),
+            (at(0.5, 4.0, 4.0, 8.0), (Changed::Stretch, 4.0, 2.0)),
+            (at(0.5, 2.5, 10.0, 8.0), (Changed::Energy, 10.0, 4.0)),
+            (at(0.5, 2.0, 4.0, 16.0), (Changed::Jump, 16.0, 8.0)),
+        ] {
+            assert_eq!((change.worst(&limits), change.is_beyond(&limits)), (worst, true));
         }
+        let broken = at(9.0, f64::NAN, 0.0, 0.0);
+        assert!(broken.is_beyond(&limits) && broken.worst(&limits).0 == Changed::Stretch);
+        assert!(at(0.0, f64::NAN, 0.0, 0.0).is_beyond(&limits));
     }
 }

@@ -38,6 +38,13 @@ pub fn trial_deviator<T: Real>(s: SymmetricTensor<T>, l: &Tensor<T>, shear_modul
     (s + half_shear).congruence(&rotation(l, dt)) + half_shear
 }
 
+/// Fastest that a line of a particle with the velocity gradient `l` (1/s) can shorten, 1/s, or a little more: the norm of the stretching.
+#[inline(always)]
+pub fn strain_rate(l: &Tensor<f64>) -> f64 {
+    let d = SymmetricTensor::symmetric_part(l);
+    d.double_dot(d).sqrt()
+}
+
 /// Density (kg/m^3) after a step: `rho exp(-tr(L) dt)`, the solution of `drho/dt = -rho div v` at constant `div v`.
 #[inline]
 pub fn density_after<T: Scalar>(rho: T, l: &Tensor<T>, dt: T) -> T {

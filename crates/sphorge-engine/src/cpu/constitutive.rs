@@ -11,7 +11,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, viscosity};
+use sphorge_physics::{SymmetricTensor, heat, stress, viscosity};
 
 /// What a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
@@ -471,17 +471,10 @@ impl<T: PairScalar> CpuEngine<T> {
         if corrected {
             let columns = (strain_since_search.par_chunks_mut(BLOCK), velocity_gradient.par_chunks(BLOCK));
             columns.into_par_iter().for_each(|(strain, l)| {
-                strain.iter_mut().zip(l).for_each(|(strain, l)| *strain += dt * strain_rate(l));
+                strain.iter_mut().zip(l).for_each(|(strain, l)| *strain += dt * stress::strain_rate(l));
             });
         }
     }
-}
-
-/// Fastest that a line of a particle with the velocity gradient `l` can shorten, 1/s, or a little more: the norm of the stretching.
-#[inline(always)]
-pub(super) fn strain_rate(l: &Tensor<f64>) -> f64 {
-    let d = SymmetricTensor::symmetric_part(l);
-    d.double_dot(d).sqrt()
 }
 
 /// Shear modulus of a particle in the state it is in, Pa.

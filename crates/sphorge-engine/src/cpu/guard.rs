@@ -5,7 +5,7 @@ use crate::model::{HeatBoundaryKind, Model};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
-use sphorge_physics::step_control::StepChange;
+use sphorge_physics::step_control::{Changed, StepChange};
 
 /// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
 pub(super) fn is_cooled(model: &Model) -> bool {
@@ -41,34 +41,38 @@ fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
     RunFailure { particle, body, position: last_place(p, i), ..RunFailure::of_engine(message) }
 }
 
-/// Names the first particle that a step of size `dt` (s) has changed by more than the deck allows; `speeds` are the sound speeds of the materials at
-/// rest, m/s.
-pub(super) fn check_change(model: &Model, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
-    let Some(control) = model.time.step_control.filter(|_| dt > 0.0 && model.thermal.mechanics) else {
-        return Ok(());
-    };
-    let beyond = |i: usize| {
-        let speed = speeds[p.material[i] as usize];
+/// Names the particle that a step of size `dt` (s) has changed most, if that is more than is allowed; `speeds` are the sound speeds of the
+/// materials at rest, m/s.
+pub(super) fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
+    let change = |i: usize| {
         // What a driven particle is pushed with does not move it.
         let is_driven = p.motion.get(i).is_some_and(|&motion| motion > 0);
         let acceleration = if is_driven { &[0.0; 3] } else { &p.acceleration[i] };
-        let h = p.smoothing_length[i];
-        let change =
-            StepChange::of(&p.velocity_gradient[i], (p.energy[i], p.energy_rate[i]), speed, acceleration, h, dt);
-        change.beyond(&control.largest)
+        let (speed, h) = (speeds[p.material[i] as usize], p.smoothing_length[i]);
+        StepChange::of(&p.velocity_gradient[i], (p.energy[i], p.energy_rate[i]), speed, acceleration, h, dt)
     };
-    let Some(i) = (0..p.len()).into_par_iter().with_min_len(1024).find_first(|&i| beyond(i).is_some()) else {
+    let particles = || (0..p.len()).into_par_iter().with_min_len(1024);
+    if !particles().any(|i| change(i).is_beyond(limits)) {
         return Ok(());
+    }
+    let excess = |i: usize| {
+        let (_, number, limit) = change(i).worst(limits);
+        let ratio = number / limit;
+        (if ratio.is_nan() { f64::INFINITY } else { ratio }, i)
     };
-    let Some((k, number, limit)) = beyond(i) else { return Ok(()) };
-    let (field, what) = [
-        ("density", "the density changed by {} of itself"),
-        ("velocity_gradient", "the material was stretched by {}"),
-        ("energy", "the energy changed by {} of itself and the square of the sound speed"),
-        ("position", "the particle was pushed by {} smoothing lengths"),
-    ][k];
+    // Of equals the first, however many threads look.
+    let larger = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || b.0 == a.0 && b.1 < a.1 { b } else { a };
+    let (_, i) = particles().map(excess).reduce(|| (f64::NEG_INFINITY, usize::MAX), larger);
+    let (changed, number, limit) = change(i).worst(limits);
     let number = if number < 1e-3 { format!("{number:.1e}") } else { format!("{number:.3}") };
-    let what = what.replace("{}", &number);
+    let (field, what) = match changed {
+        Changed::Density => ("density", format!("the density changed by {number} of itself")),
+        Changed::Stretch => ("velocity_gradient", format!("the material was stretched by {number}")),
+        Changed::Energy => {
+            ("energy", format!("the energy changed by {number} of itself and the square of the sound speed"))
+        }
+        Changed::Jump => ("position", format!("the particle was pushed by {number} smoothing lengths")),
+    };
     let message = format!("{what} in one step, more than the {limit:?} of `time.step-control`");
     Err(RunFailure { field, step_may_be_smaller: true, ..of_particle(p, i, message) })
 }
@@ -134,5 +138,30 @@ mod tests {
         let failure = check(&p, true).unwrap_err();
         assert_eq!(failure.field, "temperature");
         assert!(failure.to_string().contains("-2 K: a flux"), "{failure}");
+    }
+
+    #[test]
+    fn the_particle_that_changed_most_is_named_and_a_driven_one_is_not_pushed() {
+        let mut p = particles(4);
+        p.id.copy_from_slice(&[5, 6, 7, 8]);
+        p.smoothing_length.fill(2.0);
+        let check = |p: &Particles| check_change(&StepChange::DEFAULT, p, &[10.0], 0.5);
+        // 0.08, 0.16 and 0.12 smoothing lengths.
+        for (k, a) in [0.64, 1.28, 0.96].into_iter().enumerate() {
+            p.acceleration[k] = [0.0, -a, 0.0];
+        }
+        let failure = check(&p).unwrap_err();
+        assert_eq!((failure.particle, failure.field, failure.step_may_be_smaller), (Some(6), "position", true));
+        assert!(failure.message.contains("0.160 smoothing lengths in one step, more than the 0.1 of"), "{failure}");
+        p.motion[1] = 1;
+        assert_eq!(check(&p).unwrap_err().particle, Some(7));
+        p.acceleration[2] = [0.0; 3];
+        assert_eq!(check(&p), Ok(()));
+        // Two that are stretched alike: the first; one that has no number is worse.
+        p.velocity_gradient[3][0][0] = 1.0;
+        p.velocity_gradient[2][0][0] = 1.0;
+        assert_eq!(check(&p).map_err(|f| (f.particle, f.field)), Err((Some(7), "density")));
+        p.velocity_gradient[3][0][1] = f64::NAN;
+        assert_eq!(check(&p).map_err(|f| (f.particle, f.field)), Err((Some(8), "velocity_gradient")));
     }
 }

@@ -352,7 +352,12 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn guard(&self) -> Result<(), RunFailure> {
         guard::check(&self.particles, guard::is_cooled(&self.model))?;
-        guard::check_change(&self.model, &self.particles, &self.sound_speeds, self.step.dt)
+        match &self.model.time.step_control {
+            Some(control) if self.step.dt > 0.0 && self.model.thermal.mechanics => {
+                guard::check_change(&control.largest, &self.particles, &self.sound_speeds, self.step.dt)
+            }
+            _ => Ok(()),
+        }
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {

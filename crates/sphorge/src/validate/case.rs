@@ -9,6 +9,20 @@ pub struct ExpectedWarning {
     pub name: &'static str,
     /// Why its number may be beyond its limit.
     pub reason: &'static str,
+    /// How the labels of the runs begin that it is expected of; empty for all.
+    pub runs: &'static [&'static str],
+}
+
+impl ExpectedWarning {
+    /// Of any run of the case.
+    pub const fn new(name: &'static str, reason: &'static str) -> Self {
+        Self { name, reason, runs: &[] }
+    }
+
+    /// Whether this warning is expected of a run.
+    pub(super) fn covers(&self, name: &str, label: &str) -> bool {
+        self.name == name && (self.runs.is_empty() || self.runs.iter().any(|start| label.starts_with(start)))
+    }
 }
 
 /// A case with a known answer.

@@ -44,7 +44,8 @@ impl RunEntry {
     fn new(case: &Case, run: &Run, folder: &Folder) -> Self {
         let summary = run.summary();
         let warnings = summary.map_or(&[][..], |summary| &summary.warnings);
-        let is_expected = |name: &str| case.expected_warnings.iter().any(|expected| expected.name == name);
+        let label = &run.variant.label;
+        let is_expected = |name: &str| case.expected_warnings.iter().any(|expected| expected.covers(name, label));
         Self {
             label: run.variant.label.clone(),
             overrides: run.variant.overrides.clone(),
@@ -202,8 +203,8 @@ mod tests {
 
     #[test]
     fn a_warning_that_is_not_expected_fails_the_case() {
-        let expected = &[ExpectedWarning { name: "pairing", reason: "known" }];
-        let found = report(expected, false);
+        const EXPECTED: &[ExpectedWarning] = &[ExpectedWarning::new("pairing", "known")];
+        let found = report(EXPECTED, false);
         assert_eq!(found.verdict, Verdict::Failed);
         assert_eq!(found.runs[0].warnings, ["pairing", "hot"]);
         assert!(
@@ -216,17 +217,25 @@ mod tests {
             assert!(text.contains("hot: a number is 2, limit 1") && text.contains("known"), "{text}");
         }
         // Unless the run may break down altogether.
-        assert_eq!(report(expected, true).verdict, Verdict::Shown);
+        assert_eq!(report(EXPECTED, true).verdict, Verdict::Shown);
+        // Of another run it is not.
+        const OF_ANOTHER: &[ExpectedWarning] = &[
+            ExpectedWarning { runs: &["walk", "runs"], ..ExpectedWarning::new("pairing", "known") },
+            ExpectedWarning { runs: &["ru"], ..ExpectedWarning::new("hot", "known") },
+        ];
+        let found = report(OF_ANOTHER, false);
+        assert!(found.verdict == Verdict::Failed && found.runs[0].unexpected_warnings[0].starts_with("pairing: "));
+        assert_eq!(found.runs[0].unexpected_warnings.len(), 1);
     }
 
     #[test]
     fn a_warning_that_is_expected_is_no_failure() {
-        let expected = &[
-            ExpectedWarning { name: "pairing", reason: "known" },
-            ExpectedWarning { name: "hot", reason: "known, too" },
-            ExpectedWarning { name: "cold", reason: "at other resolutions" },
+        const EXPECTED: &[ExpectedWarning] = &[
+            ExpectedWarning::new("pairing", "known"),
+            ExpectedWarning::new("hot", "known, too"),
+            ExpectedWarning::new("cold", "at other resolutions"),
         ];
-        let found = report(expected, false);
+        let found = report(EXPECTED, false);
         assert_eq!((found.verdict, found.runs[0].unexpected_warnings.len()), (Verdict::Shown, 0));
         assert_eq!(found.expected_warnings.len(), 2);
 

@@ -2,7 +2,6 @@
 
 use super::Formulation;
 use crate::cpu::CpuEngine;
-use crate::cpu::constitutive::strain_rate;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
@@ -115,7 +114,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                         if is_due {
                             correction[k] = correction_of(&sums[k], scale);
                         }
-                        strain[k] += step * strain_rate(&corrected_by(&l[k], &correction[k]));
+                        strain[k] += step * stress::strain_rate(&corrected_by(&l[k], &correction[k]));
                         rho[k] = stress::density_after(rho[k], &l[k], dt);
                         n[k] = sums[k].inside;
                     }

@@ -89,11 +89,11 @@ pub(super) const CASE: Case = Case {
             choose; its runs are coarser than the others, since what is flattened asks for short steps.",
     deck: "bullet",
     expected_warnings: &[
-        ExpectedWarning {
-            name: "pieces",
-            reason: "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
-        },
-        ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
+        ExpectedWarning::new(
+            "pieces",
+            "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+        ),
+        ExpectedWarning::new("lost-neighbors", "fragments of a particle or two fly in the debris"),
     ],
     variants,
     judge,

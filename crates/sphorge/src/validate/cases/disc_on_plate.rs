@@ -17,15 +17,12 @@ pub(super) const CASE: Case = Case {
             what is conserved is asked for.",
     deck: "disc-on-plate",
     expected_warnings: &[
-        ExpectedWarning {
-            name: "pieces",
-            reason: "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
-        },
-        ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
-        ExpectedWarning {
-            name: "expansion",
-            reason: "debris is far expanded, and the material has no `spall-pressure`",
-        },
+        ExpectedWarning::new(
+            "pieces",
+            "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+        ),
+        ExpectedWarning::new("lost-neighbors", "fragments of a particle or two fly in the debris"),
+        ExpectedWarning::new("expansion", "debris is far expanded, and the material has no `spall-pressure`"),
     ],
     variants,
     judge,

@@ -24,30 +24,27 @@ pub(super) const CASE: Case = Case {
             outermost per cent of its mass is left out. The paper does not say how it measures either.",
     deck: "penetration",
     expected_warnings: &[
-        ExpectedWarning {
-            name: "pieces",
-            reason: "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
-        },
-        ExpectedWarning {
-            name: "pairing",
-            reason: "a tenth of the disc (0.107 at 0.4 mm) lies in pairs at 2.7 us, behind the shock where release pulls it apart, not late \
+        ExpectedWarning::new(
+            "pieces",
+            "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+        ),
+        ExpectedWarning::new(
+            "pairing",
+            "a tenth of the disc (0.107 at 0.4 mm) lies in pairs at 2.7 us, behind the shock where release pulls it apart, not late \
                      in the debris: numerical fracture that the artificial stress does not prevent",
-        },
-        ExpectedWarning { name: "tearing", reason: "the same, where it is" },
-        ExpectedWarning {
-            name: "hot",
-            reason: "the artificial stress takes up to 12 MJ/kg out of 4 % of the particles, whose internal energy ends below zero; \
+        ),
+        ExpectedWarning::new("tearing", "the same, where it is"),
+        ExpectedWarning::new(
+            "hot",
+            "the artificial stress takes up to 12 MJ/kg out of 4 % of the particles, whose internal energy ends below zero; \
                      temperature leaves its work out, and is then above what their energy allows",
-        },
-        ExpectedWarning { name: "lost-neighbors", reason: "fragments of a particle or two fly in the debris" },
-        ExpectedWarning {
-            name: "cold",
-            reason: "debris that is far expanded is beyond the pressure law, whose isotherm then gives no temperature",
-        },
-        ExpectedWarning {
-            name: "expansion",
-            reason: "debris is far expanded, and the material has no `spall-pressure`",
-        },
+        ),
+        ExpectedWarning::new("lost-neighbors", "fragments of a particle or two fly in the debris"),
+        ExpectedWarning::new(
+            "cold",
+            "debris that is far expanded is beyond the pressure law, whose isotherm then gives no temperature",
+        ),
+        ExpectedWarning::new("expansion", "debris is far expanded, and the material has no `spall-pressure`"),
     ],
     variants,
     judge,

@@ -17,11 +17,11 @@ pub(super) const CASE: Case = Case {
             what is conserved.",
     deck: "taylor-bar",
     expected_warnings: &[
-        ExpectedWarning {
-            name: "plastic-work",
-            reason: "plain updated Lagrangian sums do more plastic work in the foot than the impact brings along; the case compares shapes, and shows it",
-        },
-        ExpectedWarning { name: "hot", reason: "it follows from the plastic work" },
+        ExpectedWarning::new(
+            "plastic-work",
+            "plain updated Lagrangian sums do more plastic work in the foot than the impact brings along; the case compares shapes, and shows it",
+        ),
+        ExpectedWarning::new("hot", "it follows from the plastic work"),
     ],
     variants,
     judge,
