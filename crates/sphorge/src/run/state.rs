@@ -218,4 +218,4 @@ impl Persist for RunState {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -4,10 +4,14 @@ use super::*;
 use crate::{
     deck::{Setup, load_text},
     engine::{ENGINES, Simulation},
-    output::{RunDirectory, StageSecondsRecord, Summary},
-    run::{Silent, progress::Pace, state::Beginning},
+    output::{RunDirectory, Summary},
+    run::{
+        Silent,
+        progress::Pace,
+        state::{Beginning, tests::told},
+    },
 };
-use std::{fs, path::Path};
+use std::path::Path;
 
 /// A block that strikes one at rest and slides along a wall. Steps may change little: some of the strike are repeated.
 const DECK: &str = r#"
@@ -77,13 +81,7 @@ fn story(deck: &str, sparseness: f64, resumed_after: Option<u64>) -> (String, St
             own = repeater(&state);
         }
     };
-    state.close(&mut Silent).unwrap();
-    let (summary, written) = state.recorder.summary(&state.simulation, reason, None, 1.0, None);
-    written.unwrap();
-    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
-    let stage_seconds = StageSecondsRecord::default();
-    let timeless = Summary { stage_seconds, peak_memory_bytes: 0, engine_memory_bytes: 0, ..summary };
-    (read("history.csv"), read("fields.pvd"), timeless)
+    told(state, reason, &folder)
 }
 
 fn state_begun(deck: &str, folder: &Path) -> RunState {

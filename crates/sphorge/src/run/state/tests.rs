@@ -107,6 +107,11 @@ fn story(mut state: RunState, folder: &Path) -> (String, String, Summary) {
         }
         state.step(&mut Silent, 0).unwrap();
     };
+    told(state, reason, folder)
+}
+
+/// History, list of frames and summary of a run that has ended, without the seconds it took.
+pub(in crate::run) fn told(mut state: RunState, reason: EndReason, folder: &Path) -> (String, String, Summary) {
     state.close(&mut Silent).unwrap();
     let (summary, written) = state.recorder.summary(&state.simulation, reason, None, 1.0, None);
     written.unwrap();
