@@ -23,7 +23,7 @@
 
 use crate::kernel::Kernel;
 use crate::tensor::{determinant, dot, inverse, multiply, transpose};
-use crate::{Dimension, Real, Scalar, Tensor, Vector};
+use crate::{Dimension, Elementary, Real, Scalar, Tensor, Vector};
 
 /// Sums over a square or cubic lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -227,7 +227,7 @@ pub fn cell_size(dimension: Dimension, volume: f64) -> f64 {
     match dimension {
         Dimension::One => volume,
         Dimension::Two => Real::sqrt(volume),
-        Dimension::Three => Scalar::powf(volume, 1.0 / 3.0),
+        Dimension::Three => Elementary::powf(volume, 1.0 / 3.0),
     }
 }
 

@@ -1,7 +1,8 @@
 //! Laws of smoothed-particle solid mechanics, each a pure function of numbers.
 //!
 //! No allocation, no arrays of particles, no input or output. Every law is generic over [`Real`] (arithmetic that also
-//! exists for SIMD lanes) or [`Scalar`] (one number, with comparison and elementary functions).
+//! exists for SIMD lanes), [`Elementary`] (one number with elementary functions, in memory or on a graphics card) or [`Scalar`] (one
+//! number in memory, which can be compared).
 //!
 //! Conventions: Cauchy stress is positive in tension, pressure positive in compression, `sigma = S - p I`;
 //! `x_ij = x_i - x_j`, `v_ij = v_i - v_j`; `L = grad v`, `L_ab = dv_a / dx_b`; SI units.
@@ -44,5 +45,5 @@ pub mod xsph;
 mod test_cloud;
 
 pub use dimension::Dimension;
-pub use real::{Real, Scalar};
+pub use real::{Elementary, Numbers, Real, Scalar};
 pub use tensor::{SymmetricTensor, Tensor, Vector};

@@ -72,8 +72,9 @@ pub trait Real:
     }
 }
 
-/// One number: what per-particle laws that branch or iterate are written in.
-pub trait Scalar: Real + PartialOrd + Default {
+/// One number of a particle, in memory or on a graphics card: elementary functions, and branches and iterations that are operations as
+/// well, so that a law is written down for a card by running it once on numbers that record what is done with them.
+pub trait Elementary: Real {
     /// Natural logarithm.
     fn ln(self) -> Self;
     /// Exponential.
@@ -82,12 +83,44 @@ pub trait Scalar: Real + PartialOrd + Default {
     fn powf(self, exponent: Self) -> Self;
     /// Cosine.
     fn cos(self) -> Self;
+    /// The gap between one and the next larger number.
+    fn epsilon() -> Self;
+    /// The largest finite number.
+    fn largest() -> Self;
+    /// What `then` makes where `a < b`, what `otherwise` makes elsewhere: only one of them is evaluated.
+    fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R;
+    /// Takes a state through `step` until it returns a second number that is not positive, once at least.
+    fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S;
+}
+
+/// One number in memory: it can be compared, and shown.
+pub trait Scalar: Elementary + PartialOrd + Default {
     /// Widened to double precision.
     fn to_f64(self) -> f64;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The gap between one and the next larger number.
-    fn epsilon() -> Self;
+}
+
+/// What is made of numbers, so that a branch or an iteration can yield it.
+pub trait Numbers<T>: Copy {
+    /// Visits every number, always in the same order.
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T));
+}
+
+impl<T: Real> Numbers<T> for T {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        visit(self);
+    }
+}
+
+impl<T: Real, N: Numbers<T>, const COUNT: usize> Numbers<T> for [N; COUNT] {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        for part in self {
+            part.each(visit);
+        }
+    }
 }
 
 macro_rules! scalar {
@@ -134,7 +167,7 @@ macro_rules! scalar {
                 [Self::of(c), Self::of(d)]
             }
         }
-        impl Scalar for $t {
+        impl Elementary for $t {
             #[cfg(feature = "std")]
             #[inline(always)]
             fn ln(self) -> Self {
@@ -176,16 +209,37 @@ macro_rules! scalar {
                 libm::$cos(self)
             }
             #[inline(always)]
+            fn epsilon() -> Self {
+                $t::EPSILON
+            }
+            #[inline(always)]
+            fn largest() -> Self {
+                $t::MAX
+            }
+            #[inline(always)]
+            fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R {
+                if a < b { then() } else { otherwise() }
+            }
+            #[inline(always)]
+            fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S {
+                let mut state = start;
+                loop {
+                    let (next, again) = step(state);
+                    state = next;
+                    if !(again > 0.0) {
+                        return state;
+                    }
+                }
+            }
+        }
+        impl Scalar for $t {
+            #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64
             }
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
-            }
-            #[inline(always)]
-            fn epsilon() -> Self {
-                $t::EPSILON
             }
         }
     };
@@ -203,6 +257,16 @@ mod tests {
         assert_eq!(1.5f64.powu(0), 1.0);
         assert_eq!(1.5f64.powu(4), 5.0625);
         assert_eq!(Real::powu(2.0f32, 6), 64.0);
+    }
+
+    #[test]
+    fn branches_and_iterations_are_those_of_the_language() {
+        let branch = |a: f64| f64::if_lt(a, 2.0, || [a, 1.0], || [0.0, a]);
+        assert_eq!((branch(1.0), branch(2.0)), ([1.0, 1.0], [0.0, 2.0]));
+        assert!(branch(f64::NAN)[1].is_nan());
+        // 1, 2, 4 ... until it is above 50; at least one step.
+        let doubled = |start: f64| f64::iterate(start, |x| (2.0 * x, 50.0 - 2.0 * x));
+        assert_eq!((doubled(1.0), doubled(100.0)), (64.0, 200.0));
     }
 
     #[test]

@@ -14,7 +14,7 @@
 //! Units: stress Pa, time s, temperature K, work J/m^3.
 
 use crate::flow::{FlowLaw, FlowState, FlowStep, YieldStress};
-use crate::{Real, Scalar, SymmetricTensor};
+use crate::{Elementary, Numbers, Real, SymmetricTensor};
 
 /// How a stress beyond yield is brought back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -56,19 +56,25 @@ pub struct Returned<T> {
     /// Plastic work per volume, J/m^3: equivalent stress at the end times the increment.
     pub plastic_work: T,
     /// Iterations spent; zero in an elastic step.
-    pub iterations: u32,
+    pub iterations: T,
 }
 
-impl<T: Scalar> Returned<T> {
+impl<T: Real> Numbers<T> for Returned<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { deviator, plastic_strain_increment, yield_stress, plastic_work, iterations } = self;
+        deviator.each(visit);
+        [plastic_strain_increment, yield_stress, plastic_work, iterations].into_iter().for_each(visit);
+    }
+}
+
+impl<T: Elementary> Returned<T> {
     /// The step a flow law takes its history through: `start` is the state the return began from, `dt` its length (s; at zero
     /// the rate counts as zero).
     #[inline(always)]
     pub fn step(&self, start: FlowState<T>, dt: T) -> FlowStep<T> {
         let increment = self.plastic_strain_increment;
-        let mut rate = T::zero();
-        if dt > T::zero() {
-            rate = increment / dt;
-        }
+        let rate = T::select_lt(T::zero(), dt, increment / dt, T::zero());
         FlowStep {
             state: FlowState { plastic_strain: start.plastic_strain + increment, plastic_strain_rate: rate, ..start },
             deviator: self.deviator,
@@ -79,7 +85,7 @@ impl<T: Scalar> Returned<T> {
 }
 
 /// Iterations after which the bracket is accepted as it is; bisection alone would need about as many.
-const MAXIMUM_ITERATIONS: u32 = 60;
+const MAXIMUM_ITERATIONS: f64 = 60.0;
 
 /// Residual, relative to the trial stress, that counts as none; in single precision a few units of round-off.
 const RESIDUAL: f64 = 1e-12;
@@ -92,7 +98,7 @@ const SMALL_STEP: f64 = 1e-7;
 
 /// Equivalent stress that a yield stress asks for, and its derivative with respect to the increment.
 #[inline(always)]
-fn target<T: Scalar>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_trial: T) -> (T, T) {
+fn target<T: Elementary>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_trial: T) -> (T, T) {
     let slope = y.by_strain + y.by_rate * inverse_dt;
     let mut stress = y.value;
     let mut stress_slope = slope;
@@ -113,7 +119,7 @@ fn target<T: Scalar>(rule: ReturnRule, y: YieldStress<T>, inverse_dt: T, sigma_t
 /// exactly zero; stress never ends above yield but by round-off; a stress on the yield surface of a law without rate stays where
 /// it is.
 #[inline]
-pub fn return_mapping<T: Scalar>(
+pub fn return_mapping<T: Elementary>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
     shear_modulus: T,
@@ -128,7 +134,7 @@ pub fn return_mapping<T: Scalar>(
 /// The same, searched from `guess`, such as the plastic strain increment of the step before: any value gives the same result to
 /// round-off, a near one sooner.
 #[inline]
-pub fn return_mapping_near<T: Scalar>(
+pub fn return_mapping_near<T: Elementary>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
     shear_modulus: T,
@@ -147,7 +153,7 @@ pub fn return_mapping_near<T: Scalar>(
         plastic_strain_increment: zero,
         yield_stress: start.value,
         plastic_work: zero,
-        iterations: 0,
+        iterations: zero,
     };
     if !law.has_shear() {
         returned.deviator = SymmetricTensor::zero();
@@ -155,9 +161,9 @@ pub fn return_mapping_near<T: Scalar>(
     if law.yields() {
         let sigma_trial = equivalent_stress(trial);
         // A few units of round-off, so that a stress just returned counts as elastic.
-        if sigma_trial > start.value * (T::one() + T::of(8.0) * T::epsilon()) {
-            returned = plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, state, history, dt, guess);
-        }
+        let elastic = start.value * (T::one() + T::of(8.0) * T::epsilon());
+        let flow = || plastic_return(rule, law, shear_modulus, trial, sigma_trial, start, state, history, dt, guess);
+        returned = T::if_lt(elastic, sigma_trial, flow, || returned);
     }
     returned
 }
@@ -173,20 +179,41 @@ pub fn elastic_margin<T: Real>(trial: SymmetricTensor<T>, yield_stress: T) -> T 
 
 /// Von Mises equivalent of a deviator, without overflow of the squares in single precision.
 #[inline(always)]
-fn equivalent_stress<T: Scalar>(deviator: SymmetricTensor<T>) -> T {
-    let mut stress = deviator.von_mises();
-    if !stress.is_finite() {
+fn equivalent_stress<T: Elementary>(deviator: SymmetricTensor<T>) -> T {
+    let stress = deviator.von_mises();
+    let scaled = || {
         let c = deviator.to_array();
         let mut largest = c[0].abs();
         for k in 1..6 {
             largest = largest.max(c[k].abs());
         }
-        stress = (deviator * (T::one() / largest)).von_mises() * largest;
-    }
-    stress
+        (deviator * (T::one() / largest)).von_mises() * largest
+    };
+    T::if_lt(stress, T::largest(), || stress, scaled)
 }
 
-fn plastic_return<T: Scalar>(
+/// Where the increment is known to be, and what was found there.
+#[derive(Clone, Copy)]
+struct Bracket<T> {
+    low: T,
+    high: T,
+    increment: T,
+    y: YieldStress<T>,
+    /// Equivalent stress that the yield stress asks for, Pa.
+    stress: T,
+    iterations: T,
+}
+
+impl<T: Real> Numbers<T> for Bracket<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { low, high, increment, y, stress, iterations } = self;
+        y.each(visit);
+        [low, high, increment, stress, iterations].into_iter().for_each(visit);
+    }
+}
+
+fn plastic_return<T: Elementary>(
     rule: ReturnRule,
     law: &FlowLaw<T>,
     shear_modulus: T,
@@ -198,73 +225,56 @@ fn plastic_return<T: Scalar>(
     dt: T,
     guess: T,
 ) -> Returned<T> {
-    let zero = T::zero();
+    let (zero, one) = (T::zero(), T::one());
     let three_g = (T::of(3.0) * shear_modulus).max(zero);
-    let mut inverse_dt = zero;
-    if dt > zero {
-        inverse_dt = T::one() / dt;
-    }
+    let inverse_dt = T::select_lt(zero, dt, one / dt, zero);
     let tolerance = T::of(RESIDUAL).max(T::of(4.0) * T::epsilon()) * sigma_trial;
 
     // The residual falls with the increment: positive at zero, negative where all of the trial stress has relaxed.
-    let mut low = zero;
-    let mut high = zero;
-    let mut increment = zero;
-    if three_g > zero {
-        high = sigma_trial / three_g;
-        // Without hardening this is the answer; with it, the answer is smaller, and Newton's method comes from above,
-        // where slopes are finite even if they are not at zero strain.
-        increment = (sigma_trial - target(rule, start, zero, sigma_trial).0) / three_g;
-        if guess > zero && guess < increment {
-            increment = guess;
-        }
-    }
+    let high = T::select_lt(zero, three_g, sigma_trial / three_g, zero);
+    // Without hardening this is the answer; with it, the answer is smaller, and Newton's method comes from above,
+    // where slopes are finite even if they are not at zero strain.
+    let perfect = (sigma_trial - target(rule, start, zero, sigma_trial).0) / three_g;
+    let guess = T::select_lt(guess, perfect, guess, perfect);
+    let guess = T::select_lt(zero, guess, guess, perfect);
+    let increment = T::select_lt(zero, three_g, guess, zero);
 
-    let mut y = start;
-    let mut stress = start.value;
-    let mut iterations = 0;
-    let mut searching = true;
-    while searching {
-        iterations += 1;
+    let first = Bracket { low: zero, high, increment, y: start, stress: start.value, iterations: zero };
+    let Bracket { increment, y, stress, iterations, .. } = T::iterate(first, |bracket| {
+        let Bracket { low, high, increment, .. } = bracket;
+        let iterations = bracket.iterations + one;
         let there = FlowState {
             plastic_strain: state.plastic_strain + increment,
             plastic_strain_rate: increment * inverse_dt,
             ..state
         };
-        y = law.yield_stress(there, history);
+        let y = law.yield_stress(there, history);
         let (wanted, slope) = target(rule, y, inverse_dt, sigma_trial);
-        stress = wanted;
         let residual = sigma_trial - three_g * increment - wanted;
-        if residual > zero {
-            low = increment;
-        } else {
-            high = increment;
-        }
+        let (low, high) = (T::select_lt(zero, residual, increment, low), T::select_lt(zero, residual, high, increment));
         // The residual falls, and a logarithm of the rate makes it convex: from the left Newton's method does not overshoot. On the
         // right the increment that the yield stress just found would leave is a bound from the left, for yield stress grows with
         // the increment; where that is none, the increment is far smaller.
-        let mut next = increment + residual / (three_g + slope);
-        if residual < zero && residual.abs() > T::of(NEARLY) * sigma_trial {
-            next = (sigma_trial - wanted) / three_g;
-            if next <= low {
-                next = T::of(0.1) * increment;
-            }
-        }
-        if !(next > low && next < high) {
-            next = T::of(0.5) * (low + high);
-        }
-        searching = residual.abs() > tolerance && iterations < MAXIMUM_ITERATIONS && next != increment;
-        if searching {
-            let step = next - increment;
-            increment = next;
-            // Newton's method squares the error: after a step this small another evaluation would change the last digit.
-            if step.abs() <= T::of(SMALL_STEP) * increment {
-                y.value += (y.by_strain + y.by_rate * inverse_dt) * step;
-                stress += slope * step;
-                searching = false;
-            }
-        }
-    }
+        let newton = increment + residual / (three_g + slope);
+        let left = (sigma_trial - wanted) / three_g;
+        let left = T::select_lt(low, left, left, T::of(0.1) * increment);
+        let next = T::select_lt(residual, -(T::of(NEARLY) * sigma_trial), left, newton);
+        let middle = T::of(0.5) * (low + high);
+        let next = T::select_lt(low, next, T::select_lt(next, high, next, middle), middle);
+
+        let step = next - increment;
+        let moved = T::select_lt(zero, step.abs(), one, zero);
+        let more = T::select_lt(tolerance, residual.abs(), moved, zero);
+        let more = T::select_lt(iterations, T::of(MAXIMUM_ITERATIONS), more, zero);
+        // Newton's method squares the error: after a step this small another evaluation would change the last digit.
+        let small = T::of(SMALL_STEP) * next;
+        let again = T::select_lt(small, step.abs(), more, zero);
+        // The last step is taken along the slopes.
+        let last = (more - again) * step;
+        let y = YieldStress { value: y.value + (y.by_strain + y.by_rate * inverse_dt) * last, ..y };
+        let increment = T::select_lt(zero, more, next, increment);
+        (Bracket { low, high, increment, y, stress: wanted + slope * last, iterations }, again)
+    });
 
     let scale = (stress / sigma_trial).min(T::one());
     Returned {

@@ -1,6 +1,6 @@
 //! Vectors and second-order tensors in three dimensions. Plane strain and one-dimensional cases carry the full tensor.
 
-use crate::Real;
+use crate::{Numbers, Real};
 use core::ops::{Add, Mul, Sub};
 
 /// A vector `[x, y, z]`.
@@ -31,6 +31,14 @@ pub struct SymmetricTensor<T> {
 #[inline(always)]
 pub fn dot<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl<T: Real> Numbers<T> for SymmetricTensor<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { xx, yy, zz, xy, yz, xz } = self;
+        [xx, yy, zz, xy, yz, xz].into_iter().for_each(visit);
+    }
 }
 
 impl<T: Real> SymmetricTensor<T> {

@@ -2,8 +2,8 @@
 
 use super::perfectly_plastic::YIELD_STRESS;
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `Y = sigma_y + H eps_p` with `H = E Et / (E - Et)` (Fraser Eq 13).
 ///
@@ -17,9 +17,12 @@ pub struct Bilinear<T> {
     pub hardening_modulus: T,
 }
 
-impl<T: Scalar> Bilinear<T> {
+impl<T: Elementary> Bilinear<T> {
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> Bilinear<U> {
+    pub fn cast<U: Elementary>(&self) -> Bilinear<U>
+    where
+        T: Scalar,
+    {
         Bilinear {
             yield_stress: U::of(self.yield_stress.to_f64()),
             hardening_modulus: U::of(self.hardening_modulus.to_f64()),
@@ -27,7 +30,7 @@ impl<T: Scalar> Bilinear<T> {
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for Bilinear<T> {
+impl<T: Elementary> YieldLaw<T> for Bilinear<T> {
     const KEY: &'static str = "bilinear";
     const NAME: &'static str = "bilinear isotropic hardening";
     const REFERENCE: &'static str = "Fraser Eq 11-14";

@@ -1,27 +1,30 @@
 //! Elastic: never yields.
 
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::Parameter;
+use crate::{Elementary, Scalar};
 use core::marker::PhantomData;
 
 /// Hooke's law without a limit (Patiño et al. Eq 17, Fraser Eq 9): the yield stress is infinite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Elastic<T>(PhantomData<T>);
 
-impl<T: Scalar> Elastic<T> {
+impl<T: Elementary> Elastic<T> {
     /// The law, which has no constants of its own (the shear modulus is the material's).
     pub const fn law() -> Self {
         Self(PhantomData)
     }
 
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> Elastic<U> {
+    pub fn cast<U: Elementary>(&self) -> Elastic<U>
+    where
+        T: Scalar,
+    {
         Elastic::law()
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for Elastic<T> {
+impl<T: Elementary> YieldLaw<T> for Elastic<T> {
     const KEY: &'static str = "elastic";
     const NAME: &'static str = "elastic";
     const REFERENCE: &'static str = "Hooke's law; Patiño et al. Eq 17";

@@ -2,8 +2,8 @@
 
 use super::strain_power::strain_power;
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `Y = (A + B eps_p^n) (1 + C ln(rate/rate_0)) (1 - T*^m)`, `T* = (T - T_0)/(T_m - T_0)` clamped to [0, 1]
 /// (Johnson & Cook 1983; Patiño et al. Eq 25).
@@ -34,9 +34,12 @@ pub struct JohnsonCook<T> {
     pub melting_temperature: T,
 }
 
-impl<T: Scalar> JohnsonCook<T> {
+impl<T: Elementary> JohnsonCook<T> {
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> JohnsonCook<U> {
+    pub fn cast<U: Elementary>(&self) -> JohnsonCook<U>
+    where
+        T: Scalar,
+    {
         JohnsonCook {
             yield_stress: U::of(self.yield_stress.to_f64()),
             hardening: U::of(self.hardening.to_f64()),
@@ -50,21 +53,20 @@ impl<T: Scalar> JohnsonCook<T> {
     }
 }
 
-impl<T: Scalar> JohnsonCook<T> {
+impl<T: Elementary> JohnsonCook<T> {
     /// `1 - T*^m`.
     #[inline(always)]
     fn thermal_factor(&self, temperature: T) -> T {
-        let mut factor = T::one();
-        if temperature > self.reference_temperature {
+        let warm = || {
             let range = self.melting_temperature - self.reference_temperature;
             let t = ((temperature - self.reference_temperature) / range).min(T::one());
-            factor = T::one() - t.powf(self.softening_exponent);
-        }
-        factor
+            T::one() - t.powf(self.softening_exponent)
+        };
+        T::if_lt(self.reference_temperature, temperature, warm, T::one)
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
+impl<T: Elementary> YieldLaw<T> for JohnsonCook<T> {
     const KEY: &'static str = "johnson-cook";
     const NAME: &'static str = "Johnson–Cook";
     const REFERENCE: &'static str = "Johnson & Cook, 7th International Symposium on Ballistics (1983) 541";
@@ -133,19 +135,17 @@ impl<T: Scalar> YieldLaw<T> for JohnsonCook<T> {
     #[inline(always)]
     fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
         // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
-        let (mut power, mut power_slope) = (T::zero(), T::zero());
-        if self.hardening > T::zero() {
-            (power, power_slope) = strain_power(state.plastic_strain, self.exponent);
-        }
+        let hardens = || <[T; 2]>::from(strain_power(state.plastic_strain, self.exponent));
+        let [power, power_slope] = T::if_lt(T::zero(), self.hardening, hardens, || [T::zero(); 2]);
         let hardened = self.yield_stress + self.hardening * power;
         let hardening_slope = self.hardening * power_slope;
 
-        let mut rate_factor = T::one();
-        let mut rate_slope = T::zero();
-        if state.plastic_strain_rate > self.reference_rate {
-            rate_factor += self.rate_sensitivity * (state.plastic_strain_rate / self.reference_rate).ln();
-            rate_slope = self.rate_sensitivity / state.plastic_strain_rate;
-        }
+        let fast = || {
+            let logarithm = (state.plastic_strain_rate / self.reference_rate).ln();
+            [T::one() + self.rate_sensitivity * logarithm, self.rate_sensitivity / state.plastic_strain_rate]
+        };
+        let slow = || [T::one(), T::zero()];
+        let [rate_factor, rate_slope] = T::if_lt(self.reference_rate, state.plastic_strain_rate, fast, slow);
 
         let thermal_factor = self.thermal_factor(state.temperature);
         YieldStress {

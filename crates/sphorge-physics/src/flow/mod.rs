@@ -33,7 +33,7 @@ pub use zerilli_armstrong_fcc::ZerilliArmstrongFcc;
 
 use crate::history::HistoryVariable;
 use crate::parameter::{LawEntry, Parameter};
-use crate::{Scalar, SymmetricTensor};
+use crate::{Elementary, Numbers, Real, Scalar, SymmetricTensor};
 
 /// What a yield stress and a shear modulus can depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub struct FlowState<T> {
     pub compression: T,
 }
 
-impl<T: Scalar> FlowState<T> {
+impl<T: Elementary> FlowState<T> {
     /// Neither strained nor compressed, at a temperature (K).
     pub fn at_rest(temperature: T) -> Self {
         Self {
@@ -87,8 +87,16 @@ pub struct YieldStress<T> {
     pub by_rate: T,
 }
 
+impl<T: Real> Numbers<T> for YieldStress<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { value, by_strain, by_rate } = self;
+        [value, by_strain, by_rate].into_iter().for_each(visit);
+    }
+}
+
 /// What a flow law has to give.
-pub trait YieldLaw<T: Scalar>: Copy {
+pub trait YieldLaw<T: Elementary>: Copy {
     /// Name in a deck.
     const KEY: &'static str;
     /// Name in a text.
@@ -167,7 +175,7 @@ macro_rules! flow_laws {
             },)*
         ];
 
-        impl<T: Scalar> FlowLaw<T> {
+        impl<T: Elementary> FlowLaw<T> {
             /// Yield stress and its slopes in a state, with one value per variable of [`Self::history`].
             #[inline(always)]
             pub fn yield_stress(&self, state: FlowState<T>, history: &[T]) -> YieldStress<T> {
@@ -244,7 +252,10 @@ macro_rules! flow_laws {
             }
 
             /// The same law in another precision.
-            pub fn cast<U: Scalar>(&self) -> FlowLaw<U> {
+            pub fn cast<U: Elementary>(&self) -> FlowLaw<U>
+            where
+                T: Scalar,
+            {
                 match self { $($(#[$attribute])* Self::$law(law) => FlowLaw::$law(law.cast()),)* }
             }
         }

@@ -1,27 +1,30 @@
 //! No strength: a fluid.
 
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::Parameter;
+use crate::{Elementary, Scalar};
 use core::marker::PhantomData;
 
 /// No deviatoric stress at all: a fluid, or a metal at pressures where strength does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoStrength<T>(PhantomData<T>);
 
-impl<T: Scalar> NoStrength<T> {
+impl<T: Elementary> NoStrength<T> {
     /// The law, which has no constants.
     pub const fn law() -> Self {
         Self(PhantomData)
     }
 
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> NoStrength<U> {
+    pub fn cast<U: Elementary>(&self) -> NoStrength<U>
+    where
+        T: Scalar,
+    {
         NoStrength::law()
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for NoStrength<T> {
+impl<T: Elementary> YieldLaw<T> for NoStrength<T> {
     const KEY: &'static str = "none";
     const NAME: &'static str = "no strength";
     const REFERENCE: &'static str = "inviscid fluid";

@@ -1,8 +1,8 @@
 //! Perfect plasticity.
 
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// A constant yield stress, `Y = sigma_y`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,14 +20,17 @@ pub(super) const YIELD_STRESS: Parameter = Parameter::required(
     "stress in uniaxial tension at which plastic flow starts",
 );
 
-impl<T: Scalar> PerfectlyPlastic<T> {
+impl<T: Elementary> PerfectlyPlastic<T> {
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> PerfectlyPlastic<U> {
+    pub fn cast<U: Elementary>(&self) -> PerfectlyPlastic<U>
+    where
+        T: Scalar,
+    {
         PerfectlyPlastic { yield_stress: U::of(self.yield_stress.to_f64()) }
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for PerfectlyPlastic<T> {
+impl<T: Elementary> YieldLaw<T> for PerfectlyPlastic<T> {
     const KEY: &'static str = "perfectly-plastic";
     const NAME: &'static str = "elastic, perfectly plastic";
     const REFERENCE: &'static str = "von Mises 1913";

@@ -1,8 +1,8 @@
 //! Steinberg–Guinan.
 
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `Y = min(Y_0 [1 + beta (eps_p + eps_i)]^n, Y_max) G/G_0` with the shear modulus of pressure `p`, compression
 /// `x = rho/rho_0` and temperature, `G = G_0 [1 + A p/x^(1/3) - B (T - T_0)]`
@@ -40,9 +40,12 @@ pub struct SteinbergGuinan<T> {
 /// Smallest compression the formulas see: far below any a metal is found at.
 const LEAST_COMPRESSION: f64 = 1e-3;
 
-impl<T: Scalar> SteinbergGuinan<T> {
+impl<T: Elementary> SteinbergGuinan<T> {
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> SteinbergGuinan<U> {
+    pub fn cast<U: Elementary>(&self) -> SteinbergGuinan<U>
+    where
+        T: Scalar,
+    {
         SteinbergGuinan {
             yield_stress: U::of(self.yield_stress.to_f64()),
             largest_yield_stress: U::of(self.largest_yield_stress.to_f64()),
@@ -69,11 +72,12 @@ impl<T: Scalar> SteinbergGuinan<T> {
         let relative = T::one() + self.by_pressure * state.pressure / cubic_root - heat;
         let (two, a) = (T::of(2.0), self.gruneisen_correction);
         let exponent = two * a * (T::one() - T::one() / compression) + two * (self.gruneisen - a - third) * logarithm;
-        if state.temperature >= self.melting_temperature * exponent.exp() { T::zero() } else { relative.max(T::zero()) }
+        let melting_temperature = self.melting_temperature * exponent.exp();
+        T::select_lt(state.temperature, melting_temperature, relative.max(T::zero()), T::zero())
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for SteinbergGuinan<T> {
+impl<T: Elementary> YieldLaw<T> for SteinbergGuinan<T> {
     const KEY: &'static str = "steinberg-guinan";
     const NAME: &'static str = "Steinberg–Guinan";
     const REFERENCE: &'static str = "Steinberg, Cochran & Guinan, Journal of Applied Physics 51 (1980) 1498";
@@ -180,16 +184,13 @@ impl<T: Scalar> YieldLaw<T> for SteinbergGuinan<T> {
         let strain = state.plastic_strain.max(T::zero()) + self.initial_strain;
         let base = T::one() + self.hardening * strain;
         let hardened = self.yield_stress * base.powf(self.exponent);
-        let mut y = YieldStress {
-            value: hardened * relative,
-            by_strain: hardened * self.exponent * self.hardening / base * relative,
+        let slope = hardened * self.exponent * self.hardening / base * relative;
+        let largest = self.largest_yield_stress;
+        YieldStress {
+            value: T::select_lt(hardened, largest, hardened, largest) * relative,
+            by_strain: T::select_lt(hardened, largest, slope, T::zero()),
             by_rate: T::zero(),
-        };
-        if hardened >= self.largest_yield_stress {
-            y.value = self.largest_yield_stress * relative;
-            y.by_strain = T::zero();
         }
-        y
     }
 
     #[inline(always)]

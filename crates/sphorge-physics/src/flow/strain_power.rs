@@ -1,6 +1,6 @@
 //! A power of the plastic strain, as many laws harden with.
 
-use crate::Scalar;
+use crate::Elementary;
 
 /// Plastic strain below which the power is a chord.
 const CHORD_BELOW: f64 = 1e-12;
@@ -10,15 +10,11 @@ const CHORD_BELOW: f64 = 1e-12;
 /// The slope is infinite at zero for `n < 1`. Below a plastic strain of 1e-12 the power is replaced by the chord from the origin,
 /// which keeps its zero and makes the slope finite.
 #[inline(always)]
-pub(super) fn strain_power<T: Scalar>(strain: T, exponent: T) -> (T, T) {
+pub(super) fn strain_power<T: Elementary>(strain: T, exponent: T) -> (T, T) {
     let chord = T::of(CHORD_BELOW);
     let strain = strain.max(T::zero());
     let at = strain.max(chord);
-    let mut power = at.powf(exponent);
-    let mut slope = exponent * power / at;
-    if strain < chord {
-        slope = power / chord;
-        power = slope * strain;
-    }
-    (power, slope)
+    let power = at.powf(exponent);
+    let slope = T::select_lt(strain, chord, power / chord, exponent * power / at);
+    (T::select_lt(strain, chord, slope * strain, power), slope)
 }

@@ -2,9 +2,9 @@
 
 use super::perfectly_plastic::YIELD_STRESS;
 use super::{FlowState, FlowStep, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::history::HistoryVariable;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `Y = (sigma_y + H eps_p + k p) (1 - D)`, `G = G_0 (1 + A p/eta^(1/3))` with the compression `eta`, and the damage of plastic
 /// work per volume, `dD = sigma deps_p/W`.
@@ -22,9 +22,12 @@ pub struct PressureAndDamage<T> {
     work: T,
 }
 
-impl<T: Scalar> PressureAndDamage<T> {
+impl<T: Elementary> PressureAndDamage<T> {
     /// The same law in another precision.
-    pub(super) fn cast<U: Scalar>(&self) -> PressureAndDamage<U> {
+    pub(super) fn cast<U: Elementary>(&self) -> PressureAndDamage<U>
+    where
+        T: Scalar,
+    {
         PressureAndDamage {
             yield_stress: U::of(self.yield_stress.to_f64()),
             hardening_modulus: U::of(self.hardening_modulus.to_f64()),
@@ -35,7 +38,7 @@ impl<T: Scalar> PressureAndDamage<T> {
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for PressureAndDamage<T> {
+impl<T: Elementary> YieldLaw<T> for PressureAndDamage<T> {
     const KEY: &'static str = "pressure-and-damage";
     const NAME: &'static str = "pressure and damage";
     const REFERENCE: &'static str = "none";

@@ -1,7 +1,7 @@
 //! How heat helps dislocations past obstacles: the factor of Zerilli & Armstrong's laws.
 
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `exp(-C_3 T + C_4 T ln rate)` with the plastic strain rate in 1/s (Zerilli & Armstrong 1987): one at 0 K.
 ///
@@ -44,7 +44,7 @@ pub(super) const LOWEST_RATE: Parameter = Parameter {
     meaning: "plastic strain rate up to which the rate has no effect",
 };
 
-impl<T: Scalar> ThermalActivation<T> {
+impl<T: Elementary> ThermalActivation<T> {
     /// From `C_3`, `C_4` and the lowest rate.
     pub(super) fn new(values: [f64; 3]) -> Self {
         let [softening, rate_sensitivity, lowest_rate] = values.map(T::of);
@@ -52,7 +52,10 @@ impl<T: Scalar> ThermalActivation<T> {
     }
 
     /// The same in another precision.
-    pub(super) fn cast<U: Scalar>(&self) -> ThermalActivation<U> {
+    pub(super) fn cast<U: Elementary>(&self) -> ThermalActivation<U>
+    where
+        T: Scalar,
+    {
         ThermalActivation {
             softening: U::of(self.softening.to_f64()),
             rate_sensitivity: U::of(self.rate_sensitivity.to_f64()),
@@ -66,10 +69,8 @@ impl<T: Scalar> ThermalActivation<T> {
         let temperature = temperature.max(T::zero());
         let exponent = temperature * (self.rate_sensitivity * rate.max(self.lowest_rate).ln() - self.softening);
         let factor = exponent.min(T::zero()).exp();
-        let mut slope = T::zero();
-        if rate > self.lowest_rate && exponent < T::zero() {
-            slope = factor * self.rate_sensitivity * temperature / rate;
-        }
-        (factor, slope)
+        let slope = factor * self.rate_sensitivity * temperature / rate;
+        let slope = T::select_lt(exponent, T::zero(), slope, T::zero());
+        (factor, T::select_lt(self.lowest_rate, rate, slope, T::zero()))
     }
 }

@@ -3,8 +3,8 @@
 use super::strain_power::strain_power;
 use super::thermal_activation::{LOWEST_RATE, RATE_SENSITIVITY, SOFTENING, ThermalActivation};
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `Y = C_0 + C_1 exp(-C_3 T + C_4 T ln rate) + C_5 eps_p^n`, for iron, tantalum and other body-centred cubic metals
 /// (Zerilli & Armstrong 1987, the equation of the b.c.c. case), with the limits of [`ThermalActivation`].
@@ -25,9 +25,12 @@ pub struct ZerilliArmstrongBcc<T> {
     pub exponent: T,
 }
 
-impl<T: Scalar> ZerilliArmstrongBcc<T> {
+impl<T: Elementary> ZerilliArmstrongBcc<T> {
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> ZerilliArmstrongBcc<U> {
+    pub fn cast<U: Elementary>(&self) -> ZerilliArmstrongBcc<U>
+    where
+        T: Scalar,
+    {
         ZerilliArmstrongBcc {
             athermal: U::of(self.athermal.to_f64()),
             thermal: U::of(self.thermal.to_f64()),
@@ -38,7 +41,7 @@ impl<T: Scalar> ZerilliArmstrongBcc<T> {
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for ZerilliArmstrongBcc<T> {
+impl<T: Elementary> YieldLaw<T> for ZerilliArmstrongBcc<T> {
     const KEY: &'static str = "zerilli-armstrong-bcc";
     const NAME: &'static str = "Zerilli–Armstrong, body-centred cubic";
     const REFERENCE: &'static str = "Zerilli & Armstrong, Journal of Applied Physics 61 (1987) 1816";

@@ -3,8 +3,8 @@
 use super::strain_power::strain_power;
 use super::thermal_activation::{LOWEST_RATE, RATE_SENSITIVITY, SOFTENING, ThermalActivation};
 use super::{FlowState, YieldLaw, YieldStress};
-use crate::Scalar;
 use crate::parameter::{Bound, Parameter, PhysicalQuantity};
+use crate::{Elementary, Scalar};
 
 /// `Y = C_0 + C_2 eps_p^(1/2) exp(-C_3 T + C_4 T ln rate)`, for copper, nickel and other face-centred cubic metals
 /// (Zerilli & Armstrong 1987, the equation of the f.c.c. case), with the limits of [`ThermalActivation`].
@@ -21,9 +21,12 @@ pub struct ZerilliArmstrongFcc<T> {
     pub activation: ThermalActivation<T>,
 }
 
-impl<T: Scalar> ZerilliArmstrongFcc<T> {
+impl<T: Elementary> ZerilliArmstrongFcc<T> {
     /// The same law in another precision.
-    pub fn cast<U: Scalar>(&self) -> ZerilliArmstrongFcc<U> {
+    pub fn cast<U: Elementary>(&self) -> ZerilliArmstrongFcc<U>
+    where
+        T: Scalar,
+    {
         ZerilliArmstrongFcc {
             athermal: U::of(self.athermal.to_f64()),
             hardening: U::of(self.hardening.to_f64()),
@@ -32,7 +35,7 @@ impl<T: Scalar> ZerilliArmstrongFcc<T> {
     }
 }
 
-impl<T: Scalar> YieldLaw<T> for ZerilliArmstrongFcc<T> {
+impl<T: Elementary> YieldLaw<T> for ZerilliArmstrongFcc<T> {
     const KEY: &'static str = "zerilli-armstrong-fcc";
     const NAME: &'static str = "Zerilli–Armstrong, face-centred cubic";
     const REFERENCE: &'static str = "Zerilli & Armstrong, Journal of Applied Physics 61 (1987) 1816";
