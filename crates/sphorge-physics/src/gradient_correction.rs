@@ -5,14 +5,14 @@
 //! `grad W` lies along the line of the pair. The adjoint force is `m_j (sigma_i B_i + sigma_j B_j) grad_i W_ij / (rho_i rho_j)`.
 
 use crate::tensor::{determinant, identity, inverse};
-use crate::{Dimension, Scalar, Tensor};
+use crate::{Dimension, Elementary, Tensor};
 
 /// Largest component of a correction, usually. A particle in the corner of a block, an eighth of a neighbourhood, needs about 16.
 pub const LARGEST_COMPONENT: f64 = 30.0;
 
 /// `B = M^-1`, with a unit on the axes not computed in. The unit tensor, that is no correction, where `M` is singular, inside
 /// out or so ill-conditioned that a component of `B` exceeds `largest`.
-pub fn gradient_correction<T: Scalar>(moment: &Tensor<T>, dimension: Dimension, largest: T) -> Tensor<T> {
+pub fn gradient_correction<T: Elementary>(moment: &Tensor<T>, dimension: Dimension, largest: T) -> Tensor<T> {
     let count = dimension.count();
     let mut m = identity();
     for a in 0..count {
@@ -20,21 +20,18 @@ pub fn gradient_correction<T: Scalar>(moment: &Tensor<T>, dimension: Dimension, 
             m[a][b] = moment[a][b];
         }
     }
-    let mut correction = identity();
-    if determinant(&m) > T::zero() {
+    let invert = || {
         let inverse = inverse(&m);
-        let mut bounded = true;
+        let mut bounded = T::one();
         for a in 0..3 {
             for b in 0..3 {
-                // Not `>`: a component that is not a number must fail.
-                bounded = bounded && inverse[a][b].abs() < largest;
+                // Asked this way, a component that is not a number fails.
+                bounded = T::select_lt(inverse[a][b].abs(), largest, bounded, T::zero());
             }
         }
-        if bounded {
-            correction = inverse;
-        }
-    }
-    correction
+        T::if_lt(T::zero(), bounded, || inverse, identity)
+    };
+    T::if_lt(T::zero(), determinant(&m), invert, identity)
 }
 
 #[cfg(test)]

@@ -2,12 +2,12 @@
 //!
 //! Units: temperature K, specific energy J/kg, specific heat J/(kg K), work J/m^3, density kg/m^3.
 
-use crate::{Scalar, SymmetricTensor};
+use crate::{Real, SymmetricTensor};
 
 /// Temperature rise where the share `beta` (Taylor & Quinney 1934) of plastic work turns to heat and none flows away:
 /// `dT = beta w_p / (rho c_p)`, with the plastic work per volume `w_p` of the step.
 #[inline(always)]
-pub fn temperature_rise_from_plastic_work<T: Scalar>(
+pub fn temperature_rise_from_plastic_work<T: Real>(
     beta: T,
     plastic_work_per_volume: T,
     density: T,
@@ -23,7 +23,7 @@ pub fn temperature_rise_from_plastic_work<T: Scalar>(
 /// ([`BoundedPressure::cold_energy`](crate::eos::BoundedPressure::cold_energy)), `elastic_energy` that of the deviatoric
 /// stress ([`elastic_energy`]), `stored_plastic` the share `(1 - beta)` of plastic work kept in the lattice. All J/kg.
 #[inline(always)]
-pub fn temperature_from_energy<T: Scalar>(
+pub fn temperature_from_energy<T: Real>(
     reference_temperature: T,
     energy: T,
     cold_energy: T,
@@ -36,12 +36,9 @@ pub fn temperature_from_energy<T: Scalar>(
 
 /// Specific elastic energy of shape change, `S:S / (4 G rho)`; zero without shear modulus.
 #[inline(always)]
-pub fn elastic_energy<T: Scalar>(deviator: SymmetricTensor<T>, shear_modulus: T, density: T) -> T {
-    let mut energy = T::zero();
-    if shear_modulus > T::zero() {
-        energy = deviator.double_dot(deviator) / (T::of(4.0) * shear_modulus * density);
-    }
-    energy
+pub fn elastic_energy<T: Real>(deviator: SymmetricTensor<T>, shear_modulus: T, density: T) -> T {
+    let energy = deviator.double_dot(deviator) / (T::of(4.0) * shear_modulus * density);
+    T::select_lt(T::zero(), shear_modulus, energy, T::zero())
 }
 
 #[cfg(test)]

@@ -226,9 +226,10 @@ macro_rules! scalar {
                 loop {
                     let (next, again) = step(state);
                     state = next;
-                    if !(again > 0.0) {
-                        return state;
+                    if again > 0.0 {
+                        continue;
                     }
+                    return state;
                 }
             }
         }

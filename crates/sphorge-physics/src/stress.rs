@@ -6,7 +6,7 @@
 //! gradient at the middle of the step. Plain Euler steps of the rate inflate the stress in rotation.
 
 use crate::tensor;
-use crate::{Real, Scalar, SymmetricTensor, Tensor};
+use crate::{Elementary, Real, SymmetricTensor, Tensor};
 
 /// Rotation of a step, `Q = (I - dt/2 W)^-1 (I + dt/2 W)`, `W = skew L`: proper and orthogonal to round-off for any step.
 ///
@@ -47,7 +47,7 @@ pub fn strain_rate(l: &Tensor<f64>) -> f64 {
 
 /// Density (kg/m^3) after a step: `rho exp(-tr(L) dt)`, the solution of `drho/dt = -rho div v` at constant `div v`.
 #[inline]
-pub fn density_after<T: Scalar>(rho: T, l: &Tensor<T>, dt: T) -> T {
+pub fn density_after<T: Elementary>(rho: T, l: &Tensor<T>, dt: T) -> T {
     rho * exponential(-(l[0][0] + l[1][1] + l[2][2]) * dt)
 }
 
@@ -63,16 +63,15 @@ pub fn predicted_density<T: Real>(density: T, last_gradient: &Tensor<T>, dt: T) 
 
 /// `exp(x)`: near zero, where a step keeps it, by its series, whose first omitted term is beyond double precision.
 #[inline]
-fn exponential<T: Scalar>(x: T) -> T {
-    if x.abs() < T::of(1.0 / 64.0) {
+fn exponential<T: Elementary>(x: T) -> T {
+    let series = || {
         let mut sum = T::one();
         for k in (1..=7).rev() {
             sum = (sum * x).mul_add(T::of(1.0 / f64::from(k)), T::one());
         }
         sum
-    } else {
-        x.exp()
-    }
+    };
+    T::if_lt(x.abs(), T::of(1.0 / 64.0), series, || x.exp())
 }
 
 #[cfg(test)]

@@ -1,0 +1,176 @@
+//! A card that is open: its memory, and launches.
+
+use super::found::adapters;
+use super::{CardFault, Found, Program};
+use crate::source::WORKGROUP;
+use wgpu::{BufferUsages, ErrorFilter};
+
+/// Workgroups of a row of a launch; no card allows fewer.
+const ROW: u32 = 65_535;
+
+/// A card that is open.
+#[derive(Debug)]
+pub struct Card {
+    found: Found,
+    pub(super) device: wgpu::Device,
+    queue: wgpu::Queue,
+}
+
+/// Numbers or whole numbers in the memory of a card.
+#[derive(Debug)]
+pub struct Array {
+    buffer: wgpu::Buffer,
+    /// Number of elements, of four bytes each.
+    count: usize,
+}
+
+impl Card {
+    /// Opens a card: the first whose name contains the words asked for, whatever their case, or the first of all.
+    ///
+    /// # Errors
+    /// There is none, or it does not open.
+    pub fn open(asked: Option<&str>) -> Result<Self, CardFault> {
+        let adapters = adapters();
+        let is_asked = |adapter: &&wgpu::Adapter| {
+            asked.is_none_or(|words| adapter.get_info().name.to_lowercase().contains(&words.to_lowercase()))
+        };
+        let Some(adapter) = adapters.iter().find(is_asked) else {
+            return Err(not_found(asked, &adapters));
+        };
+        let found = Found::of(adapter);
+        let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+        match pollster::block_on(adapter.request_device(&descriptor)) {
+            Ok((device, queue)) => Ok(Self { found, device, queue }),
+            Err(why) => Err(CardFault::DoesNotOpen { name: found.name, why: why.to_string() }),
+        }
+    }
+
+    /// What it is.
+    pub fn found(&self) -> &Found {
+        &self.found
+    }
+
+    /// Room for that many elements, all zero.
+    ///
+    /// # Errors
+    /// There is no room.
+    pub fn zeros(&self, count: usize) -> Result<Array, CardFault> {
+        // No binding is empty.
+        let bytes = 4 * count.max(1) as u64;
+        let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Validation].map(|of| self.device.push_error_scope(of));
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes,
+            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        // The innermost first.
+        for scope in scopes.into_iter().rev() {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                let name = self.found.name.clone();
+                return Err(CardFault::Memory { name, bytes, why: error.to_string() });
+            }
+        }
+        Ok(Array { buffer, count })
+    }
+
+    /// Numbers, copied to the card.
+    ///
+    /// # Errors
+    /// There is no room.
+    pub fn numbers(&self, numbers: &[f32]) -> Result<Array, CardFault> {
+        let array = self.zeros(numbers.len())?;
+        self.queue.write_buffer(&array.buffer, 0, bytemuck::cast_slice(numbers));
+        Ok(array)
+    }
+
+    /// Whole numbers, copied to the card.
+    ///
+    /// # Errors
+    /// There is no room.
+    pub fn indices(&self, indices: &[u32]) -> Result<Array, CardFault> {
+        let array = self.zeros(indices.len())?;
+        self.queue.write_buffer(&array.buffer, 0, bytemuck::cast_slice(indices));
+        Ok(array)
+    }
+
+    /// Launches a kernel in that many threads, with its buffers in their order.
+    ///
+    /// # Errors
+    /// There is no room for the arguments, or the buffers are not those of the kernel.
+    pub fn launch(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<(), CardFault> {
+        debug_assert_eq!(arrays.len(), program.buffers);
+        let groups = threads.div_ceil(WORKGROUP);
+        let rows = groups.div_ceil(ROW).max(1);
+        let row = groups.div_ceil(rows);
+        let arguments = self.indices(&[threads, row * WORKGROUP])?;
+        let entries: Vec<_> = arrays
+            .iter()
+            .copied()
+            .chain([&arguments])
+            .enumerate()
+            .map(|(k, array)| wgpu::BindGroupEntry { binding: k as u32, resource: array.buffer.as_entire_binding() })
+            .collect();
+        let scope = self.device.push_error_scope(ErrorFilter::Validation);
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &program.layout,
+            entries: &entries,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&program.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(row, rows, 1);
+        }
+        self.queue.submit([encoder.finish()]);
+        match pollster::block_on(scope.pop()) {
+            None => Ok(()),
+            Some(error) => Err(self.lost(&error)),
+        }
+    }
+
+    /// Copies numbers back, after everything that was launched.
+    ///
+    /// # Errors
+    /// The card does not answer.
+    pub fn read(&self, array: &Array) -> Result<Vec<f32>, CardFault> {
+        let bytes = array.buffer.size();
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes,
+            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&array.buffer, 0, &copy, 0, bytes);
+        self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        copy.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // Nobody waits any more where the card was lost.
+            let _ = sender.send(result);
+        });
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|why| self.lost(&why))?;
+        receiver.recv().map_err(|why| self.lost(&why))?.map_err(|why| self.lost(&why))?;
+        let view = copy.slice(..).get_mapped_range().map_err(|why| self.lost(&why))?;
+        Ok(bytemuck::cast_slice::<u8, f32>(&view)[..array.count].to_vec())
+    }
+
+    fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
+        CardFault::Lost { name: self.found.name.clone(), why: why.to_string() }
+    }
+}
+
+fn not_found(asked: Option<&str>, adapters: &[wgpu::Adapter]) -> CardFault {
+    let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+    let (what, help) = match asked {
+        Some(words) if !names.is_empty() => (format!("no card is called `{words}`"), format!("there are: {}", names.join(", "))),
+        _ => (
+            "no card is reached by Vulkan, Metal or Direct3D 12".to_owned(),
+            "install the driver of the card; on Linux also `libvulkan1`, and `mesa-vulkan-drivers` to try kernels without one"
+                .to_owned(),
+        ),
+    };
+    CardFault::NotFound { what, help }
+}

@@ -1,0 +1,48 @@
+//! What can go wrong with a card.
+
+/// What can go wrong with a card.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CardFault {
+    /// There is no card, or none of that name.
+    #[error("{what}")]
+    NotFound {
+        /// What was looked for.
+        what: String,
+        /// The way out.
+        help: String,
+    },
+    /// It does not open.
+    #[error("{name} does not open: {why}")]
+    DoesNotOpen {
+        /// Name of the card.
+        name: String,
+        /// What its driver says.
+        why: String,
+    },
+    /// A kernel is not taken.
+    #[error("kernel `{kernel}` is not taken by the driver: {why}")]
+    Kernel {
+        /// Name of the kernel.
+        kernel: String,
+        /// What the compiler says.
+        why: String,
+    },
+    /// There is no room.
+    #[error("no room for {bytes} bytes on {name}: {why}")]
+    Memory {
+        /// Name of the card.
+        name: String,
+        /// What was asked for.
+        bytes: u64,
+        /// What its driver says.
+        why: String,
+    },
+    /// It does not answer any more.
+    #[error("{name} was lost: {why}")]
+    Lost {
+        /// Name of the card.
+        name: String,
+        /// What its driver says.
+        why: String,
+    },
+}

@@ -1,0 +1,120 @@
+//! What can be recorded.
+
+/// A value, by its place in the list of operations.
+pub(crate) type Value = u32;
+
+/// A variable, whose value changes: what a branch or an iteration yields.
+pub(crate) type Variable = u32;
+
+/// Of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Unary {
+    Negate,
+    SquareRoot,
+    InverseSquareRoot,
+    Absolute,
+    Logarithm,
+    Exponential,
+    Cosine,
+}
+
+/// Of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Binary {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Minimum,
+    Maximum,
+    Power,
+}
+
+/// How a value comes about. Equal operations on equal values are one value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Operation {
+    /// The bits of a number in single precision.
+    Constant(u32),
+    /// A whole number.
+    Whole(u32),
+    /// Which of the threads of the launch this one is.
+    Thread,
+    /// The index of a loop over a range.
+    Counter(u32),
+    Unary(Unary, Value),
+    Binary(Binary, Value, Value),
+    /// `a * b + c`.
+    MultiplyAdd(Value, Value, Value),
+    /// The third where the first is below the second, else the fourth.
+    SelectLess(Value, Value, Value, Value),
+    /// Sum of two whole numbers.
+    WholeAdd(Value, Value),
+    /// Product of two whole numbers.
+    WholeMultiply(Value, Value),
+    /// What a variable is now; the second number tells one reading from another.
+    Read(Variable, u32),
+    /// An element of a buffer.
+    Load(u32, Value),
+}
+
+/// What is done in order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Statement {
+    /// Evaluates a value.
+    Let(Value),
+    /// Makes a variable.
+    Declare {
+        variable: Variable,
+        start: Value,
+    },
+    Assign {
+        variable: Variable,
+        value: Value,
+    },
+    Store {
+        buffer: u32,
+        at: Value,
+        value: Value,
+    },
+    /// `then` where `a < b`.
+    If {
+        a: Value,
+        b: Value,
+        then: Vec<Statement>,
+        otherwise: Vec<Statement>,
+    },
+    /// Once at least, and again while `again` is positive.
+    Loop {
+        body: Vec<Statement>,
+        again: Value,
+    },
+    /// For `counter` from `first` up to, not including, `end`.
+    Range {
+        counter: Value,
+        first: Value,
+        end: Value,
+        body: Vec<Statement>,
+    },
+}
+
+/// What a buffer is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Element {
+    Number,
+    Whole,
+}
+
+/// What a kernel does with a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Access {
+    Read,
+    Write,
+}
+
+/// An array a kernel is given.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Buffer {
+    pub(crate) name: String,
+    pub(crate) element: Element,
+    pub(crate) access: Access,
+}

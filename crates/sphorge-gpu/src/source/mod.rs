@@ -1,0 +1,10 @@
+//! Recorded kernels as text in the languages of cards.
+
+mod cuda;
+mod wgsl;
+mod writer;
+
+pub use cuda::cuda;
+#[cfg(feature = "device")]
+pub(crate) use wgsl::WORKGROUP;
+pub use wgsl::wgsl;

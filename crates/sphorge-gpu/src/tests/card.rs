@@ -1,0 +1,108 @@
+//! The same on a card, or on what stands for one: run with `--features device`.
+
+use super::laws::laws;
+use super::pairs::{self, Block};
+use super::{SAMPLES, expected, kernel_of};
+use crate::device::{Card, CardFault};
+use crate::record::{Index, Kernel};
+
+/// The card the tests run on. Without one they say so and pass, unless `SPHORGE_NEEDS_CARD` is set, as where all is tested.
+fn card() -> Option<Card> {
+    match Card::open(None) {
+        Ok(card) => Some(card),
+        Err(fault) => {
+            assert!(std::env::var_os("SPHORGE_NEEDS_CARD").is_none(), "{fault}");
+            eprintln!("not tested: {fault}");
+            None
+        }
+    }
+}
+
+/// What a card may round away of a law, as a share of the larger of a result and a thousandth of the largest result of its kind: elementary
+/// functions of cards are good to some units of round-off, and powers to some more.
+const ROUNDING: f32 = 1e-4;
+
+#[test]
+fn laws_on_a_card_are_those_of_the_processor() {
+    let Some(card) = card() else { return };
+    for law in laws() {
+        let program = card.compile(&kernel_of(&law)).unwrap_or_else(|fault| panic!("{}: {fault}", law.name));
+        let (arguments, results) = expected(&law);
+        let (input, output) = (card.numbers(&arguments).unwrap(), card.zeros(results.len()).unwrap());
+        card.launch(&program, &[&input, &output], SAMPLES as u32).unwrap();
+        let ours = card.read(&output).unwrap();
+        for (result, (ours, theirs)) in ours.chunks(SAMPLES).zip(results.chunks(SAMPLES)).enumerate() {
+            let finite = || theirs.iter().filter(|number| number.is_finite());
+            let largest = finite().fold(0.0f32, |a, b| a.max(b.abs()));
+            let off = |(ours, theirs): (&f32, &f32)| {
+                let scale = theirs.abs().max(1e-3 * largest).max(f32::MIN_POSITIVE);
+                if super::same(*theirs, *ours) { 0.0 } else { (ours - theirs).abs() / scale }
+            };
+            let (k, worst) = ours
+                .iter()
+                .zip(theirs)
+                .map(off)
+                .enumerate()
+                .fold((0, 0.0f32), |a, b| if b.1 > a.1 || b.1.is_nan() { b } else { a });
+            let sample: Vec<_> = (0..law.ranges.len()).map(|a| arguments[a * SAMPLES + k]).collect();
+            assert!(
+                worst < ROUNDING,
+                "{}: result {result} of {sample:?}: {} on {}, {} here",
+                law.name,
+                ours[k],
+                card.found().name,
+                theirs[k]
+            );
+        }
+    }
+}
+
+#[test]
+fn the_pair_loop_on_a_card_is_that_of_the_processor_and_the_same_each_time() {
+    let Some(card) = card() else { return };
+    let block = Block::new(9);
+    let program = card.compile(&pairs::kernel(block.count).unwrap()).unwrap();
+    let inputs = [
+        card.numbers(&block.fields).unwrap(),
+        card.indices(&block.first).unwrap(),
+        card.indices(&block.neighbors).unwrap(),
+    ];
+    let run = || {
+        let sums = card.zeros(block.sums.len()).unwrap();
+        card.launch(&program, &[&inputs[0], &inputs[1], &inputs[2], &sums], block.count as u32).unwrap();
+        card.read(&sums).unwrap()
+    };
+    let sums = run();
+    for (ours, theirs) in sums.chunks(block.count).zip(block.sums.chunks(block.count)) {
+        let largest = theirs.iter().fold(0.0f32, |a, b| a.max(b.abs()));
+        let worst = ours.iter().zip(theirs).fold(0.0f32, |worst, (a, b)| worst.max((a - b).abs()));
+        assert!(worst < 2e-6 * largest, "{worst} of {largest}");
+    }
+    let again = run();
+    assert!(sums.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+#[test]
+fn launches_of_many_rows_reach_every_thread_once() {
+    let Some(card) = card() else { return };
+    // More workgroups than a row has.
+    let count = 65_535 * 64 + 12_345;
+    let kernel = Kernel::record("count", |scope| {
+        let (x, y) = (scope.input("x"), scope.output("y"));
+        let i = scope.thread();
+        y.set(i, x.at(Index::of(0)) + x.at(i));
+    });
+    let program = card.compile(&kernel.unwrap()).unwrap();
+    let input = card.numbers(&vec![1.0; count]).unwrap();
+    let output = card.zeros(count).unwrap();
+    card.launch(&program, &[&input, &output], count as u32).unwrap();
+    assert!(card.read(&output).unwrap().iter().all(|y| *y == 2.0));
+}
+
+#[test]
+fn a_card_that_is_not_there_is_named() {
+    let fault = Card::open(Some("no such card")).unwrap_err();
+    let CardFault::NotFound { what, help } = fault else { panic!("{fault}") };
+    assert!(what.contains("no such card") || what.contains("no card is reached"), "{what}");
+    assert!(!help.is_empty());
+}
