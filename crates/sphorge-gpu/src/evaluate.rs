@@ -75,6 +75,12 @@ impl State<'_> {
                     let at = self.values[*at as usize] as usize;
                     self.buffers[*buffer as usize][at] = self.number(*value);
                 }
+                Statement::Count { result, buffer, at } => {
+                    let at = self.values[*at as usize] as usize;
+                    let element = &mut self.buffers[*buffer as usize][at];
+                    self.values[*result as usize] = element.to_bits();
+                    *element = f32::from_bits(element.to_bits() + 1);
+                }
                 Statement::If { a, b, then, otherwise } => {
                     let chosen = if self.less(*a, *b) { then } else { otherwise };
                     self.run(chosen);
@@ -107,11 +113,16 @@ impl State<'_> {
             Operation::Constant(bits) => return bits,
             Operation::Whole(value) => return value,
             Operation::Thread => return self.thread,
-            Operation::Counter(_) => return whole(value),
-            Operation::WholeAdd(a, b) => return whole(a) + whole(b),
+            Operation::Counter(_) | Operation::Counted(_) => return whole(value),
+            Operation::WholeAdd(a, b) => return whole(a).wrapping_add(whole(b)),
             Operation::WholeMultiply(a, b) => return whole(a) * whole(b),
+            Operation::WholeAnd(a, b) => return whole(a) & whole(b),
+            Operation::Floor(a) => return of(a).floor() as i32 as u32,
+            Operation::Number(a) => whole(a) as f32,
             Operation::Read(variable, _) => return self.variables[variable as usize],
-            Operation::Load(buffer, at) => self.buffers[buffer as usize][whole(at) as usize],
+            Operation::Load(buffer, at) | Operation::LoadNow(buffer, at, _) => {
+                self.buffers[buffer as usize][whole(at) as usize]
+            }
             Operation::Unary(operation, a) => match operation {
                 Unary::Negate => -of(a),
                 Unary::SquareRoot => of(a).sqrt(),

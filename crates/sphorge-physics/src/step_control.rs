@@ -6,7 +6,8 @@
 //! All numbers are the same in every uniformly moving frame: what flies fast is not changed by it.
 
 use crate::stress::strain_rate;
-use crate::{SymmetricTensor, Tensor, Vector};
+use crate::tensor::dot;
+use crate::{Real, SymmetricTensor, Tensor, Vector};
 
 /// What a step can change too much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,33 +24,30 @@ pub enum Changed {
 
 /// What a step has changed of a particle, or may change at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepChange {
+pub struct StepChange<T = f64> {
     /// Change of the density over the density, `|tr L| dt`.
-    pub density: f64,
+    pub density: T,
     /// Strain, the norm of the stretching: `sqrt(D:D) dt`.
-    pub stretch: f64,
+    pub stretch: T,
     /// Change of the specific internal energy over itself and the square of the sound speed at rest, `|de/dt| dt / (|e| + c0^2)`.
-    pub energy: f64,
+    pub energy: T,
     /// Distance that the acceleration of the step moves the particle over its smoothing length, `|a| dt^2 / h`.
-    pub jump: f64,
+    pub jump: T,
 }
 
-impl StepChange {
-    /// A tenth of these is what the hardest strikes of the decks change at a Courant number of 0.3, impacts at 6 km/s apart, which come to half.
-    pub const DEFAULT: Self = Self { density: 0.2, stretch: 0.25, energy: 0.1, jump: 0.1 };
-
+impl<T: Real> StepChange<T> {
     /// What a step of size `dt` (s) has changed: `l` is the velocity gradient, 1/s, `energy` in J/kg with its rate in W/kg, the sound speed at rest
     /// in m/s, `acceleration` in m/s², the smoothing length in m.
     #[inline(always)]
     pub fn of(
-        l: &Tensor<f64>,
-        (energy, energy_rate): (f64, f64),
-        sound_speed: f64,
-        acceleration: &Vector<f64>,
-        smoothing_length: f64,
-        dt: f64,
+        l: &Tensor<T>,
+        (energy, energy_rate): (T, T),
+        sound_speed: T,
+        acceleration: &Vector<T>,
+        smoothing_length: T,
+        dt: T,
     ) -> Self {
-        let squared = acceleration.iter().map(|a| a * a).sum::<f64>();
+        let squared = dot(*acceleration, *acceleration);
         Self {
             density: SymmetricTensor::symmetric_part(l).trace().abs() * dt,
             stretch: strain_rate(l) * dt,
@@ -57,6 +55,11 @@ impl StepChange {
             jump: squared.sqrt() * dt * dt / smoothing_length,
         }
     }
+}
+
+impl StepChange {
+    /// A tenth of these is what the hardest strikes of the decks change at a Courant number of 0.3, impacts at 6 km/s apart, which come to half.
+    pub const DEFAULT: Self = Self { density: 0.2, stretch: 0.25, energy: 0.1, jump: 0.1 };
 
     /// Each number with what it is of.
     #[inline(always)]

@@ -40,7 +40,7 @@ pub fn trial_deviator<T: Real>(s: SymmetricTensor<T>, l: &Tensor<T>, shear_modul
 
 /// Fastest that a line of a particle with the velocity gradient `l` (1/s) can shorten, 1/s, or a little more: the norm of the stretching.
 #[inline(always)]
-pub fn strain_rate(l: &Tensor<f64>) -> f64 {
+pub fn strain_rate<T: Real>(l: &Tensor<T>) -> T {
     let d = SymmetricTensor::symmetric_part(l);
     d.double_dot(d).sqrt()
 }

@@ -1,7 +1,7 @@
 //! Rigid walls: how far a particle is from them, and forces that push and never pull.
 
 use crate::tensor::dot;
-use crate::{Scalar, Vector};
+use crate::{Real, Scalar, Vector};
 
 /// Smallest relative distance the repulsion is evaluated at: it is finite for particles on or behind the wall.
 const CLOSEST: f64 = 0.01;
@@ -15,13 +15,15 @@ pub struct Gap<T> {
     pub normal: Vector<T>,
 }
 
-impl<T: Scalar> Gap<T> {
+impl<T: Real> Gap<T> {
     /// To a plane through a point (m) with a unit normal.
     #[inline]
     pub fn to_plane(x: Vector<T>, point: Vector<T>, normal: Vector<T>) -> Self {
         Self { distance: dot(difference(x, point), normal), normal }
     }
+}
 
+impl<T: Scalar> Gap<T> {
     /// To a straight segment between two ends (m), which act like points; `None` on the line itself, where no direction is away
     /// from it.
     #[inline]
@@ -37,7 +39,7 @@ impl<T: Scalar> Gap<T> {
 
 /// `a - b`.
 #[inline(always)]
-fn difference<T: Scalar>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+fn difference<T: Real>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -47,7 +49,7 @@ fn difference<T: Scalar>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
 /// speed of approach, of the `velocity` (m/s) relative to the wall. `range` and `h` in m, sound speed in m/s; below a hundredth of
 /// the range, and behind the wall, the value at a hundredth is kept.
 #[inline]
-pub fn monaghan_kos<T: Scalar>(gap: &Gap<T>, velocity: Vector<T>, range: T, sound_speed: T, h: T) -> Vector<T> {
+pub fn monaghan_kos<T: Real>(gap: &Gap<T>, velocity: Vector<T>, range: T, sound_speed: T, h: T) -> Vector<T> {
     let approach_speed = -dot(velocity, gap.normal);
     let q = (gap.distance / range).max(T::of(CLOSEST)).min(T::one());
     let strength = (T::of(0.01) * sound_speed + approach_speed.max(T::zero())) * sound_speed / h;
@@ -66,7 +68,7 @@ pub struct PenaltyParameters<T> {
     pub friction: T,
 }
 
-impl<T: Scalar> PenaltyParameters<T> {
+impl<T: Real> PenaltyParameters<T> {
     /// Stiffness `scale (c/l)^2` with the frequency `c/l` of sound (m/s) across a length (m), such as the spacing, and damping as a
     /// fraction of the critical, `2 ratio sqrt(stiffness)`.
     #[inline]
@@ -95,7 +97,7 @@ pub struct WallPush<T> {
 /// round. `velocity` (m/s) is relative to the wall. What is neither stored in the spring nor given back by it is heat:
 /// `(a_n - k d) u + friction |v_t|`.
 #[inline]
-pub fn penalty_contact<T: Scalar>(
+pub fn penalty_contact<T: Real>(
     p: PenaltyParameters<T>,
     gap: &Gap<T>,
     radius: T,
@@ -107,19 +109,14 @@ pub fn penalty_contact<T: Scalar>(
     let approach_speed = -dot(velocity, n);
     let sliding = [0, 1, 2].map(|a| velocity[a] + approach_speed * n[a]);
     let penetration = radius - gap.distance;
-    let mut normal = zero;
-    let mut drag = zero;
-    let (mut heat, mut rubbed) = (zero, zero);
-    if penetration > zero {
-        let elastic = p.stiffness * penetration;
-        normal = (elastic + p.damping * approach_speed).max(zero);
-        let speed = dot(sliding, sliding).sqrt();
-        if speed > zero && dt > zero {
-            drag = (p.friction * normal / speed).min(T::one() / dt);
-        }
-        rubbed = drag * speed * speed;
-        heat = (normal - elastic) * approach_speed + rubbed;
-    }
+    let touching = |value: T| T::select_lt(zero, penetration, value, zero);
+    let elastic = touching(p.stiffness * penetration);
+    let normal = touching((elastic + p.damping * approach_speed).max(zero));
+    let speed = dot(sliding, sliding).sqrt();
+    let drag = (p.friction * normal / speed).min(T::one() / dt);
+    let drag = touching(T::select_lt(zero, speed, T::select_lt(zero, dt, drag, zero), zero));
+    let rubbed = drag * speed * speed;
+    let heat = (normal - elastic) * approach_speed + rubbed;
     WallPush { acceleration: [0, 1, 2].map(|a| normal * n[a] + -drag * sliding[a]), heat, rubbed }
 }
 

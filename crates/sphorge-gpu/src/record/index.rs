@@ -1,5 +1,6 @@
 //! A whole number that says where something is.
 
+use super::Recorded;
 use super::operation::{Operation, Value};
 use super::recorder::with;
 use core::ops::{Add, Mul};
@@ -12,6 +13,23 @@ impl Index {
     /// A known one.
     pub fn of(value: u32) -> Self {
         Self(with(|recorder| recorder.value(Operation::Whole(value))))
+    }
+}
+
+impl Index {
+    /// The bits both have in common: the remainder of the division by a power of two, which is that less one.
+    pub fn and(self, mask: Self) -> Self {
+        Self(with(|recorder| recorder.value(Operation::WholeAnd(self.0, mask.0))))
+    }
+
+    /// The largest that is not above a number between `-2^31` and `2^31`; negative ones count from `2^32` down, so that sums come out right.
+    pub fn floor(number: Recorded) -> Self {
+        Self(with(|recorder| recorder.value(Operation::Floor(number.0))))
+    }
+
+    /// As a number, exact below `2^24`.
+    pub fn number(self) -> Recorded {
+        Recorded(with(|recorder| recorder.value(Operation::Number(self.0))))
     }
 }
 

@@ -45,9 +45,17 @@ pub struct Input(u32);
 #[derive(Clone, Copy, Debug)]
 pub struct Indices(u32);
 
-/// A buffer of numbers a kernel writes.
+/// A buffer of numbers a kernel writes, and may read what it has written.
 #[derive(Clone, Copy, Debug)]
 pub struct Output(u32);
+
+/// A buffer of whole numbers a kernel writes.
+#[derive(Clone, Copy, Debug)]
+pub struct Wholes(u32);
+
+/// A buffer of whole numbers that threads count in.
+#[derive(Clone, Copy, Debug)]
+pub struct Counters(u32);
 
 impl Kernel {
     /// Records a kernel. `name` is one of the languages of cards: letters, digits and underscores.
@@ -85,6 +93,16 @@ impl Scope {
     /// The next buffer of the launch: numbers that are written.
     pub fn output(&mut self, name: &str) -> Output {
         Output(buffer(name, Element::Number, Access::Write))
+    }
+
+    /// The next buffer of the launch: whole numbers that are written.
+    pub fn wholes(&mut self, name: &str) -> Wholes {
+        Wholes(buffer(name, Element::Whole, Access::Write))
+    }
+
+    /// The next buffer of the launch: whole numbers that threads count in.
+    pub fn counters(&mut self, name: &str) -> Counters {
+        Counters(buffer(name, Element::Counter, Access::Write))
     }
 
     /// Which of the threads of the launch this one is, from zero on.
@@ -129,8 +147,27 @@ impl Indices {
 }
 
 impl Output {
+    /// An element as it is now.
+    pub fn at(self, index: Index) -> Recorded {
+        Recorded(with(|recorder| recorder.load_now(self.0, index.0)))
+    }
+
     /// Makes an element a number.
     pub fn set(self, index: Index, number: Recorded) {
         with(|recorder| recorder.push(Statement::Store { buffer: self.0, at: index.0, value: number.0 }));
+    }
+}
+
+impl Wholes {
+    /// Makes an element a whole number.
+    pub fn set(self, index: Index, whole: Index) {
+        with(|recorder| recorder.push(Statement::Store { buffer: self.0, at: index.0, value: whole.0 }));
+    }
+}
+
+impl Counters {
+    /// Adds one to an element; what it was before, in the order threads happen to come.
+    pub fn count(self, index: Index) -> Index {
+        Index(with(|recorder| recorder.count(self.0, index.0)))
     }
 }

@@ -33,6 +33,9 @@ impl Needed {
                     self.values.insert(*value);
                 }
                 Statement::Store { at, value, .. } => self.values.extend([at, value]),
+                Statement::Count { at, .. } => {
+                    self.values.insert(*at);
+                }
                 Statement::If { a, b, then, otherwise } => {
                     self.values.extend([a, b]);
                     self.add(then, operations);
@@ -53,11 +56,22 @@ impl Needed {
 
     fn add_operands(&mut self, operation: Operation) {
         match operation {
-            Operation::Constant(_) | Operation::Whole(_) | Operation::Thread | Operation::Counter(_) => {}
-            Operation::Unary(_, a) | Operation::Load(_, a) => {
+            Operation::Constant(_)
+            | Operation::Whole(_)
+            | Operation::Thread
+            | Operation::Counter(_)
+            | Operation::Counted(_) => {}
+            Operation::Unary(_, a)
+            | Operation::Load(_, a)
+            | Operation::LoadNow(_, a, _)
+            | Operation::Floor(a)
+            | Operation::Number(a) => {
                 self.values.insert(a);
             }
-            Operation::Binary(_, a, b) | Operation::WholeAdd(a, b) | Operation::WholeMultiply(a, b) => {
+            Operation::Binary(_, a, b)
+            | Operation::WholeAdd(a, b)
+            | Operation::WholeMultiply(a, b)
+            | Operation::WholeAnd(a, b) => {
                 self.values.extend([a, b]);
             }
             Operation::MultiplyAdd(a, b, c) => self.values.extend([a, b, c]),
@@ -76,7 +90,7 @@ impl Needed {
             Statement::Declare { variable, .. } | Statement::Assign { variable, .. } => {
                 self.variables.contains(variable)
             }
-            Statement::Store { .. } => true,
+            Statement::Store { .. } | Statement::Count { .. } => true,
             Statement::If { then, otherwise, .. } => any(then) || any(otherwise),
             Statement::Loop { body, .. } | Statement::Range { body, .. } => any(body),
         }

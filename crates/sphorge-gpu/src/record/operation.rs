@@ -53,8 +53,18 @@ pub(crate) enum Operation {
     WholeMultiply(Value, Value),
     /// What a variable is now; the second number tells one reading from another.
     Read(Variable, u32),
-    /// An element of a buffer.
+    /// The bits that two whole numbers have in common.
+    WholeAnd(Value, Value),
+    /// The largest whole number that is not above a number, negative ones from `2^32` down.
+    Floor(Value),
+    /// A whole number as a number.
+    Number(Value),
+    /// An element of a buffer that is only read.
     Load(u32, Value),
+    /// An element of a buffer as it is now; the last number tells one reading from another.
+    LoadNow(u32, Value, u32),
+    /// What an element was before one was added to it.
+    Counted(u32),
 }
 
 /// What is done in order.
@@ -75,6 +85,12 @@ pub(crate) enum Statement {
         buffer: u32,
         at: Value,
         value: Value,
+    },
+    /// Adds one to an element that other threads count in, too.
+    Count {
+        result: Value,
+        buffer: u32,
+        at: Value,
     },
     /// `then` where `a < b`.
     If {
@@ -102,12 +118,15 @@ pub(crate) enum Statement {
 pub(crate) enum Element {
     Number,
     Whole,
+    /// Whole numbers that several threads add to.
+    Counter,
 }
 
 /// What a kernel does with a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     Read,
+    /// Only this way, or beside reading.
     Write,
 }
 

@@ -97,6 +97,21 @@ impl Recorder {
         self.value(Operation::Read(variable, self.readings))
     }
 
+    /// An element of a buffer as it is now.
+    pub(super) fn load_now(&mut self, buffer: u32, at: Value) -> Value {
+        self.readings += 1;
+        self.value(Operation::LoadNow(buffer, at, self.readings))
+    }
+
+    /// Adds one to an element; what it was before.
+    pub(super) fn count(&mut self, buffer: u32, at: Value) -> Value {
+        self.readings += 1;
+        let result = self.operations.len() as Value;
+        self.operations.push(Operation::Counted(self.readings));
+        self.push(Statement::Count { result, buffer, at });
+        result
+    }
+
     /// The index of a new loop.
     pub(super) fn counter(&mut self) -> Value {
         self.counters += 1;

@@ -40,11 +40,20 @@ impl Language for Cuda {
     fn value(element: Element) -> &'static str {
         match element {
             Element::Number => "const float",
-            Element::Whole => "const unsigned",
+            Element::Whole | Element::Counter => "const unsigned",
         }
     }
     const VARIABLE: &'static str = "float";
     const ENDLESS: &'static str = "for (;;)";
+    fn floor(number: &str) -> String {
+        format!("(unsigned)(int)floorf({number})")
+    }
+    fn number(whole: &str) -> String {
+        format!("(float){whole}")
+    }
+    fn count(element: &str) -> String {
+        format!("atomicAdd(&{element}, 1u)")
+    }
     fn range(counter: &str, first: &str, end: &str) -> String {
         format!("for (unsigned {counter} = {first}; {counter} < {end}; ++{counter})")
     }
@@ -60,7 +69,7 @@ pub fn cuda(kernel: &Kernel) -> String {
         };
         let element = match buffer.element {
             Element::Number => "float",
-            Element::Whole => "unsigned",
+            Element::Whole | Element::Counter => "unsigned",
         };
         arguments += &format!("    {access}{element}* __restrict__ {}, // {}\n", buffer_name(k), buffer.name);
     }

@@ -41,6 +41,15 @@ impl Language for Wgsl {
     }
     const VARIABLE: &'static str = "var";
     const ENDLESS: &'static str = "loop";
+    fn floor(number: &str) -> String {
+        format!("bitcast<u32>(i32(floor({number})))")
+    }
+    fn number(whole: &str) -> String {
+        format!("f32({whole})")
+    }
+    fn count(element: &str) -> String {
+        format!("atomicAdd(&{element}, 1u)")
+    }
     fn range(counter: &str, first: &str, end: &str) -> String {
         format!("for (var {counter} = {first}; {counter} < {end}; {counter}++)")
     }
@@ -60,6 +69,7 @@ pub fn wgsl(kernel: &Kernel) -> String {
         let element = match buffer.element {
             Element::Number => "f32",
             Element::Whole => "u32",
+            Element::Counter => "atomic<u32>",
         };
         // Writing into a string cannot fail.
         let _ = writeln!(

@@ -21,6 +21,12 @@ pub(super) trait Language {
     const VARIABLE: &'static str;
     /// Start of a loop without end.
     const ENDLESS: &'static str;
+    /// The largest whole number not above a number, as an unsigned one.
+    fn floor(number: &str) -> String;
+    /// A whole number as a number.
+    fn number(whole: &str) -> String;
+    /// Adds one to an element of a buffer of counters.
+    fn count(element: &str) -> String;
     /// Head of a loop over a range.
     fn range(counter: &str, first: &str, end: &str) -> String;
 }
@@ -84,6 +90,11 @@ impl Writer<'_> {
                     let line = format!("{buffer}[{}] = {};", self.value::<L>(*at), self.value::<L>(*value));
                     self.line(&line);
                 }
+                Statement::Count { result, buffer, at } => {
+                    let element = format!("{}[{}]", buffer_name(*buffer as usize), self.value::<L>(*at));
+                    let line = format!("{} v{result} = {};", L::value(Element::Whole), L::count(&element));
+                    self.line(&line);
+                }
                 Statement::If { a, b, then, otherwise } => {
                     let head = format!("if ({} < {})", self.value::<L>(*a), self.value::<L>(*b));
                     self.block::<L>(&head, then, None);
@@ -120,7 +131,7 @@ impl Writer<'_> {
             Operation::Constant(bits) => L::constant(f32::from_bits(bits)),
             Operation::Whole(value) => format!("{value}u"),
             Operation::Thread => "thread".to_owned(),
-            Operation::Counter(_) => format!("v{value}"),
+            Operation::Counter(_) | Operation::Counted(_) => format!("v{value}"),
             Operation::Unary(Unary::Negate, a) => format!("-{}", of(a)),
             Operation::Unary(operation, a) => format!("{}({})", L::unary(operation), of(a)),
             Operation::Binary(operation, a, b) => {
@@ -139,8 +150,13 @@ impl Writer<'_> {
             Operation::SelectLess(a, b, then, otherwise) => L::select(&of(a), &of(b), &of(then), &of(otherwise)),
             Operation::WholeAdd(a, b) => format!("{} + {}", of(a), of(b)),
             Operation::WholeMultiply(a, b) => format!("{} * {}", of(a), of(b)),
+            Operation::WholeAnd(a, b) => format!("{} & {}", of(a), of(b)),
+            Operation::Floor(a) => L::floor(&of(a)),
+            Operation::Number(a) => L::number(&of(a)),
             Operation::Read(variable, _) => format!("x{variable}"),
-            Operation::Load(buffer, at) => format!("{}[{}]", buffer_name(buffer as usize), of(at)),
+            Operation::Load(buffer, at) | Operation::LoadNow(buffer, at, _) => {
+                format!("{}[{}]", buffer_name(buffer as usize), of(at))
+            }
         }
     }
 
@@ -149,10 +165,14 @@ impl Writer<'_> {
             Operation::Whole(_)
             | Operation::Thread
             | Operation::Counter(_)
+            | Operation::Counted(_)
+            | Operation::Floor(_)
+            | Operation::WholeAnd(..)
             | Operation::WholeAdd(..)
             | Operation::WholeMultiply(..) => Element::Whole,
-            Operation::Load(buffer, _) => self.kernel.buffers[buffer as usize].element,
+            Operation::Load(buffer, _) | Operation::LoadNow(buffer, ..) => self.kernel.buffers[buffer as usize].element,
             Operation::Constant(_)
+            | Operation::Number(_)
             | Operation::Unary(..)
             | Operation::Binary(..)
             | Operation::MultiplyAdd(..)
