@@ -43,6 +43,8 @@ pub(crate) enum Command {
     Compare(compare::CompareArguments),
     /// Run the cases with known answers and set our numbers beside them
     Validate(validate::ValidateArguments),
+    /// List the graphics cards that `--engine gpu` can run on
+    Devices(devices::DevicesArguments),
     /// Measure the speed of this program on this machine
     Bench(bench::BenchArguments),
     /// Print the JSON schema of decks, for completion in an editor
@@ -60,6 +62,7 @@ impl Command {
             Self::Plot(arguments) => plot::execute(arguments),
             Self::Compare(arguments) => compare::execute(arguments),
             Self::Validate(arguments) => validate::execute(arguments),
+            Self::Devices(arguments) => devices::execute(arguments),
             Self::Bench(arguments) => bench::execute(arguments),
             Self::Schema => schema::execute(),
         }

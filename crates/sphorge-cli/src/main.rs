@@ -6,6 +6,7 @@ mod commands;
 mod deck_arguments;
 #[cfg(test)]
 mod documents;
+mod engine_arguments;
 mod failure;
 mod memory;
 mod progress;

@@ -19,8 +19,13 @@
 
 #[cfg(feature = "device")]
 pub mod device;
+#[cfg(feature = "device")]
+mod engine;
 pub mod record;
 pub mod source;
+
+#[cfg(feature = "device")]
+pub use engine::Gpu;
 
 #[cfg(test)]
 mod evaluate;

@@ -4,6 +4,7 @@ pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod decks;
+pub(crate) mod devices;
 pub(crate) mod materials;
 pub(crate) mod plot;
 mod plot_quantities;

@@ -4,6 +4,7 @@ use super::run::{conclude, failure, parse_threads};
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::parse_override,
+    engine_arguments::engines,
     failure::{Ending, Failure},
     memory,
     progress::ProgressDisplay,
@@ -49,6 +50,7 @@ pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
         most_particles: memory::particle_limit(),
         threads: arguments.threads,
         checkpoints: arguments.checkpoints.plan()?,
+        engines: engines(),
     };
     let result = sphorge::run::resume(&arguments.directory, &options, stop.flag(), &mut display);
     stop.finish();

@@ -3,13 +3,13 @@
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::DeckArguments,
+    engine_arguments::EngineArguments,
     failure::{Ending, Failure, Outcome},
     progress::ProgressDisplay,
     readable, table, terminal,
 };
 use clap::Args;
 use sphorge::{
-    engine::{ENGINES, EngineKind},
     output::{BodyRecord, EndReason, RunDirectory, Status, Summary},
     run::{RunError, RunOptions},
 };
@@ -40,9 +40,8 @@ pub(crate) struct RunArguments {
     /// Number of threads [default: all of the machine]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
-    /// What computes: `cpu`, the processor
-    #[arg(long, value_name = "ENGINE", default_value_t = ENGINES[0].name().to_owned())]
-    engine: String,
+    #[command(flatten)]
+    engine: EngineArguments,
     /// Replace the run that is in the folder
     #[arg(long)]
     overwrite: bool,
@@ -61,20 +60,8 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
     }
 }
 
-/// The engine of that name.
-fn find_engine(name: &str) -> Result<&'static dyn EngineKind, Failure> {
-    let known: Vec<String> = ENGINES.iter().map(|engine| format!("`{}`", engine.name())).collect();
-    ENGINES.iter().copied().find(|engine| engine.name() == name).ok_or_else(|| {
-        let message = match name {
-            "gpu" => "this build of sphorge has no engine for graphics cards".to_owned(),
-            _ => format!("there is no engine `{name}`"),
-        };
-        Failure::bad_input(message, format!("choose from {}: `--engine {}`", known.join(", "), ENGINES[0].name()))
-    })
-}
-
 pub(crate) fn execute(arguments: RunArguments) -> Ending {
-    let engine = find_engine(&arguments.engine)?;
+    let engine = arguments.engine.find()?;
     let deck = arguments.deck.find()?;
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
@@ -89,7 +76,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     };
     let setup = deck.load()?;
     setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
-    let result = sphorge::run::execute(setup, engine, &options, stop.flag(), &mut display);
+    let result = sphorge::run::execute(setup, &*engine, &options, stop.flag(), &mut display);
     stop.finish();
     drop(display);
     conclude(&result.map_err(failure)?, &directory, arguments.strict)

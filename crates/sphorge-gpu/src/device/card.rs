@@ -16,12 +16,28 @@ pub struct Card {
     queue: wgpu::Queue,
 }
 
+/// A kernel with its buffers.
+#[derive(Debug)]
+pub struct Launch {
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+    /// Workgroups of a row, and rows.
+    groups: [u32; 2],
+}
+
 /// Numbers or whole numbers in the memory of a card.
 #[derive(Debug)]
 pub struct Array {
     buffer: wgpu::Buffer,
     /// Number of elements, of four bytes each.
     count: usize,
+}
+
+impl Array {
+    /// Number of elements.
+    pub fn count(&self) -> usize {
+        self.count
+    }
 }
 
 impl Card {
@@ -94,12 +110,16 @@ impl Card {
         Ok(array)
     }
 
-    /// Launches a kernel in that many threads, with its buffers in their order.
+    /// Overwrites the first numbers of an array, after everything that was launched.
+    pub fn write(&self, array: &Array, numbers: &[f32]) {
+        self.queue.write_buffer(&array.buffer, 0, bytemuck::cast_slice(&numbers[..numbers.len().min(array.count)]));
+    }
+
+    /// Binds a kernel to its buffers, in their order, for launches of that many threads.
     ///
     /// # Errors
     /// There is no room for the arguments, or the buffers are not those of the kernel.
-    pub fn launch(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<(), CardFault> {
-        debug_assert_eq!(arrays.len(), program.buffers);
+    pub fn bind(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<Launch, CardFault> {
         let groups = threads.div_ceil(WORKGROUP);
         let rows = groups.div_ceil(ROW).max(1);
         let row = groups.div_ceil(rows);
@@ -117,18 +137,24 @@ impl Card {
             layout: &program.layout,
             entries: &entries,
         });
+        match pollster::block_on(scope.pop()) {
+            None => Ok(Launch { pipeline: program.pipeline.clone(), group, groups: [row, rows] }),
+            Some(error) => Err(self.lost(&error)),
+        }
+    }
+
+    /// Launches kernels one after the other, each when what the last has written is there.
+    pub fn launch<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&program.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(row, rows, 1);
+            for launch in launches {
+                pass.set_pipeline(&launch.pipeline);
+                pass.set_bind_group(0, &launch.group, &[]);
+                pass.dispatch_workgroups(launch.groups[0], launch.groups[1], 1);
+            }
         }
         self.queue.submit([encoder.finish()]);
-        match pollster::block_on(scope.pop()) {
-            None => Ok(()),
-            Some(error) => Err(self.lost(&error)),
-        }
     }
 
     /// Copies numbers back, after everything that was launched.

@@ -5,7 +5,7 @@ mod fault;
 mod found;
 mod program;
 
-pub use card::{Array, Card};
+pub use card::{Array, Card, Launch};
 pub use fault::CardFault;
 pub use found::{Found, find};
 pub use program::Program;

@@ -10,7 +10,6 @@ use wgpu::{BindingType, BufferBindingType, ErrorFilter, ShaderStages};
 pub struct Program {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
-    pub(super) buffers: usize,
 }
 
 impl Card {
@@ -55,7 +54,7 @@ impl Card {
             cache: None,
         });
         match pollster::block_on(scope.pop()) {
-            None => Ok(Program { pipeline, layout, buffers: kernel.buffers.len() }),
+            None => Ok(Program { pipeline, layout }),
             Some(error) => Err(CardFault::Kernel { kernel: kernel.name.clone(), why: error.to_string() }),
         }
     }

@@ -38,11 +38,14 @@ pub(super) fn record(body: impl FnOnce()) -> (Recorder, Vec<Statement>) {
     (recorder, statements)
 }
 
-/// Asks the recording that is under way. A number is recorded nowhere else, so there is one; where there is none, nothing is kept.
+/// Asks the recording that is under way.
+///
+/// # Panics
+/// There is none: a number of a kernel was made outside of it.
 pub(super) fn with<R>(ask: impl FnOnce(&mut Recorder) -> R) -> R {
     RECORDER.with_borrow_mut(|recorder| match recorder {
         Some(recorder) => ask(recorder),
-        None => ask(&mut Recorder { scopes: vec![Block::default()], ..Recorder::default() }),
+        None => panic!("a number of a kernel is made while none is recorded"),
     })
 }
 

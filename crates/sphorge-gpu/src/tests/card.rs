@@ -7,7 +7,7 @@ use crate::device::{Card, CardFault};
 use crate::record::{Index, Kernel};
 
 /// The card the tests run on. Without one they say so and pass, unless `SPHORGE_NEEDS_CARD` is set, as where all is tested.
-fn card() -> Option<Card> {
+pub(super) fn card() -> Option<Card> {
     match Card::open(None) {
         Ok(card) => Some(card),
         Err(fault) => {
@@ -29,7 +29,7 @@ fn laws_on_a_card_are_those_of_the_processor() {
         let program = card.compile(&kernel_of(&law)).unwrap_or_else(|fault| panic!("{}: {fault}", law.name));
         let (arguments, results) = expected(&law);
         let (input, output) = (card.numbers(&arguments).unwrap(), card.zeros(results.len()).unwrap());
-        card.launch(&program, &[&input, &output], SAMPLES as u32).unwrap();
+        card.launch([&card.bind(&program, &[&input, &output], SAMPLES as u32).unwrap()]);
         let ours = card.read(&output).unwrap();
         for (result, (ours, theirs)) in ours.chunks(SAMPLES).zip(results.chunks(SAMPLES)).enumerate() {
             let finite = || theirs.iter().filter(|number| number.is_finite());
@@ -69,7 +69,8 @@ fn the_pair_loop_on_a_card_is_that_of_the_processor_and_the_same_each_time() {
     ];
     let run = || {
         let sums = card.zeros(block.sums.len()).unwrap();
-        card.launch(&program, &[&inputs[0], &inputs[1], &inputs[2], &sums], block.count as u32).unwrap();
+        let arrays = [&inputs[0], &inputs[1], &inputs[2], &sums];
+        card.launch([&card.bind(&program, &arrays, block.count as u32).unwrap()]);
         card.read(&sums).unwrap()
     };
     let sums = run();
@@ -95,7 +96,7 @@ fn launches_of_many_rows_reach_every_thread_once() {
     let program = card.compile(&kernel.unwrap()).unwrap();
     let input = card.numbers(&vec![1.0; count]).unwrap();
     let output = card.zeros(count).unwrap();
-    card.launch(&program, &[&input, &output], count as u32).unwrap();
+    card.launch([&card.bind(&program, &[&input, &output], count as u32).unwrap()]);
     assert!(card.read(&output).unwrap().iter().all(|y| *y == 2.0));
 }
 

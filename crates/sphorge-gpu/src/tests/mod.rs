@@ -2,6 +2,8 @@
 
 #[cfg(feature = "device")]
 mod card;
+#[cfg(feature = "device")]
+mod engine;
 mod laws;
 mod pairs;
 

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     deck::{DeckReport, Setup, load_text_within},
-    engine::{ENGINES, EngineKind, FieldSource, Simulation},
+    engine::{EngineKind, FieldSource, Simulation},
     number::plain_quantity,
     output::{
         AtPath, Checkpoint, Durability, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
@@ -33,6 +33,8 @@ pub struct ResumeOptions {
     pub threads: Option<usize>,
     /// When it saves its state.
     pub checkpoints: CheckpointPlan,
+    /// Engines the run may have been computed by.
+    pub engines: &'static [&'static dyn EngineKind],
 }
 
 /// Keys of the deck that may change when a run is resumed, with all that begin with those ending in a point.
@@ -127,7 +129,7 @@ pub fn resume(
             Ok(checkpoint) if deck.as_ref().is_some_and(|deck| !checkpoint.is_of(deck)) => {
                 format!("{} is of a run of another deck", file.display())
             }
-            Ok(checkpoint) => match ENGINES.iter().find(|engine| engine.name() == checkpoint.about.engine) {
+            Ok(checkpoint) => match options.engines.iter().find(|engine| engine.name() == checkpoint.about.engine) {
                 None => {
                     format!("{} is of the engine `{}`, which is not known", file.display(), checkpoint.about.engine)
                 }

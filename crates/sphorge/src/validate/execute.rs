@@ -68,6 +68,7 @@ fn run_variant(
                 most_particles: f64::INFINITY,
                 threads: options.threads,
                 checkpoints: checkpoints.clone(),
+                engines: ENGINES,
             };
             match resume(&directory, &resume_options, stop, watcher) {
                 Ok(summary) => Some(Ok(summary)),

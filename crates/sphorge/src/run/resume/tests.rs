@@ -3,6 +3,7 @@
 use super::*;
 use crate::{
     deck::load_text,
+    engine::ENGINES,
     run::{RunOptions, execute},
 };
 use std::{
@@ -51,6 +52,7 @@ fn go_on_in(folder: &Path) -> (Result<Summary, ResumeError>, Vec<String>) {
         most_particles: 1e6,
         threads: Some(1),
         checkpoints: CheckpointPlan::default(),
+        engines: ENGINES,
     };
     let mut listener = Listener::default();
     let ended = resume(folder, &options, &AtomicBool::new(false), &mut listener);

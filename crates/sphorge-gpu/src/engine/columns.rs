@@ -1,0 +1,233 @@
+//! The columns of the particles on a card, and kernels that name the columns they touch.
+
+use crate::device::{Array, Card, CardFault, Launch};
+use crate::record::{Index, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector};
+
+/// A column or several, one after the other; numbers that a step adds to have what rounding left of them in a column of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Group {
+    /// Position, m, and its rest.
+    Place,
+    /// The same at the start of the step.
+    BasePlace,
+    /// Velocity, m/s, and its rest.
+    Velocity,
+    /// The same at the start of the step, and the acceleration it was predicted with, m/s².
+    BaseVelocity,
+    /// Velocity that forces are evaluated with, m/s.
+    Evaluated,
+    /// Density, kg/m³, and its rest.
+    Density,
+    /// The same at the start of the step.
+    BaseDensity,
+    /// Velocity gradient, 1/s.
+    Gradient,
+    /// Weight of the particle in the sums of its neighbours, and their number.
+    Weight,
+    /// Specific internal energy, J/kg, its rest, and its rate, W/kg.
+    Energy,
+    /// Acceleration, m/s², XSPH velocity, m/s, and the largest `|mu|`, m/s.
+    Rates,
+    /// What walls and gravity have in the acceleration, m/s², heat of walls, W/kg, and what of it is friction's.
+    External,
+    /// Deviator of the stress, Pa.
+    Deviator,
+    /// Pressure, Pa, sound speed, m/s, and shear modulus, Pa.
+    Pressure,
+    /// Plastic strain and its rest, its last increment, yield stress, Pa, plastic work, J/kg, and its rest.
+    Plastic,
+    /// Temperature, K, and its rest.
+    Temperature,
+    /// What forces read of a neighbour: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound speed, m/s.
+    Packed,
+    /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s.
+    Constants,
+    /// Work of what pairs do not do, J, its impulse, N s, and energy booked by the integrator, J, each with its rest.
+    Accounts,
+    /// Work of each wall, J, and its rest.
+    Walls,
+    /// Least time steps by sound and by acceleration, s, four changes of the step, and whether a number is none, of each particle.
+    Limits,
+    /// The same of each chunk of particles.
+    Extremes,
+    /// Numbers of the step: see [`super::step_numbers`].
+    Step,
+    /// Particles of a material.
+    Members(usize),
+    /// Cells: how many particles they have, which place each takes, where each cell starts, sums of chunks of cells.
+    CellCounts,
+    Slots,
+    CellStarts,
+    ChunkStarts,
+    /// Particles cell by cell, in the order they happened to come and in that of their numbers.
+    Unsorted,
+    Sorted,
+    /// Cells around a cell, three steps each.
+    Around,
+}
+
+/// A group that a kernel reads.
+#[derive(Clone, Copy)]
+pub(super) struct Reading {
+    buffer: Input,
+    stride: u32,
+}
+
+/// A group that a kernel writes, and may read.
+#[derive(Clone, Copy)]
+pub(super) struct Writing {
+    buffer: Output,
+    stride: u32,
+}
+
+fn place(stride: u32, field: usize, i: Index) -> Index {
+    if field == 0 { i } else { Index::of(stride * field as u32) + i }
+}
+
+/// Reading several columns at a time.
+pub(super) trait Fields: Copy {
+    fn get(self, field: usize, i: Index) -> Recorded;
+
+    fn vector(self, field: usize, i: Index) -> Vector<Recorded> {
+        [0, 1, 2].map(|a| self.get(field + a, i))
+    }
+
+    fn symmetric(self, field: usize, i: Index) -> SymmetricTensor<Recorded> {
+        SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|a| self.get(field + a, i)))
+    }
+
+    fn tensor(self, field: usize, i: Index) -> Tensor<Recorded> {
+        [0, 1, 2].map(|a| self.vector(field + 3 * a, i))
+    }
+
+    /// A number with its rest.
+    fn double(self, field: usize, rest: usize, i: Index) -> [Recorded; 2] {
+        [self.get(field, i), self.get(rest, i)]
+    }
+}
+
+impl Fields for Reading {
+    fn get(self, field: usize, i: Index) -> Recorded {
+        self.buffer.at(place(self.stride, field, i))
+    }
+}
+
+impl Fields for Writing {
+    fn get(self, field: usize, i: Index) -> Recorded {
+        self.buffer.at(place(self.stride, field, i))
+    }
+}
+
+impl Writing {
+    pub(super) fn set(self, field: usize, i: Index, value: Recorded) {
+        self.buffer.set(place(self.stride, field, i), value);
+    }
+
+    pub(super) fn set_all(self, field: usize, i: Index, values: &[Recorded]) {
+        for (k, value) in values.iter().enumerate() {
+            self.set(field + k, i, *value);
+        }
+    }
+
+    /// Adds to a number with its rest.
+    pub(super) fn add(self, field: usize, rest: usize, i: Index, value: Recorded) {
+        let sum = added(self.double(field, rest, i), value);
+        self.set(field, i, sum[0]);
+        self.set(rest, i, sum[1]);
+    }
+}
+
+/// A number and its rest after another was added: what rounding takes away is kept (Knuth's sum of two).
+pub(super) fn added([high, low]: [Recorded; 2], value: Recorded) -> [Recorded; 2] {
+    let value = value + low;
+    let sum = high + value;
+    let back = sum - high;
+    [sum, (high - (sum - back)) + (value - back)]
+}
+
+/// A kernel that is being recorded, with the groups it has asked for so far.
+pub(super) struct Binder<'a> {
+    pub(super) scope: &'a mut Scope,
+    groups: Vec<Group>,
+    /// Number of particles.
+    stride: u32,
+}
+
+impl Binder<'_> {
+    pub(super) fn read(&mut self, group: Group) -> Reading {
+        self.groups.push(group);
+        Reading { buffer: self.scope.input(&format!("{group:?}")), stride: self.stride }
+    }
+
+    pub(super) fn write(&mut self, group: Group) -> Writing {
+        self.groups.push(group);
+        Writing { buffer: self.scope.output(&format!("{group:?}")), stride: self.stride }
+    }
+
+    pub(super) fn indices(&mut self, group: Group) -> Indices {
+        self.groups.push(group);
+        self.scope.indices(&format!("{group:?}"))
+    }
+
+    pub(super) fn wholes(&mut self, group: Group) -> crate::record::Wholes {
+        self.groups.push(group);
+        self.scope.wholes(&format!("{group:?}"))
+    }
+
+    pub(super) fn counters(&mut self, group: Group) -> crate::record::Counters {
+        self.groups.push(group);
+        self.scope.counters(&format!("{group:?}"))
+    }
+}
+
+/// A kernel with the groups of its buffers.
+pub(super) struct Recording {
+    pub(super) kernel: Kernel,
+    groups: Vec<Group>,
+}
+
+/// Records a kernel of `count` particles.
+pub(super) fn recording(
+    name: &str,
+    count: usize,
+    body: impl FnOnce(&mut Binder<'_>, Index),
+) -> Result<Recording, KernelFault> {
+    let mut groups = Vec::new();
+    let kernel = Kernel::record(name, |scope| {
+        let thread = scope.thread();
+        let mut binder = Binder { scope, groups: Vec::new(), stride: count as u32 };
+        body(&mut binder, thread);
+        groups = binder.groups;
+    })?;
+    Ok(Recording { kernel, groups })
+}
+
+impl Recording {
+    /// The kernel compiled for a card and bound to the columns of an engine.
+    pub(super) fn bind(&self, card: &Card, columns: &Columns, threads: usize) -> Result<Launch, CardFault> {
+        let program = card.compile(&self.kernel)?;
+        let arrays: Vec<&Array> = self.groups.iter().filter_map(|group| columns.array(*group)).collect();
+        card.bind(&program, &arrays, threads as u32)
+    }
+}
+
+/// The groups of an engine, in the memory of its card.
+#[derive(Default)]
+pub(super) struct Columns {
+    arrays: Vec<(Group, Array)>,
+}
+
+impl Columns {
+    pub(super) fn insert(&mut self, group: Group, array: Array) {
+        self.arrays.push((group, array));
+    }
+
+    pub(super) fn array(&self, group: Group) -> Option<&Array> {
+        self.arrays.iter().find(|(of, _)| *of == group).map(|(_, array)| array)
+    }
+
+    pub(super) fn all(&self) -> impl Iterator<Item = &(Group, Array)> {
+        self.arrays.iter()
+    }
+}

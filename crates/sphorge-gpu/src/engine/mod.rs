@@ -1,0 +1,91 @@
+//! The engine for graphics cards: the whole step on the card.
+//!
+//! Columns stay in the memory of the card; of each step the limits of the next one come back, and what a user asks for when it is asked for.
+//! Numbers are of single precision; those a step adds to (positions, velocities, densities, energies, strains) keep what rounding leaves of
+//! them in a second number, which carries them like double precision.
+
+mod columns;
+mod conservation;
+mod kernels;
+mod snapshot;
+mod start;
+mod step;
+mod supports;
+
+use crate::device::{Card, Launch};
+use columns::Columns;
+use snapshot::Snapshot;
+use sphorge_engine::{Engine, EngineKind, Model, Particles, RunFailure, Unsupported};
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// The engine for graphics cards, to be started on a model.
+#[derive(Clone, Debug, Default)]
+pub struct Gpu {
+    /// Words of the name of the card; the best there is if nothing is asked for.
+    pub device: Option<String>,
+}
+
+/// Places in the numbers of the step.
+mod step_numbers {
+    /// Length of the step, s.
+    pub(super) const DT: u32 = 0;
+    /// Half of it.
+    pub(super) const HALF: u32 = 1;
+    /// Gravity, m/s².
+    pub(super) const GRAVITY: u32 = 2;
+    /// The first wall.
+    pub(super) const WALLS: u32 = 5;
+    /// Displacement, m, and velocity, m/s, of a wall.
+    pub(super) const WALL_LENGTH: u32 = 6;
+}
+
+/// Kernels of a step, in groups that are launched together.
+struct Stages {
+    predict: Vec<Launch>,
+    sorting: Vec<Launch>,
+    gradients: Vec<Launch>,
+    stress: Vec<Launch>,
+    forces: Vec<Launch>,
+    /// The end of the step, and what it changed.
+    finish: Vec<Launch>,
+}
+
+/// An engine on a card.
+struct GpuEngine {
+    model: Arc<Model>,
+    card: Card,
+    columns: Columns,
+    stages: Stages,
+    /// The particles as they came: ids, bodies, masses.
+    initial: Particles,
+    /// Particles, rounded up to whole chunks: the length of the columns.
+    stride: usize,
+    /// Start and length of the step, s.
+    time: f64,
+    dt: f64,
+    /// Least limits, s, largest changes, and whether a number is none, at the end of the last step.
+    extremes: [f64; kernels::limits::FIELDS],
+    /// What the card holds, where it was asked for since the last step.
+    snapshot: OnceCell<Snapshot>,
+}
+
+impl EngineKind for Gpu {
+    fn name(&self) -> &'static str {
+        "gpu"
+    }
+
+    fn supports(&self, model: &Model) -> Result<(), Unsupported> {
+        supports::supports(model)
+    }
+
+    fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        let engine = GpuEngine::new(model, particles, self.device.as_deref())?;
+        Ok(Box::new(engine))
+    }
+}
+
+/// A card that does not do what it has to.
+fn failure(fault: impl std::fmt::Display) -> RunFailure {
+    RunFailure::of_engine(fault.to_string())
+}

@@ -1,0 +1,208 @@
+//! Particles brought to the card, and kernels compiled for it.
+
+use super::columns::{Columns, Group, Recording};
+use super::kernels::{grid, limits, motion, pairs, stress, walls};
+use super::snapshot::FIELDS;
+use super::{GpuEngine, Stages, failure};
+use crate::device::{Card, CardFault, Launch};
+use crate::record::KernelFault;
+use grid::Grid;
+use sphorge_engine::model::Dimensions;
+use sphorge_engine::{Model, Particles, RunFailure};
+use sphorge_physics::artificial_stress::coefficient;
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// Particles that exact whole numbers of single precision can count.
+const MOST: usize = 1 << 24;
+
+/// How much farther than the kernel reaches a cell does: its number is found in single precision.
+const MARGIN: f64 = 1.0 + 1e-4;
+
+/// Cells beside those that hold particles at the start: they spread.
+const SPARE: f64 = 1.5;
+
+impl GpuEngine {
+    pub(super) fn new(model: Arc<Model>, p: Particles, device: Option<&str>) -> Result<Self, RunFailure> {
+        if p.len() >= MOST {
+            let message = format!("{} particles: the engine for graphics cards takes up to {}", p.len(), MOST - 1);
+            return Err(failure(message));
+        }
+        let card = Card::open(device).map_err(|fault| match &fault {
+            CardFault::NotFound { help, .. } => failure(format!("{fault}; {help}")),
+            _ => failure(&fault),
+        })?;
+        let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
+        let grid = grid_of(&model, &p);
+        let columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
+        let stages = stages(&card, &columns, &model, &p, stride, &grid)?;
+        let extremes = [0.0; limits::FIELDS];
+        let snapshot = OnceCell::new();
+        Ok(Self { model, card, columns, stages, initial: p, stride, time: 0.0, dt: 0.0, extremes, snapshot })
+    }
+}
+
+fn grid_of(model: &Model, p: &Particles) -> Grid {
+    let largest = p.smoothing_length.iter().fold(0.0f64, |a, h| a.max(*h));
+    let edge = MARGIN * model.numerics.kernel.support() * largest;
+    let axes = match model.dimensions {
+        Dimensions::One => 1,
+        Dimensions::PlaneStrain => 2,
+        Dimensions::Three => 3,
+    };
+    let (mut origin, mut counts) = ([0.0; 3], [1; 3]);
+    for axis in 0..axes {
+        let along = || p.position.iter().map(|x| x[axis]);
+        let (low, high) = along().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        origin[axis] = low;
+        // Never fewer than three around a cell and one more, so that none is met twice.
+        counts[axis] = ((SPARE * (high - low) / edge).ceil() as u32 + 1).next_power_of_two().max(4);
+    }
+    Grid { origin, edge, counts }
+}
+
+/// Numbers of a group, field by field.
+fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(usize, usize) -> f64) -> Vec<f32> {
+    let mut numbers = vec![0.0; stride * fields];
+    for field in 0..fields {
+        for i in 0..count {
+            numbers[field * stride + i] = number(field, i) as f32;
+        }
+    }
+    numbers
+}
+
+/// A number, or what single precision leaves of it.
+fn part(number: f64, rest: bool) -> f64 {
+    let high = f64::from(number as f32);
+    if rest { number - high } else { high }
+}
+
+fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid) -> Result<Columns, CardFault> {
+    let mut columns = Columns::default();
+    let count = p.len();
+    let numerics = &model.numerics;
+    let of_body = |i: usize| &model.bodies[p.body[i] as usize];
+    let vector = |of: &[[f64; 3]], field: usize, i: usize| part(of[i][field % 3], field >= 3);
+    for &(group, fields) in FIELDS {
+        let number = |field: usize, i: usize| match (group, field) {
+            (Group::Place, _) => vector(&p.position, field, i),
+            (Group::Velocity, _) => vector(&p.velocity, field, i),
+            (Group::Evaluated, _) => p.velocity[i][field],
+            (Group::Density, _) => part(p.density[i], field == 1),
+            (Group::Energy, 0 | 1) => part(p.energy[i], field == 1),
+            (Group::Temperature, _) => part(p.temperature[i], field == 1),
+            (Group::Deviator, _) => p.deviator[i].to_array()[field],
+            (Group::Plastic, 0 | 1) => part(p.plastic_strain[i], field == 1),
+            (Group::Plastic, 3) => p.yield_stress[i],
+            (Group::Plastic, 4 | 5) => part(p.plastic_work[i], field == 5),
+            (Group::Constants, 0) => p.mass[i],
+            (Group::Constants, 1) => p.smoothing_length[i],
+            (Group::Constants, 2) => numerics.artificial_stress.map_or(0.0, |terms| {
+                let at_spacing = numerics.kernel.w(of_body(i).spacing / of_body(i).smoothing_length);
+                coefficient(terms.epsilon, at_spacing, terms.exponent)
+            }),
+            (Group::Constants, 3) => of_body(i).spacing,
+            (Group::Constants, _) => model.materials[p.material[i] as usize].equation_of_state.reference_sound_speed(),
+            (Group::Packed, 12) => 1.0,
+            _ => 0.0,
+        };
+        let mut numbers = fill(stride, fields, count, number);
+        if group == Group::Limits {
+            numbers[..2 * stride].fill(f32::MAX);
+        }
+        columns.insert(group, card.numbers(&numbers)?);
+    }
+    let wall_fields = (walls::FIELDS * model.walls.len()).max(1);
+    columns.insert(Group::Walls, card.zeros(wall_fields * stride)?);
+    columns.insert(Group::Extremes, card.zeros(limits::FIELDS * stride / limits::CHUNK)?);
+    let step = super::step_numbers::WALLS as usize + super::step_numbers::WALL_LENGTH as usize * model.walls.len();
+    columns.insert(Group::Step, card.zeros(step)?);
+    for k in 0..model.materials.len() {
+        columns.insert(Group::Members(k), card.indices(&members(p, k))?);
+    }
+    let cells = grid.chunks() * grid::CHUNK;
+    columns.insert(Group::CellCounts, card.zeros(cells)?);
+    columns.insert(Group::CellStarts, card.zeros(cells + 1)?);
+    columns.insert(Group::ChunkStarts, card.zeros(grid.chunks() + 1)?);
+    for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
+        columns.insert(group, card.zeros(count)?);
+    }
+    columns.insert(Group::Around, card.indices(&grid.around())?);
+    Ok(columns)
+}
+
+/// Particles of a material.
+fn members(p: &Particles, material: usize) -> Vec<u32> {
+    (0..p.len() as u32).filter(|i| p.material[*i as usize] as usize == material).collect()
+}
+
+/// Every kernel of the step of a model, with the number of its threads.
+pub(super) struct Recordings {
+    predict: Recording,
+    sorting: Vec<(Recording, usize)>,
+    weigh: Recording,
+    pairs: [Recording; 2],
+    /// By material: where forces are evaluated, at the end.
+    stress: Vec<[Recording; 2]>,
+    push: Recording,
+    correct: Recording,
+    limits: Recording,
+    extremes: Recording,
+}
+
+impl Recordings {
+    pub(super) fn of(model: &Model, count: usize, stride: usize, grid: &Grid) -> Result<Self, KernelFault> {
+        let sorting = grid::sorting(grid, stride)?;
+        // What is done for each particle is done for those there are.
+        let sorting =
+            sorting.into_iter().map(|(kernel, threads)| (kernel, if threads == stride { count } else { threads }));
+        let of_material = |k| Ok([stress::stress(model, k, stride, false)?, stress::stress(model, k, stride, true)?]);
+        Ok(Self {
+            predict: motion::predict(stride)?,
+            sorting: sorting.collect(),
+            weigh: pairs::weigh(model, stride)?,
+            pairs: pairs::of_dimension(model, grid, stride)?,
+            stress: (0..model.materials.len()).map(of_material).collect::<Result<_, KernelFault>>()?,
+            push: walls::push(model, stride)?,
+            correct: motion::correct(stride)?,
+            limits: limits::of_particles(model, stride)?,
+            extremes: limits::of_chunks(stride)?,
+        })
+    }
+}
+
+fn stages(
+    card: &Card,
+    columns: &Columns,
+    model: &Model,
+    p: &Particles,
+    stride: usize,
+    grid: &Grid,
+) -> Result<Stages, RunFailure> {
+    let count = p.len();
+    let recordings = Recordings::of(model, count, stride, grid).map_err(failure)?;
+    let stage = |recording: &Recording, threads: usize| recording.bind(card, columns, threads).map_err(failure);
+    let of_particles = |recording: &Recording| stage(recording, count);
+    let by_material = |at_end: usize| -> Result<Vec<Launch>, RunFailure> {
+        let kernels = recordings.stress.iter().enumerate();
+        kernels
+            .map(|(k, kernels)| (members(p, k).len(), &kernels[at_end]))
+            .filter(|(members, _)| *members > 0)
+            .map(|(members, kernel)| stage(kernel, members))
+            .collect()
+    };
+    let mut finish = vec![of_particles(&recordings.correct)?];
+    finish.extend(by_material(1)?);
+    finish.push(of_particles(&recordings.limits)?);
+    finish.push(stage(&recordings.extremes, stride / limits::CHUNK)?);
+    let sorting = recordings.sorting.iter().map(|(kernel, threads)| stage(kernel, *threads));
+    Ok(Stages {
+        predict: vec![of_particles(&recordings.predict)?],
+        sorting: sorting.collect::<Result<_, _>>()?,
+        gradients: vec![of_particles(&recordings.weigh)?, of_particles(&recordings.pairs[0])?],
+        stress: by_material(0)?,
+        forces: vec![of_particles(&recordings.pairs[1])?, of_particles(&recordings.push)?],
+        finish,
+    })
+}

@@ -1,0 +1,242 @@
+//! The stages of the step.
+
+use super::columns::Group;
+use super::kernels::limits;
+use super::snapshot::{STATE, read};
+use super::{GpuEngine, failure};
+use sphorge_engine::halo::FieldSet;
+use sphorge_engine::model::WallContact;
+use sphorge_engine::persist::{Archive, ArchiveError, Persist};
+use sphorge_engine::reduction::{self, Reduction};
+use sphorge_engine::{Audit, Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit};
+use sphorge_physics::step_control::{Changed, StepChange};
+use sphorge_physics::time_step::penalty_limit;
+
+impl GpuEngine {
+    /// The numbers of a step that goes from `time` on; walls stand where they are at its middle, at which forces are evaluated.
+    fn set_step(&self) -> Result<(), RunFailure> {
+        let middle = self.time + 0.5 * self.dt;
+        let mut numbers = vec![self.dt, 0.5 * self.dt];
+        numbers.extend(self.model.gravity);
+        for wall in &self.model.walls {
+            numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, middle)));
+            numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(middle)));
+        }
+        let numbers: Vec<f32> = numbers.into_iter().map(|number| number as f32).collect();
+        let array = self.columns.array(Group::Step).ok_or_else(|| failure("no numbers of the step"))?;
+        self.card.write(array, &numbers);
+        Ok(())
+    }
+
+    fn read_extremes(&mut self) -> Result<(), RunFailure> {
+        let numbers = read(&self.card, &self.columns, Group::Extremes)?;
+        let chunks = self.stride / limits::CHUNK;
+        for (k, extreme) in self.extremes.iter_mut().enumerate() {
+            let of = numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
+            *extreme = if k < 2 { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
+        }
+        Ok(())
+    }
+
+    /// The change of the last step of particle `i`, and of whom it was the largest beside the limits.
+    fn most_changed(&self, limits: &StepChange) -> Result<(usize, (Changed, f64, f64)), RunFailure> {
+        let p = &self.snapshot()?.particles;
+        let of = |i: usize| {
+            let material = &self.model.materials[p.material[i] as usize];
+            let speed = material.equation_of_state.reference_sound_speed();
+            let energy = (p.energy[i], p.energy_rate[i]);
+            StepChange::of(&p.velocity_gradient[i], energy, speed, &p.acceleration[i], p.smoothing_length[i], self.dt)
+                .worst(limits)
+        };
+        let worst = (0..p.len()).map(|i| (i, of(i))).reduce(|a, b| if b.1.1 / b.1.2 > a.1.1 / a.1.2 { b } else { a });
+        worst.ok_or_else(|| failure("there are no particles"))
+    }
+
+    /// The first particle with a value that is none.
+    fn broken(&self) -> Result<RunFailure, RunFailure> {
+        let p = &self.snapshot()?.particles;
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let fault = |i: usize| {
+            let checks: [(&str, bool); 7] = [
+                ("position", finite(&p.position[i])),
+                ("velocity", finite(&p.velocity[i])),
+                ("density", p.density[i].is_finite() && p.density[i] > 0.0),
+                ("energy", p.energy[i].is_finite()),
+                ("temperature", p.temperature[i].is_finite()),
+                ("pressure", p.pressure[i].is_finite()),
+                ("deviator", finite(&p.deviator[i].to_array())),
+            ];
+            checks.into_iter().find(|(_, sound)| !sound).map(|(field, _)| (i, field))
+        };
+        let (particle, field) = (0..p.len()).find_map(fault).map_or((None, "acceleration"), |(i, f)| (Some(i), f));
+        Ok(RunFailure {
+            field,
+            particle: particle.map(|i| p.id[i]),
+            body: particle.map(|i| p.body[i]),
+            step_may_be_smaller: true,
+            ..RunFailure::of_engine(format!("`{field}` is no number, or below zero; try a smaller time step"))
+        })
+    }
+}
+
+impl Engine for GpuEngine {
+    fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
+        self.snapshot.take();
+        self.dt = dt;
+        self.set_step()?;
+        self.card.launch(&self.stages.predict);
+        Ok(())
+    }
+
+    fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
+        self.card.launch(&self.stages.sorting);
+        Ok(SearchReport { searched_fraction: 1.0 })
+    }
+
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        Ok(None)
+    }
+
+    fn exchange(&mut self, _: FieldSet) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn kinematics(&mut self) -> Result<(), RunFailure> {
+        self.card.launch(&self.stages.gradients);
+        Ok(())
+    }
+
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn find_faces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    // Walls add to what the pairs have done: see `forces`.
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        self.card.launch(&self.stages.stress);
+        Ok(())
+    }
+
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
+
+    fn forces(&mut self) -> Result<(), RunFailure> {
+        self.card.launch(&self.stages.forces);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), RunFailure> {
+        self.card.launch(&self.stages.finish);
+        self.time += self.dt;
+        self.read_extremes()
+    }
+
+    fn guard(&self) -> Result<(), RunFailure> {
+        let [_, _, density, stretch, energy, jump, broken] = self.extremes;
+        if broken > 0.0 {
+            return Err(self.broken()?);
+        }
+        let change = StepChange { density, stretch, energy, jump };
+        let limits = match &self.model.time.step_control {
+            Some(control) if change.is_beyond(&control.largest) => &control.largest,
+            _ => return Ok(()),
+        };
+        let (i, (changed, by, limit)) = self.most_changed(limits)?;
+        let p = &self.snapshot()?.particles;
+        Err(RunFailure {
+            field: "step",
+            particle: Some(p.id[i]),
+            body: Some(p.body[i]),
+            position: Some(p.position[i]),
+            step_may_be_smaller: true,
+            ..RunFailure::of_engine(format!(
+                "{changed:?} changed by {by:.3} in one step, more than the {limit} of `time.step-control`"
+            ))
+        })
+    }
+
+    fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
+        let [by_sound, by_acceleration, ..] = self.extremes;
+        let limit = |dt, reason| TimeStepLimit { dt, reason };
+        let mut least = limit(by_sound, LimitReason::SoundSpeed).min(limit(by_acceleration, LimitReason::Acceleration));
+        let rate = |b: &sphorge_engine::model::Body| {
+            self.model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing
+        };
+        let fastest = self.model.bodies.iter().map(rate).fold(0.0, f64::max);
+        for wall in &self.model.walls {
+            if let WallContact::Penalty { stiffness, .. } = wall.contact {
+                let of_wall = penalty_limit(stiffness, fastest, self.model.time.courant);
+                least = least.min(limit(of_wall, LimitReason::Contact));
+            }
+        }
+        Ok(least)
+    }
+
+    fn count(&self) -> usize {
+        self.initial.len()
+    }
+
+    fn pairs(&self) -> u64 {
+        self.snapshot().map_or(0, |now| now.particles.neighbors.iter().map(|n| u64::from(*n)).sum())
+    }
+
+    fn ledger(&self) -> Result<Ledger, RunFailure> {
+        self.conservation()
+    }
+
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        Ok(reduction::evaluate(reduction, &self.model, &self.snapshot()?.particles))
+    }
+
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        let p = &self.snapshot()?.particles;
+        p.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+    }
+
+    fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.snapshot.take();
+        self.time.persist("time", archive)?;
+        self.dt.persist("dt", archive)?;
+        let mut extremes = self.extremes.to_vec();
+        extremes.persist("extremes", archive)?;
+        self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
+        for group in STATE {
+            let name = format!("{group:?}").to_lowercase();
+            let Some(array) = self.columns.array(*group) else { continue };
+            if archive.is_saving() {
+                let numbers = self.card.read(array).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
+                archive.save(&name, bytemuck::cast_slice(&numbers).to_vec());
+            } else {
+                let bytes = archive.load(&name)?;
+                let numbers: Vec<f32> = bytemuck::try_cast_slice(&bytes)
+                    .map(<[f32]>::to_vec)
+                    .unwrap_or_else(|_| bytemuck::pod_collect_to_vec(&bytes));
+                if numbers.len() != array.count() {
+                    return Err(ArchiveError::Mismatch(name));
+                }
+                self.card.write(array, &numbers);
+            }
+        }
+        Ok(())
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        self.columns.all().map(|(_, array)| 4 * array.count() as u64).sum()
+    }
+}

@@ -1,0 +1,138 @@
+//! Whole steps on a card, beside those of the processor.
+
+use super::card::card;
+use crate::Gpu;
+use sphorge_deck::{decks, load_text};
+use sphorge_engine::persist::MemoryArchive;
+use sphorge_engine::{Cpu, EngineKind, Ledger, Particles, Simulation};
+
+/// A shipped deck with overrides, on an engine.
+fn start(kind: &dyn EngineKind, deck: &str, overrides: &[(&str, &str)]) -> Simulation {
+    let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let deck = decks::find(deck).unwrap();
+    let setup = load_text(deck.name, deck.text, &overrides).unwrap_or_else(|report| panic!("{report}"));
+    kind.supports(&setup.model).unwrap();
+    Simulation::start(kind, setup.model, setup.particles).unwrap()
+}
+
+/// Runs to a time, s.
+fn run(simulation: &mut Simulation, end: f64) -> (Particles, Ledger) {
+    while simulation.time() < end {
+        simulation.step(Some(end)).unwrap();
+    }
+    (simulation.particles().unwrap(), simulation.ledger().unwrap())
+}
+
+const PLATE: (&str, &[(&str, &str)]) = ("taylor-plate", &[("particles.spacing", "\"0.6 mm\"")]);
+
+/// Extent along an axis, m.
+fn extent(p: &Particles, axis: usize) -> f64 {
+    let along = || p.position.iter().map(|x| x[axis]);
+    along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+}
+
+/// Runs of the two engines, and how near they must be: lengths, energies, strains.
+fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
+    if card().is_none() {
+        return;
+    }
+    let [theirs, ours] =
+        [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| run(&mut start(kind, deck, overrides), end));
+    let close = |what: &str, ours: f64, theirs: f64, scale: f64| {
+        assert!((ours - theirs).abs() <= near * scale, "{deck}, {what}: {ours} on the card, {theirs}");
+    };
+    for axis in 0..2 {
+        close("extent", extent(&ours.0, axis), extent(&theirs.0, axis), extent(&theirs.0, axis));
+    }
+    let (a, b) = (&ours.1, &theirs.1);
+    let (e, f) = (a.total.energies, b.total.energies);
+    let scale = f.kinetic + f.internal;
+    for (what, ours, theirs) in [
+        ("kinetic", e.kinetic, f.kinetic),
+        ("internal", e.internal, f.internal),
+        ("elastic", e.elastic, f.elastic),
+        ("plastic work", e.plastic_work, f.plastic_work),
+        ("external work", a.external_work, b.external_work),
+        ("integration", a.integration_energy, b.integration_energy),
+    ] {
+        close(what, ours, theirs, scale);
+    }
+    for (k, (ours, theirs)) in a.wall_work.iter().zip(&b.wall_work).enumerate() {
+        close(&format!("work of wall {k}"), *ours, *theirs, scale);
+        for axis in 0..3 {
+            let scale = b.wall_forces[k].iter().map(|f| f.abs()).sum::<f64>();
+            // Forces of single particles at a wall move in 1 % of their sum.
+            close("wall force", a.wall_forces[k][axis], b.wall_forces[k][axis], 10.0 * scale);
+        }
+    }
+    // The particles of the one are those of the other.
+    let largest = |p: &Particles| p.plastic_strain.iter().fold(0.0f64, |a, b| a.max(*b));
+    close("largest plastic strain", largest(&ours.0), largest(&theirs.0), largest(&theirs.0));
+    let hottest = |p: &Particles| p.temperature.iter().fold(0.0f64, |a, b| a.max(*b));
+    close("largest temperature", hottest(&ours.0), hottest(&theirs.0), hottest(&theirs.0));
+    let neighbors = |p: &Particles| p.neighbors.iter().map(|n| u64::from(*n)).sum::<u64>() as f64;
+    close("pairs", neighbors(&ours.0), neighbors(&theirs.0), 10.0 * neighbors(&theirs.0));
+    assert!(largest(&theirs.0) > 0.05, "nothing flows");
+}
+
+#[test]
+fn the_plate_of_the_paper_is_that_of_the_processor_while_it_is_not_chaotic() {
+    // From 15 us on, particles of this method fall together in pairs, and the last bit decides which.
+    compare(PLATE.0, PLATE.1, 8e-6, 1e-4);
+}
+
+#[test]
+fn a_bar_in_space_is_that_of_the_processor() {
+    compare("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")], 4e-6, 1e-4);
+}
+
+#[test]
+fn a_wall_that_rubs_is_that_of_the_processor() {
+    let wall = ("wall.0.contact", "{ penalty = { friction = 0.2 } }");
+    compare(PLATE.0, &[PLATE.1[0], wall, ("numerics.viscosity.balsara", "true")], 5e-6, 1e-4);
+}
+
+#[test]
+fn energy_is_conserved_and_the_same_bits_come_again_also_from_a_saved_state() {
+    if card().is_none() {
+        return;
+    }
+    let kind = Gpu::default();
+    let [mut first, mut second] = [(); 2].map(|()| start(&kind, PLATE.0, PLATE.1));
+    let start_of = first.ledger().unwrap();
+    let (half, _) = run(&mut first, 2e-6);
+    run(&mut second, 2e-6);
+    let mut archive = MemoryArchive::new();
+    second.persist(&mut archive).unwrap();
+    let mut third = start(&kind, PLATE.0, PLATE.1);
+    third.persist(&mut archive.to_load()).unwrap();
+    let (whole, ledger) = run(&mut first, 4e-6);
+    for other in [&mut second, &mut third] {
+        let (again, _) = run(other, 4e-6);
+        assert_eq!((&again.position, &again.energy), (&whole.position, &whole.energy));
+        assert_eq!((&again.plastic_strain, &again.deviator), (&whole.plastic_strain, &whole.deviator));
+    }
+    assert_ne!(half.position, whole.position);
+    let drift = (ledger.total_energy() - start_of.total_energy() - ledger.external_work) / start_of.total_energy();
+    assert!(drift.abs() < 2e-7, "{drift:e}");
+    let momentum: f64 = (0..3)
+        .map(|a| ledger.total.momentum[a] - start_of.total.momentum[a] - ledger.external_impulse[a])
+        .map(f64::abs)
+        .sum();
+    assert!(momentum < 2e-7 * start_of.total.momentum_scale, "{momentum:e}");
+}
+
+#[test]
+fn what_is_not_there_yet_is_refused_by_name() {
+    for (deck, what) in [
+        ("iron-plate", "initial configuration"),
+        ("tensile", "lists that are kept"),
+        ("block", "leapfrog"),
+        ("convecting-block", "lists that are kept"),
+    ] {
+        let deck = decks::find(deck).unwrap_or_else(|| panic!("{deck}"));
+        let setup = load_text(deck.name, deck.text, &[]).unwrap();
+        let refusal = Gpu::default().supports(&setup.model).unwrap_err();
+        assert!(refusal.what.contains(what) && !refusal.help.is_empty(), "{}: {refusal:?}", deck.name);
+    }
+}
