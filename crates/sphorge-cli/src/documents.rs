@@ -127,6 +127,7 @@ fn arguments(line: &str) -> Option<Vec<String>> {
     let own = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["sphorge", ..] => words[1..].to_vec(),
         ["cargo", "run", "--release", "--", ..] => words[4..].to_vec(),
+        ["cargo", "run", "--release", "--features", "gpu", "--", ..] => words[6..].to_vec(),
         _ => return None,
     };
     Some(own.into_iter().take_while(|word| !matches!(word.as_str(), ">" | "|")).collect())
@@ -158,7 +159,14 @@ fn every_deck_in_the_guide_can_be_run() {
 
 #[test]
 fn every_command_in_the_documents_parses() {
-    let others = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/adaptive-search.md", "docs/warnings.md"];
+    let others = [
+        "README.md",
+        "ARCHITECTURE.md",
+        "CONTRIBUTING.md",
+        "docs/adaptive-search.md",
+        "docs/gpu.md",
+        "docs/warnings.md",
+    ];
     for document in others.map(str::to_owned).into_iter().chain(guide()) {
         for line in read(&document).split("```sh").skip(1).flat_map(|s| s.split("```").next()).flat_map(str::lines) {
             match arguments(line) {

@@ -8,8 +8,9 @@ use sphorge::engine::{Cpu, EngineKind};
 pub(crate) fn engines() -> &'static [&'static dyn EngineKind] {
     #[cfg(feature = "gpu")]
     {
-        static GPU: sphorge_gpu::Gpu = sphorge_gpu::Gpu { device: None };
-        &[&Cpu, &GPU]
+        const GPU: &sphorge_gpu::Gpu = &sphorge_gpu::Gpu { device: None };
+        const ALL: &[&dyn EngineKind] = &[&Cpu, GPU];
+        ALL
     }
     #[cfg(not(feature = "gpu"))]
     sphorge::engine::ENGINES
@@ -22,7 +23,6 @@ pub(crate) struct EngineArguments {
     #[arg(long, value_name = "ENGINE", default_value_t = Cpu.name().to_owned())]
     engine: String,
     /// Words of the name of the graphics card [default: the first that `sphorge devices` lists]
-    #[cfg(feature = "gpu")]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
 }
@@ -33,6 +33,10 @@ impl EngineArguments {
         match self.engine.as_str() {
             #[cfg(feature = "gpu")]
             "gpu" => Ok(Box::new(sphorge_gpu::Gpu { device: self.device.clone() })),
+            "cpu" if self.device.is_some() => Err(Failure::bad_input(
+                "`--device` chooses a graphics card, and the processor is to compute".to_owned(),
+                "add `--engine gpu`, or leave `--device` out".to_owned(),
+            )),
             "cpu" => Ok(Box::new(Cpu)),
             #[cfg(not(feature = "gpu"))]
             "gpu" => Err(Failure::bad_input(

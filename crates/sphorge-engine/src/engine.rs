@@ -35,7 +35,7 @@ pub struct SearchReport {
 }
 
 /// A kind of engine: knows what it can run, and starts it.
-pub trait EngineKind: Sync {
+pub trait EngineKind: Sync + std::fmt::Debug {
     /// Name on the command line and in the summary, such as `cpu`.
     fn name(&self) -> &'static str;
 

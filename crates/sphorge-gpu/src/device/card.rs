@@ -73,6 +73,10 @@ impl Card {
     pub fn zeros(&self, count: usize) -> Result<Array, CardFault> {
         // No binding is empty.
         let bytes = 4 * count.max(1) as u64;
+        if bytes > self.found.largest_buffer {
+            let why = format!("columns are up to {} bytes", self.found.largest_buffer);
+            return Err(CardFault::Memory { name: self.found.name.clone(), bytes, why });
+        }
         let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Validation].map(|of| self.device.push_error_scope(of));
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,

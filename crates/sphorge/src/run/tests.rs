@@ -34,6 +34,7 @@ struct Clockwork {
 }
 
 /// Starts [`Clockwork`]; with a time, fails there.
+#[derive(Debug)]
 struct ClockworkKind(Option<f64>);
 
 const DT: f64 = 0.0037;
