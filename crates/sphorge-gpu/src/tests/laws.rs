@@ -62,6 +62,7 @@ const FLOW: &[(&str, &[f64])] = &[
     ("perfectly-plastic", &[300e6]),
     ("bilinear", &[300e6, 200e9, 1e9]),
     ("johnson-cook", &[90e6, 292e6, 0.31, 0.025, 1.09, 1.0, 293.15, 1356.0]),
+    ("modified-johnson-cook", &[490e6, 383e6, 0.45, 0.0114, 0.94, 5e-4, 293.0, 1800.0]),
     ("zerilli-armstrong-bcc", &[65e6, 1033e6, 0.00698, 0.000415, 266e6, 0.289, 1e-3]),
     ("zerilli-armstrong-fcc", &[65e6, 890e6, 0.0028, 0.000115, 1e-3]),
     ("steinberg-guinan", &[120e6, 640e6, 36.0, 0.45, 2.83e-11, 3.77e-4, 300.0, 1790.0, 2.02, 1.5, 0.0]),
@@ -129,7 +130,7 @@ fn never_in_return(key: &str, rule: ReturnRule) -> usize {
     match (key, rule) {
         ("none" | "elastic", _) => 0,
         ("perfectly-plastic", ReturnRule::RadialReturn) => 4,
-        ("johnson-cook", _) | ("perfectly-plastic", ReturnRule::BenzAsphaug) => 3,
+        ("johnson-cook" | "modified-johnson-cook", _) | ("perfectly-plastic", ReturnRule::BenzAsphaug) => 3,
         _ => 2,
     }
 }

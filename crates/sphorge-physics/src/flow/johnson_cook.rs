@@ -64,6 +64,23 @@ impl<T: Elementary> JohnsonCook<T> {
         };
         T::if_lt(self.reference_temperature, temperature, warm, T::one)
     }
+
+    /// Yield stress in a state where the rate raises it by `rate_factor`, which has the slope `rate_slope` (s).
+    #[inline(always)]
+    pub(super) fn at_rate_factor(&self, state: FlowState<T>, [rate_factor, rate_slope]: [T; 2]) -> YieldStress<T> {
+        // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
+        let hardens = || <[T; 2]>::from(strain_power(state.plastic_strain, self.exponent));
+        let [power, power_slope] = T::if_lt(T::zero(), self.hardening, hardens, || [T::zero(); 2]);
+        let hardened = self.yield_stress + self.hardening * power;
+        let hardening_slope = self.hardening * power_slope;
+
+        let thermal_factor = self.thermal_factor(state.temperature);
+        YieldStress {
+            value: hardened * rate_factor * thermal_factor,
+            by_strain: hardening_slope * rate_factor * thermal_factor,
+            by_rate: hardened * rate_slope * thermal_factor,
+        }
+    }
 }
 
 impl<T: Elementary> YieldLaw<T> for JohnsonCook<T> {
@@ -134,25 +151,12 @@ impl<T: Elementary> YieldLaw<T> for JohnsonCook<T> {
 
     #[inline(always)]
     fn yield_stress(&self, state: FlowState<T>, _history: &[T]) -> YieldStress<T> {
-        // Powers and the logarithm are skipped where they are known: most particles are cold, slow or unstrained.
-        let hardens = || <[T; 2]>::from(strain_power(state.plastic_strain, self.exponent));
-        let [power, power_slope] = T::if_lt(T::zero(), self.hardening, hardens, || [T::zero(); 2]);
-        let hardened = self.yield_stress + self.hardening * power;
-        let hardening_slope = self.hardening * power_slope;
-
         let fast = || {
             let logarithm = (state.plastic_strain_rate / self.reference_rate).ln();
             [T::one() + self.rate_sensitivity * logarithm, self.rate_sensitivity / state.plastic_strain_rate]
         };
         let slow = || [T::one(), T::zero()];
-        let [rate_factor, rate_slope] = T::if_lt(self.reference_rate, state.plastic_strain_rate, fast, slow);
-
-        let thermal_factor = self.thermal_factor(state.temperature);
-        YieldStress {
-            value: hardened * rate_factor * thermal_factor,
-            by_strain: hardening_slope * rate_factor * thermal_factor,
-            by_rate: hardened * rate_slope * thermal_factor,
-        }
+        self.at_rate_factor(state, T::if_lt(self.reference_rate, state.plastic_strain_rate, fast, slow))
     }
 
     #[inline(always)]

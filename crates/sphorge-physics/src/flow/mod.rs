@@ -9,6 +9,7 @@
 mod bilinear;
 mod elastic;
 mod johnson_cook;
+mod modified_johnson_cook;
 mod none;
 mod perfectly_plastic;
 mod steinberg_guinan;
@@ -22,6 +23,7 @@ mod zerilli_armstrong_fcc;
 pub use bilinear::Bilinear;
 pub use elastic::Elastic;
 pub use johnson_cook::JohnsonCook;
+pub use modified_johnson_cook::ModifiedJohnsonCook;
 pub use none::NoStrength;
 pub use perfectly_plastic::PerfectlyPlastic;
 pub use steinberg_guinan::SteinbergGuinan;
@@ -268,6 +270,7 @@ flow_laws! {
     PerfectlyPlastic,
     Bilinear,
     JohnsonCook,
+    ModifiedJohnsonCook,
     ZerilliArmstrongBcc,
     ZerilliArmstrongFcc,
     SteinbergGuinan,

@@ -144,6 +144,7 @@ fn tables_agree_with_the_laws() {
     let mut cold = IRON;
     cold[7] = 293.15;
     assert!((entry("johnson-cook").check)(&cold).is_some());
+    assert!((entry("modified-johnson-cook").check)(&cold).is_some());
     assert_eq!(entry("johnson-cook").parameters[5].default, Some(1.0));
     assert_eq!(entry("johnson-cook").parameters[2].bound, Bound::Positive);
     assert_eq!(entry("pressure-and-damage").parameters[3].quantity.si_unit(), "1/Pa");
@@ -158,12 +159,13 @@ fn every_law_takes_good_constants_keeps_them_in_single_precision_and_knows_where
             ("perfectly-plastic", &[90.0e6]),
             ("bilinear", &[350.0e6, 210.0e9, 2.0e9]),
             ("johnson-cook", &IRON),
+            ("modified-johnson-cook", &[490.0e6, 383.0e6, 0.45, 0.0114, 0.94, 5e-4, 293.0, 1800.0]),
             ("zerilli-armstrong-bcc", &[65.0e6, 1033.0e6, 6.98e-3, 4.15e-4, 266.0e6, 0.289, 1e-3]),
             ("zerilli-armstrong-fcc", &[65.0e6, 890.0e6, 2.8e-3, 1.15e-4, 1e-3]),
             ("steinberg-guinan", &[120e6, 640e6, 36.0, 0.45, 2.8e-11, 3.8e-4, 300.0, 1790.0, 2.02, 1.5, 0.0]),
             ("pressure-and-damage", &PRESSED),
         ],
-        ["johnson-cook", "steinberg-guinan"],
+        ["johnson-cook", "modified-johnson-cook", "steinberg-guinan"],
     );
     assert_eq!(good.len(), FLOW_LAWS.len());
     let at = FlowState { pressure: 1.0e9, compression: 1.01, ..state(0.1, 1.0e3, 400.0) };
