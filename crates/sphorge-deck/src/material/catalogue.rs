@@ -60,6 +60,7 @@ pub fn find(name: &str) -> Result<MaterialListing, Vec<&'static str>> {
 mod tests {
     use super::*;
     use crate::material::{advice, build};
+    use sphorge_physics::flow::FlowState;
 
     #[test]
     fn every_material_is_complete_or_says_what_is_missing() {
@@ -100,12 +101,18 @@ mod tests {
             ("tungsten-alloy-steinberg", 1.87e9),
             ("6061-t6-aluminium", 324e6),
             ("ti-6al-4v", 1098e6),
+            ("weldox-460-e", 490e6),
         ] {
             let material = build(name, entry(name).unwrap()).unwrap();
             let state = material.flow_state(0.0, material.reference_temperature, material.density, 0.0);
             let got = material.flow_law.yield_stress(state, &[]).value;
             assert!((got / yield_stress - 1.0).abs() < 1e-5, "{name}: {got}");
         }
+        // At 20 % and 1e4/s, 293 K: 675.6360 MPa 1.211244; the weaker rate of Johnson & Cook would give 1 + 0.0114 16.811243 = 1.191648.
+        let weldox = build("weldox-460-e", entry("weldox-460-e").unwrap()).unwrap();
+        let fast = FlowState { plastic_strain_rate: 1e4, ..weldox.flow_state(0.2, 293.0, weldox.density, 0.0) };
+        let got = weldox.flow_law.yield_stress(fast, &[]).value;
+        assert!((got / 818.360e6 - 1.0).abs() < 1e-5, "{got}");
         // 1 Mbar is 100 GPa: G = 69 GPa (1 + 1.45 0.1) at 10 GPa.
         let tantalum = build("tantalum-steinberg", entry("tantalum-steinberg").unwrap()).unwrap();
         let pressed = tantalum.flow_state(0.0, 300.0, tantalum.density, 10e9);
@@ -149,5 +156,8 @@ mod tests {
             assert_eq!(find(other).unwrap_err(), [""; 0], "{other}");
         }
         assert_eq!(find("armco-iron").unwrap().strength.unwrap().constants[0].value, Some(175e6));
+        assert_eq!(find("weldox").unwrap_err(), ["weldox-460-e"]);
+        let weldox = find("weldox-460-e").unwrap().strength.unwrap();
+        assert_eq!((weldox.key, weldox.constants[5].value), ("modified-johnson-cook", Some(5e-4)));
     }
 }
