@@ -25,7 +25,7 @@ pub mod record;
 pub mod source;
 
 #[cfg(feature = "device")]
-pub use engine::Gpu;
+pub use engine::{Gpu, KernelText, kernel_texts};
 
 #[cfg(test)]
 mod evaluate;

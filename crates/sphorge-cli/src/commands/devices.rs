@@ -1,9 +1,6 @@
 //! `sphorge devices`: the graphics cards there are.
 
-use crate::{
-    failure::{Ending, Failure, Outcome},
-    table, terminal,
-};
+use crate::failure::{Ending, Failure};
 use clap::Args;
 
 /// Arguments of `devices`.
@@ -21,6 +18,7 @@ pub(crate) struct DevicesArguments {}
 
 #[cfg(feature = "gpu")]
 pub(crate) fn execute(_: DevicesArguments) -> Ending {
+    use crate::{failure::Outcome, readable, table, terminal};
     let found = sphorge_gpu::device::find();
     if found.is_empty() {
         return Err(Failure::bad_input(
@@ -30,7 +28,7 @@ pub(crate) fn execute(_: DevicesArguments) -> Ending {
     }
     let rows = found.iter().map(|card| {
         let kind = if card.is_software { "software, slower than the processor" } else { "graphics card" };
-        let largest = crate::readable::bytes(card.largest_buffer as f64);
+        let largest = readable::bytes(card.largest_buffer as f64);
         vec![card.name.clone(), card.interface.to_owned(), card.driver.clone(), kind.to_owned(), largest]
     });
     let table = table::columns(&["name", "by", "driver", "what", "largest column"], &[], rows.collect());

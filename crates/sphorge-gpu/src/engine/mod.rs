@@ -12,6 +12,8 @@ mod start;
 mod step;
 mod supports;
 
+pub use start::{KernelText, kernel_texts};
+
 use crate::device::{Card, Launch};
 use columns::Columns;
 use snapshot::Snapshot;

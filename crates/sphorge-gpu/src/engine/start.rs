@@ -170,6 +170,38 @@ impl Recordings {
             extremes: limits::of_chunks(stride)?,
         })
     }
+
+    fn all(&self) -> impl Iterator<Item = &Recording> {
+        let sorting = self.sorting.iter().map(|(kernel, _)| kernel);
+        let single = [&self.predict, &self.weigh, &self.push, &self.correct, &self.limits, &self.extremes];
+        single.into_iter().chain(sorting).chain(&self.pairs).chain(self.stress.iter().flatten())
+    }
+}
+
+/// A kernel of the step in the languages of cards.
+#[derive(Clone, Debug)]
+pub struct KernelText {
+    /// Its name.
+    pub name: String,
+    /// For Vulkan, Metal and Direct3D 12.
+    pub wgsl: String,
+    /// For CUDA.
+    pub cuda: String,
+}
+
+/// Every kernel of the step of a model that [`super::Gpu`] supports.
+///
+/// # Errors
+/// A law cannot be written for a card.
+pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
+    let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
+    let recordings = Recordings::of(model, particles.len(), stride, &grid_of(model, particles))?;
+    let text = |recording: &Recording| KernelText {
+        name: recording.kernel.name.clone(),
+        wgsl: crate::source::wgsl(&recording.kernel),
+        cuda: crate::source::cuda(&recording.kernel),
+    };
+    Ok(recordings.all().map(text).collect())
 }
 
 fn stages(

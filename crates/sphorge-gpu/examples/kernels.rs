@@ -1,0 +1,27 @@
+//! Writes the kernels of the step of shipped decks to a folder, in WGSL and CUDA C++: `cargo run -p sphorge-gpu --features device --example kernels -- FOLDER`.
+
+use sphorge_deck::{decks, load_text};
+use std::{error::Error, fs, path::PathBuf};
+
+/// Decks with all there is, and what to change in them.
+const DECKS: [(&str, &[(&str, &str)]); 3] = [
+    ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
+    ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
+    ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = PathBuf::from(std::env::args().nth(1).ok_or("name a folder")?);
+    for (name, overrides) in DECKS {
+        let deck = decks::find(name).ok_or(name)?;
+        let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let setup = load_text(deck.name, deck.text, &overrides)?;
+        let folder = folder.join(name);
+        fs::create_dir_all(&folder)?;
+        for kernel in sphorge_gpu::kernel_texts(&setup.model, &setup.particles)? {
+            fs::write(folder.join(format!("{}.wgsl", kernel.name)), kernel.wgsl)?;
+            fs::write(folder.join(format!("{}.cu", kernel.name)), kernel.cuda)?;
+        }
+    }
+    Ok(())
+}
