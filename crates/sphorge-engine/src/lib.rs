@@ -19,7 +19,7 @@ mod report;
 mod simulation;
 mod step;
 
-pub use cpu::Cpu;
+pub use cpu::{Cpu, check_change};
 pub use engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use model::Model;

@@ -43,7 +43,10 @@ fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
 
 /// Names the particle that a step of size `dt` (s) has changed most, if that is more than is allowed; `speeds` are the sound speeds of the
 /// materials at rest, m/s.
-pub(super) fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
+///
+/// # Errors
+/// A step that was too large, with the particle and what has changed.
+pub fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
     let change = |i: usize| {
         // What a driven particle is pushed with does not move it.
         let is_driven = p.motion.get(i).is_some_and(|&motion| motion > 0);

@@ -34,6 +34,8 @@ mod sweeps;
 mod time_step;
 mod walls;
 
+pub use guard::check_change;
+
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};

@@ -5,11 +5,13 @@ use super::kernels::limits;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure};
 use sphorge_engine::halo::FieldSet;
-use sphorge_engine::model::WallContact;
+use sphorge_engine::model::{Material, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
-use sphorge_engine::{Audit, Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit};
-use sphorge_physics::step_control::{Changed, StepChange};
+use sphorge_engine::{
+    Audit, Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change,
+};
+use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
 
 impl GpuEngine {
@@ -36,20 +38,6 @@ impl GpuEngine {
             *extreme = if k < 2 { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
         }
         Ok(())
-    }
-
-    /// The change of the last step of particle `i`, and of whom it was the largest beside the limits.
-    fn most_changed(&self, limits: &StepChange) -> Result<(usize, (Changed, f64, f64)), RunFailure> {
-        let p = &self.snapshot()?.particles;
-        let of = |i: usize| {
-            let material = &self.model.materials[p.material[i] as usize];
-            let speed = material.equation_of_state.reference_sound_speed();
-            let energy = (p.energy[i], p.energy_rate[i]);
-            StepChange::of(&p.velocity_gradient[i], energy, speed, &p.acceleration[i], p.smoothing_length[i], self.dt)
-                .worst(limits)
-        };
-        let worst = (0..p.len()).map(|i| (i, of(i))).reduce(|a, b| if b.1.1 / b.1.2 > a.1.1 / a.1.2 { b } else { a });
-        worst.ok_or_else(|| failure("there are no particles"))
     }
 
     /// The first particle with a value that is none.
@@ -153,22 +141,15 @@ impl Engine for GpuEngine {
             return Err(self.broken()?);
         }
         let change = StepChange { density, stretch, energy, jump };
-        let limits = match &self.model.time.step_control {
-            Some(control) if change.is_beyond(&control.largest) => &control.largest,
-            _ => return Ok(()),
-        };
-        let (i, (changed, by, limit)) = self.most_changed(limits)?;
-        let p = &self.snapshot()?.particles;
-        Err(RunFailure {
-            field: "step",
-            particle: Some(p.id[i]),
-            body: Some(p.body[i]),
-            position: Some(p.position[i]),
-            step_may_be_smaller: true,
-            ..RunFailure::of_engine(format!(
-                "{changed:?} changed by {by:.3} in one step, more than the {limit} of `time.step-control`"
-            ))
-        })
+        match &self.model.time.step_control {
+            // Which particle that was is found in what the card holds.
+            Some(control) if change.is_beyond(&control.largest) => {
+                let speed = |material: &Material| material.equation_of_state.reference_sound_speed();
+                let speeds: Vec<f64> = self.model.materials.iter().map(speed).collect();
+                check_change(&control.largest, &self.snapshot()?.particles, &speeds, self.dt)
+            }
+            _ => Ok(()),
+        }
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {

@@ -22,6 +22,10 @@ pub(super) fn card() -> Option<Card> {
 /// functions of cards are good to some units of round-off, and powers to some more.
 const ROUNDING: f32 = 1e-4;
 
+/// The same of the slope of a power of the strain: at zero it is that of a chord to 1e-12, and of powers of so small numbers software
+/// renderers know three digits.
+const ROUNDING_OF_SLOPES: f32 = 5e-4;
+
 #[test]
 fn laws_on_a_card_are_those_of_the_processor() {
     let Some(card) = card() else { return };
@@ -45,8 +49,10 @@ fn laws_on_a_card_are_those_of_the_processor() {
                 .enumerate()
                 .fold((0, 0.0f32), |a, b| if b.1 > a.1 || b.1.is_nan() { b } else { a });
             let sample: Vec<_> = (0..law.ranges.len()).map(|a| arguments[a * SAMPLES + k]).collect();
+            let is_slope = law.name.starts_with("yield stress") && result == 1;
+            let rounding = if is_slope { ROUNDING_OF_SLOPES } else { ROUNDING };
             assert!(
-                worst < ROUNDING,
+                worst < rounding,
                 "{}: result {result} of {sample:?}: {} on {}, {} here",
                 law.name,
                 ours[k],

@@ -136,3 +136,15 @@ fn what_is_not_there_yet_is_refused_by_name() {
         assert!(refusal.what.contains(what) && !refusal.help.is_empty(), "{}: {refusal:?}", deck.name);
     }
 }
+
+#[test]
+fn a_step_that_is_too_long_is_named_and_can_be_shorter() {
+    if card().is_none() {
+        return;
+    }
+    let long = [PLATE.1[0], ("time.courant", "1.0"), ("time.step-control.jump", "0.001")];
+    let mut simulation = start(&Gpu::default(), PLATE.0, &long);
+    let failure = (0..60).find_map(|_| simulation.step(None).err()).expect("a step that is too long");
+    assert!(failure.step_may_be_smaller && failure.particle.is_some(), "{failure}");
+    assert!(failure.message.contains("smoothing lengths in one step, more than the 0.001 of"), "{failure}");
+}

@@ -13,7 +13,7 @@ use sphorge_physics::pair::{
 use sphorge_physics::stress::{density_after, predicted_density};
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
-use sphorge_physics::{Dimension, Numbers, Real, Vector, artificial_stress};
+use sphorge_physics::{Dimension, Elementary, Numbers, Real, Vector, artificial_stress};
 
 /// The weight of every particle in the gradient sum, of the density half a step ahead.
 pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording, KernelFault> {
@@ -74,9 +74,9 @@ fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
             let scale = PairScale::new::<D>(sigma, pair_smoothing_length(h, constants.get(1, j)));
             let reach = Recorded::of(kernel.support()) * scale.h;
             let pair = Pair { x, r2, scale };
-            // Coinciding particles are no neighbours of each other's forces: only the particle itself is at no distance.
-            let apart = Recorded::select_lt(Recorded::zero(), r2, r2, reach * reach);
-            use sphorge_physics::Elementary;
+            // The particle itself is as if out of reach.
+            let itself = (j.number() - i.number()).abs();
+            let apart = Recorded::select_lt(itself, Recorded::of(0.5), reach * reach, r2);
             Recorded::if_lt(apart, reach * reach, || add(state, &pair, j), || state)
         })
     })
