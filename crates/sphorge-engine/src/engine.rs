@@ -35,7 +35,7 @@ pub struct SearchReport {
 }
 
 /// A kind of engine: knows what it can run, and starts it.
-pub trait EngineKind: Sync + std::fmt::Debug {
+pub trait EngineKind: Send + Sync + std::fmt::Debug {
     /// Name on the command line and in the summary, such as `cpu`.
     fn name(&self) -> &'static str;
 
@@ -63,6 +63,9 @@ pub struct Unsupported {
 }
 
 /// The stages of a step, and what can be asked between steps. Every stage can fail: a card can be lost, a rank can die.
+///
+/// Stages that serve one feature do nothing unless an engine says what: it leaves them out where [`EngineKind::supports`] refuses the feature, or
+/// where its work is done in another stage.
 pub trait Engine: Send {
     /// Opens a step of size `dt` (s): boundary motion, kick and drift or prediction. A step of size zero evaluates the initial rates.
     ///
@@ -72,25 +75,42 @@ pub trait Engine: Send {
     /// Makes neighbour lists and ghosts valid for the positions just reached.
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure>;
     /// Comparison of the lists with an exact search, if one is due.
-    fn audit(&mut self) -> Result<Option<Audit>, RunFailure>;
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        Ok(None)
+    }
     /// Brings the fields of a set, of all ghosts, to those of the particles they stand for.
-    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure>;
+    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        let _ = fields;
+        Ok(())
+    }
     /// Velocity gradient and density.
     fn kinematics(&mut self) -> Result<(), RunFailure>;
     /// Density re-initialisation, if one is due.
-    fn restore_density(&mut self) -> Result<(), RunFailure>;
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Gradient correction where forces are evaluated, if it is not that of the velocity gradient.
-    fn correct_gradients(&mut self) -> Result<(), RunFailure>;
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Where particles stand for the contact, of bodies whose faces follow their deformation.
-    fn find_faces(&mut self) -> Result<(), RunFailure>;
+    fn find_faces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Contact overlaps.
-    fn find_overlaps(&mut self) -> Result<(), RunFailure>;
+    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Forces of walls and contacts, and gravity. What acts on faces, not on centres, has moments, which the stress takes up.
-    fn push_faces(&mut self) -> Result<(), RunFailure>;
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Trial stress, equation of state, return mapping, temperature.
     fn stress(&mut self) -> Result<(), RunFailure>;
     /// Sums that the forces read of neighbours: heat flow in the initial configuration.
-    fn intermediate_sums(&mut self) -> Result<(), RunFailure>;
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Momentum, energy, viscosity, artificial stress, XSPH, heat; contact, walls and gravity as they were worked out.
     fn forces(&mut self) -> Result<(), RunFailure>;
     /// Closes the step: correction or second kick.

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+/// The field of a failure that is the engine's, not a particle's.
+const ENGINE: &str = "engine";
+
 /// Why a run cannot go on, with the particle, the step and the field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunFailure {
@@ -25,7 +28,11 @@ pub struct RunFailure {
 
 impl fmt::Display for RunFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "step {} at {:.6e} s: {}", self.step, self.time, self.message)?;
+        // What ends an engine before its first step, such as a device that is not there, has no step.
+        if self.step > 0 || self.field != ENGINE {
+            write!(f, "step {} at {:.6e} s: ", self.step, self.time)?;
+        }
+        write!(f, "{}", self.message)?;
         if let Some(particle) = self.particle {
             write!(f, " (field `{}`, particle {particle}", self.field)?;
             if let Some([x, y, z]) = self.position {
@@ -46,7 +53,7 @@ impl RunFailure {
         Self {
             step: 0,
             time: 0.0,
-            field: "engine",
+            field: ENGINE,
             particle: None,
             body: None,
             position: None,

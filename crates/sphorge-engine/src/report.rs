@@ -95,6 +95,56 @@ pub struct BodyLedger {
     pub force: [f64; 3],
 }
 
+impl BodyLedger {
+    /// Adds a particle of mass `m` (kg) at `x` (m) with velocity `v` (m/s), under a force of that acceleration (m/s²). The specific energies
+    /// (J/kg) are those of the particle; its kinetic one follows from the velocity. [`Self::centre`] is the sum of mass times place until
+    /// [`Self::close`].
+    pub fn add(&mut self, m: f64, x: [f64; 3], v: [f64; 3], acceleration: [f64; 3], specific: Energies) {
+        let speed2 = v.iter().map(|c| c * c).sum::<f64>();
+        self.mass += m;
+        self.energies.kinetic += 0.5 * m * speed2;
+        self.energies.internal += m * specific.internal;
+        self.energies.elastic += m * specific.elastic;
+        self.energies.plastic_work += m * specific.plastic_work;
+        self.momentum_scale += m * speed2.sqrt();
+        for a in 0..3 {
+            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+            self.momentum[a] += m * v[a];
+            self.angular_momentum[a] += m * (x[b] * v[c] - x[c] * v[b]);
+            self.centre[a] += m * x[a];
+            self.force[a] += m * acceleration[a];
+        }
+    }
+
+    /// The sums over all bodies, in order, before any of them is closed.
+    #[must_use]
+    pub fn total(bodies: &[Self]) -> Self {
+        let mut total = Self::default();
+        for body in bodies {
+            total.mass += body.mass;
+            total.energies.kinetic += body.energies.kinetic;
+            total.energies.internal += body.energies.internal;
+            total.energies.elastic += body.energies.elastic;
+            total.energies.plastic_work += body.energies.plastic_work;
+            total.momentum_scale += body.momentum_scale;
+            for a in 0..3 {
+                total.momentum[a] += body.momentum[a];
+                total.angular_momentum[a] += body.angular_momentum[a];
+                total.centre[a] += body.centre[a];
+                total.force[a] += body.force[a];
+            }
+        }
+        total
+    }
+
+    /// Makes the centre one, once every particle was added.
+    pub fn close(&mut self) {
+        for c in &mut self.centre {
+            *c /= self.mass;
+        }
+    }
+}
+
 /// Contact of two bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactLedger {

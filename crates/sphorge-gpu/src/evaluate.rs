@@ -125,6 +125,7 @@ impl State<'_> {
             }
             Operation::Unary(operation, a) => match operation {
                 Unary::Negate => -of(a),
+                Unary::Rounded => of(a),
                 Unary::SquareRoot => of(a).sqrt(),
                 Unary::InverseSquareRoot => 1.0 / of(a).sqrt(),
                 Unary::Absolute => of(a).abs(),

@@ -1,6 +1,6 @@
 //! `sphorge devices`: the graphics cards there are.
 
-use crate::failure::{Ending, Failure};
+use crate::failure::Ending;
 use clap::Args;
 
 /// Arguments of `devices`.
@@ -18,7 +18,10 @@ pub(crate) struct DevicesArguments {}
 
 #[cfg(feature = "gpu")]
 pub(crate) fn execute(_: DevicesArguments) -> Ending {
-    use crate::{failure::Outcome, readable, table, terminal};
+    use crate::{
+        failure::{Failure, Outcome},
+        readable, table, terminal,
+    };
     let found = sphorge_gpu::device::find();
     if found.is_empty() {
         return Err(Failure::bad_input(
@@ -38,8 +41,5 @@ pub(crate) fn execute(_: DevicesArguments) -> Ending {
 
 #[cfg(not(feature = "gpu"))]
 pub(crate) fn execute(_: DevicesArguments) -> Ending {
-    Err(Failure::bad_input(
-        "this program has no engine for graphics cards: it was built without".to_owned(),
-        "build it with `cargo build --release --features gpu`".to_owned(),
-    ))
+    Err(crate::engine_arguments::no_cards())
 }

@@ -4,7 +4,7 @@ use super::run::{conclude, failure, parse_threads};
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::parse_override,
-    engine_arguments::engines,
+    engine_arguments::engines_to_resume,
     failure::{Ending, Failure},
     memory,
     progress::ProgressDisplay,
@@ -35,6 +35,9 @@ pub(crate) struct ResumeArguments {
     /// Number of threads [default: all of the machine]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
+    /// Words of the name of the graphics card, of a run on one [default: the first that `sphorge devices` lists]
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
     /// End with exit code 1 if a check found the run broken
     #[arg(long)]
     strict: bool,
@@ -50,7 +53,7 @@ pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
         most_particles: memory::particle_limit(),
         threads: arguments.threads,
         checkpoints: arguments.checkpoints.plan()?,
-        engines: engines(),
+        engines: engines_to_resume(arguments.device.as_deref())?,
     };
     let result = sphorge::run::resume(&arguments.directory, &options, stop.flag(), &mut display);
     stop.finish();

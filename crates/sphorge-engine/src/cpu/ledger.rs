@@ -2,7 +2,7 @@
 
 use super::{CpuEngine, constitutive::shear_modulus_of};
 use crate::lanes::PairScalar;
-use crate::{BodyLedger, Ledger};
+use crate::{BodyLedger, Energies, Ledger};
 use sphorge_physics::heat;
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -14,43 +14,18 @@ impl<T: PairScalar> CpuEngine<T> {
         let driven: Vec<_> = (0..model.motions.len()).map(|k| self.prescribed_acceleration(k)).collect();
         for i in 0..p.len() {
             let motion = (p.motion[i] as usize).checked_sub(1).map_or([None; 3], |k| driven[k]);
-            let body = &mut bodies[p.body[i] as usize];
             let material = &model.materials[p.material[i] as usize];
-            let (m, x, v) = (p.mass[i], p.position[i], p.velocity[i]);
-            let speed2 = v.iter().map(|c| c * c).sum::<f64>();
-            body.mass += m;
-            body.energies.kinetic += 0.5 * m * speed2;
-            body.energies.internal += m * p.energy[i];
-            body.energies.elastic += m * elastic_energy(material, p, i);
-            body.energies.plastic_work += m * p.plastic_work[i];
-            body.momentum_scale += m * speed2.sqrt();
-            for a in 0..3 {
-                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                body.momentum[a] += m * v[a];
-                body.angular_momentum[a] += m * (x[b] * v[c] - x[c] * v[b]);
-                body.centre[a] += m * x[a];
-                body.force[a] += m * motion[a].unwrap_or(p.acceleration[i][a]);
-            }
+            let specific = Energies {
+                kinetic: 0.0,
+                internal: p.energy[i],
+                elastic: elastic_energy(material, p, i),
+                plastic_work: p.plastic_work[i],
+            };
+            let acceleration = [0, 1, 2].map(|a| motion[a].unwrap_or(p.acceleration[i][a]));
+            bodies[p.body[i] as usize].add(p.mass[i], p.position[i], p.velocity[i], acceleration, specific);
         }
-        let mut total = BodyLedger::default();
-        for body in &mut bodies {
-            total.mass += body.mass;
-            total.energies.kinetic += body.energies.kinetic;
-            total.energies.internal += body.energies.internal;
-            total.energies.elastic += body.energies.elastic;
-            total.energies.plastic_work += body.energies.plastic_work;
-            total.momentum_scale += body.momentum_scale;
-            for a in 0..3 {
-                total.momentum[a] += body.momentum[a];
-                total.angular_momentum[a] += body.angular_momentum[a];
-                total.centre[a] += body.centre[a];
-                total.force[a] += body.force[a];
-                body.centre[a] /= body.mass;
-            }
-        }
-        for a in 0..3 {
-            total.centre[a] /= total.mass;
-        }
+        let mut total = BodyLedger::total(&bodies);
+        bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
         Ledger {
             bodies,
             total,

@@ -3,6 +3,7 @@
 use super::found::adapters;
 use super::{CardFault, Found, Program};
 use crate::source::WORKGROUP;
+use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{BufferUsages, ErrorFilter};
 
 /// Workgroups of a row of a launch; no card allows fewer.
@@ -14,6 +15,22 @@ pub struct Card {
     found: Found,
     pub(super) device: wgpu::Device,
     queue: wgpu::Queue,
+    /// The first thing that went wrong with a launch, a copy or the card itself. They are told when they are waited for.
+    trouble: Trouble,
+}
+
+/// What went wrong first, if anything did.
+#[derive(Clone, Debug, Default)]
+struct Trouble(Arc<Mutex<Option<String>>>);
+
+impl Trouble {
+    fn keep(&self, why: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+    }
+
+    fn first(&self) -> Option<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
 }
 
 /// A kernel with its buffers.
@@ -56,7 +73,13 @@ impl Card {
         let found = Found::of(adapter);
         let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
         match pollster::block_on(adapter.request_device(&descriptor)) {
-            Ok((device, queue)) => Ok(Self { found, device, queue }),
+            Ok((device, queue)) => {
+                let trouble = Trouble::default();
+                let (of_commands, of_device) = (trouble.clone(), trouble.clone());
+                device.on_uncaptured_error(Arc::new(move |error| of_commands.keep(error.to_string())));
+                device.set_device_lost_callback(move |_, why| of_device.keep(why));
+                Ok(Self { found, device, queue, trouble })
+            }
             Err(why) => Err(CardFault::DoesNotOpen { name: found.name, why: why.to_string() }),
         }
     }
@@ -127,7 +150,7 @@ impl Card {
         let groups = threads.div_ceil(WORKGROUP);
         let rows = groups.div_ceil(ROW).max(1);
         let row = groups.div_ceil(rows);
-        let arguments = self.indices(&[threads, row * WORKGROUP])?;
+        let arguments = self.indices(&[threads, row * WORKGROUP, 0])?;
         let entries: Vec<_> = arrays
             .iter()
             .copied()
@@ -143,7 +166,7 @@ impl Card {
         });
         match pollster::block_on(scope.pop()) {
             None => Ok(Launch { pipeline: program.pipeline.clone(), group, groups: [row, rows] }),
-            Some(error) => Err(self.lost(&error)),
+            Some(error) => Err(CardFault::Kernel { kernel: program.name.clone(), why: error.to_string() }),
         }
     }
 
@@ -164,7 +187,7 @@ impl Card {
     /// Copies numbers back, after everything that was launched.
     ///
     /// # Errors
-    /// The card does not answer.
+    /// The card does not answer, or something that was asked of it before went wrong.
     pub fn read(&self, array: &Array) -> Result<Vec<f32>, CardFault> {
         let bytes = array.buffer.size();
         let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -183,6 +206,9 @@ impl Card {
         });
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|why| self.lost(&why))?;
         receiver.recv().map_err(|why| self.lost(&why))?.map_err(|why| self.lost(&why))?;
+        if let Some(why) = self.trouble.first() {
+            return Err(self.lost(&why));
+        }
         let view = copy.slice(..).get_mapped_range().map_err(|why| self.lost(&why))?;
         Ok(bytemuck::cast_slice::<u8, f32>(&view)[..array.count].to_vec())
     }
@@ -203,4 +229,12 @@ fn not_found(asked: Option<&str>, adapters: &[wgpu::Adapter]) -> CardFault {
         ),
     };
     CardFault::NotFound { what, help }
+}
+
+#[cfg(test)]
+impl Array {
+    /// Takes the memory of an array away, as a card that is lost does.
+    pub(crate) fn destroy(&self) {
+        self.buffer.destroy();
+    }
 }

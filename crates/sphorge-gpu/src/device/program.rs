@@ -8,6 +8,7 @@ use wgpu::{BindingType, BufferBindingType, ErrorFilter, ShaderStages};
 /// A kernel compiled for a card.
 #[derive(Debug)]
 pub struct Program {
+    pub(super) name: String,
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
 }
@@ -54,7 +55,7 @@ impl Card {
             cache: None,
         });
         match pollster::block_on(scope.pop()) {
-            None => Ok(Program { pipeline, layout }),
+            None => Ok(Program { name: kernel.name.clone(), pipeline, layout }),
             Some(error) => Err(CardFault::Kernel { kernel: kernel.name.clone(), why: error.to_string() }),
         }
     }

@@ -1,7 +1,7 @@
 //! The columns of the particles on a card, and kernels that name the columns they touch.
 
 use crate::device::{Array, Card, CardFault, Launch};
-use crate::record::{Index, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope};
+use crate::record::{Counters, Index, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
 /// A column or several, one after the other; numbers that a step adds to have what rounding left of them in a column of its own.
@@ -140,10 +140,27 @@ impl Writing {
 
 /// A number and its rest after another was added: what rounding takes away is kept (Knuth's sum of two).
 pub(super) fn added([high, low]: [Recorded; 2], value: Recorded) -> [Recorded; 2] {
-    let value = value + low;
-    let sum = high + value;
-    let back = sum - high;
-    [sum, (high - (sum - back)) + (value - back)]
+    let value = (value + low).rounded();
+    let sum = (high + value).rounded();
+    let back = (sum - high).rounded();
+    [sum, (high - (sum - back).rounded()) + (value - back)]
+}
+
+/// Whether the compiler of a card keeps what rounding leaves of a sum: one that takes numbers for real ones finds it to be zero.
+pub(super) fn keeps_rests(card: &Card) -> Result<bool, CardFault> {
+    let kernel = Kernel::record("keeps_rests", |scope| {
+        let (x, y) = (scope.input("x"), scope.output("y"));
+        let i = scope.thread();
+        let at = |k: u32| i + Index::of(k);
+        let sum = added([x.at(at(0)), x.at(at(1))], x.at(at(2)));
+        y.set(at(0), sum[0]);
+        y.set(at(1), sum[1]);
+    });
+    let kernel = kernel.map_err(|fault| CardFault::Kernel { kernel: fault.kernel, why: fault.what.to_owned() })?;
+    let program = card.compile(&kernel)?;
+    let (x, y) = (card.numbers(&[1.0, 0.0, 1e-9])?, card.zeros(2)?);
+    card.launch([&card.bind(&program, &[&x, &y], 1)?]);
+    Ok(card.read(&y)? == [1.0, 1e-9])
 }
 
 /// A kernel that is being recorded, with the groups it has asked for so far.
@@ -170,12 +187,12 @@ impl Binder<'_> {
         self.scope.indices(&format!("{group:?}"))
     }
 
-    pub(super) fn wholes(&mut self, group: Group) -> crate::record::Wholes {
+    pub(super) fn index_output(&mut self, group: Group) -> IndexOutput {
         self.groups.push(group);
-        self.scope.wholes(&format!("{group:?}"))
+        self.scope.index_output(&format!("{group:?}"))
     }
 
-    pub(super) fn counters(&mut self, group: Group) -> crate::record::Counters {
+    pub(super) fn counters(&mut self, group: Group) -> Counters {
         self.groups.push(group);
         self.scope.counters(&format!("{group:?}"))
     }

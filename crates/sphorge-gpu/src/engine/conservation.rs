@@ -4,7 +4,7 @@ use super::GpuEngine;
 use super::kernels::walls::of_wall;
 use super::snapshot::Snapshot;
 use sphorge_engine::model::Wall;
-use sphorge_engine::{BodyLedger, Ledger, RunFailure};
+use sphorge_engine::{BodyLedger, Energies, Ledger, RunFailure};
 use sphorge_physics::heat::elastic_energy;
 
 impl GpuEngine {
@@ -12,31 +12,14 @@ impl GpuEngine {
         let snapshot = self.snapshot()?;
         let p = &snapshot.particles;
         let mut bodies = vec![BodyLedger::default(); self.model.bodies.len()];
-        let mut total = BodyLedger::default();
         for i in 0..p.len() {
-            let (m, x, v) = (p.mass[i], p.position[i], p.velocity[i]);
-            let speed2 = v.iter().map(|c| c * c).sum::<f64>();
             let bulk = p.pressure[i] / (p.density[i] * p.sound_speed[i]);
             let elastic = elastic_energy(p.deviator[i], snapshot.shear_modulus[i], p.density[i]) + 0.5 * bulk * bulk;
-            for body in [&mut bodies[p.body[i] as usize], &mut total] {
-                body.mass += m;
-                body.energies.kinetic += 0.5 * m * speed2;
-                body.energies.internal += m * p.energy[i];
-                body.energies.elastic += m * elastic;
-                body.energies.plastic_work += m * p.plastic_work[i];
-                body.momentum_scale += m * speed2.sqrt();
-                for a in 0..3 {
-                    let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                    body.momentum[a] += m * v[a];
-                    body.angular_momentum[a] += m * (x[b] * v[c] - x[c] * v[b]);
-                    body.centre[a] += m * x[a];
-                    body.force[a] += m * p.acceleration[i][a];
-                }
-            }
+            let specific = Energies { kinetic: 0.0, internal: p.energy[i], elastic, plastic_work: p.plastic_work[i] };
+            bodies[p.body[i] as usize].add(p.mass[i], p.position[i], p.velocity[i], p.acceleration[i], specific);
         }
-        for body in bodies.iter_mut().chain([&mut total]) {
-            body.centre = body.centre.map(|c| c / body.mass);
-        }
+        let mut total = BodyLedger::total(&bodies);
+        bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
         let [external_work, x, y, z, integration_energy] = snapshot.accounts;
         Ok(Ledger {
             bodies,

@@ -1,6 +1,6 @@
 //! Particles brought to the card, and kernels compiled for it.
 
-use super::columns::{Columns, Group, Recording};
+use super::columns::{Columns, Group, Recording, keeps_rests};
 use super::kernels::{grid, limits, motion, pairs, stress, walls};
 use super::snapshot::FIELDS;
 use super::{GpuEngine, Stages, failure};
@@ -32,6 +32,12 @@ impl GpuEngine {
             CardFault::NotFound { help, .. } => failure(format!("{fault}; {help}")),
             _ => failure(&fault),
         })?;
+        if !keeps_rests(&card).map_err(failure)? {
+            let name = &card.found().name;
+            return Err(failure(format!(
+                "the compiler of {name} drops what rounding leaves of sums: positions and energies would be good to six digits; run with `--engine cpu`"
+            )));
+        }
         let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
         let grid = grid_of(&model, &p);
         let columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;

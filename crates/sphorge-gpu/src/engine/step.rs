@@ -4,13 +4,10 @@ use super::columns::Group;
 use super::kernels::limits;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure};
-use sphorge_engine::halo::FieldSet;
 use sphorge_engine::model::{Material, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
-use sphorge_engine::{
-    Audit, Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change,
-};
+use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
 
@@ -62,7 +59,9 @@ impl GpuEngine {
             particle: particle.map(|i| p.id[i]),
             body: particle.map(|i| p.body[i]),
             step_may_be_smaller: true,
-            ..RunFailure::of_engine(format!("`{field}` is no number, or below zero; try a smaller time step"))
+            ..RunFailure::of_engine(format!(
+                "`{field}` is not finite, or a density not positive; try a smaller time step"
+            ))
         })
     }
 }
@@ -81,46 +80,13 @@ impl Engine for GpuEngine {
         Ok(SearchReport { searched_fraction: 1.0 })
     }
 
-    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
-        Ok(None)
-    }
-
-    fn exchange(&mut self, _: FieldSet) -> Result<(), RunFailure> {
-        Ok(())
-    }
-
     fn kinematics(&mut self) -> Result<(), RunFailure> {
         self.card.launch(&self.stages.gradients);
         Ok(())
     }
 
-    fn restore_density(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-
-    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-
-    fn find_faces(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-
-    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-
-    // Walls add to what the pairs have done: see `forces`.
-    fn push_faces(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-
     fn stress(&mut self) -> Result<(), RunFailure> {
         self.card.launch(&self.stages.stress);
-        Ok(())
-    }
-
-    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
 

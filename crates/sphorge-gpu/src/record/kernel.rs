@@ -51,7 +51,7 @@ pub struct Output(u32);
 
 /// A buffer of whole numbers a kernel writes.
 #[derive(Clone, Copy, Debug)]
-pub struct Wholes(u32);
+pub struct IndexOutput(u32);
 
 /// A buffer of whole numbers that threads count in.
 #[derive(Clone, Copy, Debug)]
@@ -96,8 +96,8 @@ impl Scope {
     }
 
     /// The next buffer of the launch: whole numbers that are written.
-    pub fn wholes(&mut self, name: &str) -> Wholes {
-        Wholes(buffer(name, Element::Whole, Access::Write))
+    pub fn index_output(&mut self, name: &str) -> IndexOutput {
+        IndexOutput(buffer(name, Element::Whole, Access::Write))
     }
 
     /// The next buffer of the launch: whole numbers that threads count in.
@@ -158,7 +158,7 @@ impl Output {
     }
 }
 
-impl Wholes {
+impl IndexOutput {
     /// Makes an element a whole number.
     pub fn set(self, index: Index, whole: Index) {
         with(|recorder| recorder.push(Statement::Store { buffer: self.0, at: index.0, value: whole.0 }));

@@ -12,6 +12,6 @@ mod operation;
 mod recorder;
 
 pub use index::Index;
-pub use kernel::{Counters, Indices, Input, Kernel, KernelFault, Output, Scope, Wholes};
+pub use kernel::{Counters, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Scope};
 pub use number::Recorded;
 pub(crate) use operation::{Access, Binary, Element, Operation, Statement, Unary, Value};

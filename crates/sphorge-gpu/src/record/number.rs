@@ -78,6 +78,15 @@ impl SubAssign for Recorded {
     }
 }
 
+impl Recorded {
+    /// The number as it was rounded. Compilers of cards take numbers for real ones and find `(a + b) - a` to be `b`; where the difference is what
+    /// is asked for, they must not see where a sum comes from.
+    #[must_use]
+    pub fn rounded(self) -> Self {
+        unary(Unary::Rounded, self)
+    }
+}
+
 impl Real for Recorded {
     fn of(value: f64) -> Self {
         // Cards need not know infinity: the largest number is as far from every other.

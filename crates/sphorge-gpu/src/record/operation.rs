@@ -10,6 +10,8 @@ pub(crate) type Variable = u32;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Unary {
     Negate,
+    /// The number itself, through which a compiler does not see.
+    Rounded,
     SquareRoot,
     InverseSquareRoot,
     Absolute,

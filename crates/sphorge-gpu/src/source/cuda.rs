@@ -13,7 +13,7 @@ impl Language for Cuda {
     }
     fn unary(operation: Unary) -> &'static str {
         match operation {
-            Unary::Negate => "-",
+            Unary::Negate | Unary::Rounded => "",
             Unary::SquareRoot => "sqrtf",
             Unary::InverseSquareRoot => "rsqrtf",
             Unary::Absolute => "fabsf",
@@ -47,6 +47,10 @@ impl Language for Cuda {
     const ENDLESS: &'static str = "for (;;)";
     fn floor(number: &str) -> String {
         format!("(unsigned)(int)floorf({number})")
+    }
+    fn rounded(number: &str) -> String {
+        // Without fast maths this compiler takes numbers for what they are.
+        number.to_owned()
     }
     fn number(whole: &str) -> String {
         format!("(float){whole}")

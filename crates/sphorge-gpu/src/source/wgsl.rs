@@ -12,7 +12,7 @@ impl Language for Wgsl {
     }
     fn unary(operation: Unary) -> &'static str {
         match operation {
-            Unary::Negate => "-",
+            Unary::Negate | Unary::Rounded => "",
             Unary::SquareRoot => "sqrt",
             Unary::InverseSquareRoot => "inverseSqrt",
             Unary::Absolute => "abs",
@@ -44,6 +44,10 @@ impl Language for Wgsl {
     fn floor(number: &str) -> String {
         format!("bitcast<u32>(i32(floor({number})))")
     }
+    fn rounded(number: &str) -> String {
+        // Zero, which only the launch knows.
+        format!("bitcast<f32>(bitcast<u32>({number}) ^ launch[2])")
+    }
     fn number(whole: &str) -> String {
         format!("f32({whole})")
     }
@@ -58,7 +62,7 @@ impl Language for Wgsl {
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// A kernel in WGSL. Its buffers are bound in their order, and after them `launch`: number of threads, threads of a row of workgroups.
+/// A kernel in WGSL. Its buffers are bound in their order, and after them `launch`: number of threads, threads of a row of workgroups, zero.
 pub fn wgsl(kernel: &Kernel) -> String {
     let mut text = String::new();
     for (k, buffer) in kernel.buffers.iter().enumerate() {

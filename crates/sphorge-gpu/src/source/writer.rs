@@ -7,7 +7,7 @@ use std::fmt::Write;
 pub(super) trait Language {
     /// A constant number.
     fn constant(value: f32) -> String;
-    /// A function of one number; not of the negation, which is an operator.
+    /// A function of one number; not of the negation, which is an operator, nor of [`Unary::Rounded`].
     fn unary(operation: Unary) -> &'static str;
     /// A function of two numbers; not of the four operators.
     fn binary(operation: Binary) -> &'static str;
@@ -23,6 +23,8 @@ pub(super) trait Language {
     const ENDLESS: &'static str;
     /// The largest whole number not above a number, as an unsigned one.
     fn floor(number: &str) -> String;
+    /// A number whose origin the compiler does not see.
+    fn rounded(number: &str) -> String;
     /// A whole number as a number.
     fn number(whole: &str) -> String;
     /// Adds one to an element of a buffer of counters.
@@ -133,6 +135,7 @@ impl Writer<'_> {
             Operation::Thread => "thread".to_owned(),
             Operation::Counter(_) | Operation::Counted(_) => format!("v{value}"),
             Operation::Unary(Unary::Negate, a) => format!("-{}", of(a)),
+            Operation::Unary(Unary::Rounded, a) => L::rounded(&of(a)),
             Operation::Unary(operation, a) => format!("{}({})", L::unary(operation), of(a)),
             Operation::Binary(operation, a, b) => {
                 let operator = match operation {

@@ -113,3 +113,38 @@ fn a_card_that_is_not_there_is_named() {
     assert!(what.contains("no such card") || what.contains("no card is reached"), "{what}");
     assert!(!help.is_empty());
 }
+
+#[test]
+fn what_goes_wrong_on_the_card_is_an_error_of_the_next_reading() {
+    let Some(card) = card() else { return };
+    let kernel = Kernel::record("copy", |scope| {
+        let (x, y) = (scope.input("x"), scope.output("y"));
+        let i = scope.thread();
+        y.set(i, x.at(i));
+    });
+    let program = card.compile(&kernel.unwrap()).unwrap();
+    let (input, output, other) = (card.zeros(8).unwrap(), card.zeros(8).unwrap(), card.zeros(8).unwrap());
+    let launch = card.bind(&program, &[&input, &output], 8).unwrap();
+    card.launch([&launch]);
+    assert_eq!(card.read(&output).unwrap(), [0.0; 8]);
+    input.destroy();
+    card.launch([&launch]);
+    let fault = card.read(&other).unwrap_err();
+    assert!(matches!(&fault, CardFault::Lost { .. }) && fault.to_string().contains("was lost"), "{fault}");
+}
+
+#[test]
+fn a_kernel_is_not_bound_to_too_few_buffers_nor_a_column_larger_than_the_card_takes() {
+    let Some(card) = card() else { return };
+    let kernel = Kernel::record("two", |scope| {
+        let (x, y) = (scope.input("x"), scope.output("y"));
+        let i = scope.thread();
+        y.set(i, x.at(i));
+    });
+    let program = card.compile(&kernel.unwrap()).unwrap();
+    let fault = card.bind(&program, &[&card.zeros(4).unwrap()], 4).unwrap_err();
+    assert!(fault.to_string().contains("kernel `two`"), "{fault}");
+    let too_many = card.found().largest_buffer as usize / 4 + 1;
+    let fault = card.zeros(too_many).unwrap_err();
+    assert!(matches!(fault, CardFault::Memory { .. }), "{fault}");
+}

@@ -19,7 +19,7 @@ use crate::{
 use std::{
     fs,
     path::{Path, PathBuf},
-    sync::atomic::AtomicBool,
+    sync::{Arc, atomic::AtomicBool},
 };
 
 /// How to resume a run, beside what was saved.
@@ -34,7 +34,7 @@ pub struct ResumeOptions {
     /// When it saves its state.
     pub checkpoints: CheckpointPlan,
     /// Engines the run may have been computed by.
-    pub engines: &'static [&'static dyn EngineKind],
+    pub engines: Vec<Arc<dyn EngineKind>>,
 }
 
 /// Keys of the deck that may change when a run is resumed, with all that begin with those ending in a point.
@@ -131,7 +131,9 @@ pub fn resume(
             }
             Ok(checkpoint) => match options.engines.iter().find(|engine| engine.name() == checkpoint.about.engine) {
                 None => {
-                    format!("{} is of the engine `{}`, which is not known", file.display(), checkpoint.about.engine)
+                    let known: Vec<_> = options.engines.iter().map(|engine| format!("`{}`", engine.name())).collect();
+                    let (file, engine) = (file.display(), &checkpoint.about.engine);
+                    format!("{file} is of the engine `{engine}`, not of {}", known.join(" or "))
                 }
                 Some(kind) => {
                     let own = env!("CARGO_PKG_VERSION");
@@ -147,7 +149,7 @@ pub fn resume(
                     let setup = load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
                     let saved =
                         Saved { directory: directory.clone(), checkpoint, setup, passed_over: passed_over.clone() };
-                    match pool.install(|| go_on_from(saved, *kind, options, stop, observer))? {
+                    match pool.install(|| go_on_from(saved, &**kind, options, stop, observer))? {
                         Ok(summary) => return Ok(summary),
                         Err(why) => format!("{}: {why}", file.display()),
                     }

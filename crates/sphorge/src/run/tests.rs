@@ -4,9 +4,8 @@ use super::{drive::execute, *};
 use crate::{
     deck::Setup,
     engine::{
-        Audit, BodyLedger, Column, Energies, Engine, EngineKind, FieldSource, Ledger, LimitReason, Reduction,
-        RunFailure, SearchReport, TimeStepLimit, Unsupported,
-        halo::FieldSet,
+        BodyLedger, Column, Energies, Engine, EngineKind, FieldSource, Ledger, LimitReason, Reduction, RunFailure,
+        SearchReport, TimeStepLimit, Unsupported,
         persist::{Archive, ArchiveError},
         reduction,
     },
@@ -62,34 +61,10 @@ impl Engine for Clockwork {
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
         Ok(SearchReport { searched_fraction: if self.steps.is_multiple_of(2) { 1.0 } else { 0.0 } })
     }
-    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
-        Ok(None)
-    }
-    fn exchange(&mut self, _: FieldSet) -> Result<(), RunFailure> {
-        Ok(())
-    }
     fn kinematics(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
-    fn restore_density(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-    fn find_faces(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-    fn push_faces(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
     fn stress(&mut self) -> Result<(), RunFailure> {
-        Ok(())
-    }
-    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
     fn forces(&mut self) -> Result<(), RunFailure> {

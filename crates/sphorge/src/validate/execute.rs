@@ -7,11 +7,14 @@ use super::{
 };
 use crate::{
     deck, decks,
-    engine::ENGINES,
+    engine::{Cpu, ENGINES},
     output::{HistoryTable, RunDirectory, Status},
     run::{CheckpointPlan, ResumeError, ResumeOptions, RunError, RunOptions, execute, resume},
 };
-use std::{sync::atomic::AtomicBool, time::Duration};
+use std::{
+    sync::{Arc, atomic::AtomicBool},
+    time::Duration,
+};
 
 /// Wall-clock time from one saved state to the next.
 const CHECKPOINTS: Duration = Duration::from_secs(600);
@@ -68,7 +71,7 @@ fn run_variant(
                 most_particles: f64::INFINITY,
                 threads: options.threads,
                 checkpoints: checkpoints.clone(),
-                engines: ENGINES,
+                engines: vec![Arc::new(Cpu)],
             };
             match resume(&directory, &resume_options, stop, watcher) {
                 Ok(summary) => Some(Ok(summary)),

@@ -66,12 +66,12 @@ impl Grid {
 pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recording, usize)>, KernelFault> {
     let cells = grid.cells();
     let clear = recording("clear_cells", count, |bind, cell| {
-        let counts = bind.wholes(Group::CellCounts);
+        let counts = bind.index_output(Group::CellCounts);
         counts.set(cell, Index::of(0));
     })?;
     let counting = recording("count_in_cells", count, |bind, i| {
         let (place, counts, slots) =
-            (bind.read(Group::Place), bind.counters(Group::CellCounts), bind.wholes(Group::Slots));
+            (bind.read(Group::Place), bind.counters(Group::CellCounts), bind.index_output(Group::Slots));
         let cell = grid.cell(grid.steps(&|axis| place.get(axis, i)));
         slots.set(i, counts.count(cell));
     })?;
@@ -97,7 +97,7 @@ pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recor
     })?;
     let starts = recording("start_cells", count, |bind, chunk| {
         let (counts, sums) = (bind.indices(Group::CellCounts), bind.read(Group::ChunkStarts));
-        let starts = bind.wholes(Group::CellStarts);
+        let starts = bind.index_output(Group::CellStarts);
         let (first, length) = last(chunk);
         let end = first + Index::of(length);
         let total = bind.scope.fold(first, end, sums.get(0, chunk), |_, start, cell| {
@@ -110,13 +110,13 @@ pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recor
     let scatter = recording("scatter", count, |bind, i| {
         let (place, starts, slots) =
             (bind.read(Group::Place), bind.indices(Group::CellStarts), bind.indices(Group::Slots));
-        let unsorted = bind.wholes(Group::Unsorted);
+        let unsorted = bind.index_output(Group::Unsorted);
         let cell = grid.cell(grid.steps(&|axis| place.get(axis, i)));
         unsorted.set(starts.at(cell) + slots.at(i), i);
     })?;
     let rank = recording("rank", count, |bind, i| {
         let (place, starts) = (bind.read(Group::Place), bind.indices(Group::CellStarts));
-        let (unsorted, sorted) = (bind.indices(Group::Unsorted), bind.wholes(Group::Sorted));
+        let (unsorted, sorted) = (bind.indices(Group::Unsorted), bind.index_output(Group::Sorted));
         let cell = grid.cell(grid.steps(&|axis| place.get(axis, i)));
         let (first, end) = (starts.at(cell), starts.at(cell + Index::of(1)));
         let before = bind.scope.fold(first, end, Recorded::zero(), |_, before, k| {

@@ -3,12 +3,13 @@
 use super::*;
 use crate::{
     deck::load_text,
-    engine::ENGINES,
+    engine::{Cpu, ENGINES},
     run::{RunOptions, execute},
 };
 use std::{
     fs::File,
     io::{Read, Write},
+    sync::Arc,
 };
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
@@ -52,7 +53,7 @@ fn go_on_in(folder: &Path) -> (Result<Summary, ResumeError>, Vec<String>) {
         most_particles: 1e6,
         threads: Some(1),
         checkpoints: CheckpointPlan::default(),
-        engines: ENGINES,
+        engines: vec![Arc::new(Cpu)],
     };
     let mut listener = Listener::default();
     let ended = resume(folder, &options, &AtomicBool::new(false), &mut listener);
