@@ -63,6 +63,8 @@ struct GpuEngine {
     initial: Particles,
     /// Particles, rounded up to whole chunks: the length of the columns.
     stride: usize,
+    /// Steps begun.
+    steps: u32,
     /// Start and length of the step, s.
     time: f64,
     dt: f64,

@@ -122,6 +122,7 @@ impl GpuEngine {
             p.yield_stress[i] = if plastic.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { plastic.at(3, i) };
             p.plastic_work[i] = plastic.double(4, 5, i);
             p.neighbors[i] = weight.at(1, i) as u32;
+            (p.adapted[i], p.last_searched[i]) = (1, self.steps);
         }
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
         let evaluated = self.group(Group::Evaluated)?;

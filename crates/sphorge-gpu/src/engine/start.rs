@@ -44,7 +44,7 @@ impl GpuEngine {
         let stages = stages(&card, &columns, &model, &p, stride, &grid)?;
         let extremes = [0.0; limits::FIELDS];
         let snapshot = OnceCell::new();
-        Ok(Self { model, card, columns, stages, initial: p, stride, time: 0.0, dt: 0.0, extremes, snapshot })
+        Ok(Self { model, card, columns, stages, initial: p, stride, steps: 0, time: 0.0, dt: 0.0, extremes, snapshot })
     }
 }
 

@@ -70,6 +70,7 @@ impl Engine for GpuEngine {
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
         self.snapshot.take();
         self.dt = dt;
+        self.steps += u32::from(dt > 0.0);
         self.set_step()?;
         self.card.launch(&self.stages.predict);
         Ok(())
@@ -160,6 +161,7 @@ impl Engine for GpuEngine {
         self.snapshot.take();
         self.time.persist("time", archive)?;
         self.dt.persist("dt", archive)?;
+        self.steps.persist("steps", archive)?;
         let mut extremes = self.extremes.to_vec();
         extremes.persist("extremes", archive)?;
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;

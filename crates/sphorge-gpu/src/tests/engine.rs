@@ -3,8 +3,9 @@
 use super::card::card;
 use crate::Gpu;
 use sphorge_deck::{decks, load_text};
+use sphorge_engine::particles::FIELDS;
 use sphorge_engine::persist::MemoryArchive;
-use sphorge_engine::{Cpu, EngineKind, Ledger, Particles, Simulation};
+use sphorge_engine::{Column, Cpu, EngineKind, FieldSource, Ledger, Particles, Simulation};
 
 /// A shipped deck with overrides, on an engine.
 fn start(kind: &dyn EngineKind, deck: &str, overrides: &[(&str, &str)]) -> Simulation {
@@ -79,6 +80,37 @@ fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
 fn the_plate_of_the_paper_is_that_of_the_processor_while_it_is_not_chaotic() {
     // From 15 us on, particles of this method fall together in pairs, and the last bit decides which.
     compare(PLATE.0, PLATE.1, 8e-6, 1e-4);
+}
+
+#[test]
+fn every_field_a_deck_can_name_is_that_of_the_processor() {
+    if card().is_none() {
+        return;
+    }
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let mut simulation = start(kind, PLATE.0, PLATE.1);
+        run(&mut simulation, 3e-6);
+        simulation
+    });
+    for field in FIELDS.iter() {
+        let [theirs, ours] = [&theirs, &ours].map(|simulation| components(&simulation.read(field.name).unwrap()));
+        let largest = theirs.iter().filter(|number| number.is_finite()).fold(0.0f64, |a, b| a.max(b.abs()));
+        for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
+            let near = (ours - theirs).abs() <= 3e-4 * largest || ours == theirs;
+            assert!(near, "{}, value {k}: {ours} on the card, {theirs}; the largest is {largest}", field.name);
+        }
+    }
+}
+
+/// All numbers of a field.
+fn components(column: &Column<'_>) -> Vec<f64> {
+    match column {
+        Column::Scalar(values) => values.to_vec(),
+        Column::Integer(values) => values.iter().map(|value| f64::from(*value)).collect(),
+        Column::Vector(values) => values.as_flattened().to_vec(),
+        Column::Symmetric(values) => values.iter().flat_map(|value| value.to_array()).collect(),
+        Column::Tensor(values) => values.as_flattened().as_flattened().to_vec(),
+    }
 }
 
 #[test]
