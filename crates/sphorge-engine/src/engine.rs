@@ -62,6 +62,23 @@ pub struct Unsupported {
     pub help: String,
 }
 
+/// An engine that has some of the particles of a run on many ranks. Every stage, and whatever is asked of it, is called on all ranks in the same
+/// order; what comes back is of all particles and, but for what [`Self::collect`] and [`Engine::read`] give, the same on all ranks.
+pub trait Part: Engine {
+    /// A field of the particles of all ranks, in the order they are summed in, on the first rank; nothing on the others.
+    ///
+    /// # Errors
+    /// There is no such field, or a rank is lost.
+    fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure>;
+    /// Completes a state that [`Engine::persist`] has loaded, once all ranks have loaded theirs.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    fn complete(&mut self) -> Result<(), RunFailure>;
+    /// Particles of all ranks; [`Engine::count`] are those of this one.
+    fn total(&self) -> usize;
+}
+
 /// The stages of a step, and what can be asked between steps. Every stage can fail: a card can be lost, a rank can die.
 ///
 /// Stages that serve one feature do nothing unless an engine says what: it leaves them out where [`EngineKind::supports`] refuses the feature, or

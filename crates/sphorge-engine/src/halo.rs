@@ -5,8 +5,10 @@
 //! stand for at the points of the step that [`FieldSet`] names; readers never ask whom a ghost stands for.
 
 mod images;
+mod remote;
 
 pub use images::Images;
+pub(crate) use remote::Remote;
 
 use crate::persist::{Archive, ArchiveError};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};

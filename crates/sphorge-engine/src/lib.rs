@@ -14,13 +14,14 @@ pub mod model;
 pub mod neighbors;
 pub mod particles;
 pub mod persist;
+pub mod ranks;
 pub mod reduction;
 mod report;
 mod simulation;
 mod step;
 
-pub use cpu::{Cpu, check_change};
-pub use engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
+pub use cpu::{Cpu, check_change, start_part};
+pub use engine::{Engine, EngineKind, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use model::Model;
 pub use particles::{Column, Particles};
@@ -29,6 +30,7 @@ pub use report::{
     Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, StageSeconds, StepReport,
 };
 pub use simulation::Simulation;
+pub use step::{Advance, advance};
 
 /// The engines of this crate; the first is the default.
 pub const ENGINES: &[&dyn EngineKind] = &[&Cpu];

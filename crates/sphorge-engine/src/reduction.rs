@@ -8,7 +8,7 @@ pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion, TEARING_RADIUS
 
 use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
-use crate::particles::{Column, Particles};
+use crate::particles::{Column, Particles, stored_behind};
 use sphorge_physics::Vector;
 
 /// A number per particle: a field, of which one component may be chosen.
@@ -94,6 +94,26 @@ pub enum Reduction<'a> {
         /// Of what.
         quantity: Quantity<'a>,
     },
+}
+
+/// Stored fields that every reduction may read.
+const READ_BY_ALL: [&str; 8] = ["id", "body", "material", "regions", "mass", "smoothing_length", "position", "density"];
+
+impl Reduction<'_> {
+    /// The stored fields that [`evaluate`] reads of the particles.
+    pub fn fields(&self) -> Vec<&str> {
+        let of_quantity = match *self {
+            Self::Extremum { quantity, .. }
+            | Self::Mean { quantity, .. }
+            | Self::Interpolation { quantity, .. }
+            | Self::Slabs { quantity, .. }
+            | Self::OfParticle { quantity, .. } => stored_behind(quantity.field),
+            Self::Suspects(_) => vec!["temperature", "energy", "pressure", "neighbors"],
+            Self::Extent { .. } | Self::Diameter { .. } | Self::SectionForce(_) | Self::Nearest { .. } => Vec::new(),
+        };
+        let more = of_quantity.into_iter().filter(|field| !READ_BY_ALL.contains(field));
+        READ_BY_ALL.into_iter().chain(more).collect()
+    }
 }
 
 /// Particles whose fields can be read: those of a running engine, or columns in memory.

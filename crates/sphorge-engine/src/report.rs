@@ -1,5 +1,7 @@
 //! What a step tells the outside.
 
+use crate::persist::Fixed;
+
 /// Which rule limited the time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitReason {
@@ -142,6 +144,21 @@ impl BodyLedger {
         for c in &mut self.centre {
             *c /= self.mass;
         }
+    }
+}
+
+impl Fixed for BodyLedger {
+    const SIZE: usize = <[f64; 18]>::SIZE;
+    fn write(&self, out: &mut Vec<u8>) {
+        let Energies { kinetic, internal, elastic, plastic_work } = self.energies;
+        [self.mass, kinetic, internal, elastic, plastic_work, self.momentum_scale].write(out);
+        [self.momentum, self.angular_momentum, self.centre, self.force].write(out);
+    }
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let [mass, kinetic, internal, elastic, plastic_work, momentum_scale] = Fixed::read(bytes.get(..48)?)?;
+        let [momentum, angular_momentum, centre, force] = Fixed::read(bytes.get(48..)?)?;
+        let energies = Energies { kinetic, internal, elastic, plastic_work };
+        Some(Self { mass, energies, momentum, angular_momentum, momentum_scale, centre, force })
     }
 }
 

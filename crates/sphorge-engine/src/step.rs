@@ -6,14 +6,22 @@ use crate::{Audit, RunFailure, StageSeconds};
 use std::time::Instant;
 
 /// What one pass through the stages yields.
-pub(crate) struct Advance {
-    pub(crate) search: SearchReport,
-    pub(crate) audit: Option<Audit>,
-    pub(crate) limit: TimeStepLimit,
+#[derive(Clone, Copy, Debug)]
+pub struct Advance {
+    /// Share of the work the search did.
+    pub search: SearchReport,
+    /// Comparison of the lists with an exact search, where one was due.
+    pub audit: Option<Audit>,
+    /// Longest stable next step.
+    pub limit: TimeStepLimit,
 }
 
-/// Takes one step of size `dt`, timing each stage. A step of size zero evaluates the initial rates.
-pub(crate) fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSeconds) -> Result<Advance, RunFailure> {
+/// Takes one step of size `dt` (s), timing each stage. A step of size zero evaluates the initial rates. [`crate::Simulation`] calls it, and what
+/// takes the same steps beside it on other ranks.
+///
+/// # Errors
+/// Those of the stages.
+pub fn advance(engine: &mut dyn Engine, dt: f64, seconds: &mut StageSeconds) -> Result<Advance, RunFailure> {
     let mut clock = Clock(Instant::now());
     engine.begin(dt)?;
     clock.lap(&mut seconds.integrate);

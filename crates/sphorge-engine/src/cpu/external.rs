@@ -1,7 +1,8 @@
 //! Walls and gravity.
 
 use super::CpuEngine;
-use super::walls::{AtWall, push};
+use super::walls::{AtWall, book, push};
+use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::neighbors::BLOCK;
 use rayon::prelude::*;
@@ -103,24 +104,31 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Takes the work of walls over a time, s, to the balance.
-    pub(super) fn book_walls(&mut self, dt: f64) {
-        self.external.work += self.walls.book(dt);
+    pub(super) fn book_walls(&mut self, dt: f64) -> Result<(), RunFailure> {
+        let at_faces = match &self.domain {
+            // Without walls all of it is zero.
+            Some(domain) if !self.model.walls.is_empty() => {
+                let power = domain.gather_blocks(&self.walls.power, self.model.walls.len())?;
+                let at_faces = domain.gather_blocks(&self.walls.at_faces, 1)?;
+                book(&mut self.walls.work, &power, &at_faces, dt)
+            }
+            _ => book(&mut self.walls.work, &self.walls.power, &self.walls.at_faces, dt),
+        };
+        self.external.work += at_faces;
+        Ok(())
     }
 
-    /// Force of every wall on the particles as they are now, N.
-    pub(super) fn wall_forces(&self) -> Vec<Vector<f64>> {
+    /// Adds the force of every wall on the particles as they are now, N.
+    pub(super) fn add_wall_forces(&self, forces: &mut [Vector<f64>]) {
         let p = &self.particles;
         let columns = AtWall::new(p);
-        let force = |(wall, state)| {
-            let mut sum = [0.0; 3];
+        for ((wall, state), sum) in self.model.walls.iter().zip(&self.walls.states).zip(forces) {
             for i in 0..p.len() {
                 let push = push(&self.model, wall, state, &columns, i, self.step.dt);
                 for axis in 0..3 {
                     sum[axis] += p.mass[i] * push.acceleration[axis];
                 }
             }
-            sum
-        };
-        self.model.walls.iter().zip(&self.walls.states).map(force).collect()
+        }
     }
 }

@@ -36,6 +36,30 @@ pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
     Err(RunFailure { field, step_may_be_smaller, ..of_particle(p, i, message) })
 }
 
+/// A failure of a step, and how it compares with those of other ranks.
+pub(super) struct Fault {
+    pub(super) failure: RunFailure,
+    /// Change over the change allowed; nothing where a value is wrong.
+    changed: Option<f64>,
+}
+
+impl Fault {
+    /// A value that is wrong goes before one that has changed too much.
+    pub(super) fn severity(&self) -> u8 {
+        if self.changed.is_some() { 1 } else { 2 }
+    }
+
+    /// The larger the worse; of equals the first particle fails.
+    pub(super) fn excess(&self) -> f64 {
+        self.changed.unwrap_or(0.0)
+    }
+
+    /// A value that is wrong.
+    pub(super) fn wrong(failure: RunFailure) -> Self {
+        Self { failure, changed: None }
+    }
+}
+
 fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
     let (particle, body) = (Some(p.id[i]), Some(p.body[i]));
     RunFailure { particle, body, position: last_place(p, i), ..RunFailure::of_engine(message) }
@@ -47,6 +71,11 @@ fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
 /// # Errors
 /// A step that was too large, with the particle and what has changed.
 pub fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
+    largest_change(limits, p, speeds, dt).map_or(Ok(()), |fault| Err(fault.failure))
+}
+
+/// The change that [`check_change`] tells of.
+pub(super) fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Option<Fault> {
     let change = |i: usize| {
         // What a driven particle is pushed with does not move it.
         let is_driven = p.motion.get(i).is_some_and(|&motion| motion > 0);
@@ -56,7 +85,7 @@ pub fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64)
     };
     let particles = || (0..p.len()).into_par_iter().with_min_len(1024);
     if !particles().any(|i| change(i).is_beyond(limits)) {
-        return Ok(());
+        return None;
     }
     let excess = |i: usize| {
         let (_, number, limit) = change(i).worst(limits);
@@ -65,7 +94,7 @@ pub fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64)
     };
     // Of equals the first, however many threads look.
     let larger = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || b.0 == a.0 && b.1 < a.1 { b } else { a };
-    let (_, i) = particles().map(excess).reduce(|| (f64::NEG_INFINITY, usize::MAX), larger);
+    let (ratio, i) = particles().map(excess).reduce(|| (f64::NEG_INFINITY, usize::MAX), larger);
     let (changed, number, limit) = change(i).worst(limits);
     let number = if number < 1e-3 { format!("{number:.1e}") } else { format!("{number:.3}") };
     let (field, what) = match changed {
@@ -77,7 +106,8 @@ pub fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64)
         Changed::Jump => ("position", format!("the particle was pushed by {number} smoothing lengths")),
     };
     let message = format!("{what} in one step, more than the {limit:?} of `time.step-control`");
-    Err(RunFailure { field, step_may_be_smaller: true, ..of_particle(p, i, message) })
+    let failure = RunFailure { field, step_may_be_smaller: true, ..of_particle(p, i, message) };
+    Some(Fault { failure, changed: Some(ratio) })
 }
 
 /// Where a particle was last. What moves it is guarded, so that only the end of a predictor–corrector step can lose its place within the step;

@@ -7,10 +7,13 @@
 //! energy, per particle instead of per pair).
 
 use super::CpuEngine;
+use super::domain::Domain;
+use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::model::{Model, MotionAxis};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
+use crate::persist::Fixed;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 
@@ -74,6 +77,18 @@ struct Moved {
     farthest: f64,
 }
 
+impl Fixed for Moved {
+    const SIZE: usize = <[f64; 6]>::SIZE;
+    fn write(&self, out: &mut Vec<u8>) {
+        let [x, y, z] = self.impulse;
+        [self.work, x, y, z, self.booked, self.farthest].write(out);
+    }
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let [work, x, y, z, booked, farthest] = Fixed::read(bytes)?;
+        Some(Self { work, impulse: [x, y, z], booked, farthest })
+    }
+}
+
 /// Work and impulse of everything that is not a pair force, block by block so that the sum does not depend on threads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ExternalSums {
@@ -91,10 +106,11 @@ impl ExternalSums {
         Self { partial: vec![Moved::default(); count.div_ceil(BLOCK)], ..Self::default() }
     }
 
-    /// Adds up the blocks; the longest way of any particle, m.
-    fn close(&mut self) -> f64 {
+    /// Adds up the blocks, of all ranks where there are others; the longest way of any particle, m.
+    fn close(&mut self, domain: Option<&Domain>) -> Result<f64, RunFailure> {
+        let all = domain.map(|domain| domain.gather_blocks(&self.partial, 1)).transpose()?;
         let mut farthest = 0.0_f64;
-        for moved in &self.partial {
+        for moved in all.as_ref().unwrap_or(&self.partial) {
             self.work += moved.work;
             self.booked += moved.booked;
             for a in 0..3 {
@@ -102,7 +118,7 @@ impl ExternalSums {
             }
             farthest = farthest.max(moved.farthest);
         }
-        farthest.sqrt()
+        Ok(farthest.sqrt())
     }
 }
 
@@ -147,22 +163,23 @@ fn kick(
 impl<T: PairScalar> CpuEngine<T> {
     /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts and walls, the work
     /// of the artificial stress.
-    fn book_rates(&mut self, dt: f64) {
+    fn book_rates(&mut self, dt: f64) -> Result<(), RunFailure> {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(dt);
         }
-        self.book_walls(dt);
+        self.book_walls(dt)?;
         let Particles { artificial_energy, artificial_power, .. } = &mut self.particles;
         let columns = artificial_energy.par_iter_mut().with_min_len(BLOCK).zip(&*artificial_power);
         columns.for_each(|(energy, power)| *energy += dt * power);
+        Ok(())
     }
 
     /// First half kick, drift, and the velocity forces are evaluated with: that of the end of the step, predicted with the last
     /// acceleration. One pass: what it reads and writes is more than the caches hold.
-    pub(super) fn leapfrog_begin(&mut self) {
+    pub(super) fn leapfrog_begin(&mut self) -> Result<(), RunFailure> {
         let dt = self.step.dt;
         let half = 0.5 * dt;
-        self.book_rates(half);
+        self.book_rates(half)?;
         self.motions.set_time(&self.model, self.step.time + half);
         self.motions_at_end.set_time(&self.model, self.step.time + dt);
         let Particles {
@@ -205,14 +222,15 @@ impl<T: PairScalar> CpuEngine<T> {
                     at_end.hold(motion[i], &mut evaluated[k]);
                 }
             });
-        self.lists.displacement.advance(self.external.close());
+        self.lists.displacement.advance(self.external.close(self.domain.as_ref())?);
         std::mem::swap(&mut self.motions, &mut self.motions_at_end);
+        Ok(())
     }
 
     /// Second half kick.
-    pub(super) fn leapfrog_finish(&mut self) {
+    pub(super) fn leapfrog_finish(&mut self) -> Result<(), RunFailure> {
         let half = 0.5 * self.step.dt;
-        self.book_rates(half);
+        self.book_rates(half)?;
         self.motions.set_time(&self.model, self.step.time + self.step.dt);
         let Particles {
             velocity,
@@ -243,7 +261,8 @@ impl<T: PairScalar> CpuEngine<T> {
                     add(partial, &kicked);
                 }
             });
-        self.external.close();
+        self.external.close(self.domain.as_ref())?;
+        Ok(())
     }
 
     /// State at mid-step, predicted with the rates of the last one.
@@ -276,9 +295,9 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// The whole step with the rates of mid-step.
-    pub(super) fn correct(&mut self) {
+    pub(super) fn correct(&mut self) -> Result<(), RunFailure> {
         let dt = self.step.dt;
-        self.book_rates(dt);
+        self.book_rates(dt)?;
         self.motions.set_time(&self.model, self.step.time + dt);
         let Particles {
             position,
@@ -325,8 +344,9 @@ impl<T: PairScalar> CpuEngine<T> {
                     add(partial, &kicked);
                 }
             });
-        self.external.close();
+        self.external.close(self.domain.as_ref())?;
         self.commit_stress();
+        Ok(())
     }
 }
 

@@ -2,15 +2,48 @@
 
 use super::{CpuEngine, constitutive::shear_modulus_of};
 use crate::lanes::PairScalar;
-use crate::{BodyLedger, Energies, Ledger};
+use crate::{BodyLedger, Energies, Ledger, RunFailure};
 use sphorge_physics::heat;
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Sums over bodies in particle order: independent of threads.
-    pub(super) fn conservation_ledger(&self) -> Ledger {
+    /// Sums over bodies in particle order: independent of threads and ranks.
+    pub(super) fn conservation_ledger(&self) -> Result<Ledger, RunFailure> {
+        let model = &*self.model;
+        let mut bodies = vec![BodyLedger::default(); model.bodies.len()];
+        let mut wall_forces = vec![[0.0; 3]; model.walls.len()];
+        let mut motion_forces = vec![[0.0; 3]; model.motions.len()];
+        match &self.domain {
+            None => {
+                self.add_bodies(&mut bodies);
+                self.add_wall_forces(&mut wall_forces);
+                self.add_motion_forces(&mut motion_forces);
+            }
+            Some(domain) => {
+                domain.ranks.in_turn(&mut bodies, |bodies| self.add_bodies(bodies))?;
+                domain.ranks.in_turn(&mut wall_forces, |forces| self.add_wall_forces(forces))?;
+                domain.ranks.in_turn(&mut motion_forces, |forces| self.add_motion_forces(forces))?;
+            }
+        }
+        let mut total = BodyLedger::total(&bodies);
+        bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
+        Ok(Ledger {
+            bodies,
+            total,
+            external_work: self.external.work,
+            external_impulse: self.external.impulse,
+            wall_work: self.walls.work.clone(),
+            integration_energy: self.external.booked,
+            mls_energy: self.step.mls_energy,
+            heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),
+            contacts: self.contacts.as_ref().map(|c| c.ledger()).unwrap_or_default(),
+            wall_forces,
+            motion_forces,
+        })
+    }
+
+    fn add_bodies(&self, bodies: &mut [BodyLedger]) {
         let model = &*self.model;
         let p = &self.particles;
-        let mut bodies = vec![BodyLedger::default(); model.bodies.len()];
         let driven: Vec<_> = (0..model.motions.len()).map(|k| self.prescribed_acceleration(k)).collect();
         for i in 0..p.len() {
             let motion = (p.motion[i] as usize).checked_sub(1).map_or([None; 3], |k| driven[k]);
@@ -24,27 +57,11 @@ impl<T: PairScalar> CpuEngine<T> {
             let acceleration = [0, 1, 2].map(|a| motion[a].unwrap_or(p.acceleration[i][a]));
             bodies[p.body[i] as usize].add(p.mass[i], p.position[i], p.velocity[i], acceleration, specific);
         }
-        let mut total = BodyLedger::total(&bodies);
-        bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
-        Ledger {
-            bodies,
-            total,
-            external_work: self.external.work,
-            external_impulse: self.external.impulse,
-            wall_work: self.walls.work.clone(),
-            integration_energy: self.external.booked,
-            mls_energy: self.step.mls_energy,
-            heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),
-            contacts: self.contacts.as_ref().map(|c| c.ledger()).unwrap_or_default(),
-            wall_forces: self.wall_forces(),
-            motion_forces: self.motion_forces(),
-        }
     }
 
-    /// Reaction of every prescribed motion on its particles, N: what the last step's accelerations lack.
-    fn motion_forces(&self) -> Vec<[f64; 3]> {
+    /// Adds the reaction of every prescribed motion on its particles, N: what the last step's accelerations lack.
+    fn add_motion_forces(&self, forces: &mut [[f64; 3]]) {
         let p = &self.particles;
-        let mut forces = vec![[0.0; 3]; self.model.motions.len()];
         for i in 0..p.len() {
             let Some(k) = (p.motion[i] as usize).checked_sub(1) else { continue };
             let driven = self.prescribed_acceleration(k);
@@ -54,7 +71,6 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             }
         }
-        forces
     }
 
     /// Acceleration a prescribed motion imposes now, m/s².

@@ -6,6 +6,7 @@ mod constitutive;
 mod contact;
 mod contact_laws;
 mod contact_search;
+mod domain;
 mod external;
 mod faces;
 mod forces;
@@ -34,20 +35,25 @@ mod sweeps;
 mod time_step;
 mod walls;
 
+pub(crate) use domain::Relocation;
+pub use domain::start_part;
 pub use guard::check_change;
 
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Precision};
+use crate::neighbors::range_of;
 use crate::particles::{Column, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count};
 use crate::reduction::{self, Reduction};
 use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
 use contact::BodyContacts;
+use domain::Domain;
 use formulation::Formulation;
 use ghosts::Ghosts;
+use guard::Fault;
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
 use records::Records;
@@ -78,9 +84,10 @@ impl EngineKind for Cpu {
             return Err(RunFailure::of_engine("tests of the engine's parts start none".to_owned()));
         }
         let halo = Box::new(Images::new(&model));
+        let smoothing_lengths = range_of(&particles.smoothing_length);
         Ok(match model.numerics.precision {
-            Precision::Mixed => Box::new(CpuEngine::<f32>::new(model, particles, halo)),
-            Precision::Double => Box::new(CpuEngine::<f64>::new(model, particles, halo)),
+            Precision::Mixed => Box::new(CpuEngine::<f32>::new(model, particles, halo, None, smoothing_lengths)?),
+            Precision::Double => Box::new(CpuEngine::<f64>::new(model, particles, halo, None, smoothing_lengths)?),
         })
     }
 }
@@ -91,6 +98,8 @@ struct CpuEngine<T: PairScalar> {
     formulation: &'static dyn Formulation<T>,
     particles: Particles,
     ghosts: Ghosts,
+    /// The share of this rank, where there are others.
+    domain: Option<Domain>,
     records: Records<T>,
     walls: Walls,
     motions: Motions,
@@ -153,7 +162,14 @@ impl Persist for StepState {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    fn new(model: Arc<Model>, mut particles: Particles, halo: Box<dyn Halo>) -> Self {
+    /// Takes over particles, those of a domain where there is one; `smoothing_lengths` are the smallest and the largest of all particles, m.
+    fn new(
+        model: Arc<Model>,
+        mut particles: Particles,
+        halo: Box<dyn Halo>,
+        domain: Option<Domain>,
+        smoothing_lengths: (f64, f64),
+    ) -> Result<Self, RunFailure> {
         initial::state(&model, &mut particles);
         let count = particles.len();
         let numerics = &model.numerics;
@@ -168,13 +184,14 @@ impl<T: PairScalar> CpuEngine<T> {
             formulation,
             contacts: BodyContacts::new(&model, count, (!formulation.sees_other_bodies()).then(|| halo.another())),
             ghosts: Ghosts::new(halo),
+            domain,
             walls: Walls::new(&model, count),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),
             heat: HeatFlow::new(&model, count),
             records: Records::default(),
-            lists: Lists::new(&particles),
+            lists: Lists::new(smoothing_lengths),
             step: StepState::default(),
             constants,
             instructions: Instructions::best(),
@@ -186,9 +203,9 @@ impl<T: PairScalar> CpuEngine<T> {
             restored_density: Vec::new(),
             reference_corrected: false,
         };
-        engine.sort_particles();
+        engine.sort_particles()?;
         formulation.start(&mut engine);
-        engine
+        Ok(engine)
     }
 
     /// Whether the bodies stand still in a step of size `dt`: heat alone flows. The initial rates, a step of size zero, are those of
@@ -212,7 +229,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         }
         if self.lists.searches >= SEARCHES_PER_SORTING && self.may_sort() {
             self.lists.searches = 0;
-            self.sort_particles();
+            self.sort_particles()?;
         }
         self.step.dt = dt;
         if dt > 0.0 {
@@ -222,14 +239,16 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.walls.move_to(self.step.time + self.step.dt_to_evaluation(integrator));
         match integrator {
             Integrator::Leapfrog => self.leapfrog_begin(),
-            Integrator::PredictorCorrector => self.predict(),
+            Integrator::PredictorCorrector => {
+                self.predict();
+                Ok(())
+            }
         }
-        Ok(())
     }
 
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
-        self.follow_density();
-        Ok(self.refresh_lists())
+        self.follow_density()?;
+        self.refresh_lists()
     }
 
     fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
@@ -268,7 +287,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             }
             FieldSet::IntermediateSums => self.ghosts.exchange(fields, &self.particles),
         }
-        Ok(())
+        self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.told())
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
@@ -280,7 +299,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn restore_density(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) && self.restoration_is_due() {
-            self.restore_densities();
+            self.restore_densities()?;
         }
         Ok(())
     }
@@ -341,24 +360,31 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn finish(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
             match self.model.numerics.integrator {
-                Integrator::Leapfrog => self.leapfrog_finish(),
-                Integrator::PredictorCorrector => self.correct(),
+                Integrator::Leapfrog => self.leapfrog_finish()?,
+                Integrator::PredictorCorrector => self.correct()?,
             }
             self.warm_by_friction();
         }
         self.accumulate_strain();
         self.flow_heat();
         self.step.time += self.step.dt;
+        if let Some(domain) = &self.domain {
+            self.step.pairs = domain.ranks.each(self.step.pairs)?.into_iter().sum();
+        }
         Ok(())
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        guard::check(&self.particles, guard::is_cooled(&self.model))?;
-        match &self.model.time.step_control {
+        let wrong = guard::check(&self.particles, guard::is_cooled(&self.model)).map_err(Fault::wrong).err();
+        let fault = wrong.or_else(|| match &self.model.time.step_control {
             Some(control) if self.step.dt > 0.0 && self.model.thermal.mechanics => {
-                guard::check_change(&control.largest, &self.particles, &self.sound_speeds, self.step.dt)
+                guard::largest_change(&control.largest, &self.particles, &self.sound_speeds, self.step.dt)
             }
-            _ => Ok(()),
+            _ => None,
+        });
+        match &self.domain {
+            Some(domain) => domain.agree(fault),
+            None => fault.map_or(Ok(()), |fault| Err(fault.failure)),
         }
     }
 
@@ -368,7 +394,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             return Ok(conduction);
         }
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
-        Ok(time_step::limit(&self.model, &self.particles, contact, self.instructions).min(conduction))
+        let limit = time_step::limit(&self.model, &self.particles, contact, self.instructions).min(conduction);
+        self.agree_on_limit(limit)
     }
 
     fn count(&self) -> usize {
@@ -380,7 +407,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn ledger(&self) -> Result<Ledger, RunFailure> {
-        Ok(self.conservation_ledger())
+        self.conservation_ledger()
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {

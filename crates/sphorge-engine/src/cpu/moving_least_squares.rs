@@ -2,6 +2,7 @@
 
 use super::CpuEngine;
 use super::ghosts::WithGhosts;
+use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::model::Integrator;
 use crate::neighbors::BLOCK;
@@ -19,7 +20,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Replaces the density just reached by its moving-least-squares estimate. A particle whose moment matrix is singular (too few
     /// neighbours, or all on a line) keeps its density.
-    pub(super) fn restore_densities(&mut self) {
+    pub(super) fn restore_densities(&mut self) -> Result<(), RunFailure> {
         let dimension = super::dimension(&self.model);
         let kernel = self.model.numerics.kernel;
         let particles = &self.particles;
@@ -63,10 +64,21 @@ impl<T: PairScalar> CpuEngine<T> {
         });
 
         let half = 0.5 * self.step.dt;
+        let p = &self.particles;
+        let mut energy = [self.step.mls_energy];
+        // Pressure changes without work: the volume change it would have taken is an entry of the ledger.
+        let add = |energy: &mut [f64]| {
+            for (i, &rho) in restored.iter().enumerate() {
+                let old = p.density[i];
+                energy[0] += p.mass[i] * p.pressure[i] * (rho - old) / (rho * old);
+            }
+        };
+        match &self.domain {
+            None => add(&mut energy),
+            Some(domain) => domain.ranks.in_turn(&mut energy, add)?,
+        }
+        [self.step.mls_energy] = energy;
         for (i, &rho) in restored.iter().enumerate() {
-            let old = self.particles.density[i];
-            // Pressure changes without work: the volume change it would have taken is an entry of the ledger.
-            self.step.mls_energy += self.particles.mass[i] * self.particles.pressure[i] * (rho - old) / (rho * old);
             self.particles.density[i] = rho;
             if self.model.numerics.integrator == Integrator::PredictorCorrector {
                 // The corrector starts from the beginning of the step.
@@ -75,5 +87,6 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         }
         self.restored_density = restored;
+        Ok(())
     }
 }

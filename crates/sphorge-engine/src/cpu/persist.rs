@@ -1,6 +1,7 @@
 //! What a run must survive with: everything the steps to come depend on.
 
 use super::CpuEngine;
+use crate::engine::Part;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
 use crate::particles::Owner;
@@ -48,8 +49,10 @@ impl<T: PairScalar> CpuEngine<T> {
                 search.complete(&self.particles, "contacts.search")?;
             }
             self.check_lists("lists")?;
-            // Ghosts take what does not change between searches with each search, and the next one may be far.
-            self.ghosts.exchange(FieldSet::Search, &self.particles);
+            if self.domain.is_none() {
+                // Ghosts take what does not change between searches with each search, and the next one may be far.
+                self.ghosts.exchange(FieldSet::Search, &self.particles);
+            }
         }
         Ok(())
     }
@@ -63,10 +66,12 @@ impl<T: PairScalar> CpuEngine<T> {
         below(&p.body, model.bodies.len(), "body")?;
         below(&p.material, model.materials.len(), "material")?;
         below(&p.motion, model.motions.len() + 1, "motion")?;
-        below(&p.id, p.len(), "id")?;
-        let mut seen = vec![false; p.len()];
+        let total = self.total();
+        below(&p.id, total, "id")?;
+        let mut seen = vec![false; total];
         p.id.iter().for_each(|&id| seen[id as usize] = true);
-        require(seen.into_iter().all(|seen| seen), &format!("{particles}.id"))?;
+        // No two are the same.
+        require(seen.into_iter().filter(|seen| *seen).count() == p.len(), &format!("{particles}.id"))?;
         require(self.ghosts.halo.rows().iter().all(|&row| (row as usize) < p.len()), halo)
     }
 }

@@ -2,30 +2,24 @@
 
 use super::CpuEngine;
 use crate::RunFailure;
+use crate::engine::Part;
 use crate::lanes::PairScalar;
 use crate::particles::Column;
-use std::borrow::Cow;
-
-/// Values in the order of `id`, which counts particles from zero on.
-fn by_id<'a, V: Copy>(values: &[V], id: &[u32]) -> Cow<'a, [V]> {
-    let mut sorted = values.to_vec();
-    for (value, id) in values.iter().zip(id) {
-        sorted[*id as usize] = *value;
-    }
-    Cow::Owned(sorted)
-}
 
 impl<T: PairScalar> CpuEngine<T> {
+    /// A field, in the order of the particles.
+    pub(super) fn field(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.particles.column(field).ok_or_else(|| RunFailure::of_engine(format!("no field `{field}`")))
+    }
+
     pub(super) fn read_by_id(&self, field: &str) -> Result<Column<'_>, RunFailure> {
-        let id = &self.particles.id;
-        let column =
-            self.particles.column(field).ok_or_else(|| RunFailure::of_engine(format!("no field `{field}`")))?;
-        Ok(match column {
-            Column::Scalar(values) => Column::Scalar(by_id(&values, id)),
-            Column::Integer(values) => Column::Integer(by_id(&values, id)),
-            Column::Vector(values) => Column::Vector(by_id(&values, id)),
-            Column::Symmetric(values) => Column::Symmetric(by_id(&values, id)),
-            Column::Tensor(values) => Column::Tensor(by_id(&values, id)),
+        if self.domain.is_none() {
+            return Ok(self.field(field)?.by_id(&self.particles.id));
+        }
+        let (column, id) = (self.collect(field)?, self.collect("id")?);
+        Ok(match &id {
+            Column::Integer(id) => column.by_id(id),
+            _ => column,
         })
     }
 }

@@ -6,6 +6,7 @@
 //! energy and plastic strain belong to the particle, and forces stay pairwise. Parts with no neighbours in common are pieces then.
 
 use super::CpuEngine;
+use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::model::Formulation;
 use crate::neighbors::BLOCK;
@@ -23,8 +24,10 @@ const AGAIN: f64 = 2.0;
 impl<T: PairScalar> CpuEngine<T> {
     /// Makes the present configuration of the bodies that are deformed too far their reference. The lists are stale then. Returns whether
     /// there was one.
-    pub(super) fn renew_references(&mut self) -> bool {
-        let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else { return false };
+    pub(super) fn renew_references(&mut self) -> Result<bool, RunFailure> {
+        let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else {
+            return Ok(false);
+        };
         let p = &mut self.particles;
         let has_come_apart = &mut self.has_come_apart;
         let is_due: Vec<AtomicBool> = has_come_apart.iter().map(|_| AtomicBool::new(false)).collect();
@@ -35,9 +38,14 @@ impl<T: PairScalar> CpuEngine<T> {
                 is_due[body as usize].store(true, Ordering::Relaxed);
             }
         });
-        let is_due: Vec<bool> = is_due.into_iter().map(AtomicBool::into_inner).collect();
+        let mut is_due: Vec<bool> = is_due.into_iter().map(AtomicBool::into_inner).collect();
+        if let Some(domain) = &self.domain {
+            let of_all = domain.ranks.gather(&is_due, &vec![is_due.len(); domain.ranks.size()])?;
+            is_due =
+                (0..is_due.len()).map(|body| of_all[body..].iter().step_by(is_due.len()).any(|&due| due)).collect();
+        }
         if !is_due.contains(&true) {
-            return false;
+            return Ok(false);
         }
         for (body, (apart, due)) in has_come_apart.iter_mut().zip(&is_due).enumerate() {
             if let (Some(contacts), false, true) = (&mut self.contacts, *apart, due) {
@@ -64,6 +72,6 @@ impl<T: PairScalar> CpuEngine<T> {
         );
         self.reference_corrected = false;
         self.lists.stale = true;
-        true
+        Ok(true)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::CpuEngine;
 use super::contact::BodyContacts;
+use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::model::{Model, SmoothingLength};
 use crate::neighbors::{BLOCK, range_of};
@@ -10,8 +11,8 @@ use rayon::prelude::*;
 impl<T: PairScalar> CpuEngine<T> {
     /// Takes the smoothing lengths to the present density; they stay through the step, so that both of its sums see the same
     /// kernels.
-    pub(super) fn follow_density(&mut self) {
-        let SmoothingLength::FollowDensity { factor } = self.model.numerics.smoothing_length else { return };
+    pub(super) fn follow_density(&mut self) -> Result<(), RunFailure> {
+        let SmoothingLength::FollowDensity { factor } = self.model.numerics.smoothing_length else { return Ok(()) };
         let model = &*self.model;
         let power = 1.0 / model.dimensions.count() as f64;
         let p = &mut self.particles;
@@ -21,22 +22,25 @@ impl<T: PairScalar> CpuEngine<T> {
             let ratio = (at_rest / density[i]).powf(power).clamp(1.0 / factor, factor);
             *h = model.bodies[body[i] as usize].smoothing_length * ratio;
         });
-        let (smallest, largest) = range_of(&self.particles.smoothing_length);
+        let own = range_of(&self.particles.smoothing_length);
+        let (smallest, largest) = self.domain.as_ref().map_or(Ok(own), |domain| domain.range(own))?;
         let least = least_searched(&self.model, self.contacts.as_ref()).unwrap_or_default();
         self.lists.smoothing_lengths = (smallest, least.iter().fold(largest, |m, h| m.max(*h)));
+        Ok(())
     }
 
     /// The thinnest skin since the last search, as a length to be multiplied by the support, m; `constant` where smoothing lengths
     /// are. What kernels have grown by is no longer skin. The lists must be in the order of the particles.
-    pub(super) fn skin_left(&self, constant: f64, fraction: f64) -> f64 {
+    pub(super) fn skin_left(&self, constant: f64, fraction: f64) -> Result<f64, RunFailure> {
         if self.model.numerics.smoothing_length == SmoothingLength::Constant {
-            return constant;
+            return Ok(constant);
         }
         let (p, least) = (&self.particles, least_searched(&self.model, self.contacts.as_ref()));
         let searched = |(h, body): (&f64, &u32)| least.map_or(*h, |least| h.max(least[*body as usize]));
         let now = p.smoothing_length.iter().zip(&p.body).map(searched);
         let pairs = now.zip(&self.lists.smoothing_length);
-        pairs.map(|(now, then)| (1.0 + fraction) * then - now).fold(f64::INFINITY, f64::min)
+        let own = pairs.map(|(now, then)| (1.0 + fraction) * then - now).fold(f64::INFINITY, f64::min);
+        self.domain.as_ref().map_or(Ok(own), |domain| Ok(domain.range((own, 0.0))?.0))
     }
 }
 

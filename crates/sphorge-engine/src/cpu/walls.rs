@@ -75,17 +75,6 @@ impl Walls {
         }
     }
 
-    /// Takes the power of the last forces over `dt` (s) to the work done; what of it is not done on the centres of particles, J.
-    pub(super) fn book(&mut self, dt: f64) -> f64 {
-        let walls = self.work.len();
-        for block in self.power.chunks_exact(walls.max(1)) {
-            for (work, power) in self.work.iter_mut().zip(block) {
-                *work += power * dt;
-            }
-        }
-        dt * self.at_faces.iter().sum::<f64>()
-    }
-
     /// Carries the walls to where they stand at `time`.
     pub(super) fn move_to(&mut self, time: f64) {
         for state in &mut self.states {
@@ -93,6 +82,17 @@ impl Walls {
         }
         self.time = time;
     }
+}
+
+/// Takes the power of the last forces, of blocks as [`Walls`] has it, over `dt` (s) to the work of the walls, J; what of it is not done on the
+/// centres of particles, J.
+pub(super) fn book(work: &mut [f64], power: &[f64], at_faces: &[f64], dt: f64) -> f64 {
+    for block in power.chunks_exact(work.len().max(1)) {
+        for (work, power) in work.iter_mut().zip(block) {
+            *work += power * dt;
+        }
+    }
+    dt * at_faces.iter().sum::<f64>()
 }
 
 crate::persist_fields!(WallState { displacement, velocity });

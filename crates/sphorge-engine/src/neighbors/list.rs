@@ -154,6 +154,16 @@ impl Block {
         std::mem::swap(self, spare);
     }
 
+    /// Entries of all rows, padding included.
+    pub(crate) fn entries(&self) -> &[u32] {
+        &self.indices[..self.used]
+    }
+
+    /// The same, to be renumbered.
+    pub(crate) fn entries_mut(&mut self) -> &mut [u32] {
+        &mut self.indices[..self.used]
+    }
+
     /// Rows written.
     pub fn len(&self) -> usize {
         self.lengths.len()

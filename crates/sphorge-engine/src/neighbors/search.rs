@@ -41,14 +41,28 @@ impl Searcher {
         instructions: Instructions,
         list: &mut NeighborList,
     ) {
+        self.search_rows(points, 0..count, reach, displacement, instructions, list);
+    }
+
+    /// Fills `list` with the neighbours of some of `points`, whole blocks that lie one behind the other, as [`Self::search`] finds them.
+    pub(crate) fn search_rows(
+        &mut self,
+        points: &[Vector<f64>],
+        wanted: std::ops::Range<usize>,
+        reach: &Reach<'_>,
+        displacement: DisplacementBound,
+        instructions: Instructions,
+        list: &mut NeighborList,
+    ) {
         self.prepare_scratch();
         self.points.prepare(points, reach, displacement);
         self.points.encode_all(points, reach);
-        list.resize(count);
+        list.resize(wanted.len());
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
             block.clear();
-            let rows = b * BLOCK..((b + 1) * BLOCK).min(count);
+            let first = wanted.start + b * BLOCK;
+            let rows = first..(first + BLOCK).min(wanted.end);
             let candidates = &mut this.scratch().candidates;
             candidates.clear();
             run(instructions, RowsJob { points: &this.points, rows, candidates, block });

@@ -68,6 +68,37 @@ impl Column<'_> {
         }
     }
 
+    /// The values in the order of the particles' `id`, which counts them from zero on.
+    #[must_use]
+    pub fn by_id(&self, id: &[u32]) -> Column<'static> {
+        fn sorted<V: Copy>(values: &[V], id: &[u32]) -> Cow<'static, [V]> {
+            let mut sorted = values.to_vec();
+            for (value, id) in values.iter().zip(id) {
+                sorted[*id as usize] = *value;
+            }
+            Cow::Owned(sorted)
+        }
+        match self {
+            Self::Scalar(c) => Column::Scalar(sorted(c, id)),
+            Self::Integer(c) => Column::Integer(sorted(c, id)),
+            Self::Vector(c) => Column::Vector(sorted(c, id)),
+            Self::Symmetric(c) => Column::Symmetric(sorted(c, id)),
+            Self::Tensor(c) => Column::Tensor(sorted(c, id)),
+        }
+    }
+
+    /// The same values, held by the column itself.
+    #[must_use]
+    pub fn into_owned(self) -> Column<'static> {
+        match self {
+            Self::Scalar(c) => Column::Scalar(Cow::Owned(c.into_owned())),
+            Self::Integer(c) => Column::Integer(Cow::Owned(c.into_owned())),
+            Self::Vector(c) => Column::Vector(Cow::Owned(c.into_owned())),
+            Self::Symmetric(c) => Column::Symmetric(Cow::Owned(c.into_owned())),
+            Self::Tensor(c) => Column::Tensor(Cow::Owned(c.into_owned())),
+        }
+    }
+
     /// No particles.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

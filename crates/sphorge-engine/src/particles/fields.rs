@@ -106,6 +106,17 @@ pub fn find_field(name: &str) -> Option<&'static FieldInfo> {
     FIELDS.iter().find(|f| f.name == name)
 }
 
+/// The stored fields that a field is computed of: itself, unless it is derived.
+pub fn stored_behind(field: &str) -> Vec<&str> {
+    match field {
+        "speed" => vec!["velocity"],
+        "von_mises_stress" => vec!["deviator"],
+        "equivalent_strain_rate" => vec!["velocity_gradient"],
+        "stress" => vec!["deviator", "pressure"],
+        _ => vec![field],
+    }
+}
+
 impl Particles {
     /// The values of a field of [`FIELDS`], borrowed when stored, computed when derived; `None` for an unknown name.
     pub fn column(&self, name: &str) -> Option<Column<'_>> {
@@ -141,6 +152,16 @@ mod tests {
             assert_eq!(column.len(), 2);
         }
         assert!(particles.column("no-such-field").is_none());
+    }
+
+    #[test]
+    fn what_is_stored_behind_a_field_is_stored() {
+        let particles = Particles::new(1);
+        for field in FIELDS.iter() {
+            for stored in stored_behind(field.name) {
+                assert!(particles.stored(stored).is_some() || declared(stored).is_some(), "{}", field.name);
+            }
+        }
     }
 
     #[test]

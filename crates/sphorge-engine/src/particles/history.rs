@@ -1,6 +1,7 @@
 //! History variables that material laws declare: stored, named, guarded, saved and reordered for them.
 
 use super::Permutation;
+use crate::cpu::Relocation;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
@@ -86,6 +87,14 @@ impl History {
         for variable in self.variables.clone() {
             let Some(mut values) = self.column(variable.name) else { continue };
             permutation.apply(&mut values);
+            self.set_column(variable.name, &values);
+        }
+    }
+
+    pub(super) fn relocate(&mut self, relocation: &mut Relocation) {
+        for variable in self.variables.clone() {
+            let Some(mut values) = self.column(variable.name) else { continue };
+            relocation.apply(&mut values);
             self.set_column(variable.name, &values);
         }
     }

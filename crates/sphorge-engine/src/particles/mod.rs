@@ -8,7 +8,7 @@ mod table;
 mod value;
 
 pub use column::{Column, ColumnKind};
-pub use fields::{FIELDS, FieldInfo, find_field, is_kept};
+pub use fields::{FIELDS, FieldInfo, find_field, is_kept, stored_behind};
 pub use history::History;
 pub use permutation::Permutation;
 pub use table::{Access, COLUMNS, Check, ColumnInfo, Owner, Particles};

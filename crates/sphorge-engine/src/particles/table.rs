@@ -5,6 +5,7 @@
 
 use super::value::Value;
 use super::{Column, History, Permutation};
+use crate::cpu::Relocation;
 use crate::halo::{FieldSet, Halo, Mirror};
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
@@ -142,6 +143,17 @@ macro_rules! columns {
             pub fn reorder(&mut self, permutation: &Permutation) {
                 $( permutation.apply(&mut self.$name); )+
                 self.history.reorder(permutation);
+            }
+
+            /// Moves every column among ranks.
+            pub(crate) fn relocate(&mut self, relocation: &mut Relocation) {
+                $( relocation.apply(&mut self.$name); )+
+                self.history.relocate(relocation);
+            }
+
+            /// Keeps some particles, which have no history yet.
+            pub(crate) fn keep(&mut self, kept: std::ops::Range<usize>) {
+                $( if !self.$name.is_empty() { self.$name = self.$name[kept.clone()].to_vec(); } )+
             }
 
             /// Bytes held.

@@ -12,6 +12,7 @@
 
 use super::super::CpuEngine;
 use super::{CHUNK, moved_beyond};
+use crate::RunFailure;
 use crate::engine::SearchReport;
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, Search};
@@ -27,11 +28,11 @@ pub(super) const GHOST_MARGIN: f64 = 0.5;
 const ALL_ABOVE: f64 = 0.5;
 
 impl<T: PairScalar> CpuEngine<T> {
-    pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> SearchReport {
+    pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
         if self.lists.stale || self.ghosts_used_up() {
             return self.search_all();
         }
-        self.follow_frame();
+        self.follow_frame()?;
         if adaptive.guard.is_some() {
             let reach = self.largest_reach();
             let factor = self.model.numerics.kernel.support();
@@ -45,7 +46,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.step.any_adapted = marked > 0;
         if marked == 0 {
-            return SearchReport { searched_fraction: 0.0 };
+            return Ok(SearchReport { searched_fraction: 0.0 });
         }
         if self.ghosts.count() > 0 {
             self.place_points();
@@ -77,7 +78,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         // Every particle that can touch another body is among contact candidates and was searched: all pairs of bodies are in the rows.
         self.take_contacts();
-        SearchReport { searched_fraction: marked as f64 / count as f64 }
+        Ok(SearchReport { searched_fraction: marked as f64 / count as f64 })
     }
 
     /// Notes a full search for what is measured from it.

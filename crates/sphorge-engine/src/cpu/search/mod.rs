@@ -5,14 +5,16 @@ mod audit;
 mod contact_candidates;
 
 use super::CpuEngine;
+use super::domain::Domain;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::smoothing::least_searched;
 use super::stored::StoredPairs;
+use crate::RunFailure;
 use crate::engine::SearchReport;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
 use crate::model::Search;
-use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds, range_of};
+use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
 use crate::persist::{Archive, ArchiveError, Persist, persist_option, require};
 use contact_candidates::ContactCandidates;
@@ -34,7 +36,7 @@ pub(super) struct Lists<T> {
     pub(super) searches: u64,
     /// The list is not of these particles.
     pub(super) stale: bool,
-    searcher: Searcher,
+    pub(super) searcher: Searcher,
     /// Positions of particles and ghosts at the last search, m.
     pub(super) points: Vec<Vector<f64>>,
     /// Smoothing lengths of particles and ghosts at the last search, not below those of the contact between bodies, m.
@@ -53,9 +55,9 @@ pub(super) struct Lists<T> {
 }
 
 impl<T: Default> Lists<T> {
-    /// Lists that are to be built for these particles.
-    pub(super) fn new(particles: &Particles) -> Self {
-        Self { stale: true, smoothing_lengths: range_of(&particles.smoothing_length), ..Self::default() }
+    /// Lists that are to be built for particles of these smallest and largest smoothing lengths, m.
+    pub(super) fn new(smoothing_lengths: (f64, f64)) -> Self {
+        Self { stale: true, smoothing_lengths, ..Self::default() }
     }
 }
 
@@ -101,7 +103,8 @@ impl<T: PairScalar> CpuEngine<T> {
             contacts.foreign().first_unfit(count, count + ghosts)
         });
         in_place("foreign", unfit)?;
-        require(searcher.fits(all), &format!("{name}.searcher.sorted_at"))?;
+        let searched = self.domain.as_ref().map_or(all, Domain::count);
+        require(searcher.fits(searched), &format!("{name}.searcher.sorted_at"))?;
         require(points.len() == all, &format!("{name}.points"))?;
         require(smoothing_length.len() == all, &format!("{name}.smoothing_length"))
     }
@@ -122,33 +125,33 @@ impl<T> Lists<T> {
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Makes the lists valid for the positions just reached, as the strategy has it.
-    pub(super) fn refresh_lists(&mut self) -> SearchReport {
+    pub(super) fn refresh_lists(&mut self) -> Result<SearchReport, RunFailure> {
         let stale = self.lists.stale;
         if !(stale || self.model.thermal.mechanics) {
-            return self.keep_lists();
+            return Ok(self.keep_lists());
         }
         match self.model.search {
             Search::EveryStep => self.search_all(),
             Search::Skin { fraction } => {
-                if stale || self.moved_beyond_skin(fraction) {
+                if stale || self.moved_beyond_skin(fraction)? {
                     self.search_all()
                 } else {
-                    self.follow_frame();
-                    self.keep_lists()
+                    self.follow_frame()?;
+                    Ok(self.keep_lists())
                 }
             }
             Search::Adaptive(adaptive) => self.search_adaptively(adaptive),
             Search::Initial => {
-                let report = if stale || self.renew_references() {
-                    let report = self.search_all();
+                let report = if stale || self.renew_references()? {
+                    let report = self.search_all()?;
                     self.find_surfaces();
                     report
                 } else {
-                    self.follow_frame();
+                    self.follow_frame()?;
                     self.keep_lists()
                 };
                 self.search_contacts();
-                report
+                Ok(report)
             }
         }
     }
@@ -173,17 +176,25 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Whether two particles may have closed in by more than the skin: by twice the longest way of any since the search, or by what
     /// the ways of all differ, which for a body in flight is little.
-    fn moved_beyond_skin(&self, fraction: f64) -> bool {
+    fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.lists.smoothing_lengths.0;
-        let skin = self.skin_left(fraction * smallest, fraction);
+        let skin = self.skin_left(fraction * smallest, fraction)?;
         let skin = skin * self.model.numerics.kernel.support();
         let (now, then) = (&self.particles.position, &self.lists.points);
+        if skin <= 0.0 {
+            return Ok(true);
+        }
+        if self.lists.displacement.is_within(self.lists.displacement_at_search, 0.5 * skin) {
+            return Ok(false);
+        }
+        if let Some(domain) = &self.domain {
+            let (low, high) = ways(now, then);
+            let (low, high) = domain.bounds(low, high)?;
+            return Ok(domain.any(moved_beyond(now, then, 0.5 * skin))? && diagonal_beyond(low, high, skin));
+        }
         // Images in symmetry planes go other ways than their sources.
         let ways_differ = || !self.ghosts.halo.is_empty() || differ_beyond(now, then, skin);
-        skin <= 0.0
-            || (!self.lists.displacement.is_within(self.lists.displacement_at_search, 0.5 * skin)
-                && moved_beyond(now, then, 0.5 * skin)
-                && ways_differ())
+        Ok(moved_beyond(now, then, 0.5 * skin) && ways_differ())
     }
 
     fn keep_lists(&mut self) -> SearchReport {
@@ -194,7 +205,7 @@ impl<T: PairScalar> CpuEngine<T> {
         SearchReport { searched_fraction: 0.0 }
     }
 
-    fn search_all(&mut self) -> SearchReport {
+    fn search_all(&mut self) -> Result<SearchReport, RunFailure> {
         let reach_factor = self.reach_factor();
         let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
         if self.ghosts.halo.wrap(&mut self.particles.position) {
@@ -204,11 +215,14 @@ impl<T: PairScalar> CpuEngine<T> {
         if self.ghosts.halo.rebuild(searched_positions(&self.particles, self.formulation.is_initial()), ghost_reach) {
             self.lists.searcher.forget();
         }
+        self.search_among_ranks(reach_factor)?;
         self.place_points();
         let count = self.particles.len();
         let Lists { list, searcher, points, smoothing_length, smoothing_lengths, displacement, .. } = &mut self.lists;
-        let reach = Reach { smoothing_length, factor: reach_factor, range: *smoothing_lengths };
-        searcher.search(points, count, &reach, *displacement, self.instructions, list);
+        if self.domain.is_none() {
+            let reach = Reach { smoothing_length, factor: reach_factor, range: *smoothing_lengths };
+            searcher.search(points, count, &reach, *displacement, self.instructions, list);
+        }
         let frame = searcher.frame::<T>();
         if !self.formulation.sees_other_bodies() {
             // Another body's material is no part of the deformation of this one.
@@ -223,7 +237,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.set_frame(frame);
         if self.has_come_apart.contains(&true) {
             // Bodies are elsewhere than their reference configurations.
-            self.frame_all();
+            self.frame_all()?;
         }
         self.take_contacts();
         self.lists.displacement_at_search = self.lists.displacement;
@@ -233,7 +247,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.particles.last_searched.fill(self.step.count as u32);
         self.step.any_adapted = true;
         self.note_search();
-        SearchReport { searched_fraction: 1.0 }
+        Ok(SearchReport { searched_fraction: 1.0 })
     }
 
     /// Moves pairs of different bodies to the contact between them, where the deck has one.
@@ -269,23 +283,27 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// The frame of the records around the positions as they are: lists may outlive it.
-    fn follow_frame(&mut self) {
+    fn follow_frame(&mut self) -> Result<(), RunFailure> {
         if self.lists.displacement.is_within(self.lists.displacement_at_frame, self.largest_reach()) {
-            return;
+            return Ok(());
         }
-        self.frame_all();
+        self.frame_all()
     }
 
     /// Makes a frame around the positions as they are and those of the reference configuration.
-    fn frame_all(&mut self) {
+    fn frame_all(&mut self) -> Result<(), RunFailure> {
         let (mut low, mut high) = bounds(&self.particles.position);
         if self.formulation.is_initial() {
             let (other_low, other_high) = bounds(&self.particles.reference_position);
             low = [0, 1, 2].map(|a| low[a].min(other_low[a]));
             high = [0, 1, 2].map(|a| high[a].max(other_high[a]));
         }
+        if let Some(domain) = &self.domain {
+            (low, high) = domain.bounds(low, high)?;
+        }
         // Ghosts stand at most as far outside as the reach they were made for; all may move by a reach.
         self.set_frame(Frame::around::<T>(low, high, 4.0 * self.largest_reach() + self.ghosts.halo.longest_shift()));
+        Ok(())
     }
 
     fn set_frame(&mut self, frame: Frame) {
@@ -304,19 +322,24 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
-    pub(super) fn sort_particles(&mut self) {
+    pub(super) fn sort_particles(&mut self) -> Result<(), RunFailure> {
         let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
-        let Lists { searcher, permutation, .. } = &mut self.lists;
-        permutation.set(searcher.cell_order(&self.particles.position, size));
-        self.particles.reorder(permutation);
+        if self.domain.is_some() {
+            self.sort_among_ranks(size)?;
+        } else {
+            let Lists { searcher, permutation, .. } = &mut self.lists;
+            permutation.set(searcher.cell_order(&self.particles.position, size));
+            self.particles.reorder(permutation);
+        }
         self.lists.stale = true;
         // It knows particles by their places.
         self.lists.candidates.forget();
+        Ok(())
     }
 }
 
 /// Positions neighbours are searched at, m, of particles or ghosts: on request those of the reference configuration.
-fn searched_positions(particles: &Particles, is_reference: bool) -> &[Vector<f64>] {
+pub(super) fn searched_positions(particles: &Particles, is_reference: bool) -> &[Vector<f64>] {
     if is_reference { &particles.reference_position } else { &particles.position }
 }
 
@@ -357,6 +380,17 @@ pub(super) fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f
 
 /// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
 pub(super) fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+    let (low, high) = ways(now, then);
+    diagonal_beyond(low, high, allowed)
+}
+
+/// Whether the diagonal of a box is longer than `allowed`, m.
+fn diagonal_beyond(low: Vector<f64>, high: Vector<f64>, allowed: f64) -> bool {
+    (0..3).map(|a| (high[a] - low[a]).powi(2)).sum::<f64>() > allowed * allowed
+}
+
+/// The box that the ways from `then` to `now` end in, m.
+fn ways(now: &[Vector<f64>], then: &[Vector<f64>]) -> (Vector<f64>, Vector<f64>) {
     let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let of_chunk = |(now, then): (&[Vector<f64>], &[Vector<f64>])| {
         let (mut low, mut high) = nothing();
@@ -371,8 +405,7 @@ pub(super) fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: 
     let join = |a: (Vector<f64>, Vector<f64>), b: (Vector<f64>, Vector<f64>)| {
         ([0, 1, 2].map(|k| a.0[k].min(b.0[k])), [0, 1, 2].map(|k| a.1[k].max(b.1[k])))
     };
-    let (low, high) = now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).map(of_chunk).reduce(nothing, join);
-    (0..3).map(|a| (high[a] - low[a]).powi(2)).sum::<f64>() > allowed * allowed
+    now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).map(of_chunk).reduce(nothing, join)
 }
 
 #[cfg(test)]

@@ -1,0 +1,314 @@
+//! The part of the particles that this rank has of a run on many ranks.
+//!
+//! Particles have one common order, that of the cells, whoever has them; a rank has whole blocks of it that lie one behind the other. Rows of
+//! the lists are searched among the positions of all particles and come as one rank would have them, so that each particle sums the same
+//! numbers in the same order, and what is summed by blocks is summed in the common order of the blocks. A result does not depend on the number
+//! of ranks, to the bit.
+
+use super::CpuEngine;
+use super::guard::Fault;
+use crate::engine::{Engine, Part, TimeStepLimit};
+use crate::halo::{FieldSet, Remote};
+use crate::lanes::PairScalar;
+use crate::model::{Model, Precision};
+use crate::neighbors::{BLOCK, Reach, range_of};
+use crate::particles::{COLUMNS, Column, Particles};
+use crate::persist::Fixed;
+use crate::ranks::{Communicator, Ranks};
+use crate::{LimitReason, RunFailure};
+use sphorge_physics::Vector;
+use sphorge_physics::flow::FLOW_LAWS;
+use std::sync::Arc;
+
+/// The share of this rank.
+pub(super) struct Domain {
+    pub(super) ranks: Ranks,
+    /// Places in the common order at which the particles of each rank begin, and their number.
+    starts: Vec<usize>,
+    /// Scratch of a search: points of this rank by places in the common order.
+    points: Vec<u32>,
+}
+
+impl Domain {
+    /// Shares `count` particles in whole blocks.
+    ///
+    /// # Errors
+    /// There are fewer blocks than ranks.
+    fn new(ranks: Ranks, count: usize) -> Result<Self, RunFailure> {
+        let (size, blocks) = (ranks.size(), count.div_ceil(BLOCK));
+        if blocks < size {
+            return Err(RunFailure::of_engine(format!(
+                "{count} particles are too few for {size} ranks, which take whole blocks of {BLOCK}: there are {blocks}; take `--ranks {}`",
+                blocks.max(1)
+            )));
+        }
+        let starts = (0..=size).map(|r| (r * blocks / size * BLOCK).min(count)).collect();
+        Ok(Self { ranks, starts, points: Vec::new() })
+    }
+
+    /// Places of this rank's particles in the common order.
+    pub(super) fn own(&self) -> std::ops::Range<usize> {
+        let rank = self.ranks.rank();
+        self.starts[rank]..self.starts[rank + 1]
+    }
+
+    /// Particles of all ranks.
+    pub(super) fn count(&self) -> usize {
+        self.starts[self.ranks.size()]
+    }
+
+    fn counts(&self) -> Vec<usize> {
+        self.starts.windows(2).map(|ends| ends[1] - ends[0]).collect()
+    }
+
+    /// A column of the particles of all ranks, in the common order.
+    pub(super) fn gather<V: Fixed + Copy>(&self, own: &[V]) -> Result<Vec<V>, RunFailure> {
+        self.ranks.gather(own, &self.counts())
+    }
+
+    /// `width` values of each block of all ranks, in the common order.
+    pub(super) fn gather_blocks<V: Fixed + Copy>(&self, own: &[V], width: usize) -> Result<Vec<V>, RunFailure> {
+        let counts: Vec<usize> = self.counts().iter().map(|count| width * count.div_ceil(BLOCK)).collect();
+        self.ranks.gather(own, &counts)
+    }
+
+    /// Whether something is so on any rank.
+    pub(super) fn any(&self, own: bool) -> Result<bool, RunFailure> {
+        Ok(self.ranks.each(own)?.contains(&true))
+    }
+
+    /// The smallest of the first and the largest of the second of two numbers of every rank.
+    pub(super) fn range(&self, own: (f64, f64)) -> Result<(f64, f64), RunFailure> {
+        Ok(self.ranks.each(own)?.into_iter().fold(own, |a, b| (a.0.min(b.0), a.1.max(b.1))))
+    }
+
+    /// Bounds of what every rank has bounds of.
+    pub(super) fn bounds(&self, low: Vector<f64>, high: Vector<f64>) -> Result<(Vector<f64>, Vector<f64>), RunFailure> {
+        let wider = |a: (Vector<f64>, Vector<f64>), b: (Vector<f64>, Vector<f64>)| {
+            ([0, 1, 2].map(|k| a.0[k].min(b.0[k])), [0, 1, 2].map(|k| a.1[k].max(b.1[k])))
+        };
+        Ok(self.ranks.each((low, high))?.into_iter().fold((low, high), wider))
+    }
+
+    /// The failure that one rank would meet first or worst, of those that ranks have met.
+    pub(super) fn agree(&self, own: Option<Fault>) -> Result<(), RunFailure> {
+        let rank_of =
+            |fault: &Option<Fault>| fault.as_ref().map_or((0, 0.0), |fault| (fault.severity(), fault.excess()));
+        let faults = self.ranks.each::<(u8, f64)>(rank_of(&own))?;
+        let mut worst: Option<(usize, (u8, f64))> = None;
+        for (rank, fault) in faults.into_iter().enumerate().filter(|(_, fault)| fault.0 > 0) {
+            let is_worse =
+                |(_, other): (usize, (u8, f64))| fault.0 > other.0 || fault.0 == other.0 && fault.1 > other.1;
+            if worst.is_none_or(is_worse) {
+                worst = Some((rank, fault));
+            }
+        }
+        let Some((rank, _)) = worst else { return Ok(()) };
+        let bytes = own.map_or_else(Vec::new, |fault| failure_bytes(&fault.failure));
+        let bytes = self.ranks.from_rank(rank, &bytes)?;
+        Err(failure_of(&bytes).unwrap_or_else(|| RunFailure::of_engine(format!("rank {rank} has failed"))))
+    }
+}
+
+/// A failure of a particle as bytes.
+fn failure_bytes(failure: &RunFailure) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    failure.particle.write(&mut bytes);
+    failure.body.write(&mut bytes);
+    failure.position.write(&mut bytes);
+    failure.step_may_be_smaller.write(&mut bytes);
+    failure.field.len().write(&mut bytes);
+    bytes.extend_from_slice(failure.field.as_bytes());
+    bytes.extend_from_slice(failure.message.as_bytes());
+    bytes
+}
+
+fn failure_of(bytes: &[u8]) -> Option<RunFailure> {
+    let mut at = 0;
+    let mut take = |length: usize| {
+        at += length;
+        bytes.get(at - length..at)
+    };
+    let particle = Fixed::read(take(<Option<u32>>::SIZE)?)?;
+    let body = Fixed::read(take(<Option<u32>>::SIZE)?)?;
+    let position = Fixed::read(take(<Option<[f64; 3]>>::SIZE)?)?;
+    let step_may_be_smaller = Fixed::read(take(bool::SIZE)?)?;
+    let length = usize::read(take(usize::SIZE)?)?;
+    let name = std::str::from_utf8(take(length)?).ok()?;
+    let message = std::str::from_utf8(bytes.get(at..)?).ok()?.to_owned();
+    let histories = FLOW_LAWS.iter().flat_map(|law| law.history).map(|variable| variable.name);
+    let field = COLUMNS.iter().map(|column| column.name).chain(histories).find(|known| *known == name)?;
+    Some(RunFailure { field, particle, body, position, step_may_be_smaller, ..RunFailure::of_engine(message) })
+}
+
+/// Where particles go that change their places in the common order.
+pub(crate) struct Relocation {
+    ranks: Ranks,
+    /// Particles that go to each rank, in their new order.
+    leaving: Vec<Vec<u32>>,
+    /// Of every new place of this rank, whose particle comes.
+    from: Vec<u32>,
+    /// Particles that come from each rank.
+    coming: Vec<usize>,
+    lost: Option<RunFailure>,
+}
+
+impl Relocation {
+    /// Place `k` of the common order is to receive what is at `order[k]`.
+    fn new(domain: &Domain, order: &[u32]) -> Self {
+        let (rank, size, starts, own) = (domain.ranks.rank(), domain.ranks.size(), &domain.starts, domain.own());
+        let owner = |place: u32| starts.partition_point(|&start| start <= place as usize) as u32 - 1;
+        let is_own = |place: &&u32| own.contains(&(**place as usize));
+        let leaving = (0..size)
+            .map(|r| {
+                order[starts[r]..starts[r + 1]].iter().filter(is_own).map(|place| place - own.start as u32).collect()
+            })
+            .collect();
+        let from: Vec<u32> = order[starts[rank]..starts[rank + 1]].iter().map(|&place| owner(place)).collect();
+        let coming = (0..size).map(|r| from.iter().filter(|&&other| other as usize == r).count()).collect();
+        Self { ranks: domain.ranks.clone(), leaving, from, coming, lost: None }
+    }
+
+    /// Moves a column; one that is empty stays so, which it is on all ranks or on none.
+    pub(crate) fn apply<V: Fixed + Copy>(&mut self, column: &mut Vec<V>) {
+        if column.is_empty() || self.lost.is_some() {
+            return;
+        }
+        match self.moved(column) {
+            Ok(moved) => *column = moved,
+            Err(lost) => self.lost = Some(lost),
+        }
+    }
+
+    fn moved<V: Fixed + Copy>(&self, column: &[V]) -> Result<Vec<V>, RunFailure> {
+        let rank = self.ranks.rank();
+        let values = |places: &Vec<u32>| places.iter().map(|&i| column[i as usize]).collect::<Vec<V>>();
+        let mut to: Vec<Vec<u8>> = self.leaving.iter().map(|places| crate::ranks::encoded(&values(places))).collect();
+        to[rank] = Vec::new();
+        let length = |(r, count): (usize, &usize)| if r == rank { 0 } else { count * V::SIZE };
+        let lengths: Vec<usize> = self.coming.iter().enumerate().map(length).collect();
+        let mut come = Vec::with_capacity(to.len());
+        for bytes in self.ranks.exchange(&to, &lengths)? {
+            come.push(crate::ranks::decoded::<V>(&bytes)?.into_iter());
+        }
+        come[rank] = values(&self.leaving[rank]).into_iter();
+        Ok(self.from.iter().filter_map(|&r| come[r as usize].next()).collect())
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Puts the particles of all ranks in the order of the cells; each rank gets those of its blocks, with all their columns.
+    pub(super) fn sort_among_ranks(&mut self, cell: f64) -> Result<(), RunFailure> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let positions = domain.gather(&self.particles.position)?;
+        let order = self.lists.searcher.cell_order(&positions, cell);
+        let mut relocation = Relocation::new(domain, order);
+        self.particles.relocate(&mut relocation);
+        relocation.lost.map_or(Ok(()), Err)
+    }
+
+    /// Searches the neighbours of this rank's particles among those of all ranks, and makes the particles of others that are found its ghosts.
+    pub(super) fn search_among_ranks(&mut self, factor: f64) -> Result<(), RunFailure> {
+        let is_initial = self.formulation.is_initial();
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        let points = domain.gather(super::search::searched_positions(&self.particles, is_initial))?;
+        let smoothing_length = domain.gather(&self.particles.smoothing_length)?;
+        let lists = &mut self.lists;
+        let reach = Reach { smoothing_length: &smoothing_length, factor, range: lists.smoothing_lengths };
+        let own = domain.own();
+        lists.searcher.search_rows(
+            &points,
+            own.clone(),
+            &reach,
+            lists.displacement,
+            self.instructions,
+            &mut lists.list,
+        );
+        let numbers = &mut domain.points;
+        numbers.clear();
+        numbers.resize(points.len(), u32::MAX);
+        let mut sources = Vec::new();
+        for block in lists.list.blocks() {
+            for &j in block.entries() {
+                if !own.contains(&(j as usize)) && numbers[j as usize] == u32::MAX {
+                    numbers[j as usize] = 0;
+                    sources.push(j);
+                }
+            }
+        }
+        sources.sort_unstable();
+        for (k, &source) in sources.iter().enumerate() {
+            numbers[source as usize] = (own.len() + k) as u32;
+        }
+        own.clone().for_each(|place| numbers[place] = (place - own.start) as u32);
+        for block in lists.list.blocks_mut() {
+            block.entries_mut().iter_mut().for_each(|j| *j = numbers[*j as usize]);
+        }
+        let halo = Remote::new(domain.ranks.clone(), domain.starts.clone()).of(sources)?;
+        self.ghosts.halo = Box::new(halo);
+        Ok(())
+    }
+
+    /// What all ranks make of the limits of each.
+    pub(super) fn agree_on_limit(&self, own: TimeStepLimit) -> Result<TimeStepLimit, RunFailure> {
+        let Some(domain) = &self.domain else { return Ok(own) };
+        let limits = domain.ranks.each((own.dt, own.reason))?.into_iter();
+        // Of equal limits that of the rule that is asked first, as on one rank.
+        let smaller = |a: (f64, LimitReason), b: (f64, LimitReason)| {
+            if b.0 < a.0 || b.0 == a.0 && (b.1 as u8) < a.1 as u8 { b } else { a }
+        };
+        let (dt, reason) = limits.fold((own.dt, own.reason), smaller);
+        Ok(TimeStepLimit { dt, reason })
+    }
+}
+
+impl<T: PairScalar> Part for CpuEngine<T> {
+    fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
+        let column = self.field(field)?;
+        let Some(domain) = &self.domain else { return Ok(column.into_owned()) };
+        let (ranks, counts) = (&domain.ranks, domain.counts());
+        Ok(match column {
+            Column::Scalar(values) => Column::Scalar(ranks.gather_on_first(&values, &counts)?.into()),
+            Column::Integer(values) => Column::Integer(ranks.gather_on_first(&values, &counts)?.into()),
+            Column::Vector(values) => Column::Vector(ranks.gather_on_first(&values, &counts)?.into()),
+            Column::Symmetric(values) => Column::Symmetric(ranks.gather_on_first(&values, &counts)?.into()),
+            Column::Tensor(values) => Column::Tensor(ranks.gather_on_first(&values, &counts)?.into()),
+        })
+    }
+
+    fn complete(&mut self) -> Result<(), RunFailure> {
+        // Ghosts take what does not change between searches with each search, and the next one may be far.
+        self.exchange(FieldSet::Search)
+    }
+
+    fn total(&self) -> usize {
+        self.domain.as_ref().map_or(self.particles.len(), Domain::count)
+    }
+}
+
+/// Starts this rank's part of a run on the CPU: every rank has the same model and particles, of which it keeps its share.
+///
+/// # Errors
+/// There are too few particles for so many ranks, or a rank is lost.
+pub fn start_part(
+    model: Arc<Model>,
+    particles: Particles,
+    communicator: Arc<dyn Communicator>,
+) -> Result<Box<dyn Part>, RunFailure> {
+    let domain = Domain::new(Ranks::new(communicator), particles.len())?;
+    Ok(match model.numerics.precision {
+        Precision::Mixed => Box::new(part::<f32>(model, particles, domain)?),
+        Precision::Double => Box::new(part::<f64>(model, particles, domain)?),
+    })
+}
+
+fn part<T: PairScalar>(
+    model: Arc<Model>,
+    mut particles: Particles,
+    domain: Domain,
+) -> Result<CpuEngine<T>, RunFailure> {
+    let smoothing_lengths = range_of(&particles.smoothing_length);
+    particles.keep(domain.own());
+    let halo = Box::new(Remote::new(domain.ranks.clone(), domain.starts.clone()));
+    CpuEngine::new(model, particles, halo, Some(domain), smoothing_lengths)
+}

@@ -1,0 +1,222 @@
+//! Ranks: processes, or threads that stand for them, that share the particles of a run.
+//!
+//! A [`Communicator`] carries bytes between them. Every call is collective: all ranks make it, in the same order.
+
+use crate::RunFailure;
+use crate::persist::Fixed;
+use std::sync::{Arc, OnceLock};
+
+/// What carries bytes between ranks. A rank sends nothing to itself.
+pub trait Communicator: Send + Sync + std::fmt::Debug {
+    /// Number of this rank, from zero on.
+    fn rank(&self) -> usize;
+    /// Number of ranks.
+    fn size(&self) -> usize;
+    /// Sends `to[r]` to rank `r` and fills `from[r]` with what rank `r` has sent, which is as long. Nothing is sent where it is empty.
+    ///
+    /// # Errors
+    /// A rank is lost, with the reason.
+    fn exchange(&self, to: &[Vec<u8>], from: &mut [Vec<u8>]) -> Result<(), String>;
+}
+
+/// The ranks of a run, as an engine sees them: values in place of bytes.
+#[derive(Clone, Debug)]
+pub struct Ranks {
+    communicator: Arc<dyn Communicator>,
+    /// Why a rank was lost where nobody could be told.
+    lost: Arc<OnceLock<RunFailure>>,
+}
+
+impl Ranks {
+    /// The ranks that a communicator joins.
+    pub fn new(communicator: Arc<dyn Communicator>) -> Self {
+        Self { communicator, lost: Arc::default() }
+    }
+
+    /// Number of this rank.
+    pub fn rank(&self) -> usize {
+        self.communicator.rank()
+    }
+
+    /// Number of ranks.
+    pub fn size(&self) -> usize {
+        self.communicator.size()
+    }
+
+    /// Sends bytes to every rank and takes as many as `lengths` says from each.
+    ///
+    /// # Errors
+    /// Here and below: a rank is lost.
+    pub fn exchange(&self, to: &[Vec<u8>], lengths: &[usize]) -> Result<Vec<Vec<u8>>, RunFailure> {
+        let mut from: Vec<Vec<u8>> = lengths.iter().map(|&length| vec![0; length]).collect();
+        self.communicator.exchange(to, &mut from).map_err(lost)?;
+        Ok(from)
+    }
+
+    /// The values of every rank, of which rank `r` has `counts[r]`, in the order of the ranks.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn gather<V: Fixed + Copy>(&self, own: &[V], counts: &[usize]) -> Result<Vec<V>, RunFailure> {
+        let lengths = self.lengths(counts, V::SIZE, |_| true);
+        let to = vec![encoded(own); self.size()];
+        let from = self.exchange(&self.to_others(to), &lengths)?;
+        self.joined(own, &from)
+    }
+
+    /// The same on the first rank alone; nothing on the others.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn gather_on_first<V: Fixed + Copy>(&self, own: &[V], counts: &[usize]) -> Result<Vec<V>, RunFailure> {
+        let is_first = self.rank() == 0;
+        let lengths = self.lengths(counts, V::SIZE, |_| is_first);
+        let mut to = vec![Vec::new(); self.size()];
+        to[0] = encoded(own);
+        let from = self.exchange(&self.to_others(to), &lengths)?;
+        if is_first { self.joined(own, &from) } else { Ok(Vec::new()) }
+    }
+
+    /// A value of every rank, in their order.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn each<V: Fixed + Copy>(&self, own: V) -> Result<Vec<V>, RunFailure> {
+        self.gather(&[own], &vec![1; self.size()])
+    }
+
+    /// Bytes that one rank knows, of any length.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn from_rank(&self, rank: usize, own: &[u8]) -> Result<Vec<u8>, RunFailure> {
+        let is_sender = self.rank() == rank;
+        let length = self.each(if is_sender { own.len() } else { 0 })?[rank];
+        let to = vec![if is_sender { own.to_vec() } else { Vec::new() }; self.size()];
+        let lengths = self.lengths(&vec![length; self.size()], 1, |r| r == rank);
+        let mut from = self.exchange(&self.to_others(to), &lengths)?;
+        Ok(if is_sender { own.to_vec() } else { std::mem::take(&mut from[rank]) })
+    }
+
+    /// Bytes of the first rank, on all of them; others know their number.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn from_first(&self, own: &[u8], length: usize) -> Result<Vec<u8>, RunFailure> {
+        let is_first = self.rank() == 0;
+        let to = vec![if is_first { own.to_vec() } else { Vec::new() }; self.size()];
+        let lengths = self.lengths(&vec![length; self.size()], 1, |r| r == 0);
+        let mut from = self.exchange(&self.to_others(to), &lengths)?;
+        Ok(if is_first { own.to_vec() } else { std::mem::take(&mut from[0]) })
+    }
+
+    /// Bytes of every rank, on the first of them; nothing on the others.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn to_first(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, RunFailure> {
+        let counts = self.each(own.len())?;
+        if self.rank() > 0 {
+            let mut to = vec![Vec::new(); self.size()];
+            to[0] = own;
+            self.exchange(&to, &vec![0; self.size()])?;
+            return Ok(Vec::new());
+        }
+        let mut from = self.exchange(&vec![Vec::new(); self.size()], &self.lengths(&counts, 1, |_| true))?;
+        from[0] = own;
+        Ok(from)
+    }
+
+    /// Gives every rank its own of the bytes that the first one has for each.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn deal(&self, mut parts: Vec<Vec<u8>>) -> Result<Vec<u8>, RunFailure> {
+        let rank = self.rank();
+        parts.resize(self.size(), Vec::new());
+        let lengths: Vec<usize> = parts.iter().map(Vec::len).collect();
+        let table = self.gather(&lengths, &vec![self.size(); self.size()])?;
+        let own = std::mem::take(&mut parts[rank]);
+        let expected = self.lengths(&vec![table[rank]; self.size()], 1, |r| r == 0);
+        let mut from = self.exchange(&parts, &expected)?;
+        Ok(if rank == 0 { own } else { std::mem::take(&mut from[0]) })
+    }
+
+    /// Sums over all particles in their order, to the bit those of one rank: each rank adds its particles to what those before it have
+    /// summed, and all get what the last one has.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn in_turn<V: Fixed + Copy>(&self, sums: &mut [V], add: impl FnOnce(&mut [V])) -> Result<(), RunFailure> {
+        let (rank, size) = (self.rank(), self.size());
+        let mut lengths = vec![0; size];
+        if rank > 0 {
+            lengths[rank - 1] = sums.len() * V::SIZE;
+            let from = self.exchange(&vec![Vec::new(); size], &lengths)?;
+            sums.copy_from_slice(&decoded(&from[rank - 1])?);
+        }
+        add(sums);
+        if rank + 1 < size {
+            let mut to = vec![Vec::new(); size];
+            to[rank + 1] = encoded(sums);
+            self.exchange(&to, &vec![0; size])?;
+        }
+        let of_last = self.from_rank(size - 1, &encoded(sums))?;
+        sums.copy_from_slice(&decoded(&of_last)?);
+        Ok(())
+    }
+
+    /// Notes a loss where nobody can be told at once.
+    pub(crate) fn note(&self, failure: RunFailure) {
+        let _ = self.lost.set(failure);
+    }
+
+    /// Tells of a loss that was noted.
+    ///
+    /// # Errors
+    /// There was one.
+    pub(crate) fn told(&self) -> Result<(), RunFailure> {
+        self.lost.get().map_or(Ok(()), |failure| Err(failure.clone()))
+    }
+
+    /// Nothing to this rank itself.
+    fn to_others(&self, mut to: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        to[self.rank()] = Vec::new();
+        to
+    }
+
+    /// Bytes to come from each other rank that sends.
+    fn lengths(&self, counts: &[usize], size: usize, sends: impl Fn(usize) -> bool) -> Vec<usize> {
+        let of = |(r, count): (usize, &usize)| if r != self.rank() && sends(r) { count * size } else { 0 };
+        counts.iter().enumerate().map(of).collect()
+    }
+
+    fn joined<V: Fixed + Copy>(&self, own: &[V], from: &[Vec<u8>]) -> Result<Vec<V>, RunFailure> {
+        let mut all = Vec::new();
+        for (r, bytes) in from.iter().enumerate() {
+            if r == self.rank() {
+                all.extend_from_slice(own);
+            } else {
+                all.extend(decoded::<V>(bytes)?);
+            }
+        }
+        Ok(all)
+    }
+}
+
+fn lost(reason: String) -> RunFailure {
+    RunFailure::of_engine(format!("a rank of the run is lost: {reason}"))
+}
+
+/// Values as bytes.
+pub(crate) fn encoded<V: Fixed>(values: &[V]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(values.len() * V::SIZE);
+    values.iter().for_each(|value| value.write(&mut bytes));
+    bytes
+}
+
+/// Values of the bytes that another rank has made of them.
+pub(crate) fn decoded<V: Fixed>(bytes: &[u8]) -> Result<Vec<V>, RunFailure> {
+    let values = bytes.chunks_exact(V::SIZE).map(V::read).collect::<Option<_>>();
+    values.ok_or_else(|| lost("it has sent what means nothing; all ranks must be of one program".to_owned()))
+}

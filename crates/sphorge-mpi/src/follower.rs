@@ -1,0 +1,88 @@
+//! Every rank but the first: does what the first one tells.
+
+use crate::protocol::{Command, State};
+use sphorge_engine::ranks::{Communicator, Ranks};
+use sphorge_engine::{Engine, Model, Part, Particles, RunFailure, StageSeconds, advance, start_part};
+use std::sync::Arc;
+
+/// A model and its particles as every rank has them at the start.
+pub type Loaded = (Arc<Model>, Particles);
+
+/// Follows the first rank until it ends. What is to be run is loaded when the first rank starts, which has found it in order. Threads are those of
+/// the rayon pool it is called in.
+///
+/// # Errors
+/// The first rank is lost.
+pub fn follow(communicator: Arc<dyn Communicator>, load: impl Fn() -> Option<Loaded>) -> Result<(), RunFailure> {
+    let ranks = Ranks::new(communicator.clone());
+    let mut part = None;
+    loop {
+        match Command::hear(&ranks)? {
+            Command::Start => {
+                // A former part goes before there is another one.
+                drop(part.take());
+                part = start(&ranks, &communicator, load())?;
+            }
+            Command::End => return Ok(()),
+            command => {
+                let Some(part) = part.as_deref_mut() else { continue };
+                obey(&command, part, &ranks)?;
+            }
+        }
+    }
+}
+
+/// A part of a run, if every rank could load it; its first rank tells of a failure.
+fn start(
+    ranks: &Ranks,
+    communicator: &Arc<dyn Communicator>,
+    loaded: Option<Loaded>,
+) -> Result<Option<Box<dyn Part>>, RunFailure> {
+    let everyone = !ranks.each(loaded.is_some())?.contains(&false);
+    Ok(loaded.filter(|_| everyone).and_then(|(model, particles)| start_part(model, particles, communicator.clone()).ok()))
+}
+
+/// Does what all ranks do. What goes wrong with a step goes wrong on all of them, and the first one tells of it.
+fn obey(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
+    match command {
+        Command::Start | Command::End => {}
+        Command::Step(dt) => {
+            let _ = advance(part as &mut dyn Engine, *dt, &mut StageSeconds::default());
+        }
+        Command::Ledger => {
+            part.ledger()?;
+        }
+        Command::Collect(field) => {
+            let _ = part.collect(field);
+        }
+        Command::Save => {
+            send_state(part, ranks)?;
+        }
+        Command::Load => {
+            take_state(part, ranks)?;
+        }
+    }
+    Ok(())
+}
+
+/// Sends the state of this rank, nothing where it keeps it to itself.
+fn send_state(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
+    let mut state = State::default();
+    let bytes = if part.persist(&mut state).is_ok() { state.bytes } else { Vec::new() };
+    ranks.to_first(bytes).map(|_| ())
+}
+
+fn take_state(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
+    let bytes = ranks.deal(Vec::new())?;
+    let loaded = State::of(&bytes).is_some_and(|mut state| part.persist(&mut state).is_ok());
+    go_on(part, ranks, loaded).map(|_| ())
+}
+
+/// Goes on from a state if every rank could load its own; says whether all could.
+pub(crate) fn go_on(part: &mut dyn Part, ranks: &Ranks, loaded: bool) -> Result<bool, RunFailure> {
+    let all = !ranks.each(loaded)?.contains(&false);
+    if all {
+        part.complete()?;
+    }
+    Ok(all)
+}

@@ -1,0 +1,213 @@
+//! The first rank: an engine that the rest of the program drives as if it were alone.
+
+use crate::follower::go_on;
+use crate::protocol::Command;
+use crate::supports;
+use sphorge_engine::halo::FieldSet;
+use sphorge_engine::persist::{Archive, ArchiveError, Persist, require};
+use sphorge_engine::ranks::{Communicator, Ranks};
+use sphorge_engine::reduction::{self, Reduction};
+use sphorge_engine::{
+    Audit, Column, Engine, EngineKind, FieldSource, Ledger, Model, Part, Particles, RunFailure, SearchReport,
+    TimeStepLimit, Unsupported, start_part,
+};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The kind of engine that the first of several ranks has. Once it is dropped the others end ([`crate::follow`]).
+#[derive(Debug)]
+pub struct Leader {
+    communicator: Arc<dyn Communicator>,
+    ranks: Ranks,
+}
+
+impl Leader {
+    /// The first of the ranks that a communicator joins.
+    pub fn new(communicator: Arc<dyn Communicator>) -> Self {
+        Self { ranks: Ranks::new(communicator.clone()), communicator }
+    }
+}
+
+impl Drop for Leader {
+    fn drop(&mut self) {
+        // A rank that is lost does not wait to be told.
+        let _ = Command::End.tell(&self.ranks);
+    }
+}
+
+impl EngineKind for Leader {
+    fn name(&self) -> &'static str {
+        "cpu-ranks"
+    }
+
+    fn supports(&self, model: &Model) -> Result<(), Unsupported> {
+        supports::supports(model)
+    }
+
+    fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        Command::Start.tell(&self.ranks)?;
+        if let Some(rank) = self.ranks.each(true)?.iter().position(|loaded| !loaded) {
+            return Err(RunFailure::of_engine(format!(
+                "rank {rank} could not load the deck; every machine of a run must see its files under the same names"
+            )));
+        }
+        let part = start_part(model.clone(), particles, self.communicator.clone())?;
+        Ok(Box::new(Led { model, part, ranks: self.ranks.clone(), collected: RefCell::default() }))
+    }
+}
+
+/// The engine of the first rank.
+struct Led {
+    model: Arc<Model>,
+    part: Box<dyn Part>,
+    ranks: Ranks,
+    /// Fields of the particles of all ranks that were asked for since the last step.
+    collected: RefCell<BTreeMap<String, Column<'static>>>,
+}
+
+impl Led {
+    /// A field of the particles of all ranks, in the order they are summed in.
+    fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
+        if let Some(column) = self.collected.borrow().get(field) {
+            return Ok(column.clone());
+        }
+        Command::Collect(field.to_owned()).tell(&self.ranks)?;
+        let column = self.part.collect(field)?;
+        self.collected.borrow_mut().insert(field.to_owned(), column.clone());
+        Ok(column)
+    }
+
+    /// Saves the states of all ranks: that of this one under its names, those of the others as they come.
+    fn save(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        Command::Save.tell(&self.ranks).map_err(lost)?;
+        let parts = self.ranks.to_first(Vec::new()).map_err(lost)?;
+        self.ranks.size().persist("ranks", archive)?;
+        for (rank, mut bytes) in parts.into_iter().enumerate().skip(1) {
+            if bytes.is_empty() {
+                return Err(ArchiveError::Unsupported(format!("rank {rank} keeps its state to itself")));
+            }
+            bytes.persist(&of_rank(rank), archive)?;
+        }
+        self.part.persist(archive)
+    }
+
+    fn load(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let mut size = 0usize;
+        size.persist("ranks", archive)?;
+        if size != self.ranks.size() {
+            return Err(ArchiveError::Unsupported(format!(
+                "the state was saved by {size} ranks and there are {}; take `--ranks {size}`",
+                self.ranks.size()
+            )));
+        }
+        let mut parts = vec![Vec::<u8>::new(); size];
+        for (rank, bytes) in parts.iter_mut().enumerate().skip(1) {
+            bytes.persist(&of_rank(rank), archive)?;
+        }
+        self.collected.borrow_mut().clear();
+        Command::Load.tell(&self.ranks).map_err(lost)?;
+        self.ranks.deal(parts).map_err(lost)?;
+        let loaded = self.part.persist(archive);
+        let all = go_on(self.part.as_mut(), &self.ranks, loaded.is_ok()).map_err(lost)?;
+        loaded.and_then(|()| require(all, "ranks"))
+    }
+}
+
+fn of_rank(rank: usize) -> String {
+    format!("ranks.{rank}")
+}
+
+fn lost(failure: RunFailure) -> ArchiveError {
+    ArchiveError::Unsupported(failure.message)
+}
+
+/// All fields in the order they are summed in.
+impl FieldSource for Led {
+    fn count(&self) -> usize {
+        self.part.total()
+    }
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.collect(field)
+    }
+}
+
+impl Engine for Led {
+    fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
+        self.collected.borrow_mut().clear();
+        Command::Step(dt).tell(&self.ranks)?;
+        self.part.begin(dt)
+    }
+    fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
+        self.part.refresh_neighbors()
+    }
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        self.part.audit()
+    }
+    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        self.part.exchange(fields)
+    }
+    fn kinematics(&mut self) -> Result<(), RunFailure> {
+        self.part.kinematics()
+    }
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        self.part.restore_density()
+    }
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        self.part.correct_gradients()
+    }
+    fn find_faces(&mut self) -> Result<(), RunFailure> {
+        self.part.find_faces()
+    }
+    fn find_overlaps(&mut self) -> Result<(), RunFailure> {
+        self.part.find_overlaps()
+    }
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
+        self.part.push_faces()
+    }
+    fn stress(&mut self) -> Result<(), RunFailure> {
+        self.part.stress()
+    }
+    fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
+        self.part.intermediate_sums()
+    }
+    fn forces(&mut self) -> Result<(), RunFailure> {
+        self.part.forces()
+    }
+    fn finish(&mut self) -> Result<(), RunFailure> {
+        self.part.finish()
+    }
+    fn guard(&self) -> Result<(), RunFailure> {
+        self.part.guard()
+    }
+    fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
+        self.part.time_step_limit()
+    }
+    fn count(&self) -> usize {
+        self.part.total()
+    }
+    fn pairs(&self) -> u64 {
+        self.part.pairs()
+    }
+    fn ledger(&self) -> Result<Ledger, RunFailure> {
+        Command::Ledger.tell(&self.ranks)?;
+        self.part.ledger()
+    }
+    fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        Ok(reduction::evaluate(reduction, &self.model, &self.with_fields(&reduction.fields())?))
+    }
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        let column = self.collect(field)?;
+        Ok(match self.collect("id")? {
+            Column::Integer(id) => column.by_id(&id),
+            _ => column,
+        })
+    }
+    fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        if archive.is_saving() { self.save(archive) } else { self.load(archive) }
+    }
+    /// Of this rank.
+    fn memory_bytes(&self) -> u64 {
+        self.part.memory_bytes()
+    }
+}

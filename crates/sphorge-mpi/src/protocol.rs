@@ -1,0 +1,142 @@
+//! What the first rank tells the others to do.
+
+use sphorge_engine::RunFailure;
+use sphorge_engine::persist::{Archive, ArchiveError, Fixed};
+use sphorge_engine::ranks::Ranks;
+use std::collections::BTreeMap;
+
+/// What all ranks do next, together.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Command {
+    /// Take over particles.
+    Start,
+    /// Take a step of this size, s.
+    Step(f64),
+    /// Sum what is conserved.
+    Ledger,
+    /// Bring the values of a field to the first rank.
+    Collect(String),
+    /// Bring the state to the first rank.
+    Save,
+    /// Take the state back from the first rank.
+    Load,
+    /// There is nothing more to do.
+    End,
+}
+
+/// Kind, number, length of the name.
+type Header = (u8, (f64, usize));
+
+impl Command {
+    fn header(&self) -> Header {
+        match self {
+            Self::Start => (0, (0.0, 0)),
+            Self::Step(dt) => (1, (*dt, 0)),
+            Self::Ledger => (2, (0.0, 0)),
+            Self::Collect(field) => (3, (0.0, field.len())),
+            Self::Save => (4, (0.0, 0)),
+            Self::Load => (5, (0.0, 0)),
+            Self::End => (6, (0.0, 0)),
+        }
+    }
+
+    /// Tells the other ranks; the first rank alone does.
+    pub(crate) fn tell(&self, ranks: &Ranks) -> Result<(), RunFailure> {
+        let mut bytes = Vec::new();
+        self.header().write(&mut bytes);
+        ranks.from_first(&bytes, Header::SIZE)?;
+        if let Self::Collect(field) = self {
+            ranks.from_first(field.as_bytes(), field.len())?;
+        }
+        Ok(())
+    }
+
+    /// Waits for what the first rank tells.
+    pub(crate) fn hear(ranks: &Ranks) -> Result<Self, RunFailure> {
+        let unknown = || RunFailure::of_engine("the first rank asks for what there is not; all ranks must be of one program".to_owned());
+        let bytes = ranks.from_first(&[], Header::SIZE)?;
+        let (kind, (number, length)) = Header::read(&bytes).ok_or_else(unknown)?;
+        Ok(match kind {
+            0 => Self::Start,
+            1 => Self::Step(number),
+            2 => Self::Ledger,
+            3 => Self::Collect(String::from_utf8(ranks.from_first(&[], length)?).map_err(|_| unknown())?),
+            4 => Self::Save,
+            5 => Self::Load,
+            6 => Self::End,
+            _ => return Err(unknown()),
+        })
+    }
+}
+
+/// The state of one rank as bytes, to be sent: name and value, each behind its length.
+#[derive(Debug, Default)]
+pub(crate) struct State {
+    pub(crate) bytes: Vec<u8>,
+    loaded: Option<BTreeMap<String, Vec<u8>>>,
+}
+
+impl State {
+    /// A state to load from.
+    pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
+        let mut rest = bytes;
+        let mut take = || {
+            let (length, behind) = rest.split_at_checked(usize::SIZE)?;
+            let (taken, behind) = behind.split_at_checked(usize::read(length)?)?;
+            rest = behind;
+            Some(taken)
+        };
+        let mut values = BTreeMap::new();
+        while let Some(name) = take() {
+            values.insert(std::str::from_utf8(name).ok()?.to_owned(), take()?.to_vec());
+        }
+        rest.is_empty().then_some(Self { bytes: Vec::new(), loaded: Some(values) })
+    }
+}
+
+impl Archive for State {
+    fn is_saving(&self) -> bool {
+        self.loaded.is_none()
+    }
+    fn save(&mut self, name: &str, bytes: Vec<u8>) {
+        for part in [name.as_bytes(), &bytes] {
+            part.len().write(&mut self.bytes);
+            self.bytes.extend_from_slice(part);
+        }
+    }
+    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        let value = self.loaded.as_mut().and_then(|values| values.remove(name));
+        value.ok_or_else(|| ArchiveError::Missing(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::threads;
+
+    #[test]
+    fn what_the_first_rank_tells_is_heard() {
+        let told = [Command::Start, Command::Step(-0.1), Command::Collect("density".to_owned()), Command::Save, Command::End];
+        let [first, second]: [Ranks; 2] = threads(2).into_iter().map(Ranks::new).collect::<Vec<_>>().try_into().unwrap();
+        std::thread::scope(|scope| {
+            scope.spawn(|| told.iter().for_each(|command| command.tell(&first).unwrap()));
+            for command in &told {
+                assert_eq!(Command::hear(&second).as_ref(), Ok(command));
+            }
+        });
+    }
+
+    #[test]
+    fn a_state_is_sent_as_bytes_and_one_that_is_cut_is_none() {
+        let mut state = State::default();
+        state.save("a", vec![1, 2, 3]);
+        state.save("b", Vec::new());
+        let bytes = state.bytes.clone();
+        let mut loaded = State::of(&bytes).unwrap();
+        assert!(state.is_saving() && !loaded.is_saving());
+        assert_eq!((loaded.load("a"), loaded.load("b")), (Ok(vec![1, 2, 3]), Ok(vec![])));
+        assert_eq!(loaded.load("a"), Err(ArchiveError::Missing("a".to_owned())));
+        assert!(State::of(&bytes[..bytes.len() - 1]).is_none());
+    }
+}

@@ -1,0 +1,84 @@
+//! Ranks that are threads of one process.
+
+use sphorge_engine::ranks::Communicator;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// One of several ranks, each in a thread of its own.
+#[derive(Debug)]
+struct Thread {
+    rank: usize,
+    to: Vec<Sender<Vec<u8>>>,
+    from: Vec<Mutex<Receiver<Vec<u8>>>>,
+}
+
+/// Communicators of as many ranks, one for each thread. A rank whose communicator is dropped is lost to the others.
+pub fn threads(size: usize) -> Vec<Arc<dyn Communicator>> {
+    let mut to: Vec<Vec<Sender<_>>> = (0..size).map(|_| Vec::new()).collect();
+    let mut from: Vec<Vec<Mutex<Receiver<_>>>> = (0..size).map(|_| Vec::new()).collect();
+    for sender in &mut to {
+        for receiver in &mut from {
+            let (send, receive) = channel();
+            sender.push(send);
+            receiver.push(Mutex::new(receive));
+        }
+    }
+    let ranks = to.into_iter().zip(from).enumerate();
+    ranks.map(|(rank, (to, from))| Arc::new(Thread { rank, to, from }) as Arc<dyn Communicator>).collect()
+}
+
+impl Communicator for Thread {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.to.len()
+    }
+
+    fn exchange(&self, to: &[Vec<u8>], from: &mut [Vec<u8>]) -> Result<(), String> {
+        let others = |bytes: &(usize, &Vec<u8>)| bytes.0 != self.rank && !bytes.1.is_empty();
+        for (rank, bytes) in to.iter().enumerate().filter(others) {
+            self.to[rank].send(bytes.clone()).map_err(|_| format!("rank {rank} has ended"))?;
+        }
+        for (rank, bytes) in from.iter_mut().enumerate().filter(|(rank, bytes)| *rank != self.rank && !bytes.is_empty()) {
+            let receiver = self.from[rank].lock().unwrap_or_else(PoisonError::into_inner);
+            let received = receiver.recv().map_err(|_| format!("rank {rank} has ended"))?;
+            if received.len() != bytes.len() {
+                return Err(format!("rank {rank} has sent {} bytes in place of {}", received.len(), bytes.len()));
+            }
+            *bytes = received;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_rank_gets_what_each_other_sends_it() {
+        std::thread::scope(|scope| {
+            for communicator in threads(3) {
+                scope.spawn(move || {
+                    let rank = communicator.rank();
+                    let to: Vec<Vec<u8>> = (0..3).map(|other| vec![10 * rank as u8 + other; rank + 1]).collect();
+                    let mut from: Vec<Vec<u8>> = (0..3).map(|other| vec![0; other + 1]).collect();
+                    communicator.exchange(&to, &mut from).unwrap();
+                    for other in (0..3).filter(|other| *other != rank) {
+                        assert_eq!(from[other], vec![(10 * other + rank) as u8; other + 1]);
+                    }
+                });
+            }
+        });
+    }
+
+    #[test]
+    fn a_rank_that_has_ended_is_named() {
+        let mut ranks = threads(2);
+        drop(ranks.pop());
+        let lost = ranks[0].exchange(&[vec![], vec![]], &mut [vec![], vec![0]]);
+        assert_eq!(lost, Err("rank 1 has ended".to_owned()));
+    }
+}

@@ -1,0 +1,95 @@
+//! A run on ranks writes what a run without them writes, bit by bit.
+
+use rayon::ThreadPoolBuilder;
+use sphorge::deck::{Setup, load_text};
+use sphorge::engine::{Cpu, EngineKind};
+use sphorge::run::{RunOptions, Silent, execute};
+use sphorge_mpi::{Leader, follow, threads};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, atomic::AtomicBool};
+use std::{fs, thread};
+
+/// Names and contents of the files of a run that hold results.
+type Files = BTreeMap<String, Vec<u8>>;
+
+fn setup(deck: &str, changes: &[(&str, &str)]) -> Setup {
+    let shipped = sphorge::decks::find(deck).unwrap();
+    let changes: Vec<_> = changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    load_text(deck, shipped.text, &changes).unwrap_or_else(|report| panic!("{report:?}"))
+}
+
+fn results(directory: &Path) -> Files {
+    let mut files = Files::new();
+    files.insert("history.csv".to_owned(), fs::read(directory.join("history.csv")).unwrap());
+    for entry in fs::read_dir(directory.join("fields")).unwrap() {
+        let path = entry.unwrap().path();
+        files.insert(path.file_name().unwrap().to_string_lossy().into_owned(), fs::read(path).unwrap());
+    }
+    files
+}
+
+fn run(kind: &dyn EngineKind, setup: Setup, threads: usize) -> Files {
+    let folder = tempfile::tempdir().unwrap();
+    let directory = folder.path().join("run");
+    let options = RunOptions { directory: directory.clone(), threads: Some(threads), ..RunOptions::default() };
+    execute(setup, kind, &options, &AtomicBool::new(false), &mut Silent).unwrap_or_else(|error| panic!("{error}"));
+    results(&directory)
+}
+
+/// The files of a run on ranks, each a thread.
+fn run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_each: usize) -> Files {
+    let mut communicators = threads(ranks);
+    thread::scope(|scope| {
+        for communicator in communicators.split_off(1) {
+            scope.spawn(move || {
+                let pool = ThreadPoolBuilder::new().num_threads(threads_each).build().unwrap();
+                let load = || {
+                    let setup = setup(deck, changes);
+                    Some((Arc::new(setup.model), setup.particles))
+                };
+                pool.install(|| follow(communicator, load)).unwrap();
+            });
+        }
+        let leader = Leader::new(communicators.remove(0));
+        run(&leader, setup(deck, changes), threads_each)
+    })
+}
+
+/// Compares a run on each number of ranks with one without ranks.
+fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) {
+    let expected = run(&Cpu, setup(deck, changes), 1);
+    assert!(expected.len() > 2, "{:?}", expected.keys());
+    let rows = expected["history.csv"].iter().filter(|&&byte| byte == b'\n').count();
+    assert!(rows > 2, "{rows} rows");
+    for &ranks in ranks {
+        let found = run_on_ranks(deck, changes, ranks, if ranks == 2 { 2 } else { 1 });
+        assert!(found.keys().eq(expected.keys()));
+        for (name, bytes) in &found {
+            assert!(*bytes == expected[name], "`{name}` of `{deck}` on {ranks} ranks differs");
+        }
+    }
+}
+
+#[test]
+fn a_plate_at_a_wall_with_a_search_every_step() {
+    compare(
+        "taylor-plate",
+        &[("particles.spacing", "\"0.4 mm\""), ("time.end", "\"6 us\""), ("output.frames", "2")],
+        &[1, 2, 3, 4, 7],
+    );
+}
+
+#[test]
+fn a_bullet_in_a_plate_with_lists_that_are_kept() {
+    compare(
+        "bullet",
+        &[
+            ("particles.spacing", "\"24 mm\""),
+            ("body.1.spacing", "\"12 mm\""),
+            ("time.end", "\"250 us\""),
+            ("output.frames", "2"),
+        ],
+        &[1, 2, 3, 4, 7],
+    );
+}
