@@ -10,6 +10,7 @@ mod engine_arguments;
 mod failure;
 mod memory;
 mod progress;
+mod rank_arguments;
 mod readable;
 mod signals;
 mod table;

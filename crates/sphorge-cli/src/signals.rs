@@ -15,6 +15,9 @@ use std::{
 /// Signals that end a run.
 fn ending() -> Vec<i32> {
     let mut signals = TERM_SIGNALS.to_vec();
+    // `mpirun` ends its processes on those, and gives this one on.
+    #[cfg(feature = "mpi")]
+    signals.push(signal_hook::consts::SIGUSR2);
     #[cfg(unix)]
     if !is_ignored(signal_hook::consts::SIGHUP) {
         signals.push(signal_hook::consts::SIGHUP);
@@ -53,6 +56,18 @@ pub(crate) fn checkpoint_request() -> io::Result<Option<Arc<AtomicBool>>> {
     }
     #[cfg(not(unix))]
     Ok(None)
+}
+
+/// Leaves all signals that end a run or save its state to the first of its ranks: the others do what that one does.
+///
+/// # Errors
+/// The system refuses the handlers.
+#[cfg(feature = "mpi")]
+pub(crate) fn leave_to_the_first_rank() -> io::Result<()> {
+    for signal in ending().into_iter().chain([signal_hook::consts::SIGUSR1, signal_hook::consts::SIGUSR2]) {
+        flag::register(signal, Arc::default())?;
+    }
+    Ok(())
 }
 
 /// A flag that signals raise, and what is said when the first one has.

@@ -45,6 +45,11 @@ pub trait EngineKind: Send + Sync + std::fmt::Debug {
     /// What it cannot do.
     fn supports(&self, model: &Model) -> Result<(), Unsupported>;
 
+    /// Takes note of the deck, with its name, that what is started next is of; for engines whose other processes read it themselves.
+    fn take_deck(&self, name: &str, deck: &str) {
+        let _ = (name, deck);
+    }
+
     /// Takes over particles in their initial configuration. Threads are those of the rayon pool it is called in.
     ///
     /// # Errors

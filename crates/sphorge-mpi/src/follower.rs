@@ -8,20 +8,30 @@ use std::sync::Arc;
 /// A model and its particles as every rank has them at the start.
 pub type Loaded = (Arc<Model>, Particles);
 
-/// Follows the first rank until it ends. What is to be run is loaded when the first rank starts, which has found it in order. Threads are those of
-/// the rayon pool it is called in.
+/// Follows the first rank until it ends, on as many threads, all of the machine if none are given. `load` makes a model and its particles of a
+/// deck, given with its name, that the first rank has found in order.
 ///
 /// # Errors
-/// The first rank is lost.
-pub fn follow(communicator: Arc<dyn Communicator>, load: impl Fn() -> Option<Loaded>) -> Result<(), RunFailure> {
+/// The first rank is lost, or there are no threads.
+pub fn follow(
+    communicator: Arc<dyn Communicator>,
+    threads: Option<usize>,
+    load: impl Fn(&str, &str) -> Option<Loaded> + Sync,
+) -> Result<(), RunFailure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|error| RunFailure::of_engine(format!("there are no threads: {error}")))?;
+    pool.install(|| listen(&communicator, &load))
+}
+
+fn listen(communicator: &Arc<dyn Communicator>, load: &dyn Fn(&str, &str) -> Option<Loaded>) -> Result<(), RunFailure> {
     let ranks = Ranks::new(communicator.clone());
     let mut part = None;
     loop {
         match Command::hear(&ranks)? {
-            Command::Start => {
+            Command::Start { name, deck } => {
                 // A former part goes before there is another one.
                 drop(part.take());
-                part = start(&ranks, &communicator, load())?;
+                part = start(&ranks, communicator, load(&name, &deck))?;
             }
             Command::End => return Ok(()),
             command => {
@@ -39,13 +49,15 @@ fn start(
     loaded: Option<Loaded>,
 ) -> Result<Option<Box<dyn Part>>, RunFailure> {
     let everyone = !ranks.each(loaded.is_some())?.contains(&false);
-    Ok(loaded.filter(|_| everyone).and_then(|(model, particles)| start_part(model, particles, communicator.clone()).ok()))
+    Ok(loaded
+        .filter(|_| everyone)
+        .and_then(|(model, particles)| start_part(model, particles, communicator.clone()).ok()))
 }
 
 /// Does what all ranks do. What goes wrong with a step goes wrong on all of them, and the first one tells of it.
 fn obey(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
     match command {
-        Command::Start | Command::End => {}
+        Command::Start { .. } | Command::End => {}
         Command::Step(dt) => {
             let _ = advance(part as &mut dyn Engine, *dt, &mut StageSeconds::default());
         }

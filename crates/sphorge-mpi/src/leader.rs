@@ -13,43 +13,52 @@ use sphorge_engine::{
 };
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The kind of engine that the first of several ranks has. Once it is dropped the others end ([`crate::follow`]).
 #[derive(Debug)]
 pub struct Leader {
     communicator: Arc<dyn Communicator>,
     ranks: Ranks,
+    /// Name and text of the deck that is run.
+    deck: Mutex<(String, String)>,
 }
 
 impl Leader {
     /// The first of the ranks that a communicator joins.
     pub fn new(communicator: Arc<dyn Communicator>) -> Self {
-        Self { ranks: Ranks::new(communicator.clone()), communicator }
+        Self { ranks: Ranks::new(communicator.clone()), communicator, deck: Mutex::default() }
     }
 }
 
 impl Drop for Leader {
     fn drop(&mut self) {
-        // A rank that is lost does not wait to be told.
-        let _ = Command::End.tell(&self.ranks);
+        // Where this one is lost in the middle of something, others do not wait for a command. One that is lost is not told.
+        if !std::thread::panicking() {
+            let _ = Command::End.tell(&self.ranks);
+        }
     }
 }
 
 impl EngineKind for Leader {
     fn name(&self) -> &'static str {
-        "cpu-ranks"
+        crate::NAME
     }
 
     fn supports(&self, model: &Model) -> Result<(), Unsupported> {
         supports::supports(model)
     }
 
+    fn take_deck(&self, name: &str, deck: &str) {
+        *self.deck.lock().unwrap_or_else(PoisonError::into_inner) = (name.to_owned(), deck.to_owned());
+    }
+
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        Command::Start.tell(&self.ranks)?;
+        let (name, deck) = self.deck.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Command::Start { name, deck }.tell(&self.ranks)?;
         if let Some(rank) = self.ranks.each(true)?.iter().position(|loaded| !loaded) {
             return Err(RunFailure::of_engine(format!(
-                "rank {rank} could not load the deck; every machine of a run must see its files under the same names"
+                "rank {rank} cannot load the deck that the first one has loaded: less memory, or another version of the program"
             )));
         }
         let part = start_part(model.clone(), particles, self.communicator.clone())?;

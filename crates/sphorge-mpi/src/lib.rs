@@ -16,4 +16,8 @@ pub use follower::{Loaded, follow};
 pub use leader::Leader;
 #[cfg(feature = "mpi")]
 pub use process::{Processes, ranks_on_this_machine};
+pub use supports::supports;
 pub use threads::threads;
+
+/// Name of the engine of ranks, in checkpoints and summaries.
+pub const NAME: &str = "cpu-ranks";

@@ -8,8 +8,13 @@ use std::collections::BTreeMap;
 /// What all ranks do next, together.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// Take over particles.
-    Start,
+    /// Take over the particles of a deck, with its name.
+    Start {
+        /// Name of the deck.
+        name: String,
+        /// Its text.
+        deck: String,
+    },
     /// Take a step of this size, s.
     Step(f64),
     /// Sum what is conserved.
@@ -24,48 +29,62 @@ pub(crate) enum Command {
     End,
 }
 
-/// Kind, number, length of the name.
-type Header = (u8, (f64, usize));
+/// Kind, number, lengths of two texts.
+type Header = (u8, (f64, [usize; 2]));
 
 impl Command {
-    fn header(&self) -> Header {
+    /// Kind, number and texts.
+    fn parts(&self) -> (u8, f64, [&str; 2]) {
         match self {
-            Self::Start => (0, (0.0, 0)),
-            Self::Step(dt) => (1, (*dt, 0)),
-            Self::Ledger => (2, (0.0, 0)),
-            Self::Collect(field) => (3, (0.0, field.len())),
-            Self::Save => (4, (0.0, 0)),
-            Self::Load => (5, (0.0, 0)),
-            Self::End => (6, (0.0, 0)),
+            Self::Start { name, deck } => (0, 0.0, [name, deck]),
+            Self::Step(dt) => (1, *dt, ["", ""]),
+            Self::Ledger => (2, 0.0, ["", ""]),
+            Self::Collect(field) => (3, 0.0, [field, ""]),
+            Self::Save => (4, 0.0, ["", ""]),
+            Self::Load => (5, 0.0, ["", ""]),
+            Self::End => (6, 0.0, ["", ""]),
         }
+    }
+
+    fn of(kind: u8, number: f64, [first, second]: [String; 2]) -> Option<Self> {
+        Some(match kind {
+            0 => Self::Start { name: first, deck: second },
+            1 => Self::Step(number),
+            2 => Self::Ledger,
+            3 => Self::Collect(first),
+            4 => Self::Save,
+            5 => Self::Load,
+            6 => Self::End,
+            _ => return None,
+        })
     }
 
     /// Tells the other ranks; the first rank alone does.
     pub(crate) fn tell(&self, ranks: &Ranks) -> Result<(), RunFailure> {
+        let (kind, number, texts) = self.parts();
+        let header: Header = (kind, (number, texts.map(str::len)));
         let mut bytes = Vec::new();
-        self.header().write(&mut bytes);
+        header.write(&mut bytes);
         ranks.from_first(&bytes, Header::SIZE)?;
-        if let Self::Collect(field) = self {
-            ranks.from_first(field.as_bytes(), field.len())?;
+        for text in texts.into_iter().filter(|text| !text.is_empty()) {
+            ranks.from_first(text.as_bytes(), text.len())?;
         }
         Ok(())
     }
 
     /// Waits for what the first rank tells.
     pub(crate) fn hear(ranks: &Ranks) -> Result<Self, RunFailure> {
-        let unknown = || RunFailure::of_engine("the first rank asks for what there is not; all ranks must be of one program".to_owned());
+        let unknown = || {
+            let message = "the first rank asks for what there is not; all ranks must be of one program";
+            RunFailure::of_engine(message.to_owned())
+        };
         let bytes = ranks.from_first(&[], Header::SIZE)?;
-        let (kind, (number, length)) = Header::read(&bytes).ok_or_else(unknown)?;
-        Ok(match kind {
-            0 => Self::Start,
-            1 => Self::Step(number),
-            2 => Self::Ledger,
-            3 => Self::Collect(String::from_utf8(ranks.from_first(&[], length)?).map_err(|_| unknown())?),
-            4 => Self::Save,
-            5 => Self::Load,
-            6 => Self::End,
-            _ => return Err(unknown()),
-        })
+        let (kind, (number, lengths)) = Header::read(&bytes).ok_or_else(unknown)?;
+        let mut texts = [String::new(), String::new()];
+        for (text, length) in texts.iter_mut().zip(lengths).filter(|(_, length)| *length > 0) {
+            *text = String::from_utf8(ranks.from_first(&[], length)?).map_err(|_| unknown())?;
+        }
+        Self::of(kind, number, texts).ok_or_else(unknown)
     }
 }
 
@@ -117,8 +136,10 @@ mod tests {
 
     #[test]
     fn what_the_first_rank_tells_is_heard() {
-        let told = [Command::Start, Command::Step(-0.1), Command::Collect("density".to_owned()), Command::Save, Command::End];
-        let [first, second]: [Ranks; 2] = threads(2).into_iter().map(Ranks::new).collect::<Vec<_>>().try_into().unwrap();
+        let start = Command::Start { name: "a".to_owned(), deck: "title = \"A\"".to_owned() };
+        let told = [start, Command::Step(-0.1), Command::Collect("density".to_owned()), Command::Save, Command::End];
+        let [first, second]: [Ranks; 2] =
+            threads(2).into_iter().map(Ranks::new).collect::<Vec<_>>().try_into().unwrap();
         std::thread::scope(|scope| {
             scope.spawn(|| told.iter().for_each(|command| command.tell(&first).unwrap()));
             for command in &told {

@@ -1,12 +1,15 @@
 //! What a run on ranks cannot do so far; all else is refused before a run.
 
-use sphorge_engine::model::{Formulation, Model, Search};
 use sphorge_engine::Unsupported;
+use sphorge_engine::model::{Formulation, Model, Search};
 
 const ALONE: &str = "run it without `--ranks`";
 
 /// Whether ranks can share a model.
-pub(crate) fn supports(model: &Model) -> Result<(), Unsupported> {
+///
+/// # Errors
+/// What they cannot do.
+pub fn supports(model: &Model) -> Result<(), Unsupported> {
     let asked = [
         (
             matches!(model.search, Search::Adaptive(_)),

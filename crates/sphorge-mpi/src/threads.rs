@@ -41,7 +41,8 @@ impl Communicator for Thread {
         for (rank, bytes) in to.iter().enumerate().filter(others) {
             self.to[rank].send(bytes.clone()).map_err(|_| format!("rank {rank} has ended"))?;
         }
-        for (rank, bytes) in from.iter_mut().enumerate().filter(|(rank, bytes)| *rank != self.rank && !bytes.is_empty()) {
+        for (rank, bytes) in from.iter_mut().enumerate().filter(|(rank, bytes)| *rank != self.rank && !bytes.is_empty())
+        {
             let receiver = self.from[rank].lock().unwrap_or_else(PoisonError::into_inner);
             let received = receiver.recv().map_err(|_| format!("rank {rank} has ended"))?;
             if received.len() != bytes.len() {

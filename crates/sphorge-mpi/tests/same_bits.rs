@@ -1,6 +1,5 @@
 //! A run on ranks writes what a run without them writes, bit by bit.
 
-use rayon::ThreadPoolBuilder;
 use sphorge::deck::{Setup, load_text};
 use sphorge::engine::{Cpu, EngineKind};
 use sphorge::run::{RunOptions, Silent, execute};
@@ -43,12 +42,11 @@ fn run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_each
     thread::scope(|scope| {
         for communicator in communicators.split_off(1) {
             scope.spawn(move || {
-                let pool = ThreadPoolBuilder::new().num_threads(threads_each).build().unwrap();
-                let load = || {
-                    let setup = setup(deck, changes);
+                let load = |name: &str, deck: &str| {
+                    let setup = load_text(name, deck, &[]).ok()?;
                     Some((Arc::new(setup.model), setup.particles))
                 };
-                pool.install(|| follow(communicator, load)).unwrap();
+                follow(communicator, Some(threads_each), load).unwrap();
             });
         }
         let leader = Leader::new(communicators.remove(0));

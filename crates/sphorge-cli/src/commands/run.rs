@@ -1,11 +1,14 @@
 //! `sphorge run`: a deck becomes a folder of results.
 
+#[cfg(feature = "mpi")]
+use crate::rank_arguments::{self, Place};
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::DeckArguments,
     engine_arguments::EngineArguments,
     failure::{Ending, Failure, Outcome},
     progress::ProgressDisplay,
+    rank_arguments::RankArguments,
     readable, table, terminal,
 };
 use clap::Args;
@@ -42,6 +45,8 @@ pub(crate) struct RunArguments {
     threads: Option<usize>,
     #[command(flatten)]
     engine: EngineArguments,
+    #[command(flatten)]
+    ranks: RankArguments,
     /// Replace the run that is in the folder
     #[arg(long)]
     overwrite: bool,
@@ -61,7 +66,17 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
 }
 
 pub(crate) fn execute(arguments: RunArguments) -> Ending {
-    let engine = arguments.engine.find()?;
+    let (engine, threads) = (arguments.engine.find()?, arguments.threads);
+    #[cfg(not(feature = "mpi"))]
+    arguments.ranks.refuse()?;
+    #[cfg(feature = "mpi")]
+    let place = arguments.ranks.take_place(threads)?;
+    #[cfg(feature = "mpi")]
+    if matches!(place, Place::Over) {
+        return Ok(Outcome::Done);
+    }
+    #[cfg(feature = "mpi")]
+    let (engine, threads) = (place.engine(engine)?, place.threads(threads));
     let deck = arguments.deck.find()?;
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
@@ -71,10 +86,18 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let options = RunOptions {
         directory: directory.clone(),
         overwrite: arguments.overwrite,
-        threads: arguments.threads,
+        threads,
         checkpoints: arguments.checkpoints.plan()?,
     };
     let setup = deck.load()?;
+    #[cfg(feature = "mpi")]
+    if let Place::Starter(ranks) = place {
+        // What is wrong with the deck is told here, by one.
+        sphorge_mpi::supports(&setup.model)
+            .map_err(|unsupported| failure(RunError::Unsupported { engine: sphorge_mpi::NAME, unsupported }))?;
+        drop(setup);
+        return rank_arguments::start(ranks, &directory, &stop);
+    }
     setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
     let result = sphorge::run::execute(setup, &*engine, &options, stop.flag(), &mut display);
     stop.finish();

@@ -61,6 +61,7 @@ fn run(
     let Setup { model, particles, masses, deck_text: text, .. } = setup;
     let pace = Pace::new();
     let name = model.name.clone();
+    kind.take_deck(&name, &text);
     let mut simulation = Simulation::start(kind, model, particles)
         .map_err(|failure| RunError::Start { engine: kind.name(), failure: Box::new(failure) })?;
     // Of many particles this takes a while. If it fails it does so again when the run begins, and is told as a failure of the run.

@@ -207,6 +207,7 @@ fn go_on_from(
     if end < reached * (1.0 - 1e-12) {
         return Err(ResumeError::EndPassed { end, reached });
     }
+    kind.take_deck(&checkpoint.about.deck_name, &deck_text);
     let simulation = Simulation::start(kind, model, particles)
         .map_err(|failure| ResumeError::Run(RunError::Start { engine: kind.name(), failure: Box::new(failure) }))?;
     let pace = Pace::new();

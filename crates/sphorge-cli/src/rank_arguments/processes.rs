@@ -1,0 +1,158 @@
+//! This process among the ranks of a run.
+
+use super::RankArguments;
+use crate::{
+    failure::{Ending, Failure, Outcome},
+    memory, signals,
+    signals::StopFlag,
+    terminal,
+};
+use miette::{IntoDiagnostic, WrapErr, miette};
+use sphorge::{
+    deck::load_text_within,
+    engine::{Cpu, EngineKind},
+    output::RunDirectory,
+};
+use sphorge_mpi::{Leader, Processes, follow, ranks_on_this_machine};
+use std::{
+    env,
+    path::Path,
+    process::{Command, ExitStatus},
+    sync::{Arc, atomic::Ordering},
+    thread,
+    time::Duration,
+};
+
+/// How often it is looked whether the ranks have ended.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// What this process is among the ranks of a run.
+pub(crate) enum Place {
+    /// There are no others.
+    Alone,
+    /// The one that starts so many ranks and waits for them.
+    Starter(usize),
+    /// The first rank, which drives the run.
+    First(Arc<dyn EngineKind>),
+    /// One of the others, after the run.
+    Over,
+}
+
+impl RankArguments {
+    /// Takes the place of this process, of which each has so many threads; where it is not the first, the run is over then.
+    ///
+    /// # Errors
+    /// There is no MPI, or a number of ranks that is not that of the processes.
+    pub(crate) fn take_place(self, threads: Option<usize>) -> Result<Place, Failure> {
+        if !Processes::are_there() {
+            return Ok(self.ranks.map_or(Place::Alone, Place::Starter));
+        }
+        let communicator = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
+        let (rank, size) = (communicator.rank(), communicator.size());
+        if let Some(asked) = self.ranks.filter(|ranks| *ranks != size) {
+            // All of them find it, and the first one says so.
+            return if rank > 0 { Ok(Place::Over) } else { Err(other_number(asked, size)) };
+        }
+        if rank == 0 {
+            return Ok(Place::First(Arc::new(Leader::new(communicator))));
+        }
+        signals::leave_to_the_first_rank().into_diagnostic().map_err(Failure::Failed)?;
+        let load = |name: &str, deck: &str| {
+            let setup = load_text_within(name, deck, &[], memory::particle_limit()).ok()?;
+            Some((Arc::new(setup.model), setup.particles))
+        };
+        let followed = follow(communicator, threads_of_a_rank(threads), load);
+        followed.map(|()| Place::Over).map_err(|failure| Failure::Failed(miette!("{failure}")))
+    }
+}
+
+fn other_number(asked: usize, started: usize) -> Failure {
+    Failure::bad_input(
+        format!("`--ranks {asked}` was given and {started} processes were started"),
+        "leave `--ranks` out where `mpirun` or `srun` says how many there are",
+    )
+}
+
+/// Threads of each rank: its share of the machine unless told otherwise.
+fn threads_of_a_rank(asked: Option<usize>) -> Option<usize> {
+    let processors = thread::available_parallelism().map_or(1, |n| n.get());
+    asked.or_else(|| ranks_on_this_machine().map(|ranks| (processors / ranks).max(1)))
+}
+
+impl Place {
+    /// Threads of this process.
+    pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
+        match self {
+            Self::First(_) => threads_of_a_rank(asked),
+            Self::Alone | Self::Starter(_) | Self::Over => asked,
+        }
+    }
+
+    /// The engine of this process, where `asked` was asked for.
+    ///
+    /// # Errors
+    /// Ranks do not share what another engine than the processor computes.
+    pub(crate) fn engine(&self, asked: Arc<dyn EngineKind>) -> Result<Arc<dyn EngineKind>, Failure> {
+        match self {
+            Self::Alone => Ok(asked),
+            Self::Starter(_) | Self::First(_) | Self::Over if asked.name() != Cpu.name() => Err(Failure::bad_input(
+                format!("ranks share the work of processors, and the engine is to be `{}`", asked.name()),
+                "leave `--engine` out, or run on one process",
+            )),
+            Self::First(leader) => Ok(leader.clone()),
+            Self::Starter(_) | Self::Over => Ok(asked),
+        }
+    }
+}
+
+/// Starts this command line on ranks of this machine, and waits for them; `directory` is that of the run.
+pub(crate) fn start(ranks: usize, directory: &Path, stop: &StopFlag) -> Ending {
+    let program = env::current_exe().into_diagnostic().map_err(Failure::Failed)?;
+    let mut command = Command::new("mpirun");
+    command.arg("-n").arg(ranks.to_string()).arg(program).args(env::args_os().skip(1));
+    // Open MPI: more ranks than processors, threads of a rank on any of them, and no words of its own where a rank ends with a code.
+    command.env("OMPI_MCA_rmaps_base_oversubscribe", "1").env("OMPI_MCA_hwloc_base_binding_policy", "none");
+    command.env("OMPI_MCA_orte_execute_quiet", "1");
+    // Ctrl-C would end all ranks at once: this process asks them to stop.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    let mut running = command
+        .spawn()
+        .into_diagnostic()
+        .wrap_err("cannot start `mpirun`: it comes with MPI (Debian: apt install openmpi-bin)")
+        .map_err(Failure::Failed)?;
+    let mut is_asked = false;
+    let status = loop {
+        if let Some(status) = running.try_wait().into_diagnostic().map_err(Failure::Failed)? {
+            break status;
+        }
+        if stop.flag().load(Ordering::Relaxed) && !is_asked {
+            is_asked = true;
+            // `mpirun` gives this signal to its ranks.
+            let _ = Command::new("sh").args(["-c", &format!("kill -USR2 {}", running.id())]).status();
+        }
+        thread::sleep(LOOK_EVERY);
+    };
+    stop.finish();
+    conclude(status, directory)
+}
+
+/// How the ranks have ended. The first one tells of all but the death of a rank.
+fn conclude(status: ExitStatus, directory: &Path) -> Ending {
+    let how = match status.code() {
+        Some(0) => return Ok(Outcome::Done),
+        Some(130) => return Ok(Outcome::Stopped),
+        Some(1 | 2) => return Err(Failure::Told),
+        Some(code) => format!("with code {code}"),
+        None => "by a signal".to_owned(),
+    };
+    let kept = match RunDirectory::open(directory) {
+        Ok(_) => format!(
+            "what was computed up to then is in {}: whole frames, history and checkpoints, from the last of which `sphorge resume` goes on",
+            directory.display()
+        ),
+        Err(_) => "nothing was computed yet".to_owned(),
+    };
+    terminal::note(&format!("a rank of the run has ended {how}, and the others with it; {kept}"));
+    Err(Failure::Told)
+}
