@@ -8,6 +8,12 @@ use crate::{
     failure::{Ending, Failure},
     memory,
     progress::ProgressDisplay,
+    rank_arguments::RankArguments,
+};
+#[cfg(feature = "mpi")]
+use crate::{
+    failure::Outcome,
+    rank_arguments::{self, Place},
 };
 use clap::Args;
 use sphorge::run::{ResumeError, ResumeOptions};
@@ -38,6 +44,8 @@ pub(crate) struct ResumeArguments {
     /// Words of the name of the graphics card, of a run on one [default: the first that `sphorge devices` lists]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
+    #[command(flatten)]
+    ranks: RankArguments,
     /// End with exit code 1 if a check found the run broken
     #[arg(long)]
     strict: bool,
@@ -46,14 +54,31 @@ pub(crate) struct ResumeArguments {
 }
 
 pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
+    let (engines, threads) = (engines_to_resume(arguments.device.as_deref())?, arguments.threads);
+    #[cfg(not(feature = "mpi"))]
+    arguments.ranks.refuse()?;
+    #[cfg(feature = "mpi")]
+    let place = arguments.ranks.take_place(threads)?;
+    #[cfg(feature = "mpi")]
+    if matches!(place, Place::Over) {
+        return Ok(Outcome::Done);
+    }
+    #[cfg(feature = "mpi")]
+    let (engines, threads) = (place.engines(engines), place.threads(threads));
     let mut display = ProgressDisplay::new();
     let stop = display.stop_flag()?;
+    #[cfg(feature = "mpi")]
+    if let Place::Starter(ranks) = place {
+        // The ranks write what there is when they are asked to stop.
+        sphorge::run::Observer::prepared(&mut display);
+        return rank_arguments::start(ranks, &arguments.directory, &stop);
+    }
     let options = ResumeOptions {
         overrides: arguments.overrides,
         most_particles: memory::particle_limit(),
-        threads: arguments.threads,
+        threads,
         checkpoints: arguments.checkpoints.plan()?,
-        engines: engines_to_resume(arguments.device.as_deref())?,
+        engines,
     };
     let result = sphorge::run::resume(&arguments.directory, &options, stop.flag(), &mut display);
     stop.finish();

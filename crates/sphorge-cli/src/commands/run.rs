@@ -96,6 +96,8 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
         sphorge_mpi::supports(&setup.model)
             .map_err(|unsupported| failure(RunError::Unsupported { engine: sphorge_mpi::NAME, unsupported }))?;
         drop(setup);
+        // The ranks write what there is when they are asked to stop.
+        sphorge::run::Observer::prepared(&mut display);
         return rank_arguments::start(ranks, &directory, &stop);
     }
     setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));

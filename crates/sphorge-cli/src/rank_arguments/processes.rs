@@ -103,6 +103,14 @@ impl Place {
             Self::Starter(_) | Self::Over => Ok(asked),
         }
     }
+
+    /// The engines of this process that a run may be resumed on, of those there are for a process alone.
+    pub(crate) fn engines(&self, alone: Vec<Arc<dyn EngineKind>>) -> Vec<Arc<dyn EngineKind>> {
+        match self {
+            Self::First(leader) => vec![leader.clone()],
+            Self::Alone | Self::Starter(_) | Self::Over => alone,
+        }
+    }
 }
 
 /// Starts this command line on ranks of this machine, and waits for them; `directory` is that of the run.
