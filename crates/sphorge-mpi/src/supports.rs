@@ -24,7 +24,7 @@ pub fn supports(model: &Model) -> Result<(), Unsupported> {
         (
             !model.contact_pairs().is_empty(),
             "contact between bodies, or of a body with itself (`contact`)",
-            "bodies that meet in the kernel sums or never meet have `contact = \"sph\"`; or run it without `--ranks`",
+            "one body has none with `search.total-lagrangian.self-contact = false`, bodies with `contact = \"kernel-sum\"` in the updated Lagrangian form",
         ),
         (
             model.thermal.conduction || !model.thermal.boundaries.is_empty() || !model.thermal.mechanics,
