@@ -29,16 +29,17 @@ fn results(directory: &Path) -> Files {
     files
 }
 
-fn run(kind: &dyn EngineKind, setup: Setup, threads: usize) -> Files {
+/// The files of a run, or how it failed.
+fn try_run(kind: &dyn EngineKind, setup: Setup, threads: usize) -> Result<Files, String> {
     let folder = tempfile::tempdir().unwrap();
     let directory = folder.path().join("run");
     let options = RunOptions { directory: directory.clone(), threads: Some(threads), ..RunOptions::default() };
-    execute(setup, kind, &options, &AtomicBool::new(false), &mut Silent).unwrap_or_else(|error| panic!("{error}"));
-    results(&directory)
+    let done = execute(setup, kind, &options, &AtomicBool::new(false), &mut Silent);
+    done.map(|_| results(&directory)).map_err(|error| error.to_string())
 }
 
-/// The files of a run on ranks, each a thread.
-fn run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_each: usize) -> Files {
+/// The same on ranks, each a thread.
+fn try_run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_each: usize) -> Result<Files, String> {
     let mut communicators = threads(ranks);
     thread::scope(|scope| {
         for communicator in communicators.split_off(1) {
@@ -51,18 +52,18 @@ fn run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_each
             });
         }
         let leader = Leader::new(communicators.remove(0));
-        run(&leader, setup(deck, changes), threads_each)
+        try_run(&leader, setup(deck, changes), threads_each)
     })
 }
 
 /// Compares a run on each number of ranks with one without ranks.
 fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) {
-    let expected = run(&Cpu, setup(deck, changes), 1);
+    let expected = try_run(&Cpu, setup(deck, changes), 1).unwrap();
     assert!(expected.len() > 2, "{:?}", expected.keys());
     let rows = expected["history.csv"].iter().filter(|&&byte| byte == b'\n').count();
     assert!(rows > 2, "{rows} rows");
     for &ranks in ranks {
-        let found = run_on_ranks(deck, changes, ranks, if ranks == 2 { 2 } else { 1 });
+        let found = try_run_on_ranks(deck, changes, ranks, if ranks == 2 { 2 } else { 1 }).unwrap();
         assert!(found.keys().eq(expected.keys()));
         for (name, bytes) in &found {
             assert!(*bytes == expected[name], "`{name}` of `{deck}` on {ranks} ranks differs");
@@ -156,4 +157,38 @@ mean = { body = "block", field = "von_mises_stress" }
 #[test]
 fn a_block_in_the_initial_configuration_that_is_renewed_and_steps_that_are_repeated() {
     compare(IN_THE_INITIAL_CONFIGURATION, &[], &[2, 4]);
+}
+
+#[test]
+fn a_failure_is_that_of_one_rank_whichever_has_the_particle() {
+    // The end that is drawn away changes most; it is with the last rank.
+    for changes in [
+        [("time.step-control.stretch", "0.001"), ("time.step-control.repeats", "1")],
+        [("time.step-control.stretch", "1.0"), ("body.0.velocity", "[\"0 m/s\", \"-9000 m/s\"]")],
+    ] {
+        let alone = try_run(&Cpu, setup(IN_THE_INITIAL_CONFIGURATION, &changes), 1).unwrap_err();
+        assert!(alone.contains("particle"), "{alone}");
+        for ranks in [1, 2, 5] {
+            let together = try_run_on_ranks(IN_THE_INITIAL_CONFIGURATION, &changes, ranks, 1).unwrap_err();
+            assert_eq!(together, alone, "{ranks} ranks");
+        }
+    }
+}
+
+#[test]
+fn what_ranks_do_not_do_is_refused_by_name() {
+    let refused = |deck: &str, changes: &[(&str, &str)]| try_run_on_ranks(deck, changes, 2, 1).err().expect(deck);
+    for (deck, changes, name) in [
+        ("copper-bar", &[][..], "`contact`"),
+        ("bullet", &[("search", "\"adaptive\"")], "`search`"),
+        ("heat-slab", &[], "`thermal`"),
+        ("copper-bar", &[("search.total-lagrangian.self-contact", "false")], "`symmetry`"),
+        ("taylor-plate", &[("audit", "10")], "`audit`"),
+        ("pulled", &[("search.total-lagrangian.self-contact", "false")], "`section`"),
+    ] {
+        let message = refused(deck, changes);
+        assert!(message.contains(name) && message.contains("does not run this deck"), "{deck}: {message}");
+    }
+    let message = refused("taylor-plate", &[("particles.spacing", "\"2 mm\"")]);
+    assert!(message.contains("are too few for 2 ranks") && message.contains("take `--ranks 1`"), "{message}");
 }
