@@ -127,7 +127,8 @@ fn arguments(line: &str) -> Option<Vec<String>> {
     let own = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["sphorge", ..] => words[1..].to_vec(),
         ["cargo", "run", "--release", "--", ..] => words[4..].to_vec(),
-        ["cargo", "run", "--release", "--features", "gpu", "--", ..] => words[6..].to_vec(),
+        ["cargo", "run", "--release", "--features", "gpu" | "mpi", "--", ..] => words[6..].to_vec(),
+        ["mpirun", "-n", _, "sphorge", ..] => words[4..].to_vec(),
         _ => return None,
     };
     Some(own.into_iter().take_while(|word| !matches!(word.as_str(), ">" | "|")).collect())
@@ -164,6 +165,7 @@ fn every_command_in_the_documents_parses() {
         "ARCHITECTURE.md",
         "CONTRIBUTING.md",
         "docs/adaptive-search.md",
+        "docs/cluster.md",
         "docs/gpu.md",
         "docs/warnings.md",
     ];

@@ -1,5 +1,5 @@
-//! Ghosts: what stands behind the particles for what is not among them, images in symmetry planes and periodic copies here, particles
-//! of other domains in a distributed run.
+//! Ghosts: what stands behind the particles for what is not among them, images in symmetry planes and periodic copies, or particles
+//! of other ranks.
 //!
 //! Ghosts own their columns. A [`Halo`] makes them with each neighbour search and brings their fields to those of the particles they
 //! stand for at the points of the step that [`FieldSet`] names; readers never ask whom a ghost stands for.
