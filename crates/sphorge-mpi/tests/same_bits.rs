@@ -81,6 +81,22 @@ fn a_plate_at_a_wall_with_a_search_every_step() {
 }
 
 #[test]
+fn smoothing_lengths_that_follow_the_density() {
+    compare(
+        "taylor-plate",
+        &[
+            ("particles.spacing", "\"0.4 mm\""),
+            ("numerics.smoothing-length", "\"follow-density\""),
+            ("body.0.velocity", "[\"0 m/s\", \"-900 m/s\"]"),
+            ("search", "\"skin\""),
+            ("time.end", "\"4 us\""),
+            ("output.frames", "2"),
+        ],
+        &[3],
+    );
+}
+
+#[test]
 fn a_bullet_in_a_plate_with_lists_that_are_kept() {
     compare(
         "bullet",

@@ -154,9 +154,11 @@ pub(crate) struct Relocation {
 }
 
 impl Relocation {
-    /// Place `k` of the common order is to receive what is at `order[k]`.
-    fn new(domain: &Domain, order: &[u32]) -> Self {
-        let (rank, size, starts, own) = (domain.ranks.rank(), domain.ranks.size(), &domain.starts, domain.own());
+    /// Place `k` of the common order is to receive what is at `order[k]`; `starts` are the places at which the particles of each rank begin, and
+    /// their number.
+    pub(crate) fn new(ranks: Ranks, starts: &[usize], order: &[u32]) -> Self {
+        let (rank, size) = (ranks.rank(), ranks.size());
+        let own = starts[rank]..starts[rank + 1];
         let owner = |place: u32| starts.partition_point(|&start| start <= place as usize) as u32 - 1;
         let is_own = |place: &&u32| own.contains(&(**place as usize));
         let leaving = (0..size)
@@ -166,7 +168,7 @@ impl Relocation {
             .collect();
         let from: Vec<u32> = order[starts[rank]..starts[rank + 1]].iter().map(|&place| owner(place)).collect();
         let coming = (0..size).map(|r| from.iter().filter(|&&other| other as usize == r).count()).collect();
-        Self { ranks: domain.ranks.clone(), leaving, from, coming, lost: None }
+        Self { ranks, leaving, from, coming, lost: None }
     }
 
     /// Moves a column; one that is empty stays so, which it is on all ranks or on none.
@@ -202,7 +204,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let Some(domain) = &self.domain else { return Ok(()) };
         let positions = domain.gather(&self.particles.position)?;
         let order = self.lists.searcher.cell_order(&positions, cell);
-        let mut relocation = Relocation::new(domain, order);
+        let mut relocation = Relocation::new(domain.ranks.clone(), &domain.starts, order);
         self.particles.relocate(&mut relocation);
         relocation.lost.map_or(Ok(()), Err)
     }

@@ -131,7 +131,9 @@ impl Persist for History {
 mod tests {
     use super::*;
     use crate::particles::{Column, Particles};
+    use crate::ranks::{Communicator, Ranks};
     use sphorge_physics::parameter::Bound;
+    use std::sync::Arc;
 
     const fn variable(name: &'static str, initial: f64, bound: Bound) -> HistoryVariable {
         HistoryVariable { name, unit: "", initial, bound, meaning: "for a test" }
@@ -159,6 +161,33 @@ mod tests {
         particles.reorder(&backwards);
         let damage = particles.column("damage").unwrap();
         assert_eq!((damage.component(0, 0), damage.component(count - 1, 0)), ((count - 1) as f64 / count as f64, 0.0));
+    }
+
+    #[derive(Debug)]
+    struct Alone;
+
+    impl Communicator for Alone {
+        fn rank(&self) -> usize {
+            0
+        }
+        fn size(&self) -> usize {
+            1
+        }
+        fn exchange(&self, _: &[Vec<u8>], _: &mut [Vec<u8>]) -> Result<(), String> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_variable_goes_with_its_particles_to_other_ranks() {
+        let mut particles = damaged();
+        let count = particles.len();
+        let before = particles.history.column("damage").unwrap();
+        let backwards: Vec<u32> = (0..count as u32).rev().collect();
+        let mut relocation = Relocation::new(Ranks::new(Arc::new(Alone)), &[0, count], &backwards);
+        particles.relocate(&mut relocation);
+        let expected: Vec<f64> = before.into_iter().rev().collect();
+        assert_eq!(particles.history.column("damage").unwrap(), expected);
     }
 
     #[test]
