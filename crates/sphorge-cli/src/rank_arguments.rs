@@ -19,21 +19,6 @@ fn parse_ranks(text: &str) -> Result<usize, String> {
 }
 
 #[cfg(not(feature = "mpi"))]
-impl RankArguments {
-    /// Refuses ranks, which this program was built without.
-    pub(crate) fn refuse(self) -> Result<(), crate::failure::Failure> {
-        match self.ranks {
-            None => Ok(()),
-            Some(_) => Err(crate::failure::Failure::bad_input(
-                "this program has no ranks: it was built without MPI",
-                "build it with `cargo build --release --features mpi`; without it `--threads` takes all of one machine",
-            )),
-        }
-    }
-}
-
+mod alone;
 #[cfg(feature = "mpi")]
 mod processes;
-
-#[cfg(feature = "mpi")]
-pub(crate) use processes::{Place, start};

@@ -90,6 +90,11 @@ pub(crate) fn threads(count: usize) -> String {
     format!("{count} thread{}", if count == 1 { "" } else { "s" })
 }
 
+/// `2 threads`, or `3 ranks of 1 thread`.
+pub(crate) fn ranks(count: usize, threads_of_each: usize) -> String {
+    if count == 1 { threads(threads_of_each) } else { format!("{count} ranks of {}", threads(threads_of_each)) }
+}
+
 /// A share in per cent.
 pub(crate) fn percent(share: f64) -> String {
     let value = 100.0 * share;

@@ -16,7 +16,7 @@ use std::{
 fn ending() -> Vec<i32> {
     let mut signals = TERM_SIGNALS.to_vec();
     // `mpirun` ends its processes on those, and gives this one on.
-    #[cfg(feature = "mpi")]
+    #[cfg(all(feature = "mpi", unix))]
     signals.push(signal_hook::consts::SIGUSR2);
     #[cfg(unix)]
     if !is_ignored(signal_hook::consts::SIGHUP) {
@@ -64,10 +64,10 @@ pub(crate) fn checkpoint_request() -> io::Result<Option<Arc<AtomicBool>>> {
 /// The system refuses the handlers.
 #[cfg(feature = "mpi")]
 pub(crate) fn leave_to_the_first_rank() -> io::Result<()> {
-    for signal in ending().into_iter().chain([signal_hook::consts::SIGUSR1, signal_hook::consts::SIGUSR2]) {
-        flag::register(signal, Arc::default())?;
-    }
-    Ok(())
+    let mut signals = ending();
+    #[cfg(unix)]
+    signals.push(signal_hook::consts::SIGUSR1);
+    signals.into_iter().try_for_each(|signal| flag::register(signal, Arc::default()).map(|_| ()))
 }
 
 /// A flag that signals raise, and what is said when the first one has.

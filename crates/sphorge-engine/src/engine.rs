@@ -143,6 +143,10 @@ pub trait Engine: Send {
     /// Longest stable next step.
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure>;
 
+    /// Processes that share the particles.
+    fn ranks(&self) -> usize {
+        1
+    }
     /// Number of particles.
     fn count(&self) -> usize;
     /// Ordered pairs inside the kernel support at the last kinematics stage.

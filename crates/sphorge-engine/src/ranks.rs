@@ -68,7 +68,7 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn gather_on_first<V: Fixed + Copy>(&self, own: &[V], counts: &[usize]) -> Result<Vec<V>, RunFailure> {
+    pub fn gather_on_first_rank<V: Fixed + Copy>(&self, own: &[V], counts: &[usize]) -> Result<Vec<V>, RunFailure> {
         let is_first = self.rank() == 0;
         let lengths = self.lengths(counts, V::SIZE, |_| is_first);
         let mut to = vec![Vec::new(); self.size()];
@@ -81,7 +81,7 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn each<V: Fixed + Copy>(&self, own: V) -> Result<Vec<V>, RunFailure> {
+    pub fn gather_one<V: Fixed + Copy>(&self, own: V) -> Result<Vec<V>, RunFailure> {
         self.gather(&[own], &vec![1; self.size()])
     }
 
@@ -89,9 +89,9 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn from_rank(&self, rank: usize, own: &[u8]) -> Result<Vec<u8>, RunFailure> {
+    pub fn broadcast_from(&self, rank: usize, own: &[u8]) -> Result<Vec<u8>, RunFailure> {
         let is_sender = self.rank() == rank;
-        let length = self.each(if is_sender { own.len() } else { 0 })?[rank];
+        let length = self.gather_one(if is_sender { own.len() } else { 0 })?[rank];
         let to = vec![if is_sender { own.to_vec() } else { Vec::new() }; self.size()];
         let lengths = self.lengths(&vec![length; self.size()], 1, |r| r == rank);
         let mut from = self.exchange(&self.to_others(to), &lengths)?;
@@ -102,7 +102,7 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn from_first(&self, own: &[u8], length: usize) -> Result<Vec<u8>, RunFailure> {
+    pub fn broadcast(&self, own: &[u8], length: usize) -> Result<Vec<u8>, RunFailure> {
         let is_first = self.rank() == 0;
         let to = vec![if is_first { own.to_vec() } else { Vec::new() }; self.size()];
         let lengths = self.lengths(&vec![length; self.size()], 1, |r| r == 0);
@@ -114,8 +114,8 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn to_first(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, RunFailure> {
-        let counts = self.each(own.len())?;
+    pub fn gather_bytes(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, RunFailure> {
+        let counts = self.gather_one(own.len())?;
         if self.rank() > 0 {
             let mut to = vec![Vec::new(); self.size()];
             to[0] = own;
@@ -131,7 +131,7 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn deal(&self, mut parts: Vec<Vec<u8>>) -> Result<Vec<u8>, RunFailure> {
+    pub fn scatter_bytes(&self, mut parts: Vec<Vec<u8>>) -> Result<Vec<u8>, RunFailure> {
         let rank = self.rank();
         parts.resize(self.size(), Vec::new());
         let lengths: Vec<usize> = parts.iter().map(Vec::len).collect();
@@ -147,7 +147,7 @@ impl Ranks {
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn in_turn<V: Fixed + Copy>(&self, sums: &mut [V], add: impl FnOnce(&mut [V])) -> Result<(), RunFailure> {
+    pub fn sum_in_turn<V: Fixed + Copy>(&self, sums: &mut [V], add: impl FnOnce(&mut [V])) -> Result<(), RunFailure> {
         let (rank, size) = (self.rank(), self.size());
         let mut lengths = vec![0; size];
         if rank > 0 {
@@ -161,13 +161,13 @@ impl Ranks {
             to[rank + 1] = encoded(sums);
             self.exchange(&to, &vec![0; size])?;
         }
-        let of_last = self.from_rank(size - 1, &encoded(sums))?;
+        let of_last = self.broadcast_from(size - 1, &encoded(sums))?;
         sums.copy_from_slice(&decoded(&of_last)?);
         Ok(())
     }
 
     /// Notes a loss where nobody can be told at once.
-    pub(crate) fn note(&self, failure: RunFailure) {
+    pub(crate) fn note_loss(&self, failure: RunFailure) {
         let _ = self.lost.set(failure);
     }
 
@@ -175,7 +175,7 @@ impl Ranks {
     ///
     /// # Errors
     /// There was one.
-    pub(crate) fn told(&self) -> Result<(), RunFailure> {
+    pub(crate) fn check_lost(&self) -> Result<(), RunFailure> {
         self.lost.get().map_or(Ok(()), |failure| Err(failure.clone()))
     }
 

@@ -152,6 +152,11 @@ impl Simulation {
         self.name
     }
 
+    /// Processes that share the particles.
+    pub fn ranks(&self) -> usize {
+        self.engine.ranks()
+    }
+
     /// A copy of every field a user can name, in the order of `id`.
     ///
     /// # Errors

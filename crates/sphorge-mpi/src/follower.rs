@@ -20,14 +20,17 @@ pub fn follow(
 ) -> Result<(), RunFailure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     let pool = pool.map_err(|error| RunFailure::of_engine(format!("there are no threads: {error}")))?;
-    pool.install(|| listen(&communicator, &load))
+    pool.install(|| receive_commands(&communicator, &load))
 }
 
-fn listen(communicator: &Arc<dyn Communicator>, load: &dyn Fn(&str, &str) -> Option<Loaded>) -> Result<(), RunFailure> {
+fn receive_commands(
+    communicator: &Arc<dyn Communicator>,
+    load: &dyn Fn(&str, &str) -> Option<Loaded>,
+) -> Result<(), RunFailure> {
     let ranks = Ranks::new(communicator.clone());
     let mut part = None;
     loop {
-        match Command::hear(&ranks)? {
+        match Command::receive(&ranks)? {
             Command::Start { name, deck } => {
                 // A former part goes before there is another one.
                 drop(part.take());
@@ -36,7 +39,7 @@ fn listen(communicator: &Arc<dyn Communicator>, load: &dyn Fn(&str, &str) -> Opt
             Command::End => return Ok(()),
             command => {
                 let Some(part) = part.as_deref_mut() else { continue };
-                obey(&command, part, &ranks)?;
+                execute(&command, part, &ranks)?;
             }
         }
     }
@@ -48,14 +51,14 @@ fn start(
     communicator: &Arc<dyn Communicator>,
     loaded: Option<Loaded>,
 ) -> Result<Option<Box<dyn Part>>, RunFailure> {
-    let everyone = !ranks.each(loaded.is_some())?.contains(&false);
+    let everyone = !ranks.gather_one(loaded.is_some())?.contains(&false);
     Ok(loaded
         .filter(|_| everyone)
         .and_then(|(model, particles)| start_part(model, particles, communicator.clone()).ok()))
 }
 
 /// Does what all ranks do. What goes wrong with a step goes wrong on all of them, and the first one tells of it.
-fn obey(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
+fn execute(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
     match command {
         Command::Start { .. } | Command::End => {}
         Command::Step(dt) => {
@@ -81,18 +84,18 @@ fn obey(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), Run
 fn send_state(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
     let mut state = State::default();
     let bytes = if part.persist(&mut state).is_ok() { state.bytes } else { Vec::new() };
-    ranks.to_first(bytes).map(|_| ())
+    ranks.gather_bytes(bytes).map(|_| ())
 }
 
 fn take_state(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
-    let bytes = ranks.deal(Vec::new())?;
+    let bytes = ranks.scatter_bytes(Vec::new())?;
     let loaded = State::of(&bytes).is_some_and(|mut state| part.persist(&mut state).is_ok());
     go_on(part, ranks, loaded).map(|_| ())
 }
 
 /// Goes on from a state if every rank could load its own; says whether all could.
 pub(crate) fn go_on(part: &mut dyn Part, ranks: &Ranks, loaded: bool) -> Result<bool, RunFailure> {
-    let all = !ranks.each(loaded)?.contains(&false);
+    let all = !ranks.gather_one(loaded)?.contains(&false);
     if all {
         part.complete()?;
     }

@@ -35,7 +35,7 @@ impl Drop for Leader {
     fn drop(&mut self) {
         // Where this one is lost in the middle of something, others do not wait for a command. One that is lost is not told.
         if !std::thread::panicking() {
-            let _ = Command::End.tell(&self.ranks);
+            let _ = Command::End.broadcast(&self.ranks);
         }
     }
 }
@@ -55,19 +55,19 @@ impl EngineKind for Leader {
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
         let (name, deck) = self.deck.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        Command::Start { name, deck }.tell(&self.ranks)?;
-        if let Some(rank) = self.ranks.each(true)?.iter().position(|loaded| !loaded) {
+        Command::Start { name, deck }.broadcast(&self.ranks)?;
+        if let Some(rank) = self.ranks.gather_one(true)?.iter().position(|loaded| !loaded) {
             return Err(RunFailure::of_engine(format!(
                 "rank {rank} cannot load the deck that the first one has loaded: less memory, or another version of the program"
             )));
         }
         let part = start_part(model.clone(), particles, self.communicator.clone())?;
-        Ok(Box::new(Led { model, part, ranks: self.ranks.clone(), collected: RefCell::default() }))
+        Ok(Box::new(LeadingEngine { model, part, ranks: self.ranks.clone(), collected: RefCell::default() }))
     }
 }
 
 /// The engine of the first rank.
-struct Led {
+struct LeadingEngine {
     model: Arc<Model>,
     part: Box<dyn Part>,
     ranks: Ranks,
@@ -75,13 +75,13 @@ struct Led {
     collected: RefCell<BTreeMap<String, Column<'static>>>,
 }
 
-impl Led {
+impl LeadingEngine {
     /// A field of the particles of all ranks, in the order they are summed in.
     fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
         if let Some(column) = self.collected.borrow().get(field) {
             return Ok(column.clone());
         }
-        Command::Collect(field.to_owned()).tell(&self.ranks)?;
+        Command::Collect(field.to_owned()).broadcast(&self.ranks)?;
         let column = self.part.collect(field)?;
         self.collected.borrow_mut().insert(field.to_owned(), column.clone());
         Ok(column)
@@ -89,8 +89,8 @@ impl Led {
 
     /// Saves the states of all ranks: that of this one under its names, those of the others as they come.
     fn save(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        Command::Save.tell(&self.ranks).map_err(lost)?;
-        let parts = self.ranks.to_first(Vec::new()).map_err(lost)?;
+        Command::Save.broadcast(&self.ranks).map_err(lost)?;
+        let parts = self.ranks.gather_bytes(Vec::new()).map_err(lost)?;
         self.ranks.size().persist("ranks", archive)?;
         for (rank, mut bytes) in parts.into_iter().enumerate().skip(1) {
             if bytes.is_empty() {
@@ -115,8 +115,8 @@ impl Led {
             bytes.persist(&of_rank(rank), archive)?;
         }
         self.collected.borrow_mut().clear();
-        Command::Load.tell(&self.ranks).map_err(lost)?;
-        self.ranks.deal(parts).map_err(lost)?;
+        Command::Load.broadcast(&self.ranks).map_err(lost)?;
+        self.ranks.scatter_bytes(parts).map_err(lost)?;
         let loaded = self.part.persist(archive);
         let all = go_on(self.part.as_mut(), &self.ranks, loaded.is_ok()).map_err(lost)?;
         loaded.and_then(|()| require(all, "ranks"))
@@ -132,7 +132,7 @@ fn lost(failure: RunFailure) -> ArchiveError {
 }
 
 /// All fields in the order they are summed in.
-impl FieldSource for Led {
+impl FieldSource for LeadingEngine {
     fn count(&self) -> usize {
         self.part.total()
     }
@@ -141,10 +141,10 @@ impl FieldSource for Led {
     }
 }
 
-impl Engine for Led {
+impl Engine for LeadingEngine {
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
         self.collected.borrow_mut().clear();
-        Command::Step(dt).tell(&self.ranks)?;
+        Command::Step(dt).broadcast(&self.ranks)?;
         self.part.begin(dt)
     }
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
@@ -192,6 +192,9 @@ impl Engine for Led {
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
         self.part.time_step_limit()
     }
+    fn ranks(&self) -> usize {
+        self.ranks.size()
+    }
     fn count(&self) -> usize {
         self.part.total()
     }
@@ -199,7 +202,7 @@ impl Engine for Led {
         self.part.pairs()
     }
     fn ledger(&self) -> Result<Ledger, RunFailure> {
-        Command::Ledger.tell(&self.ranks)?;
+        Command::Ledger.broadcast(&self.ranks)?;
         self.part.ledger()
     }
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {

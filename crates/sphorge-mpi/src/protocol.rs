@@ -59,30 +59,30 @@ impl Command {
         })
     }
 
-    /// Tells the other ranks; the first rank alone does.
-    pub(crate) fn tell(&self, ranks: &Ranks) -> Result<(), RunFailure> {
+    /// Sends the command to the other ranks; the first rank alone does.
+    pub(crate) fn broadcast(&self, ranks: &Ranks) -> Result<(), RunFailure> {
         let (kind, number, texts) = self.parts();
         let header: Header = (kind, (number, texts.map(str::len)));
         let mut bytes = Vec::new();
         header.write(&mut bytes);
-        ranks.from_first(&bytes, Header::SIZE)?;
+        ranks.broadcast(&bytes, Header::SIZE)?;
         for text in texts.into_iter().filter(|text| !text.is_empty()) {
-            ranks.from_first(text.as_bytes(), text.len())?;
+            ranks.broadcast(text.as_bytes(), text.len())?;
         }
         Ok(())
     }
 
-    /// Waits for what the first rank tells.
-    pub(crate) fn hear(ranks: &Ranks) -> Result<Self, RunFailure> {
+    /// Waits for a command of the first rank.
+    pub(crate) fn receive(ranks: &Ranks) -> Result<Self, RunFailure> {
         let unknown = || {
             let message = "the first rank asks for what there is not; all ranks must be of one program";
             RunFailure::of_engine(message.to_owned())
         };
-        let bytes = ranks.from_first(&[], Header::SIZE)?;
+        let bytes = ranks.broadcast(&[], Header::SIZE)?;
         let (kind, (number, lengths)) = Header::read(&bytes).ok_or_else(unknown)?;
         let mut texts = [String::new(), String::new()];
         for (text, length) in texts.iter_mut().zip(lengths).filter(|(_, length)| *length > 0) {
-            *text = String::from_utf8(ranks.from_first(&[], length)?).map_err(|_| unknown())?;
+            *text = String::from_utf8(ranks.broadcast(&[], length)?).map_err(|_| unknown())?;
         }
         Self::of(kind, number, texts).ok_or_else(unknown)
     }
@@ -135,15 +135,15 @@ mod tests {
     use crate::threads;
 
     #[test]
-    fn what_the_first_rank_tells_is_heard() {
+    fn a_broadcast_command_is_received() {
         let start = Command::Start { name: "a".to_owned(), deck: "title = \"A\"".to_owned() };
         let told = [start, Command::Step(-0.1), Command::Collect("density".to_owned()), Command::Save, Command::End];
         let [first, second]: [Ranks; 2] =
             threads(2).into_iter().map(Ranks::new).collect::<Vec<_>>().try_into().unwrap();
         std::thread::scope(|scope| {
-            scope.spawn(|| told.iter().for_each(|command| command.tell(&first).unwrap()));
+            scope.spawn(|| told.iter().for_each(|command| command.broadcast(&first).unwrap()));
             for command in &told {
-                assert_eq!(Command::hear(&second).as_ref(), Ok(command));
+                assert_eq!(Command::receive(&second).as_ref(), Ok(command));
             }
         });
     }

@@ -5,15 +5,10 @@ use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::parse_override,
     engine_arguments::engines_to_resume,
-    failure::{Ending, Failure},
+    failure::{Ending, Failure, Outcome},
     memory,
     progress::ProgressDisplay,
     rank_arguments::RankArguments,
-};
-#[cfg(feature = "mpi")]
-use crate::{
-    failure::Outcome,
-    rank_arguments::{self, Place},
 };
 use clap::Args;
 use sphorge::run::{ResumeError, ResumeOptions};
@@ -54,31 +49,19 @@ pub(crate) struct ResumeArguments {
 }
 
 pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
-    let (engines, threads) = (engines_to_resume(arguments.device.as_deref())?, arguments.threads);
-    #[cfg(not(feature = "mpi"))]
-    arguments.ranks.refuse()?;
-    #[cfg(feature = "mpi")]
-    let place = arguments.ranks.take_place(threads)?;
-    #[cfg(feature = "mpi")]
-    if matches!(place, Place::Over) {
-        return Ok(Outcome::Done);
-    }
-    #[cfg(feature = "mpi")]
-    let (engines, threads) = (place.engines(engines), place.threads(threads));
+    let engines = engines_to_resume(arguments.device.as_deref())?;
+    let Some(role) = arguments.ranks.join(arguments.threads)? else { return Ok(Outcome::Done) };
     let mut display = ProgressDisplay::new();
     let stop = display.stop_flag()?;
-    #[cfg(feature = "mpi")]
-    if let Place::Starter(ranks) = place {
-        // The ranks write what there is when they are asked to stop.
-        sphorge::run::Observer::prepared(&mut display);
-        return rank_arguments::start(ranks, &arguments.directory, &stop);
+    if let Err(ending) = role.launch((), &arguments.directory, &mut display, &stop) {
+        return ending;
     }
     let options = ResumeOptions {
         overrides: arguments.overrides,
         most_particles: memory::particle_limit(),
-        threads,
+        threads: role.threads(arguments.threads),
         checkpoints: arguments.checkpoints.plan()?,
-        engines,
+        engines: role.engines(engines),
     };
     let result = sphorge::run::resume(&arguments.directory, &options, stop.flag(), &mut display);
     stop.finish();

@@ -1,7 +1,5 @@
 //! `sphorge run`: a deck becomes a folder of results.
 
-#[cfg(feature = "mpi")]
-use crate::rank_arguments::{self, Place};
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::DeckArguments,
@@ -66,17 +64,9 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
 }
 
 pub(crate) fn execute(arguments: RunArguments) -> Ending {
-    let (engine, threads) = (arguments.engine.find()?, arguments.threads);
-    #[cfg(not(feature = "mpi"))]
-    arguments.ranks.refuse()?;
-    #[cfg(feature = "mpi")]
-    let place = arguments.ranks.take_place(threads)?;
-    #[cfg(feature = "mpi")]
-    if matches!(place, Place::Over) {
-        return Ok(Outcome::Done);
-    }
-    #[cfg(feature = "mpi")]
-    let (engine, threads) = (place.engine(engine)?, place.threads(threads));
+    let engine = arguments.engine.find()?;
+    let Some(role) = arguments.ranks.join(arguments.threads)? else { return Ok(Outcome::Done) };
+    let engine = role.engine(engine)?;
     let deck = arguments.deck.find()?;
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
@@ -86,20 +76,15 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let options = RunOptions {
         directory: directory.clone(),
         overwrite: arguments.overwrite,
-        threads,
+        threads: role.threads(arguments.threads),
         checkpoints: arguments.checkpoints.plan()?,
     };
     let setup = deck.load()?;
-    #[cfg(feature = "mpi")]
-    if let Place::Starter(ranks) = place {
-        // What is wrong with the deck is told here, by one.
-        sphorge_mpi::supports(&setup.model)
-            .map_err(|unsupported| failure(RunError::Unsupported { engine: sphorge_mpi::NAME, unsupported }))?;
-        drop(setup);
-        // The ranks write what there is when they are asked to stop.
-        sphorge::run::Observer::prepared(&mut display);
-        return rank_arguments::start(ranks, &directory, &stop);
-    }
+    role.check(&setup.model)?;
+    let setup = match role.launch(setup, &directory, &mut display, &stop) {
+        Ok(setup) => setup,
+        Err(ending) => return ending,
+    };
     setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
     let result = sphorge::run::execute(setup, &*engine, &options, stop.flag(), &mut display);
     stop.finish();
@@ -150,6 +135,12 @@ fn report(summary: &Summary, directory: &Path) -> String {
         |last: f64, largest: f64| format!("{} (largest {})", readable::percent(last), readable::percent(largest));
     let energy = &summary.energy;
     let masses = masses(&summary.bodies);
+    let many = summary.ranks > 1;
+    let memory = format!(
+        "{}{}",
+        readable::bytes(summary.peak_memory_bytes as f64),
+        if many { " on the first rank" } else { "" }
+    );
     let mut facts = vec![
         ("run", format!("{end} at {}", readable::quantity(summary.simulated_time, "s"))),
         (
@@ -159,11 +150,11 @@ fn report(summary: &Summary, directory: &Path) -> String {
                 readable::count(summary.particles),
                 readable::count(summary.steps),
                 readable::duration(summary.wall_seconds),
-                readable::threads(summary.threads),
+                readable::ranks(summary.ranks, summary.threads),
             ),
         ),
         ("speed", format!("{} particle-steps/s", readable::large(summary.particle_steps_per_second))),
-        ("memory", readable::bytes(summary.peak_memory_bytes as f64)),
+        ("memory", memory),
         ("mass", masses),
         ("energy drift", drift(energy.relative_drift, energy.largest_relative_drift)),
         ("momentum drift", drift(summary.momentum_drift, summary.largest_momentum_drift)),
@@ -183,7 +174,8 @@ fn report(summary: &Summary, directory: &Path) -> String {
     facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
     facts.push(("pictures", format!("sphorge plot {folder}")));
     if summary.status == Status::Stopped && RunDirectory::open(directory).is_ok_and(|run| run.has_checkpoint()) {
-        facts.push(("go on", format!("sphorge resume {folder}")));
+        let ranks = if many { format!(" --ranks {}", summary.ranks) } else { String::new() };
+        facts.push(("go on", format!("sphorge resume {folder}{ranks}")));
     }
     table::facts(&facts)
 }

@@ -2,16 +2,20 @@
 
 use super::RankArguments;
 use crate::{
+    commands::run::failure,
     failure::{Ending, Failure, Outcome},
-    memory, signals,
+    memory,
+    progress::ProgressDisplay,
+    signals,
     signals::StopFlag,
     terminal,
 };
 use miette::{IntoDiagnostic, WrapErr, miette};
 use sphorge::{
     deck::load_text_within,
-    engine::{Cpu, EngineKind},
+    engine::{Cpu, EngineKind, Model},
     output::RunDirectory,
+    run::RunError,
 };
 use sphorge_mpi::{Leader, Processes, follow, ranks_on_this_machine};
 use std::{
@@ -23,38 +27,36 @@ use std::{
     time::Duration,
 };
 
-/// How often it is looked whether the ranks have ended.
-const LOOK_EVERY: Duration = Duration::from_millis(50);
+/// How often the launcher asks whether the ranks have ended.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What this process is among the ranks of a run.
-pub(crate) enum Place {
+pub(crate) enum Role {
     /// There are no others.
     Alone,
     /// The one that starts so many ranks and waits for them.
-    Starter(usize),
+    Launcher(usize),
     /// The first rank, which drives the run.
     First(Arc<dyn EngineKind>),
-    /// One of the others, after the run.
-    Over,
 }
 
 impl RankArguments {
-    /// Takes the place of this process, of which each has so many threads; where it is not the first, the run is over then.
+    /// Joins the ranks, of which each has so many threads. On all but the first it returns when the run is over, with nothing left to do.
     ///
     /// # Errors
     /// There is no MPI, or a number of ranks that is not that of the processes.
-    pub(crate) fn take_place(self, threads: Option<usize>) -> Result<Place, Failure> {
+    pub(crate) fn join(self, threads: Option<usize>) -> Result<Option<Role>, Failure> {
         if !Processes::are_there() {
-            return Ok(self.ranks.map_or(Place::Alone, Place::Starter));
+            return Ok(Some(self.ranks.map_or(Role::Alone, Role::Launcher)));
         }
         let communicator = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
         let (rank, size) = (communicator.rank(), communicator.size());
         if let Some(asked) = self.ranks.filter(|ranks| *ranks != size) {
             // All of them find it, and the first one says so.
-            return if rank > 0 { Ok(Place::Over) } else { Err(other_number(asked, size)) };
+            return if rank > 0 { Ok(None) } else { Err(other_number(asked, size)) };
         }
         if rank == 0 {
-            return Ok(Place::First(Arc::new(Leader::new(communicator))));
+            return Ok(Some(Role::First(Arc::new(Leader::new(communicator)))));
         }
         signals::leave_to_the_first_rank().into_diagnostic().map_err(Failure::Failed)?;
         let load = |name: &str, deck: &str| {
@@ -62,7 +64,7 @@ impl RankArguments {
             Some((Arc::new(setup.model), setup.particles))
         };
         let followed = follow(communicator, threads_of_a_rank(threads), load);
-        followed.map(|()| Place::Over).map_err(|failure| Failure::Failed(miette!("{failure}")))
+        followed.map(|()| None).map_err(|failure| Failure::Failed(miette!("{failure}")))
     }
 }
 
@@ -79,12 +81,12 @@ fn threads_of_a_rank(asked: Option<usize>) -> Option<usize> {
     asked.or_else(|| ranks_on_this_machine().map(|ranks| (processors / ranks).max(1)))
 }
 
-impl Place {
+impl Role {
     /// Threads of this process.
     pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
         match self {
             Self::First(_) => threads_of_a_rank(asked),
-            Self::Alone | Self::Starter(_) | Self::Over => asked,
+            Self::Alone | Self::Launcher(_) => asked,
         }
     }
 
@@ -95,12 +97,12 @@ impl Place {
     pub(crate) fn engine(&self, asked: Arc<dyn EngineKind>) -> Result<Arc<dyn EngineKind>, Failure> {
         match self {
             Self::Alone => Ok(asked),
-            Self::Starter(_) | Self::First(_) | Self::Over if asked.name() != Cpu.name() => Err(Failure::bad_input(
+            Self::Launcher(_) | Self::First(_) if asked.name() != Cpu.name() => Err(Failure::bad_input(
                 format!("ranks share the work of processors, and the engine is to be `{}`", asked.name()),
                 "leave `--engine` out, or run on one process",
             )),
             Self::First(leader) => Ok(leader.clone()),
-            Self::Starter(_) | Self::Over => Ok(asked),
+            Self::Launcher(_) => Ok(asked),
         }
     }
 
@@ -108,13 +110,38 @@ impl Place {
     pub(crate) fn engines(&self, alone: Vec<Arc<dyn EngineKind>>) -> Vec<Arc<dyn EngineKind>> {
         match self {
             Self::First(leader) => vec![leader.clone()],
-            Self::Alone | Self::Starter(_) | Self::Over => alone,
+            Self::Alone | Self::Launcher(_) => alone,
         }
+    }
+
+    /// Whether ranks can share a model, where this process is to start them: one of them tells of what they cannot do.
+    pub(crate) fn check(&self, model: &Model) -> Result<(), Failure> {
+        match self {
+            Self::Launcher(_) => sphorge_mpi::supports(model)
+                .map_err(|unsupported| failure(RunError::Unsupported { engine: sphorge_mpi::NAME, unsupported })),
+            Self::Alone | Self::First(_) => Ok(()),
+        }
+    }
+
+    /// Runs this command line on ranks of this machine where that is what this process is for, and waits for them, without the memory of
+    /// `setup`, which is given back to a process that runs itself. `directory` is that of the run.
+    pub(crate) fn launch<S>(
+        &self,
+        setup: S,
+        directory: &Path,
+        display: &mut ProgressDisplay,
+        stop: &StopFlag,
+    ) -> Result<S, Ending> {
+        let Self::Launcher(ranks) = *self else { return Ok(setup) };
+        drop(setup);
+        // The ranks write what there is when they are asked to stop.
+        sphorge::run::Observer::prepared(display);
+        Err(run_on(ranks, directory, stop))
     }
 }
 
-/// Starts this command line on ranks of this machine, and waits for them; `directory` is that of the run.
-pub(crate) fn start(ranks: usize, directory: &Path, stop: &StopFlag) -> Ending {
+/// Starts this command line on so many ranks, and waits for them.
+fn run_on(ranks: usize, directory: &Path, stop: &StopFlag) -> Ending {
     let program = env::current_exe().into_diagnostic().map_err(Failure::Failed)?;
     let mut command = Command::new("mpirun");
     command.arg("-n").arg(ranks.to_string()).arg(program).args(env::args_os().skip(1));
@@ -139,7 +166,7 @@ pub(crate) fn start(ranks: usize, directory: &Path, stop: &StopFlag) -> Ending {
             // `mpirun` gives this signal to its ranks.
             let _ = Command::new("sh").args(["-c", &format!("kill -USR2 {}", running.id())]).status();
         }
-        thread::sleep(LOOK_EVERY);
+        thread::sleep(POLL_INTERVAL);
     };
     stop.finish();
     conclude(status, directory)

@@ -74,12 +74,12 @@ impl Domain {
 
     /// Whether something is so on any rank.
     pub(super) fn any(&self, own: bool) -> Result<bool, RunFailure> {
-        Ok(self.ranks.each(own)?.contains(&true))
+        Ok(self.ranks.gather_one(own)?.contains(&true))
     }
 
     /// The smallest of the first and the largest of the second of two numbers of every rank.
     pub(super) fn range(&self, own: (f64, f64)) -> Result<(f64, f64), RunFailure> {
-        Ok(self.ranks.each(own)?.into_iter().fold(own, |a, b| (a.0.min(b.0), a.1.max(b.1))))
+        Ok(self.ranks.gather_one(own)?.into_iter().fold(own, |a, b| (a.0.min(b.0), a.1.max(b.1))))
     }
 
     /// Bounds of what every rank has bounds of.
@@ -87,14 +87,14 @@ impl Domain {
         let wider = |a: (Vector<f64>, Vector<f64>), b: (Vector<f64>, Vector<f64>)| {
             ([0, 1, 2].map(|k| a.0[k].min(b.0[k])), [0, 1, 2].map(|k| a.1[k].max(b.1[k])))
         };
-        Ok(self.ranks.each((low, high))?.into_iter().fold((low, high), wider))
+        Ok(self.ranks.gather_one((low, high))?.into_iter().fold((low, high), wider))
     }
 
     /// The failure that one rank would meet first or worst, of those that ranks have met.
     pub(super) fn agree(&self, own: Option<Fault>) -> Result<(), RunFailure> {
         let rank_of =
             |fault: &Option<Fault>| fault.as_ref().map_or((0, 0.0), |fault| (fault.severity(), fault.excess()));
-        let faults = self.ranks.each::<(u8, f64)>(rank_of(&own))?;
+        let faults = self.ranks.gather_one::<(u8, f64)>(rank_of(&own))?;
         let mut worst: Option<(usize, (u8, f64))> = None;
         for (rank, fault) in faults.into_iter().enumerate().filter(|(_, fault)| fault.0 > 0) {
             let is_worse =
@@ -105,7 +105,7 @@ impl Domain {
         }
         let Some((rank, _)) = worst else { return Ok(()) };
         let bytes = own.map_or_else(Vec::new, |fault| failure_bytes(&fault.failure));
-        let bytes = self.ranks.from_rank(rank, &bytes)?;
+        let bytes = self.ranks.broadcast_from(rank, &bytes)?;
         Err(failure_of(&bytes).unwrap_or_else(|| RunFailure::of_engine(format!("rank {rank} has failed"))))
     }
 }
@@ -167,7 +167,8 @@ impl Relocation {
             })
             .collect();
         let from: Vec<u32> = order[starts[rank]..starts[rank + 1]].iter().map(|&place| owner(place)).collect();
-        let coming = (0..size).map(|r| from.iter().filter(|&&other| other as usize == r).count()).collect();
+        let mut coming = vec![0; size];
+        from.iter().for_each(|&other| coming[other as usize] += 1);
         Self { ranks, leaving, from, coming, lost: None }
     }
 
@@ -254,7 +255,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// What all ranks make of the limits of each.
     pub(super) fn agree_on_limit(&self, own: TimeStepLimit) -> Result<TimeStepLimit, RunFailure> {
         let Some(domain) = &self.domain else { return Ok(own) };
-        let limits = domain.ranks.each((own.dt, own.reason))?.into_iter();
+        let limits = domain.ranks.gather_one((own.dt, own.reason))?.into_iter();
         // Of equal limits that of the rule that is asked first, as on one rank.
         let smaller = |a: (f64, LimitReason), b: (f64, LimitReason)| {
             if b.0 < a.0 || b.0 == a.0 && (b.1 as u8) < a.1 as u8 { b } else { a }
@@ -270,11 +271,11 @@ impl<T: PairScalar> Part for CpuEngine<T> {
         let Some(domain) = &self.domain else { return Ok(column.into_owned()) };
         let (ranks, counts) = (&domain.ranks, domain.counts());
         Ok(match column {
-            Column::Scalar(values) => Column::Scalar(ranks.gather_on_first(&values, &counts)?.into()),
-            Column::Integer(values) => Column::Integer(ranks.gather_on_first(&values, &counts)?.into()),
-            Column::Vector(values) => Column::Vector(ranks.gather_on_first(&values, &counts)?.into()),
-            Column::Symmetric(values) => Column::Symmetric(ranks.gather_on_first(&values, &counts)?.into()),
-            Column::Tensor(values) => Column::Tensor(ranks.gather_on_first(&values, &counts)?.into()),
+            Column::Scalar(values) => Column::Scalar(ranks.gather_on_first_rank(&values, &counts)?.into()),
+            Column::Integer(values) => Column::Integer(ranks.gather_on_first_rank(&values, &counts)?.into()),
+            Column::Vector(values) => Column::Vector(ranks.gather_on_first_rank(&values, &counts)?.into()),
+            Column::Symmetric(values) => Column::Symmetric(ranks.gather_on_first_rank(&values, &counts)?.into()),
+            Column::Tensor(values) => Column::Tensor(ranks.gather_on_first_rank(&values, &counts)?.into()),
         })
     }
 

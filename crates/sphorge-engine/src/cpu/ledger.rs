@@ -19,9 +19,9 @@ impl<T: PairScalar> CpuEngine<T> {
                 self.add_motion_forces(&mut motion_forces);
             }
             Some(domain) => {
-                domain.ranks.in_turn(&mut bodies, |bodies| self.add_bodies(bodies))?;
-                domain.ranks.in_turn(&mut wall_forces, |forces| self.add_wall_forces(forces))?;
-                domain.ranks.in_turn(&mut motion_forces, |forces| self.add_motion_forces(forces))?;
+                domain.ranks.sum_in_turn(&mut bodies, |bodies| self.add_bodies(bodies))?;
+                domain.ranks.sum_in_turn(&mut wall_forces, |forces| self.add_wall_forces(forces))?;
+                domain.ranks.sum_in_turn(&mut motion_forces, |forces| self.add_motion_forces(forces))?;
             }
         }
         let mut total = BodyLedger::total(&bodies);

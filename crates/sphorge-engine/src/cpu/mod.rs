@@ -287,7 +287,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             }
             FieldSet::IntermediateSums => self.ghosts.exchange(fields, &self.particles),
         }
-        self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.told())
+        self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
@@ -369,7 +369,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.flow_heat();
         self.step.time += self.step.dt;
         if let Some(domain) = &self.domain {
-            self.step.pairs = domain.ranks.each(self.step.pairs)?.into_iter().sum();
+            self.step.pairs = domain.ranks.gather_one(self.step.pairs)?.into_iter().sum();
         }
         Ok(())
     }

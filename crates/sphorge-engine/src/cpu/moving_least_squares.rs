@@ -75,7 +75,7 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         match &self.domain {
             None => add(&mut energy),
-            Some(domain) => domain.ranks.in_turn(&mut energy, add)?,
+            Some(domain) => domain.ranks.sum_in_turn(&mut energy, add)?,
         }
         [self.step.mls_energy] = energy;
         for (i, &rho) in restored.iter().enumerate() {

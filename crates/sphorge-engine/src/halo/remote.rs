@@ -73,7 +73,7 @@ impl Remote {
             Ok(())
         });
         // The engine tells of it at the end of the stage; until then ghosts are as they were.
-        result.unwrap_or_else(|failure| self.ranks.note(failure));
+        result.unwrap_or_else(|failure| self.ranks.note_loss(failure));
     }
 
     fn values<V: Fixed>(&self, own: &[V], ghosts: &mut [V]) {

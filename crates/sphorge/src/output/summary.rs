@@ -288,7 +288,10 @@ pub struct Summary {
     pub simulated_time: f64,
     /// Wall-clock seconds from the first preparation to the end, writing included.
     pub wall_seconds: f64,
-    /// Threads.
+    /// Processes that share the run.
+    #[serde(default = "one_rank")]
+    pub ranks: usize,
+    /// Threads of each.
     pub threads: usize,
     /// `cpu` or `gpu`.
     pub engine: String,
@@ -332,8 +335,13 @@ pub struct Summary {
     pub units: BTreeMap<String, String>,
 }
 
+/// Runs of before there were ranks.
+fn one_rank() -> usize {
+    1
+}
+
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 49] = [
+const UNITS: [(&str, &str); 50] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -347,6 +355,7 @@ const UNITS: [(&str, &str); 49] = [
     ("repeated_steps", ""),
     ("simulated_time", "s"),
     ("wall_seconds", "s"),
+    ("ranks", ""),
     ("threads", ""),
     ("stage_seconds.search", "s"),
     ("stage_seconds.kinematics", "s"),

@@ -99,6 +99,7 @@ pub(crate) fn summary(seconds: f64) -> Summary {
         repeated_steps: 0,
         simulated_time: 6e-5,
         wall_seconds: seconds,
+        ranks: 1,
         threads: 2,
         engine: "cpu".into(),
         precision: "mixed".into(),

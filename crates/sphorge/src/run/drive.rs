@@ -76,6 +76,7 @@ fn run(
         directory: path.clone(),
         title: simulation.model().title.clone(),
         particles: simulation.count(),
+        ranks: simulation.ranks(),
         threads: rayon::current_num_threads(),
         end: simulation.model().time.end,
     });

@@ -21,7 +21,9 @@ pub struct RunStart {
     pub title: String,
     /// Number of particles.
     pub particles: usize,
-    /// Threads.
+    /// Processes that share the run.
+    pub ranks: usize,
+    /// Threads of each.
     pub threads: usize,
     /// End time, s.
     pub end: f64,

@@ -291,6 +291,7 @@ impl Recorder {
             repeated_steps: self.steps.repeats,
             simulated_time: engine.time(),
             wall_seconds: seconds,
+            ranks: engine.ranks(),
             threads: rayon::current_num_threads(),
             engine: engine.engine_name().to_owned(),
             precision: match model.numerics.precision {

@@ -255,6 +255,7 @@ fn go_on_from(
         directory: path.clone(),
         title: state.simulation.model().title.clone(),
         particles: state.simulation.count(),
+        ranks: state.simulation.ranks(),
         threads: rayon::current_num_threads(),
         end,
     });

@@ -188,13 +188,13 @@ impl<T: PairScalar> CpuEngine<T> {
             return Ok(false);
         }
         if let Some(domain) = &self.domain {
-            let (low, high) = ways(now, then);
+            let (low, high) = displacement_box(now, then);
             let (low, high) = domain.bounds(low, high)?;
             return Ok(domain.any(moved_beyond(now, then, 0.5 * skin))? && diagonal_beyond(low, high, skin));
         }
         // Images in symmetry planes go other ways than their sources.
-        let ways_differ = || !self.ghosts.halo.is_empty() || differ_beyond(now, then, skin);
-        Ok(moved_beyond(now, then, 0.5 * skin) && ways_differ())
+        let displacements_differ = || !self.ghosts.halo.is_empty() || differ_beyond(now, then, skin);
+        Ok(moved_beyond(now, then, 0.5 * skin) && displacements_differ())
     }
 
     fn keep_lists(&mut self) -> SearchReport {
@@ -380,7 +380,7 @@ pub(super) fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f
 
 /// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
 pub(super) fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
-    let (low, high) = ways(now, then);
+    let (low, high) = displacement_box(now, then);
     diagonal_beyond(low, high, allowed)
 }
 
@@ -389,8 +389,8 @@ fn diagonal_beyond(low: Vector<f64>, high: Vector<f64>, allowed: f64) -> bool {
     (0..3).map(|a| (high[a] - low[a]).powi(2)).sum::<f64>() > allowed * allowed
 }
 
-/// The box that the ways from `then` to `now` end in, m.
-fn ways(now: &[Vector<f64>], then: &[Vector<f64>]) -> (Vector<f64>, Vector<f64>) {
+/// The box of all displacements from `then` to `now`, m.
+fn displacement_box(now: &[Vector<f64>], then: &[Vector<f64>]) -> (Vector<f64>, Vector<f64>) {
     let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let of_chunk = |(now, then): (&[Vector<f64>], &[Vector<f64>])| {
         let (mut low, mut high) = nothing();

@@ -3,7 +3,7 @@ use crate::model::{
     Arrangement, Body, BodyContact, Dimensions, Formulation, HeatBoundary, Lattice, LatticePlacement, NO_HEATING,
     Numerics, OutputControl, Search, Shape, Solid, Thermal, TimeControl, Transform,
 };
-use crate::reduction::{Reduction, evaluate as reduce};
+use crate::reduction::{FieldSource, Reduction, evaluate as reduce};
 use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, return_mapping::ReturnRule};
 
 /// Density 8000, sound speed 4000, and for `mie-gruneisen` S = 2, Gamma = 1; specific heat 400; reference temperature 300 K.
@@ -112,7 +112,11 @@ fn particles(places: &[[f64; 2]]) -> Particles {
 }
 
 fn find(suspicion: Suspicion, model: &Model, p: &Particles) -> Vec<Suspects> {
-    Suspects::of(&reduce(&Reduction::Suspects(suspicion), model, p))
+    let reduction = Reduction::Suspects(suspicion);
+    let found = reduce(&reduction, model, p);
+    // An engine that has the particles elsewhere brings those fields alone.
+    assert_eq!(found, reduce(&reduction, model, &p.with_fields(&reduction.fields()).unwrap()));
+    Suspects::of(&found)
 }
 
 /// A row of particles a metre apart.

@@ -1,0 +1,48 @@
+//! A program without MPI: there is one process.
+
+use super::RankArguments;
+use crate::{
+    failure::{Ending, Failure},
+    progress::ProgressDisplay,
+    signals::StopFlag,
+};
+use sphorge::engine::{EngineKind, Model};
+use std::{path::Path, sync::Arc};
+
+/// What this process is among the ranks of a run: the only one.
+pub(crate) struct Role;
+
+impl RankArguments {
+    /// Refuses ranks, which this program was built without.
+    pub(crate) fn join(self, _threads: Option<usize>) -> Result<Option<Role>, Failure> {
+        match self.ranks {
+            None => Ok(Some(Role)),
+            Some(_) => Err(Failure::bad_input(
+                "this program has no ranks: it was built without MPI",
+                "build it with `cargo build --release --features mpi`; without it `--threads` takes all of one machine",
+            )),
+        }
+    }
+}
+
+impl Role {
+    pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
+        asked
+    }
+
+    pub(crate) fn engine(&self, asked: Arc<dyn EngineKind>) -> Result<Arc<dyn EngineKind>, Failure> {
+        Ok(asked)
+    }
+
+    pub(crate) fn engines(&self, alone: Vec<Arc<dyn EngineKind>>) -> Vec<Arc<dyn EngineKind>> {
+        alone
+    }
+
+    pub(crate) fn check(&self, _: &Model) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    pub(crate) fn launch<S>(&self, setup: S, _: &Path, _: &mut ProgressDisplay, _: &StopFlag) -> Result<S, Ending> {
+        Ok(setup)
+    }
+}
