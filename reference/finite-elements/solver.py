@@ -18,6 +18,9 @@ ALONG_A = SIDES[None, :, 0] * (1 + GAUSS[:, None, 1] * SIDES[None, :, 1]) / 4
 ALONG_B = SIDES[None, :, 1] * (1 + GAUSS[:, None, 0] * SIDES[None, :, 0]) / 4
 SHAPE = (1 + GAUSS[:, None, 0] * SIDES[None, :, 0]) * (1 + GAUSS[:, None, 1] * SIDES[None, :, 1]) / 4
 
+# Half a particle with 12 and with 24 of them across, as shares of the radius.
+DEPTHS = (1 / 12, 1 / 24)
+
 
 def points(r, z, axisymmetric):
     """Of each integration point: gradients of the shape functions (point, node, element), N/r, volume."""
@@ -141,7 +144,7 @@ def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, f
     energies = {name: float(whole * amount) for name, amount in energies.items()}
     out_of = energies["kinetic_end"] + energies["internal"] + energies["friction_work"] + energies["wall_work"]
     energies["balance"] = out_of / energies["kinetic_in"] - 1
-    heights, radii = outline(r[side], z[side])
+    heights, radii = outline(r[side], z[side], np.linspace(0, z[side][-1], 20))
     return {
         "steps": steps,
         "length": float(z.max() / length),
@@ -152,12 +155,21 @@ def solve(metal, length, radius, speed, across, along, end, axisymmetric=True, f
         "largest_density": float(rho.max() / rho0),
         "energies": energies,
         "outline": {"height_mm": (1e3 * heights).round(4).tolist(), "radius_mm": (1e3 * radii).round(4).tolist()},
+        "below_side": [below_side(r[corner], z[corner], depth) for depth in DEPTHS],
     }
 
 
-def outline(r, z, count=20):
-    """Radius of the side at `count` heights from the wall to its top; the largest where the side folds."""
-    heights = np.linspace(0, z[-1], count)
+def below_side(r, z, depth):
+    """The line of material that was `depth` below the side at first, as a share of the radius; finer towards the wall."""
+    at = (1 - depth) * (r.shape[1] - 1)
+    a = min(int(at), r.shape[1] - 2)
+    r, z = ((1 - at + a) * c[:, a] + (at - a) * c[:, a + 1] for c in (r, z))
+    heights, radii = outline(r, z, z[-1] * np.linspace(0, 1, 60) ** 2)
+    return {"depth": depth, "height_mm": (1e3 * heights).round(4).tolist(), "radius_mm": (1e3 * radii).round(4).tolist()}
+
+
+def outline(r, z, heights):
+    """Radius of the side at heights from the wall to its top; the largest where the side folds."""
     radii = []
     for h in np.clip(heights, z.min(), z.max()):
         (a,) = np.nonzero((np.minimum(z[:-1], z[1:]) <= h) & (h <= np.maximum(z[:-1], z[1:])))

@@ -9,7 +9,7 @@ pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion, TEARING_RADIUS
 use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
 use crate::particles::{Column, Particles, stored_behind};
-use sphorge_physics::Vector;
+use sphorge_physics::{Vector, tensor};
 
 /// A number per particle: a field, of which one component may be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,8 @@ impl Reduction<'_> {
             | Self::Slabs { quantity, .. }
             | Self::OfParticle { quantity, .. } => stored_behind(quantity.field),
             Self::Suspects(_) => vec!["temperature", "energy", "pressure", "neighbors"],
-            Self::Extent { .. } | Self::Diameter { .. } | Self::SectionForce(_) | Self::Nearest { .. } => Vec::new(),
+            Self::Extent { .. } | Self::Diameter { .. } => vec!["deformation", "earlier_deformation"],
+            Self::SectionForce(_) | Self::Nearest { .. } => Vec::new(),
         };
         let more = of_quantity.into_iter().filter(|field| !READ_BY_ALL.contains(field));
         READ_BY_ALL.into_iter().chain(more).collect()
@@ -230,6 +231,10 @@ impl<'a> Values<'a> {
     }
 }
 
+fn unit(axis: usize) -> Vector<f64> {
+    std::array::from_fn(|a| if a == axis { 1.0 } else { 0.0 })
+}
+
 /// Selected particles at one time.
 struct Selected<'a> {
     model: &'a Model,
@@ -254,6 +259,18 @@ impl Selected<'_> {
         self.model.bodies.get(self.particles.body[i] as usize).map_or(self.model.spacing, |body| body.spacing)
     }
 
+    /// How far particle `i` reaches from its centre along a unit vector, m: half a spacing as its deformation gradient has made it, where the form of
+    /// the sums has one and the body is in one piece.
+    fn reach(&self, i: usize, direction: Vector<f64>) -> f64 {
+        let (p, half) = (self.particles, 0.5 * self.spacing(i));
+        let is_in_one_piece = p.earlier_deformation.get(i).is_none_or(|earlier| *earlier == tensor::identity());
+        let deformation = p.deformation.get(i).filter(|_| is_in_one_piece);
+        deformation.map_or(half, |f| {
+            let stretched = tensor::apply(&tensor::transpose(f), direction);
+            half * tensor::dot(stretched, stretched).sqrt()
+        })
+    }
+
     fn mean(&self, values: &Values<'_>) -> Option<f64> {
         let (sum, mass) = self.indices().fold((0.0, 0.0), |(sum, mass), i| {
             let m = self.particles.mass[i];
@@ -264,8 +281,8 @@ impl Selected<'_> {
 
     fn extent(&self, axis: usize) -> Option<f64> {
         let ends = |i: usize| {
-            let (x, half) = (self.particles.position[i][axis], 0.5 * self.spacing(i));
-            (x - half, x + half)
+            let (x, reach) = (self.particles.position[i][axis], self.reach(i, unit(axis)));
+            (x - reach, x + reach)
         };
         let (mut low, mut high) = self.indices().map(ends).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
         // Particles pressed against the plane are flatter than half a spacing.
@@ -293,11 +310,14 @@ impl Selected<'_> {
         for plane in self.model.symmetry.iter().filter(|plane| plane.axis != axis) {
             centre[plane.axis] = plane.position;
         }
-        let reach = |i: usize| {
-            let square: f64 = (0..3).filter(|&a| a != axis).map(|a| (positions[i][a] - centre[a]).powi(2)).sum();
-            square.sqrt() + 0.5 * self.spacing(i)
+        let radius = |i: usize| {
+            let outward: Vector<f64> =
+                std::array::from_fn(|a| if a == axis { 0.0 } else { positions[i][a] - centre[a] });
+            let distance = tensor::dot(outward, outward).sqrt();
+            let along = if distance > 0.0 { outward.map(|c| c / distance) } else { unit((axis + 1) % 3) };
+            distance + self.reach(i, along)
         };
-        self.indices().map(reach).reduce(f64::max).map(|radius| 2.0 * radius)
+        self.indices().map(radius).reduce(f64::max).map(|radius| 2.0 * radius)
     }
 
     /// The normalisation of the kernel cancels, but for its `1/h^d`.
@@ -333,3 +353,6 @@ impl Selected<'_> {
         filled.flat_map(|[count, place, value]| [place / count, value / count]).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,10 +8,11 @@ tables! {
     RawMeasure {
         /// Name of the measure: column of `history.csv`, key in `summary.json`.
         name: Word, example "height";
-        /// Particle extent along an axis plus one spacing, m.
+        /// Extent along an axis, m, between the farthest points of particles: half a spacing from their centres, deformed with the body in the total
+        /// Lagrangian form until it comes apart.
         extent: Option<RawAlongAxis>;
-        /// Diameter of the section across an axis, m: twice the largest distance from the axis through the mean position, plus
-        /// one spacing. In plane strain across `z` that of a disc, across `x` or `y` a width.
+        /// Diameter of the section across an axis, m: twice the distance of the farthest point of a particle, as for `extent`, from the axis through
+        /// the mean position. In plane strain across `z` that of a disc, across `x` or `y` a width.
         diameter: Option<RawAlongAxis>;
         /// Largest value of a field.
         maximum: Option<RawExtreme>;

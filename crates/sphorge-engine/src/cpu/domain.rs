@@ -269,7 +269,9 @@ impl<T: PairScalar> Part for CpuEngine<T> {
     fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
         let column = self.field(field)?;
         let Some(domain) = &self.domain else { return Ok(column.into_owned()) };
-        let (ranks, counts) = (&domain.ranks, domain.counts());
+        // A column that the form of the sums does not have is empty on all ranks.
+        let counts = if column.is_empty() { vec![0; domain.ranks.size()] } else { domain.counts() };
+        let ranks = &domain.ranks;
         Ok(match column {
             Column::Scalar(values) => Column::Scalar(ranks.gather_on_first_rank(&values, &counts)?.into()),
             Column::Integer(values) => Column::Integer(ranks.gather_on_first_rank(&values, &counts)?.into()),

@@ -67,14 +67,16 @@ pub enum CloudExtent {
 /// Kinds of measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeasureKind {
-    /// Particle extent along an axis plus one spacing, m.
+    /// Extent along an axis, m: between the farthest points of particles, each of which is a ball of one spacing at the start and what its
+    /// deformation gradient makes of it then, while its body is in one piece; always that ball in sums over present neighbours.
     Extent {
         /// Which particles.
         selection: ParticleSelection,
         /// Axis 0, 1, 2.
         axis: usize,
     },
-    /// Diameter of the section across an axis: twice the largest distance from the body's axis line plus one spacing, m.
+    /// Diameter of the section across an axis: twice the distance of the farthest point of a particle from the body's axis line, m; particles are
+    /// as large as for the extent.
     Diameter {
         /// Which particles.
         selection: ParticleSelection,

@@ -237,4 +237,4 @@ fn count(model: &Model, p: &Particles, verdict: impl Fn(usize) -> Verdict + Sync
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -33,7 +33,7 @@ fn close(value: Option<f64>, expected: f64) {
 }
 
 #[test]
-fn extent_is_the_particle_extent_plus_one_spacing() {
+fn the_extent_goes_half_a_spacing_beyond_the_centres() {
     let mut particles = lattice(4, 7);
     let extent = |selection: ParticleSelection| MeasureKind::Extent { selection, axis: 1 };
     close(once(extent(ParticleSelection::default()), &particles), 0.7);

@@ -7,7 +7,7 @@ use crate::reduction::{FieldSource, Reduction, evaluate as reduce};
 use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, return_mapping::ReturnRule};
 
 /// Density 8000, sound speed 4000, and for `mie-gruneisen` S = 2, Gamma = 1; specific heat 400; reference temperature 300 K.
-fn material(law: &str) -> Material {
+pub(in crate::reduction) fn material(law: &str) -> Material {
     let law = EQUATIONS_OF_STATE.iter().find(|entry| entry.key == law).unwrap();
     let elastic = FLOW_LAWS.iter().find(|entry| entry.key == "elastic").unwrap();
     Material {
@@ -27,7 +27,7 @@ fn material(law: &str) -> Material {
 }
 
 /// Bodies of one material each, in two dimensions, spacing 1 m.
-fn model(materials: Vec<Material>) -> Model {
+pub(in crate::reduction) fn model(materials: Vec<Material>) -> Model {
     let body = |material| Body {
         name: String::new(),
         material,

@@ -1,5 +1,6 @@
 //! Bars in finite elements: what `reference/finite-elements/taylor_bar.py` found of them.
 
+use super::bar_outline::Line;
 use serde::Deserialize;
 
 /// A bar on a rigid wall without friction that holds its foot.
@@ -26,19 +27,31 @@ pub(super) struct Mesh {
     pub(super) plastic_strain: f64,
     /// K
     pub(super) temperature: f64,
-    pub(super) outline: Outline,
+    below_side: Vec<BelowSide>,
 }
 
-/// Radius of the side at heights from the wall to the top, evenly apart.
+/// The line of material that was so deep below the side at first, at heights from the wall to the top.
 #[derive(Clone, Debug, Deserialize)]
-pub(super) struct Outline {
-    pub(super) radius_mm: Vec<f64>,
+struct BelowSide {
+    /// As a share of the radius.
+    depth: f64,
+    height_mm: Vec<f64>,
+    radius_mm: Vec<f64>,
 }
 
 impl Mesh {
     /// Length and foot over the first ones, largest strain.
     pub(super) fn numbers(&self) -> [f64; 3] {
         [self.length, self.foot_diameter, self.plastic_strain]
+    }
+
+    /// Where the material is, m, in which the outermost of so many particles across are.
+    pub(super) fn outermost_ring(&self, across: u32) -> Option<Line> {
+        let depth = 1.0 / f64::from(across);
+        let line = self.below_side.iter().find(|line| (line.depth / depth - 1.0).abs() < 1e-9)?;
+        Some(
+            line.height_mm.iter().zip(&line.radius_mm).map(|(height, radius)| [1e-3 * height, 1e-3 * radius]).collect(),
+        )
     }
 }
 
@@ -71,11 +84,12 @@ mod tests {
     fn the_finest_mesh_of_the_wall_that_holds_is_read() {
         let bar = bar_in_elements("copper-bar", 190.0).unwrap();
         let (mesh, coarser) = bar.finest().unwrap();
-        assert_eq!(mesh.elements, [12, 84]);
-        assert!((mesh.length - 0.682_6).abs() < 1e-4 && (mesh.temperature - 520.5).abs() < 0.1);
+        assert_eq!(mesh.elements, [24, 168]);
+        assert!((mesh.length - 0.682_9).abs() < 1e-4 && (mesh.temperature - 521.6).abs() < 0.1);
         assert!((coarser[1] + 0.003_8).abs() < 1e-4);
-        // Half the foot, at the wall.
-        assert!((mesh.outline.radius_mm[0] / 3.81 - mesh.foot_diameter).abs() < 1e-4);
+        // Of 24 particles across, the outermost are within half of one of the foot, at the wall.
+        assert!((mesh.outermost_ring(24).unwrap()[0][1] / 3.81e-3 - mesh.foot_diameter + 0.041).abs() < 1e-3);
+        assert!(mesh.outermost_ring(23).is_none());
         assert!(bar_in_elements("copper-bar", 191.0).is_none());
     }
 }
