@@ -315,8 +315,10 @@ impl Oracle {
     pub(crate) fn resist_hourglass(&mut self) {
         let Some(strength) = self.total_lagrangian() else { return };
         let p = &self.p;
-        let spring =
-            |i: usize| Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i], p.plastic_strain[i]);
+        let spring = |i: usize| {
+            let stretch = smallest_stretch(&self.deformation[i]);
+            Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i], p.plastic_strain[i], stretch)
+        };
         let sums = self.each(|i| {
             let (mut a, mut power, mut exerted) = ([0.0; 3], 0.0, Vec::new());
             for n in self.pairs(i, &self.searched_at) {

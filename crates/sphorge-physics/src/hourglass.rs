@@ -14,7 +14,10 @@
 //!
 //! `E_s = Y/(eps_p + Y/E)`,
 //!
-//! which is `E` until it yields, and a thousandth of it after a strain of one; and they yield,
+//! which is `E` until it yields, and a thousandth of it after a strain of one. A particle pressed flat to `lambda_min` of its height is
+//! wider by `lambda_min^-1/2`, so that the strain of a spring in its plane, over the length at rest, is too large by as much, and so is its
+//! force by the strain of the plane: where the stiffness is not taken times `lambda_min`, springs hold up the foot of a bar at high speed (copper
+//! at 300 m/s, 12 particles across: the flare above the foot 4.7 % too thick, not 2.9 %). And they yield,
 //!
 //! `s_ij -> s_ij/(1 + |s_ij|/(Y/2))`,
 //!
@@ -36,20 +39,21 @@ const SHORTEST: f64 = 1e-6;
 /// Springs of a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring<T> {
-    /// `alpha E_s`, Pa.
+    /// `alpha lambda_min E_s`, Pa.
     pub stiffness: T,
     /// Largest stress, Pa, positive.
     pub bound: T,
 }
 
 impl<T: Real> Spring<T> {
-    /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain.
+    /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain, where the smallest principal stretch
+    /// is `smallest_stretch`.
     #[inline(always)]
-    pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T) -> Self {
+    pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T, smallest_stretch: T) -> Self {
         // A fluid has no springs; its bound only must not be zero.
         let bound = (T::of(SHARE) * yield_stress).max(T::of(LEAST) * young).max(T::one());
         let secant = young / (T::one() + young * plastic_strain * T::of(SHARE) / bound);
-        Self { stiffness: strength * secant, bound }
+        Self { stiffness: strength * secant * smallest_stretch.min(T::one()), bound }
     }
 
     /// The spring between two particles.
@@ -151,7 +155,7 @@ mod tests {
     #[test]
     fn springs_are_those_of_the_metal_at_rest_and_yield_with_it() {
         // E 200 GPa, strength 10, flow stress 800 MPa: 400 MPa at most.
-        let spring = Spring::new(10.0, 200e9, 800e6, 0.0);
+        let spring = Spring::new(10.0, 200e9, 800e6, 0.0, 1.0);
         assert_eq!(spring, Spring { stiffness: 2e12, bound: 400e6 });
         assert!((spring.stress(1e-8) / 2e4 - 1.0).abs() < 1e-4);
         // As much again as the bound: half of it. Ten times: 10/11.
@@ -168,19 +172,23 @@ mod tests {
     #[test]
     fn springs_soften_to_the_secant_modulus() {
         // E 200 GPa, Y 800 MPa at a plastic strain of 0.016: 800 MPa/(0.016 + 0.004) = 40 GPa.
-        let spring = Spring::new(10.0, 200e9, 800e6, 0.016f64);
+        let spring = Spring::new(10.0, 200e9, 800e6, 0.016f64, 1.0);
         assert!((spring.stiffness / 400e9 - 1.0).abs() < 1e-12 && spring.bound == 400e6);
+        // Pressed to a quarter of its height, a quarter; wider on all sides, no more.
+        let of = |stretch| Spring::new(10.0, 200e9, 800e6, 0.016f64, stretch);
+        assert_eq!(of(0.25), Spring { stiffness: 0.25 * spring.stiffness, ..spring });
+        assert_eq!(of(1.2), spring);
         // A melt: its flow stress is taken as twice the least bound, 2e-4 E, which after a strain of one is about the secant modulus.
-        let melt = Spring::new(1.0, 200e9, 0.0f64, 1.0);
+        let melt = Spring::new(1.0, 200e9, 0.0f64, 1.0, 1.0);
         assert!((melt.stiffness / (40e6 / (1.0 + 2e-4)) - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn springs_of_what_never_yields_are_linear_and_a_melt_keeps_a_little() {
-        let spring = Spring::new(10.0, 2e6, f64::INFINITY, 0.0);
+        let spring = Spring::new(10.0, 2e6, f64::INFINITY, 0.0, 1.0);
         assert_eq!(spring.stress(0.3), 6e6);
-        assert_eq!(Spring::new(10.0, 200e9, 0.0f64, 0.0).bound, 20e6);
-        assert_eq!(Spring::new(10.0, 0.0, 0.0f64, 0.0).stress(0.3), 0.0);
+        assert_eq!(Spring::new(10.0, 200e9, 0.0f64, 0.0, 1.0).bound, 20e6);
+        assert_eq!(Spring::new(10.0, 0.0, 0.0f64, 0.0, 1.0).stress(0.3), 0.0);
     }
 
     #[test]

@@ -49,7 +49,7 @@ tables! {
     #[derive(Default)]
     RawViscosity {
         /// Linear coefficient.
-        alpha: Option<Given<Number>>, example 0.2, otherwise "0.2 in the total Lagrangian form, else 1.0";
+        alpha: Option<Given<Number>>, example 0.2, otherwise "0.1 in the total Lagrangian form, else 1.0";
         /// Quadratic coefficient.
         beta: Option<Given<Number>>, example 4.0, default 1.0;
         /// Balsara's switch: less viscosity in shear.

@@ -211,8 +211,9 @@ impl<T: PairScalar> CpuEngine<T> {
                 for a in 0..3 {
                     record[V + a] = T::of_velocity(p.evaluated_velocity[i][a]);
                 }
+                let young = young[p.material[i] as usize];
                 let spring =
-                    Spring::new(strength, young[p.material[i] as usize], p.yield_stress[i], p.plastic_strain[i]);
+                    Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], p.smallest_stretch[i]);
                 spring_record[..3].copy_from_slice(&frame.encode::<T>(&p.position[i]));
                 for c in 0..9 {
                     spring_record[entry::F + c] = T::of(p.deformation[i][c / 3][c % 3]);

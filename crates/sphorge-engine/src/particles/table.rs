@@ -311,7 +311,7 @@ columns! {
     pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls and contacts, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
-        Internal("", "smallest principal stretch from the reference configuration"), Unmirrored[], None;
+        Internal("", "smallest principal stretch from the reference configuration"), Same[Stress], None;
     pub(crate) reference_normal: Vector<f64> = [0.0; 3], Faces,
         Internal("1/m", "outward normal of the surface in the reference configuration, zero inside"), Vector[Search], None;
     pub(crate) face_arm: Vector<f64> = [0.0; 3], Faces,

@@ -285,7 +285,7 @@ pub(super) fn laws() -> Vec<Law> {
             let initial = [x[0], x[1], x[2]];
             let now = [x[0] + x[3], x[1] * T::of(1.2), x[2] - x[3]];
             let misfit = Misfit::of::<3>(&initial, &now, &[x[4], x[4], zero], &f, &f);
-            let spring = Spring::new(T::of(10.0), T::of(120e9), x[8], x[9]);
+            let spring = Spring::new(T::of(10.0), T::of(120e9), x[8], x[9], T::of(0.3));
             let scale = PairScale::new::<3>(T::of(0.3), T::of(1.2e-3));
             vec![misfit.strength(spring, scale, T::of(0.4), T::of(1e-9)), misfit.v_dot_x]
         }
