@@ -68,7 +68,7 @@ const BARS: &[Bar] = &[
         name: "copper, 250 m/s",
         speed: 250.0,
         measured: None,
-        missed: &[(12, STRAIN, 0.13), (12, OUTLINE, 0.0215), (24, STRAIN, 0.08)],
+        missed: &[(12, STRAIN, 0.13), (12, OUTLINE, 0.0215), (24, STRAIN, 0.055)],
         ..COPPER
     },
     // With 24 across it takes most of an hour of a core.
@@ -293,8 +293,9 @@ fn judge(runs: &Runs, findings: &mut Findings) {
 const NOTES: &[&str] = &[
     "What is asked and missed, and kept within a wider bound: copper at 250 and 300 m/s. The largest strain, of 3.5 and 5.0 at the axis of the \
      foot, falls steeply from there: over the material of a particle the elements have a mean of 8 and 2 % less with 12 and 24 across, \
-     and our two rings at the axis have one and the same strain, where theirs differ by a tenth. We miss 13 and 15 % with 12 across, 7.8 % at 250 m/s \
-     with 24, of which 1.4 % are the finer mesh we are held to since, and 1.5 % springs that hold up the foot less. The flare above the foot is \
+     and our two rings at the axis have one and the same strain, where theirs differ by a tenth. We miss 13 and 15 % with 12 across. At 250 m/s \
+     with 24 we miss 7.8 %, which fails the bound of 5.5 % that was kept (5.03 %): 1.4 % are the finer mesh we are held to since, 1.5 % springs \
+     that hold up the foot less. The flare above the foot is \
      2.1 and 2.9 % too thick with 12 across, within 0.8 % at 250 m/s with 24.",
     "The outline is that of the outermost ring of particles, beside the same material of the elements. Drawn on to the side through the last two \
      rings and to the wall through the last two slices, the foot of the elements themselves would be 2.1 and 0.8 % too wide (42CrMo4, rings of 12 and 24 \
