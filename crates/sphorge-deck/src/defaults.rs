@@ -4,6 +4,9 @@ use sphorge_engine::model::{AdaptiveSearch, Search};
 
 /// Smoothing length over spacing.
 pub(crate) const SMOOTHING: f64 = 1.2;
+/// That of the total Lagrangian form, whose corrected sums need fewer neighbours and smear a foot less: the largest strain of a copper bar at
+/// 250 m/s, 12 particles across, is 10.0 % below that of finite elements with 1.2, 8.6 % with 1.1.
+pub(crate) const LAGRANGIAN_SMOOTHING: f64 = 1.1;
 /// Courant number.
 pub(crate) const COURANT: f64 = 0.3;
 /// Linear and quadratic artificial viscosity.
@@ -29,8 +32,9 @@ pub(crate) const GUARD_STRAIN: f64 = 0.005;
 /// Adaptive search: the middle threshold of Fraser's Table 1, guarded.
 pub(crate) const ADAPTIVE: AdaptiveSearch =
     AdaptiveSearch { plastic_strain_threshold: 1e-5, accumulate: false, guard: Some(GUARD_STRAIN) };
-/// Strength of the hourglass control of the total Lagrangian form.
-pub(crate) const HOURGLASS: f64 = 10.0;
+/// Strength of the hourglass control of the total Lagrangian form. What its springs add to the stiffness of a bent plate grows with the square of the smoothing
+/// length: a plate five particles thick with free ends swings 0.3 % too fast, with a strength of 10 1.3 % too slowly.
+pub(crate) const HOURGLASS: f64 = 12.0;
 /// Principal stretch at which the total Lagrangian form renews its reference configuration. The foot of a copper bar of 24 particles across that is
 /// pressed flat at 300 m/s is stretched by 11.5 at its axis and must not come apart; at 8 it does, and folds through its image. The crater of
 /// `penetration` at 0.4 mm is 30.0 mm wide with 8 and 31.9 with 16.

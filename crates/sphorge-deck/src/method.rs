@@ -25,6 +25,8 @@ pub(crate) struct Choices {
     pub(crate) viscosity: (f64, f64),
     /// Arrangement of the particles of bodies that rings can fill.
     pub(crate) round: Arrangement,
+    /// Smoothing length over spacing.
+    pub(crate) smoothing: f64,
 }
 
 /// Which contact a wall has.
@@ -44,6 +46,7 @@ const UPDATED: Choices = Choices {
     wall: WallContactKind::MonaghanKos,
     viscosity: defaults::VISCOSITY,
     round: Arrangement::Square,
+    smoothing: defaults::SMOOTHING,
 };
 
 impl Method {
@@ -66,6 +69,7 @@ impl Method {
                     wall: WallContactKind::Penalty,
                     viscosity: defaults::BULK_VISCOSITY,
                     round: Arrangement::Rings,
+                    smoothing: defaults::LAGRANGIAN_SMOOTHING,
                     ..UPDATED
                 }
             }

@@ -1,8 +1,8 @@
 //! Bodies.
 
 use super::{material::Chosen, shape::body_shape, vector, velocity};
-use crate::defaults;
 use crate::fault::{Fault, Problems};
+use crate::method;
 use crate::raw::{RawBody, RawParticles, RawSpin};
 use crate::value::{Choice, Choices, Given, Number, ScalarOr};
 use sphorge_engine::geometry::rings_fill;
@@ -25,18 +25,18 @@ pub(crate) struct ParticleDefaults {
 }
 
 impl ParticleDefaults {
-    /// `spacing` has been read already; `round` is what the method has for bodies that rings can fill.
+    /// `spacing` has been read already; `usual` is what the method has for keys that are left out.
     pub(crate) fn read(
         raw: Option<&RawParticles>,
         spacing: Option<f64>,
-        round: Arrangement,
+        usual: &method::Choices,
         problems: &mut Problems,
     ) -> Self {
         Self {
             spacing,
-            smoothing: smoothing(raw.and_then(|r| r.smoothing.as_ref()), Some(defaults::SMOOTHING), problems),
+            smoothing: smoothing(raw.and_then(|r| r.smoothing.as_ref()), Some(usual.smoothing), problems),
             arrangement: raw.and_then(|r| r.lattice.as_ref()).map_or(Some(None), |word| word.get(problems).map(Some)),
-            round,
+            round: usual.round,
             placement: chosen(raw.and_then(|r| r.placement.as_ref()), Some(LatticePlacement::default()), problems),
         }
     }

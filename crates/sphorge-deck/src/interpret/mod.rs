@@ -243,7 +243,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     // Vectors cannot be read without the dimensions.
     let dimensions = dimensions?;
     let mut materials = material::Chosen::new(&library);
-    let defaults = body::ParticleDefaults::read(raw.particles.as_ref(), spacing, usual.round, problems);
+    let defaults = body::ParticleDefaults::read(raw.particles.as_ref(), spacing, &usual, problems);
     let bodies: Vec<_> =
         raw.body.iter().map(|b| body::body(b, dimensions, &defaults, &mut materials, problems)).collect();
     let regions: Vec<_> = raw.region.iter().map(|r| region(r, &body_names, dimensions, problems)).collect();

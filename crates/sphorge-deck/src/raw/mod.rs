@@ -87,7 +87,7 @@ tables! {
         /// Distance of neighbouring lattice particles; the key for resolution.
         spacing: Option<Given<Length>>, or fault, example "0.3 mm";
         /// Smoothing length over spacing, h / spacing.
-        smoothing: Option<Given<Number>>, example 1.2, default 1.2;
+        smoothing: Option<Given<Number>>, example 1.2, otherwise "1.1 in the total Lagrangian form, else 1.2";
         /// How particles are arranged.
         lattice: Option<Choice<ArrangementWord>>, example "hexagonal",
             otherwise "`rings` in the total Lagrangian form for bodies they fill, else `square`";

@@ -93,7 +93,7 @@ tables! {
         /// sums over current neighbours, and puts a bulk viscosity with the same constants in place of the pair viscosity.
         form: Option<Choice<FormulationWord>>, example "frozen", default "corrected";
         /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs soften and yield with the material.
-        hourglass: Option<Given<Number>>, example 10.0, default 10.0;
+        hourglass: Option<Given<Number>>, example 3.0, default 12.0;
         /// Principal stretch at which a body of the corrected form has come apart, 1.1 to 100, or 0 for never. Its sums are taken in its present configuration
         /// from then on, set anew whenever it is stretched or pressed by a factor of two: what has no neighbours in common is two pieces.
         renewal: Option<Given<Number>>, example 4.0, default 16.0;

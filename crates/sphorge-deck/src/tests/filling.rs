@@ -24,7 +24,7 @@ fn particles_move_and_turn_as_their_body() {
     // v + w x r with w = 2 about z and r = (-0.25, 0.25).
     assert_eq!(particles.velocity[1], [3.0 - 0.5, -0.5, 0.0]);
     assert_eq!((particles.id[3], particles.mass[3], particles.density[3]), (3, 250.0, 1000.0));
-    assert_eq!((particles.smoothing_length[0], particles.temperature[0]), (0.6, 293.15));
+    assert_eq!((particles.smoothing_length[0], particles.temperature[0]), (0.55, 293.15));
     // c0 = sqrt(K/rho), K = E/(3 (1 - 2 nu)).
     assert!((particles.sound_speed[0] - (1e9f64 / 1.2 / 1000.0).sqrt()).abs() < 1e-9);
 }

@@ -47,7 +47,7 @@ A lattice is anchored to its shape and turns with it, so a symmetric shape gets 
   axis of the bar) stacked as in hexagonal close packing. A particle stands for as much area or volume as in the square or cubic
   lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.
 - `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
-  each, a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
+  each (the four about the centre in the centroids of their quarters), a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
   quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
   what its shape does. Further parts of a `difference` or `intersection` cut particles away. The total Lagrangian form has it for all
   bodies it fills, unless the deck says otherwise: corners of a cubic lattice reach beyond a round surface, and a bar of 12 particles

@@ -60,6 +60,12 @@ fn stated_defaults_are_the_real_ones() {
     let spelled = stated("search.skin");
     assert_eq!(spelled.len(), 1);
     assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    for (strategy, count) in [("adaptive", 4), ("total-lagrangian", 4)] {
+        let on = ("search".to_owned(), strategy.to_owned());
+        let spelled = stated(&format!("search.{strategy}"));
+        assert_eq!(spelled.len(), count);
+        assert_eq!(model(EVERYTHING, &spelled), model(EVERYTHING, &[on]));
+    }
     let on = ("thermal".to_owned(), "{}".to_owned());
     let spelled = stated("thermal");
     assert_eq!(spelled.len(), 2);

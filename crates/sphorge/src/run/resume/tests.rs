@@ -119,8 +119,8 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
         forge(last, name, change);
         let (ended, told) = go_on_in(&run);
         assert_eq!(ended.unwrap().steps, 12, "{name}");
-        assert_eq!(told.len(), 2, "{told:?}");
-        assert!(told[0].contains(reason) && told[0].ends_with("; it is passed over"), "{told:?}");
+        assert_eq!(told.len(), 2, "{name}: {told:?}");
+        assert!(told[0].contains(reason) && told[0].ends_with("; it is passed over"), "{name}: {told:?}");
         let (from, steps) = (format!("going on from step {before} at "), 12 - before);
         let repeated = format!("so that {steps} step{} repeated", if steps == 1 { " is" } else { "s are" });
         assert!(told[1].starts_with(&from) && told[1].ends_with(&repeated), "{told:?}");
