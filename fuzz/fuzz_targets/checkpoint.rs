@@ -3,13 +3,14 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use sphorge::engine::Cpu;
 use sphorge::run::{CheckpointPlan, ResumeOptions, Silent, resume};
 use sphorge_fuzz::{MOST_PARTICLES, folder, seed, show, tiny_run};
 use std::{
     fs,
     io::{Cursor, Read, Write},
     path::PathBuf,
-    sync::{LazyLock, atomic::AtomicBool},
+    sync::{Arc, LazyLock, atomic::AtomicBool},
 };
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
@@ -84,6 +85,7 @@ fuzz_target!(
             most_particles: MOST_PARTICLES,
             threads: Some(1),
             checkpoints: CheckpointPlan::default(),
+            engines: vec![Arc::new(Cpu)],
         };
         if let Err(error) = resume(run, &options, &AtomicBool::new(false), &mut Silent) {
             show(error);

@@ -4,9 +4,11 @@
 use libfuzzer_sys::fuzz_target;
 use sphorge::{
     deck::{advice, load_text_within},
+    engine::Cpu,
     forecast::{ForecastOptions, forecast},
 };
 use sphorge_fuzz::{MOST_PARTICLES, show, show_of_deck};
+use std::sync::Arc;
 
 /// Particles and bodies of which a step is tried.
 const STEPPED: (usize, usize) = (64, 3);
@@ -24,10 +26,12 @@ fuzz_target!(|data: &[u8]| {
             let _ = advice(&setup.model, &setup.particles);
             let again = load_text_within("deck", &setup.deck_text, &[], MOST_PARTICLES);
             assert!(again.is_ok(), "the deck as run is refused: {:?}", again.err());
-            if setup.particles.len() <= STEPPED.0 && setup.model.bodies.len() <= STEPPED.1 {
-                if let Err(error) = forecast(setup, &ForecastOptions { threads: Some(1), seconds: 0.0 }) {
-                    show(error);
-                }
+            if setup.particles.len() <= STEPPED.0
+                && setup.model.bodies.len() <= STEPPED.1
+                && let Err(error) =
+                    forecast(setup, &ForecastOptions { engine: Arc::new(Cpu), threads: Some(1), seconds: 0.0 })
+            {
+                show(error);
             }
         }
     }
