@@ -3,13 +3,14 @@
 use super::bar_outline::Line;
 use serde::Deserialize;
 
-/// A bar on a rigid wall without friction that holds its foot.
+/// A bar on a rigid wall without friction.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct BarInElements {
     body: String,
     /// m/s
     speed: f64,
     friction: f64,
+    /// Whether the wall lets go of the foot.
     lets_go: bool,
     /// Coarse to fine.
     meshes: Vec<Mesh>,
@@ -62,10 +63,15 @@ impl BarInElements {
         let (coarse, fine) = (coarser.numbers(), finest.numbers());
         Some((finest, std::array::from_fn(|k| coarse[k] / fine[k] - 1.0)))
     }
+
+    /// The finest mesh of elements that are no smaller than so many particles across.
+    pub(super) fn as_large_as_particles(&self, across: u32) -> Option<&Mesh> {
+        self.meshes.iter().rfind(|mesh| 2 * mesh.elements[0] <= across)
+    }
 }
 
-/// The bar of this name at this speed, m/s.
-pub(super) fn bar_in_elements(body: &str, speed: f64) -> Option<BarInElements> {
+/// The bar of this name at this speed, m/s, on a wall that holds its foot or lets it go.
+pub(super) fn bar_in_elements(body: &str, speed: f64, lets_go: bool) -> Option<BarInElements> {
     #[derive(Deserialize)]
     struct Written {
         cases: Vec<BarInElements>,
@@ -73,7 +79,8 @@ pub(super) fn bar_in_elements(body: &str, speed: f64) -> Option<BarInElements> {
     let text = include_str!("../../../../../reference/finite-elements/taylor_bar.json");
     // A file of ours: a test reads it.
     let written: Written = serde_json::from_str(text).ok()?;
-    written.cases.into_iter().find(|of| of.body == body && of.speed == speed && of.friction == 0.0 && !of.lets_go)
+    let asked = |of: &BarInElements| of.body == body && of.speed == speed && of.lets_go == lets_go;
+    written.cases.into_iter().find(|of| asked(of) && of.friction == 0.0)
 }
 
 #[cfg(test)]
@@ -82,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_finest_mesh_of_the_wall_that_holds_is_read() {
-        let bar = bar_in_elements("copper-bar", 190.0).unwrap();
+        let bar = bar_in_elements("copper-bar", 190.0, false).unwrap();
         let (mesh, coarser) = bar.finest().unwrap();
         assert_eq!(mesh.elements, [24, 168]);
         assert!((mesh.length - 0.682_9).abs() < 1e-4 && (mesh.temperature - 521.6).abs() < 0.1);
@@ -90,6 +97,10 @@ mod tests {
         // Of 24 particles across, the outermost are within half of one of the foot, at the wall.
         assert!((mesh.outermost_ring(24).unwrap()[0][1] / 3.81e-3 - mesh.foot_diameter + 0.041).abs() < 1e-3);
         assert!(mesh.outermost_ring(23).is_none());
-        assert!(bar_in_elements("copper-bar", 191.0).is_none());
+        assert!(bar_in_elements("copper-bar", 191.0, false).is_none());
+        let on_wall = bar_in_elements("copper-bar", 190.0, true).unwrap();
+        assert_eq!(on_wall.finest().unwrap().0.elements, [24, 168]);
+        let as_large = [9, 12, 24].map(|across| on_wall.as_large_as_particles(across).map(|mesh| mesh.elements));
+        assert_eq!(as_large, [None, Some([5, 35]), Some([12, 84])]);
     }
 }

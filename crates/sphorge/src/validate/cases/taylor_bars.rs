@@ -35,6 +35,8 @@ struct Bar {
     end: f64,
     /// Who measured it, length and foot over the first ones.
     measured: Option<(&'static str, f64, Option<f64>)>,
+    /// Whether the wall is one that lets go, not a plane of symmetry.
+    lets_go: bool,
     /// Among the quick ones.
     quick: bool,
     /// Numbers of particles across the diameter.
@@ -55,6 +57,7 @@ const COPPER: Bar = Bar {
     diameter: 0.00762,
     end: 90.0,
     measured: Some((JOHNSON_COOK, 0.638, Some(1.78))),
+    lets_go: false,
     quick: false,
     across: &[12, 24],
     missed: &[],
@@ -126,6 +129,34 @@ const BARS: &[Bar] = &[
         measured: None,
         ..COPPER
     },
+    Bar {
+        name: "copper on a wall that lets go, 190 m/s",
+        lets_go: true,
+        quick: true,
+        missed: &[(12, FOOT, 0.027)],
+        ..COPPER
+    },
+    Bar {
+        name: "Armco iron on a wall that lets go, 221 m/s",
+        material: "armco-iron",
+        body: "iron-bar",
+        speed: 221.0,
+        measured: None,
+        lets_go: true,
+        ..COPPER
+    },
+    Bar {
+        name: "42CrMo4 steel on a wall that lets go, 287 m/s",
+        material: "42crmo4-steel",
+        body: "taylor-bar-42crmo4",
+        speed: 287.0,
+        length: 0.0324,
+        diameter: 0.0064,
+        end: 80.0,
+        measured: None,
+        lets_go: true,
+        ..COPPER
+    },
 ];
 
 /// What is compared: name, unit, and what each may miss with twelve particles across; half of that with 24.
@@ -135,6 +166,7 @@ const NUMBERS: [(&str, Unit, f64); 4] = [
     ("largest plastic strain", Unit::NONE, 0.10),
     ("outermost ring, the worst of 20 heights", Unit::PERCENT, 0.02),
 ];
+const FOOT: usize = 1;
 const STRAIN: usize = 2;
 const OUTLINE: usize = 3;
 
@@ -144,7 +176,7 @@ pub(super) const CASE: Case = Case {
     about: "Copper (Johnson-Cook and Zerilli-Armstrong), Armco iron, 4340 and 42CrMo4 steel and 6061-T6 aluminium at 130 to 300 m/s, with \
             geometry, material and load alone changed in the deck, beside axisymmetric finite elements of our own with the same constants \
             (`reference/finite-elements`) and measured bars. A quarter of the bar against planes of symmetry: the wall is rigid, without \
-            friction, and holds the foot. Asked are 1 % in length, 2 % in the foot and at every height of the outline, 10 % in the \
+            friction, and holds the foot, but for three bars whose wall lets it go. Asked are 1 % in length, 2 % in the foot and at every height of the outline, 10 % in the \
             largest strain with 12 particles across, and half of that with 24.",
     deck: "copper-bar",
     expected_warnings: &[],
@@ -173,14 +205,20 @@ impl Bar {
         let millimetres = |value: f64| format!("\"{} mm\"", (1e6 * value).round() / 1e3);
         let (length, radius) = (millimetres(self.length), millimetres(0.5 * self.diameter));
         let shape = "body.bar.shape.intersection";
-        Variant::of_series(self.label(across), SERIES)
+        let variant = Variant::of_series(self.label(across), SERIES)
             .set("particles.spacing", &format!("{}", self.diameter / f64::from(across)))
             .set("time.end", &format!("\"{} us\"", self.end))
             .set("body.bar.material", &format!("\"{}\"", self.material))
             .set("body.bar.velocity.2", &format!("\"-{} m/s\"", self.speed))
             .set(&format!("{shape}.0.cylinder.to.2"), &length)
             .set(&format!("{shape}.0.cylinder.radius"), &radius)
-            .set(&format!("{shape}.1.box.max"), &format!("[{radius}, {radius}, {length}]"))
+            .set(&format!("{shape}.1.box.max"), &format!("[{radius}, {radius}, {length}]"));
+        if !self.lets_go {
+            return variant;
+        }
+        variant
+            .set("symmetry", r#"[{ axis = "x" }, { axis = "y" }]"#)
+            .set("wall", r#"[{ name = "anvil", plane = { point = [0, 0, 0], normal = [0, 0, 1] } }]"#)
     }
 
     /// Our numbers of a run, those of [`NUMBERS`].
@@ -199,13 +237,19 @@ impl Bar {
         let asked = NUMBERS[k].2 * 12.0 / f64::from(across);
         match self.missed.iter().find(|miss| (miss.0, miss.1) == (across, k)) {
             Some(&(_, _, kept)) => (kept, format!("{} % are asked and missed: see below", 100.0 * asked)),
+            None if self.lets_go && k == STRAIN => {
+                (asked, "of elements as large as the particles: see below".to_owned())
+            }
             None => (asked, "finite elements of the same bar, constants and wall".to_owned()),
         }
     }
 
     fn judge(&self, run: &Run, across: u32, elements: &BarInElements, findings: &mut Findings) {
         let Some((mesh, _)) = elements.finest() else { return };
-        let theirs = [mesh.length * self.length, mesh.foot_diameter * self.diameter, mesh.plastic_strain];
+        // The strain of a foot that curls up rises with every mesh.
+        let of_strain = if self.lets_go { elements.as_large_as_particles(across) } else { Some(mesh) };
+        let Some(of_strain) = of_strain else { return };
+        let theirs = [mesh.length * self.length, mesh.foot_diameter * self.diameter, of_strain.plastic_strain];
         let measured = |k: usize| match (k, self.measured) {
             (0, Some((source, length, _))) => Some((source, length * self.length)),
             (1, Some((source, _, foot))) => foot.map(|foot| (source, foot * self.diameter)),
@@ -228,7 +272,7 @@ impl Bar {
         findings.add(Finding::new("largest rise of the temperature", Unit::KELVIN, run.label(), rise).beside(
             ReferenceKind::FiniteElements,
             "finite elements",
-            mesh.temperature - START,
+            of_strain.temperature - START,
         ));
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
         findings.add(
@@ -261,7 +305,7 @@ fn variants(effort: Effort) -> Vec<Variant> {
 fn judge(runs: &Runs, findings: &mut Findings) {
     let mut rows = Vec::new();
     for bar in BARS {
-        let Some(elements) = bar_in_elements(bar.body, bar.speed) else { continue };
+        let Some(elements) = bar_in_elements(bar.body, bar.speed, bar.lets_go) else { continue };
         let mut of_bar = false;
         for &across in bar.across {
             let label = bar.label(across);
@@ -287,7 +331,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
 const NOTES: &[&str] = &[
     "What is asked and missed, and kept within a wider bound: copper at 300 m/s with 12 across. The largest strain, of 5.0 at the axis of the \
      foot, falls steeply from there: over the material of a particle the elements have a mean of 8 % less. We miss 15 %. The flare above the foot is \
-     2.4 % too thick.",
+     2.4 % too thick. And the foot of copper on a wall that lets go, 2.7 % too narrow with 12 across and 0.6 % with 24; that of five elements across the \
+     radius is 2.2 % narrower than that of 24.",
+    "A wall that lets go of the foot lets its edge curl up. The foot comes out wider, and the largest strain, at the axis, rises with the mesh: that \
+     of copper is 2.25, 2.45, 2.58 and 2.85 with 5, 8, 12 and 24 elements across the radius, that of iron 1.87, 1.96 and 2.04 with 6, 12 and 24. So \
+     strain and temperature are compared with elements that are as large as the particles, or somewhat larger.",
     "The four particles about the axis stand for quarters of a disc and sit in their centroids. In the middle of their ring, a fifth nearer to the axis, their \
      strain was that of the next ring: with smoothing lengths of 1.2 spacings 3.10 and 3.27 for copper at 250 m/s, 12 and 24 across, where it is 3.20 and 3.42 in the \
      centroids, 3.24 and 3.46 with 1.1 spacings, and 3.55 in the elements.",
@@ -309,7 +357,7 @@ mod tests {
     #[test]
     fn every_bar_is_there_in_finite_elements() {
         for bar in BARS {
-            let elements = bar_in_elements(bar.body, bar.speed).unwrap_or_else(|| panic!("{}", bar.name));
+            let elements = bar_in_elements(bar.body, bar.speed, bar.lets_go).unwrap_or_else(|| panic!("{}", bar.name));
             let (mesh, coarser) = elements.finest().unwrap_or_else(|| panic!("{}: one mesh only", bar.name));
             for across in bar.across {
                 let ring = mesh.outermost_ring(*across).unwrap_or_else(|| panic!("{}: {across} across", bar.name));
@@ -318,7 +366,13 @@ mod tests {
                 let within = 0.5 * bar.diameter * mesh.foot_diameter - foot;
                 let half = 0.5 * bar.diameter / f64::from(*across);
                 assert!(*wall == 0.0 && (0.8..1.3).contains(&(within / half)), "{}: {within}", bar.name);
-                assert!((top / (bar.length * mesh.length) - 1.0).abs() < 1e-3, "{}: {top}", bar.name);
+                // On a wall that lets go the bar stands off at the end, as it rebounds.
+                let gap = top / (bar.length * mesh.length) - 1.0;
+                assert!(
+                    if bar.lets_go { (0.004..0.03).contains(&gap) } else { gap.abs() < 1e-3 },
+                    "{}: {top}",
+                    bar.name
+                );
             }
             // Else the bounds would hold us to a mesh, not to the metal.
             assert!(coarser[0].abs() < 0.005 && coarser[1].abs() < 0.02, "{}: {coarser:?}", bar.name);
