@@ -88,7 +88,7 @@ impl Observer for ProgressDisplay {
             "{} particles to {} on {}, writing to {}",
             readable::count(start.particles as u64),
             readable::quantity(start.end, "s"),
-            readable::ranks(start.ranks, start.threads),
+            readable::computer(start.device.as_deref(), start.ranks, start.threads),
             start.directory.display(),
         ));
     }

@@ -91,8 +91,13 @@ pub(crate) fn threads(count: usize) -> String {
 }
 
 /// `2 threads`, or `3 ranks of 1 thread`.
-pub(crate) fn ranks(count: usize, threads_of_each: usize) -> String {
+fn ranks(count: usize, threads_of_each: usize) -> String {
     if count == 1 { threads(threads_of_each) } else { format!("{count} ranks of {}", threads(threads_of_each)) }
+}
+
+/// What computes: the device of that name, or the processor's threads.
+pub(crate) fn computer(device: Option<&str>, ranks_in_use: usize, threads_of_each: usize) -> String {
+    device.map_or_else(|| ranks(ranks_in_use, threads_of_each), str::to_owned)
 }
 
 /// A share in per cent.

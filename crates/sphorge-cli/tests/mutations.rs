@@ -6,13 +6,13 @@ use proptest::{prelude::*, sample::Index};
 use sphorge::{
     deck::{Setup, advice, load_model, load_text_within},
     decks::DECKS,
-    engine::ENGINES,
+    engine::{Cpu, ENGINES},
     forecast::{ForecastOptions, forecast},
     run::{RunOptions, Silent, execute},
 };
 use std::{
     fs,
-    sync::{LazyLock, atomic::AtomicBool},
+    sync::{Arc, LazyLock, atomic::AtomicBool},
 };
 
 /// Particles of which a step takes milliseconds.
@@ -119,7 +119,7 @@ fn check_and_run(text: &str) -> Result<(), TestCaseError> {
     let Ok(setup) = load() else { return Ok(()) };
     let Setup { model, particles, .. } = &setup;
     let _ = advice(model, particles);
-    if forecast(setup, &ForecastOptions { threads: Some(1), seconds: 0.0 }).is_err() {
+    if forecast(setup, &ForecastOptions { engine: Arc::new(Cpu), threads: Some(1), seconds: 0.0 }).is_err() {
         return Ok(());
     }
     let folder = tempfile::tempdir().expect("a temporary folder");

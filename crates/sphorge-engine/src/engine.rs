@@ -39,6 +39,11 @@ pub trait EngineKind: Send + Sync + std::fmt::Debug {
     /// Name on the command line and in the summary, such as `cpu`.
     fn name(&self) -> &'static str;
 
+    /// Name of the engine whose saved states this one saves and loads: its own, unless it computes the same in another way.
+    fn saved_as(&self) -> &'static str {
+        self.name()
+    }
+
     /// Whether this engine can run a model here and now.
     ///
     /// # Errors
@@ -75,6 +80,11 @@ pub trait Part: Engine {
     /// # Errors
     /// There is no such field, or a rank is lost.
     fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure>;
+    /// The force through a section, by its number among those of the model, as [`Engine::reduce`] gives it.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    fn section_force(&self, section: usize) -> Result<Vec<f64>, RunFailure>;
     /// Completes a state that [`Engine::persist`] has loaded, once all ranks have loaded theirs.
     ///
     /// # Errors
@@ -147,6 +157,10 @@ pub trait Engine: Send {
     fn ranks(&self) -> usize {
         1
     }
+    /// Most work of one of them over the mean of all, counted in pairs, in the last step.
+    fn imbalance(&self) -> f64 {
+        1.0
+    }
     /// Number of particles.
     fn count(&self) -> usize;
     /// Ordered pairs inside the kernel support at the last kinematics stage.
@@ -167,4 +181,8 @@ pub trait Engine: Send {
     fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError>;
     /// Bytes held by columns, lists and scratch.
     fn memory_bytes(&self) -> u64;
+    /// Name of the device that computes, where that is not the processor.
+    fn device(&self) -> Option<String> {
+        None
+    }
 }

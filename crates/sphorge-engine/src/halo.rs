@@ -7,6 +7,7 @@
 mod images;
 mod remote;
 
+pub(crate) use images::Image;
 pub use images::Images;
 pub(crate) use remote::Remote;
 
@@ -91,6 +92,8 @@ pub trait Halo: Send + Sync {
     fn another(&self) -> Box<dyn Halo>;
     /// Whether there can never be ghosts.
     fn is_empty(&self) -> bool;
+    /// Whether there may be images, which go other ways than what they are images of.
+    fn has_images(&self) -> bool;
     /// Number of ghosts.
     fn count(&self) -> usize;
     /// How far outside the particles a ghost may stand beyond the reach it was made for, m.
@@ -102,8 +105,9 @@ pub trait Halo: Send + Sync {
     fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool;
     /// Fills a column of the ghosts.
     fn fill(&self, column: GhostColumn<'_>);
-    /// The row of the neighbour list that is kept for a ghost: that of the particle of this domain it is an image of.
-    fn rows(&self) -> &[u32];
+    /// The point each ghost is an image of: a particle of this domain or, where that is of another rank, the ghost that stands for it; what is no
+    /// image is its own.
+    fn sources(&self) -> &[u32];
     /// Bytes held.
     fn bytes(&self) -> usize;
     /// Saves or loads who the ghosts are.

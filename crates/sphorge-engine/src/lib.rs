@@ -27,7 +27,7 @@ pub use model::Model;
 pub use particles::{Column, Particles};
 pub use reduction::{FieldSource, ParticleSource, Quantity, Reduction};
 pub use report::{
-    Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, StageSeconds, StepReport,
+    Audit, BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, StageSeconds, StepReport, WallLedger,
 };
 pub use simulation::Simulation;
 pub use step::{Advance, advance};

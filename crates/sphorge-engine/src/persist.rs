@@ -8,6 +8,15 @@
 
 use std::collections::BTreeMap;
 
+/// How a value is shared among the ranks of a run, where there are others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// All have the same.
+    Same,
+    /// This one has so many values of a column, those of its particles or of their blocks.
+    Pieces(usize),
+}
+
 /// Named values, to be written or to be read.
 pub trait Archive {
     /// Whether values go into the archive; otherwise they come out of it.
@@ -19,6 +28,10 @@ pub trait Archive {
     /// # Errors
     /// There is none of this name.
     fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError>;
+    /// Says how the values to come are shared among ranks; for archives of several.
+    fn split(&mut self, split: Split) {
+        let _ = split;
+    }
 }
 
 /// Why an archive cannot be loaded.
@@ -243,6 +256,38 @@ pub fn persist_column<V: Fixed>(
     let length = values.len();
     values.persist(name, archive)?;
     require(values.len() == length, name)
+}
+
+/// Saves or loads a column that is as long as it is, of whose values each rank has its own.
+///
+/// # Errors
+/// See [`persist_column`].
+pub fn persist_pieces<V: Fixed>(
+    values: &mut Vec<V>,
+    name: &str,
+    archive: &mut dyn Archive,
+) -> Result<(), ArchiveError> {
+    archive.split(Split::Pieces(values.len()));
+    let result = persist_column(values, name, archive);
+    archive.split(Split::Same);
+    result
+}
+
+/// Saves or loads a column that has `count` values on this rank, or none on any.
+///
+/// # Errors
+/// See [`ArchiveError`]; another length is a mismatch.
+pub fn persist_pieces_or_none<V: Fixed>(
+    values: &mut Vec<V>,
+    count: usize,
+    name: &str,
+    archive: &mut dyn Archive,
+) -> Result<(), ArchiveError> {
+    archive.split(Split::Pieces(count));
+    let result = values.persist(name, archive);
+    archive.split(Split::Same);
+    result?;
+    require(values.is_empty() || values.len() == count, name)
 }
 
 /// Saves or loads parts that are no fixed values, as many as there are.

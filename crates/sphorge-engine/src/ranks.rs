@@ -2,6 +2,10 @@
 //!
 //! A [`Communicator`] carries bytes between them. Every call is collective: all ranks make it, in the same order.
 
+mod archive;
+
+pub use archive::SharedArchive;
+
 use crate::RunFailure;
 use crate::persist::Fixed;
 use std::sync::{Arc, OnceLock};
@@ -58,13 +62,43 @@ impl Ranks {
     /// # Errors
     /// See [`Self::exchange`].
     pub fn gather<V: Fixed + Copy>(&self, own: &[V], counts: &[usize]) -> Result<Vec<V>, RunFailure> {
-        let lengths = self.lengths(counts, V::SIZE, |_| true);
-        let to = vec![encoded(own); self.size()];
-        let from = self.exchange(&self.to_others(to), &lengths)?;
-        self.joined(own, &from)
+        let (rank, size) = (self.rank(), self.size());
+        // Pieces of this rank and of those behind it, twice as many after each exchange: with 4096 ranks there are twelve.
+        let mut pieces = vec![encoded(own)];
+        let mut way = 1;
+        while way < size {
+            let (to, from, count) = ((rank + size - way) % size, (rank + way) % size, way.min(size - way));
+            let mut sent = vec![Vec::new(); size];
+            sent[to] = pieces[..count].concat();
+            let expected: Vec<usize> = (0..count).map(|k| counts[(from + k) % size] * V::SIZE).collect();
+            let mut lengths = vec![0; size];
+            lengths[from] = expected.iter().sum();
+            let received = self.exchange(&sent, &lengths)?;
+            let mut rest = &received[from][..];
+            for length in expected {
+                let (piece, behind) = rest.split_at(length);
+                pieces.push(piece.to_vec());
+                rest = behind;
+            }
+            way *= 2;
+        }
+        let mut all = Vec::with_capacity(counts.iter().sum());
+        for other in 0..size {
+            all.extend(decoded::<V>(&pieces[(other + size - rank) % size])?);
+        }
+        Ok(all)
     }
 
-    /// The same on the first rank alone; nothing on the others.
+    /// The values of every rank, of which each has any number, in the order of the ranks.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn gather_all<V: Fixed + Copy>(&self, own: &[V]) -> Result<Vec<V>, RunFailure> {
+        let counts = self.gather_one(own.len())?;
+        self.gather(own, &counts)
+    }
+
+    /// The same as [`Self::gather`] on the first rank alone; nothing on the others.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -103,11 +137,23 @@ impl Ranks {
     /// # Errors
     /// See [`Self::exchange`].
     pub fn broadcast(&self, own: &[u8], length: usize) -> Result<Vec<u8>, RunFailure> {
-        let is_first = self.rank() == 0;
-        let to = vec![if is_first { own.to_vec() } else { Vec::new() }; self.size()];
-        let lengths = self.lengths(&vec![length; self.size()], 1, |r| r == 0);
-        let mut from = self.exchange(&self.to_others(to), &lengths)?;
-        Ok(if is_first { own.to_vec() } else { std::mem::take(&mut from[0]) })
+        let (rank, size) = (self.rank(), self.size());
+        let mut bytes = if rank == 0 { own.to_vec() } else { Vec::new() };
+        // Twice as many ranks have them after each exchange.
+        let mut way = 1;
+        while way < size {
+            if rank < way && rank + way < size {
+                let mut sent = vec![Vec::new(); size];
+                sent[rank + way].clone_from(&bytes);
+                self.exchange(&sent, &vec![0; size])?;
+            } else if (way..2 * way).contains(&rank) {
+                let mut lengths = vec![0; size];
+                lengths[rank - way] = length;
+                bytes = std::mem::take(&mut self.exchange(&vec![Vec::new(); size], &lengths)?[rank - way]);
+            }
+            way *= 2;
+        }
+        Ok(bytes)
     }
 
     /// Bytes of every rank, on the first of them; nothing on the others.
@@ -135,7 +181,7 @@ impl Ranks {
         let rank = self.rank();
         parts.resize(self.size(), Vec::new());
         let lengths: Vec<usize> = parts.iter().map(Vec::len).collect();
-        let table = self.gather(&lengths, &vec![self.size(); self.size()])?;
+        let table = decoded::<usize>(&self.broadcast(&encoded(&lengths), self.size() * usize::SIZE)?)?;
         let own = std::mem::take(&mut parts[rank]);
         let expected = self.lengths(&vec![table[rank]; self.size()], 1, |r| r == 0);
         let mut from = self.exchange(&parts, &expected)?;

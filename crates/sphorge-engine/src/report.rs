@@ -1,6 +1,7 @@
 //! What a step tells the outside.
 
 use crate::persist::Fixed;
+use sphorge_physics::wall::FacePush;
 
 /// Which rule limited the time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,6 +177,44 @@ pub struct ContactLedger {
     pub damping_work: f64,
 }
 
+/// What a wall has done since the start. Its force and its heat stay with the particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WallLedger {
+    /// Work on the particles, J: its force times the velocity of the particles where forces are summed, and the heat of friction and
+    /// damping.
+    pub work: f64,
+    /// Heat of friction, J.
+    pub friction_work: f64,
+    /// Heat of damping, J.
+    pub damping_work: f64,
+}
+
+impl WallLedger {
+    /// Of a push of so much power in all (W/kg) on a particle of that mass (kg), W.
+    pub(crate) fn powers(push: &FacePush<f64>, power: f64, mass: f64) -> Self {
+        let [work, friction_work, damping_work] = [power, push.rubbed, push.heat - push.rubbed].map(|of| mass * of);
+        Self { work, friction_work, damping_work }
+    }
+
+    /// Adds so many times another.
+    pub(crate) fn add(&mut self, other: &Self, times: f64) {
+        self.work += times * other.work;
+        self.friction_work += times * other.friction_work;
+        self.damping_work += times * other.damping_work;
+    }
+}
+
+impl Fixed for WallLedger {
+    const SIZE: usize = <[f64; 3]>::SIZE;
+    fn write(&self, out: &mut Vec<u8>) {
+        [self.work, self.friction_work, self.damping_work].write(out);
+    }
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let [work, friction_work, damping_work] = Fixed::read(bytes)?;
+        Some(Self { work, friction_work, damping_work })
+    }
+}
+
 /// Heat that flowed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeatLedger {
@@ -197,16 +236,24 @@ pub struct Ledger {
     pub external_work: f64,
     /// Impulse of walls, gravity and prescribed motion since the start, N s.
     pub external_impulse: [f64; 3],
-    /// Work done by each wall since the start, J, in deck order: its force times the velocity of the particles where forces are summed,
-    /// and the heat of its friction and damping,
-    /// so that the sum over walls differs from their share of `external_work` by what is of first order in the step.
-    pub wall_work: Vec<f64>,
+    /// What each wall has done, in deck order. The sum of their works differs from their share of `external_work` by what is of first
+    /// order in the step.
+    pub walls: Vec<WallLedger>,
     /// Energy the integrator booked into the internal energy since the start, J: the work of pair forces at the velocity they were
     /// evaluated with less that at the velocity the kick went through. Without it the total would not close; that it is small shows that
     /// steps are small enough.
     pub integration_energy: f64,
     /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
     pub mls_energy: f64,
+    /// Work against the hourglass springs since the start, J, part of the internal energy: what they hold, which comes back, and what
+    /// they have turned into heat. Zero but in the total Lagrangian form. Here and below it is positive where forces have taken from
+    /// the motion.
+    pub hourglass_energy: f64,
+    /// What the artificial viscosity has turned into internal energy since the start, J: that of pairs, or the bulk viscosity of the
+    /// total Lagrangian form.
+    pub viscous_energy: f64,
+    /// Work against the artificial stress since the start, J, part of the internal energy: negative where it has driven particles apart.
+    pub artificial_stress_energy: f64,
     /// Heat.
     pub heat: HeatLedger,
     /// Contact of every pair of bodies, `(0, 1), (0, 2), .. (1, 2), ..`; empty where bodies meet in the kernel sum.

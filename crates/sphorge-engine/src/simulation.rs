@@ -14,6 +14,7 @@ pub struct Simulation {
     model: Arc<Model>,
     engine: Box<dyn Engine>,
     name: &'static str,
+    saved_as: &'static str,
     clock: RunClock,
     /// Share of the stable step that the last step took or tried.
     tried_share: f64,
@@ -86,7 +87,15 @@ impl Simulation {
         let model = Arc::new(model);
         let engine = kind.start(model.clone(), particles)?;
         let seconds = StageSeconds::default();
-        Ok(Self { model, engine, name: kind.name(), clock: RunClock::default(), tried_share: 1.0, seconds })
+        Ok(Self {
+            model,
+            engine,
+            name: kind.name(),
+            saved_as: kind.saved_as(),
+            clock: RunClock::default(),
+            tried_share: 1.0,
+            seconds,
+        })
     }
 
     /// Takes one time step, shortened so that it does not pass `land_on`, s.
@@ -145,6 +154,21 @@ impl Simulation {
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// Most work of a process over the mean of all that share the particles, counted in pairs, in the last step.
+    pub fn imbalance(&self) -> f64 {
+        self.engine.imbalance()
+    }
+
+    /// Name of the engine whose saved states these are.
+    pub fn saved_as(&self) -> &'static str {
+        self.saved_as
+    }
+
+    /// Name of the device that computes, where that is not the processor.
+    pub fn device(&self) -> Option<String> {
+        self.engine.device()
     }
 
     /// Name of the engine.

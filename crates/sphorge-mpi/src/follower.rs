@@ -1,7 +1,7 @@
 //! Every rank but the first: does what the first one tells.
 
-use crate::protocol::{Command, State};
-use sphorge_engine::ranks::{Communicator, Ranks};
+use crate::protocol::Command;
+use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
 use sphorge_engine::{Engine, Model, Part, Particles, RunFailure, StageSeconds, advance, start_part};
 use std::sync::Arc;
 
@@ -70,27 +70,33 @@ fn execute(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), 
         Command::Collect(field) => {
             let _ = part.collect(field);
         }
+        Command::Section(section) => {
+            part.section_force(*section)?;
+        }
         Command::Save => {
-            send_state(part, ranks)?;
+            save(part, ranks)?;
         }
         Command::Load => {
-            take_state(part, ranks)?;
+            load(part, ranks)?;
         }
     }
     Ok(())
 }
 
-/// Sends the state of this rank, nothing where it keeps it to itself.
-fn send_state(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
-    let mut state = State::default();
-    let bytes = if part.persist(&mut state).is_ok() { state.bytes } else { Vec::new() };
-    ranks.gather_bytes(bytes).map(|_| ())
+/// Saves what this rank has of the state.
+fn save(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
+    let mut archive = SharedArchive::to_save(ranks, None);
+    // The first rank says what it cannot save.
+    let _ = part.persist(&mut archive);
+    archive.end()
 }
 
-fn take_state(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
-    let bytes = ranks.scatter_bytes(Vec::new())?;
-    let loaded = State::of(&bytes).is_some_and(|mut state| part.persist(&mut state).is_ok());
-    go_on(part, ranks, loaded).map(|_| ())
+/// Loads its share of the state.
+fn load(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
+    let mut archive = SharedArchive::to_load(ranks, None);
+    let loaded = part.persist(&mut archive);
+    archive.end()?;
+    go_on(part, ranks, loaded.is_ok()).map(|_| ())
 }
 
 /// Goes on from a state if every rank could load its own; says whether all could.

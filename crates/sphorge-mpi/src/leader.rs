@@ -4,11 +4,11 @@ use crate::follower::go_on;
 use crate::protocol::Command;
 use crate::supports;
 use sphorge_engine::halo::FieldSet;
-use sphorge_engine::persist::{Archive, ArchiveError, Persist, require};
-use sphorge_engine::ranks::{Communicator, Ranks};
+use sphorge_engine::persist::{Archive, ArchiveError, require};
+use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{
-    Audit, Column, Engine, EngineKind, FieldSource, Ledger, Model, Part, Particles, RunFailure, SearchReport,
+    Audit, Column, Cpu, Engine, EngineKind, FieldSource, Ledger, Model, Part, Particles, RunFailure, SearchReport,
     TimeStepLimit, Unsupported, start_part,
 };
 use std::cell::RefCell;
@@ -43,6 +43,10 @@ impl Drop for Leader {
 impl EngineKind for Leader {
     fn name(&self) -> &'static str {
         crate::NAME
+    }
+
+    fn saved_as(&self) -> &'static str {
+        Cpu.name()
     }
 
     fn supports(&self, model: &Model) -> Result<(), Unsupported> {
@@ -87,44 +91,25 @@ impl LeadingEngine {
         Ok(column)
     }
 
-    /// Saves the states of all ranks: that of this one under its names, those of the others as they come.
+    /// Saves the state of all ranks as one process would.
     fn save(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         Command::Save.broadcast(&self.ranks).map_err(lost)?;
-        let parts = self.ranks.gather_bytes(Vec::new()).map_err(lost)?;
-        self.ranks.size().persist("ranks", archive)?;
-        for (rank, mut bytes) in parts.into_iter().enumerate().skip(1) {
-            if bytes.is_empty() {
-                return Err(ArchiveError::Unsupported(format!("rank {rank} keeps its state to itself")));
-            }
-            bytes.persist(&of_rank(rank), archive)?;
-        }
-        self.part.persist(archive)
+        let mut shared = SharedArchive::to_save(&self.ranks, Some(archive));
+        let saved = self.part.persist(&mut shared);
+        shared.end().map_err(lost)?;
+        saved
     }
 
+    /// Loads a state that any number of ranks, or one process without them, has saved.
     fn load(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let mut size = 0usize;
-        size.persist("ranks", archive)?;
-        if size != self.ranks.size() {
-            return Err(ArchiveError::Unsupported(format!(
-                "the state was saved by {size} ranks and there are {}; take `--ranks {size}`",
-                self.ranks.size()
-            )));
-        }
-        let mut parts = vec![Vec::<u8>::new(); size];
-        for (rank, bytes) in parts.iter_mut().enumerate().skip(1) {
-            bytes.persist(&of_rank(rank), archive)?;
-        }
         self.collected.borrow_mut().clear();
         Command::Load.broadcast(&self.ranks).map_err(lost)?;
-        self.ranks.scatter_bytes(parts).map_err(lost)?;
-        let loaded = self.part.persist(archive);
+        let mut shared = SharedArchive::to_load(&self.ranks, Some(archive));
+        let loaded = self.part.persist(&mut shared);
+        shared.end().map_err(lost)?;
         let all = go_on(self.part.as_mut(), &self.ranks, loaded.is_ok()).map_err(lost)?;
         loaded.and_then(|()| require(all, "ranks"))
     }
-}
-
-fn of_rank(rank: usize) -> String {
-    format!("ranks.{rank}")
 }
 
 fn lost(failure: RunFailure) -> ArchiveError {
@@ -195,6 +180,9 @@ impl Engine for LeadingEngine {
     fn ranks(&self) -> usize {
         self.ranks.size()
     }
+    fn imbalance(&self) -> f64 {
+        self.part.imbalance()
+    }
     fn count(&self) -> usize {
         self.part.total()
     }
@@ -206,6 +194,13 @@ impl Engine for LeadingEngine {
         self.part.ledger()
     }
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        if let Reduction::SectionForce(section) = reduction {
+            let Some(number) = self.model.sections.iter().position(|known| known == *section) else {
+                return Ok(Vec::new());
+            };
+            Command::Section(number).broadcast(&self.ranks)?;
+            return self.part.section_force(number);
+        }
         Ok(reduction::evaluate(reduction, &self.model, &self.with_fields(&reduction.fields())?))
     }
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

@@ -1,9 +1,8 @@
 //! What the first rank tells the others to do.
 
 use sphorge_engine::RunFailure;
-use sphorge_engine::persist::{Archive, ArchiveError, Fixed};
+use sphorge_engine::persist::Fixed;
 use sphorge_engine::ranks::Ranks;
-use std::collections::BTreeMap;
 
 /// What all ranks do next, together.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +20,8 @@ pub(crate) enum Command {
     Ledger,
     /// Bring the values of a field to the first rank.
     Collect(String),
+    /// Sum the force through a section, by its number among those of the model.
+    Section(usize),
     /// Bring the state to the first rank.
     Save,
     /// Take the state back from the first rank.
@@ -43,6 +44,8 @@ impl Command {
             Self::Save => (4, 0.0, ["", ""]),
             Self::Load => (5, 0.0, ["", ""]),
             Self::End => (6, 0.0, ["", ""]),
+            // Exact: there are not so many.
+            Self::Section(section) => (7, *section as f64, ["", ""]),
         }
     }
 
@@ -55,6 +58,7 @@ impl Command {
             4 => Self::Save,
             5 => Self::Load,
             6 => Self::End,
+            7 => Self::Section(number as usize),
             _ => return None,
         })
     }
@@ -88,47 +92,6 @@ impl Command {
     }
 }
 
-/// The state of one rank as bytes, to be sent: name and value, each behind its length.
-#[derive(Debug, Default)]
-pub(crate) struct State {
-    pub(crate) bytes: Vec<u8>,
-    loaded: Option<BTreeMap<String, Vec<u8>>>,
-}
-
-impl State {
-    /// A state to load from.
-    pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
-        let mut rest = bytes;
-        let mut take = || {
-            let (length, behind) = rest.split_at_checked(usize::SIZE)?;
-            let (taken, behind) = behind.split_at_checked(usize::read(length)?)?;
-            rest = behind;
-            Some(taken)
-        };
-        let mut values = BTreeMap::new();
-        while let Some(name) = take() {
-            values.insert(std::str::from_utf8(name).ok()?.to_owned(), take()?.to_vec());
-        }
-        rest.is_empty().then_some(Self { bytes: Vec::new(), loaded: Some(values) })
-    }
-}
-
-impl Archive for State {
-    fn is_saving(&self) -> bool {
-        self.loaded.is_none()
-    }
-    fn save(&mut self, name: &str, bytes: Vec<u8>) {
-        for part in [name.as_bytes(), &bytes] {
-            part.len().write(&mut self.bytes);
-            self.bytes.extend_from_slice(part);
-        }
-    }
-    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
-        let value = self.loaded.as_mut().and_then(|values| values.remove(name));
-        value.ok_or_else(|| ArchiveError::Missing(name.to_owned()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,7 +100,14 @@ mod tests {
     #[test]
     fn a_broadcast_command_is_received() {
         let start = Command::Start { name: "a".to_owned(), deck: "title = \"A\"".to_owned() };
-        let told = [start, Command::Step(-0.1), Command::Collect("density".to_owned()), Command::Save, Command::End];
+        let told = [
+            start,
+            Command::Step(-0.1),
+            Command::Collect("density".to_owned()),
+            Command::Section(3),
+            Command::Save,
+            Command::End,
+        ];
         let [first, second]: [Ranks; 2] =
             threads(2).into_iter().map(Ranks::new).collect::<Vec<_>>().try_into().unwrap();
         std::thread::scope(|scope| {
@@ -146,18 +116,5 @@ mod tests {
                 assert_eq!(Command::receive(&second).as_ref(), Ok(command));
             }
         });
-    }
-
-    #[test]
-    fn a_state_is_sent_as_bytes_and_one_that_is_cut_is_none() {
-        let mut state = State::default();
-        state.save("a", vec![1, 2, 3]);
-        state.save("b", Vec::new());
-        let bytes = state.bytes.clone();
-        let mut loaded = State::of(&bytes).unwrap();
-        assert!(state.is_saving() && !loaded.is_saving());
-        assert_eq!((loaded.load("a"), loaded.load("b")), (Ok(vec![1, 2, 3]), Ok(vec![])));
-        assert_eq!(loaded.load("a"), Err(ArchiveError::Missing("a".to_owned())));
-        assert!(State::of(&bytes[..bytes.len() - 1]).is_none());
     }
 }

@@ -21,19 +21,6 @@ pub fn supports(model: &Model) -> Result<(), Unsupported> {
             "kernel values of the start (`search`)",
             ALONE,
         ),
-        (
-            !model.contact_pairs().is_empty(),
-            "contact between bodies, or of a body with itself (`contact`)",
-            "one body has none with `search.total-lagrangian.self-contact = false`, bodies with `contact = \"kernel-sum\"` in the updated Lagrangian form",
-        ),
-        (
-            model.thermal.conduction || !model.thermal.boundaries.is_empty() || !model.thermal.mechanics,
-            "conduction of heat (`thermal`)",
-            ALONE,
-        ),
-        (!model.symmetry.is_empty(), "planes of symmetry (`symmetry`)", ALONE),
-        (model.periodic.iter().any(Option::is_some), "periodic axes (`periodic`)", ALONE),
-        (!model.sections.is_empty(), "forces through sections (`section`)", ALONE),
         (model.audit.is_some(), "audits of the search (`audit`)", "leave `audit` out"),
     ];
     match asked.into_iter().find(|(asked, ..)| *asked) {

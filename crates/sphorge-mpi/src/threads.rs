@@ -57,6 +57,7 @@ impl Communicator for Thread {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sphorge_engine::ranks::Ranks;
 
     #[test]
     fn every_rank_gets_what_each_other_sends_it() {
@@ -73,6 +74,30 @@ mod tests {
                 });
             }
         });
+    }
+
+    #[test]
+    fn values_of_any_number_of_ranks_are_gathered_and_told_in_their_order() {
+        for size in 1..10 {
+            std::thread::scope(|scope| {
+                for communicator in threads(size) {
+                    scope.spawn(move || {
+                        let ranks = Ranks::new(communicator);
+                        let rank = ranks.rank();
+                        let of_rank = |rank: usize| (0..rank % 3).map(|k| (10 * rank + k) as u32).collect::<Vec<_>>();
+                        let counts: Vec<usize> = (0..size).map(|rank| rank % 3).collect();
+                        let all: Vec<u32> = (0..size).flat_map(of_rank).collect();
+                        assert_eq!(ranks.gather(&of_rank(rank), &counts), Ok(all.clone()), "{rank} of {size}");
+                        assert_eq!(ranks.gather_all(&of_rank(rank)), Ok(all), "{rank} of {size}");
+                        let told = if rank == 0 { vec![7, 8, 9] } else { Vec::new() };
+                        assert_eq!(ranks.broadcast(&told, 3), Ok(vec![7, 8, 9]), "{rank} of {size}");
+                        let parts = (0..size).map(|other| vec![other as u8; other]).collect::<Vec<_>>();
+                        let parts = if rank == 0 { parts } else { Vec::new() };
+                        assert_eq!(ranks.scatter_bytes(parts), Ok(vec![rank as u8; rank]));
+                    });
+                }
+            });
+        }
     }
 
     #[test]

@@ -84,6 +84,10 @@ pub(crate) struct Oracle {
     /// Work and power of the artificial stress, J/kg and W/kg.
     pub(crate) artificial_energy: Vec<f64>,
     pub(crate) artificial_power: Vec<f64>,
+    /// Bulk viscosity of the last stress, Pa, and powers of the viscosity of pairs and of hourglass springs on all particles, W.
+    pub(crate) viscous_pressure: Vec<f64>,
+    pub(crate) viscous_power: f64,
+    pub(crate) hourglass_power: f64,
     pub(crate) heat_rate: Vec<f64>,
     pub(crate) ledger: Ledger,
     pub(crate) accounts: Accounts,
@@ -159,6 +163,9 @@ impl EngineKind for OracleKind {
             friction_heat: vec![0.0; n],
             artificial_energy: vec![0.0; n],
             artificial_power: vec![0.0; n],
+            viscous_pressure: vec![0.0; n],
+            viscous_power: 0.0,
+            hourglass_power: 0.0,
             heat_rate: vec![0.0; n],
             ledger: Ledger::default(),
             accounts: Accounts::new(&model, dimension),
@@ -210,6 +217,15 @@ impl Oracle {
         })
     }
 
+    /// Adds the powers of the viscosity of pairs, of hourglass springs and of the artificial stress at the last evaluation over a time, s.
+    fn book_numerical_work(&mut self, dt: f64) {
+        self.ledger.viscous_energy += dt * self.viscous_power;
+        self.ledger.hourglass_energy += dt * self.hourglass_power;
+        for (mass, power) in self.p.mass.iter().zip(&self.artificial_power) {
+            self.ledger.artificial_stress_energy += dt * mass * power;
+        }
+    }
+
     /// Takes the velocity from `before` through `dt` to a time. Pair forces have worked at the velocity they were evaluated with; what
     /// the mean velocity of the kick differs from that goes to the internal energy.
     fn kick(&mut self, i: usize, before: Vector<f64>, dt: f64, time: f64) {
@@ -240,6 +256,7 @@ impl Engine for Oracle {
             Integrator::Leapfrog => {
                 self.book_contacts(half);
                 self.book_walls(half);
+                self.book_numerical_work(half);
                 for i in 0..self.p.len() {
                     self.kick(i, self.p.velocity[i], half, time + half);
                     let v = self.p.velocity[i];
@@ -370,6 +387,7 @@ impl Engine for Oracle {
             Integrator::Leapfrog => {
                 self.book_contacts(0.5 * dt);
                 self.book_walls(0.5 * dt);
+                self.book_numerical_work(0.5 * dt);
                 for i in 0..self.p.len() {
                     self.kick(i, self.p.velocity[i], 0.5 * dt, end);
                 }
@@ -378,6 +396,7 @@ impl Engine for Oracle {
             Integrator::PredictorCorrector => {
                 self.book_contacts(dt);
                 self.book_walls(dt);
+                self.book_numerical_work(dt);
                 for i in 0..self.p.len() {
                     let before = self.base_velocity[i];
                     self.kick(i, before, dt, end);

@@ -211,7 +211,12 @@ impl Oracle {
             let mut pressure = self.p.pressure[i];
             if self.total_lagrangian().is_some() {
                 let h = h * smallest_stretch(&self.deformation[i]);
-                pressure += bulk_viscosity(self.viscosity(), l[0][0] + l[1][1] + l[2][2], rho, c, h);
+                let divergence = l[0][0] + l[1][1] + l[2][2];
+                let q = bulk_viscosity(self.viscosity(), divergence, rho, c, h);
+                pressure += q;
+                // The kicks of the step take half of it with the pressure before and half with the one after.
+                let mean = 0.5 * (std::mem::replace(&mut self.viscous_pressure[i], q) + q);
+                self.ledger.viscous_energy -= self.dt * self.p.mass[i] / rho * mean * divergence;
             }
             let sigma = (deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
             self.stress[i] = match self.total_lagrangian() {
@@ -264,18 +269,19 @@ impl Oracle {
             let mut exerted = Vec::new();
             let f = if by_volume { weight[i] / p.mass[i] } else { 1.0 };
             let (mut a, mut power, mut xsph, mut mu_max) = ([0.0; 3], 0.0, [0.0; 3], 0.0f64);
-            let mut artificial = 0.0;
+            let (mut viscous, mut artificial) = (0.0, 0.0);
             for n in self.pairs(i, &at) {
                 let j = n.j;
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[j]));
-                let (mut t_star, mut repulsion) = ([0.0; 3], [0.0; 3]);
+                let (mut t_star, mut repulsion, mut drag) = ([0.0; 3], [0.0; 3], [0.0; 3]);
                 if self.total_lagrangian().is_none() {
                     let mu = viscosity_mu(dot(v, n.x), n.r * n.r, n.h);
                     let inverse_rho = inverse_density_mean(p.density[i], p.density[j]);
                     let c = mean(p.sound_speed[i], p.sound_speed[j]);
                     let pi =
                         viscous_pressure(self.viscosity(), mu, c, inverse_rho) * mean(self.switch[i], self.switch[j]);
-                    t_star = plus(t_star, -scaled_pressure(form, pi, p.density[i], p.density[j]), n.x);
+                    drag = n.x.map(|x| -scaled_pressure(form, pi, p.density[i], p.density[j]) * x);
+                    t_star = plus(t_star, 1.0, drag);
                     if let Some(stress) = numerics.artificial_stress {
                         let w = numerics.kernel.w(n.r / n.h);
                         let f = artificial_stress::pair_factor(w, stress.exponent);
@@ -298,11 +304,14 @@ impl Oracle {
                 exerted.push((i, j, n.image, total.map(|t| p.mass[i] * f * weight[j] * n.f * t)));
                 power -= weight[j] * n.f * dot(work, v);
                 artificial -= 0.5 * weight[j] * n.f * dot(repulsion, v);
+                viscous -= 0.5 * weight[j] * n.f * dot(drag, v);
             }
-            (a.map(|a| f * a), (f * power, f * artificial), xsph, mu_max, exerted)
+            (a.map(|a| f * a), [power, artificial, viscous].map(|power| f * power), xsph, mu_max, exerted)
         });
-        for (i, (a, (power, artificial), xsph, mu, exerted)) in sums.into_iter().enumerate() {
+        self.viscous_power = 0.0;
+        for (i, (a, [power, artificial, viscous], xsph, mu, exerted)) in sums.into_iter().enumerate() {
             self.artificial_power[i] = artificial;
+            self.viscous_power += self.p.mass[i] * viscous;
             (self.p.acceleration[i], self.p.energy_rate[i], self.xsph[i]) = (a, power, xsph);
             self.exerted.extend(exerted);
             if self.total_lagrangian().is_none() {
@@ -335,9 +344,11 @@ impl Oracle {
             }
             (a, power, exerted)
         });
+        self.hourglass_power = 0.0;
         for (i, (a, power, exerted)) in sums.into_iter().enumerate() {
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
             self.p.energy_rate[i] += power;
+            self.hourglass_power += self.p.mass[i] * power;
             self.exerted.extend(exerted);
         }
     }

@@ -6,7 +6,7 @@ use sphorge_engine::model::{
     BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
     WallContact, WallSurface,
 };
-use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit};
+use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit, WallLedger};
 use sphorge_physics::conduction::{
     HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, friction_share, lattice,
     pair_conductivity, surface_area, surface_conductance, touch,
@@ -35,7 +35,7 @@ pub(crate) struct Accounts {
     contacts: Vec<ContactLedger>,
     boundary_power: Vec<f64>,
     /// Powers of the walls, W.
-    wall_power: Vec<f64>,
+    wall_power: Vec<WallLedger>,
     contact_limit: f64,
     heat_limit: f64,
     /// Time and steps since the flow of heat was summed.
@@ -49,6 +49,7 @@ struct AtFace {
     push: Vector<f64>,
     power: f64,
     rubbed: f64,
+    damped: f64,
     xi: Vector<f64>,
 }
 
@@ -78,7 +79,7 @@ impl Accounts {
             lattices: bodies.iter().map(|b| lattice(kernel, dimension, b.spacing, b.smoothing_length)).collect(),
             contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
             boundary_power: vec![0.0; model.thermal.boundaries.len()],
-            wall_power: vec![0.0; model.walls.len()],
+            wall_power: vec![WallLedger::default(); model.walls.len()],
             contact_limit: f64::INFINITY,
             heat_limit: f64::INFINITY,
             heat_age: f64::INFINITY,
@@ -248,7 +249,8 @@ impl Oracle {
                 }
                 let push = penalty_contact(parameters, &gap, radius, minus(v, wall_velocity), self.dt);
                 let power = dot(push.acceleration, v) + push.heat;
-                AtFace { push: push.acceleration, power, rubbed: push.rubbed, xi }
+                let damped = push.heat - push.rubbed;
+                AtFace { push: push.acceleration, power, rubbed: push.rubbed, damped, xi }
             }
         }
     }
@@ -261,15 +263,18 @@ impl Oracle {
         self.external_power = vec![0.0; self.p.len()];
         self.face_stress = vec![[[0.0; 3]; 3]; self.p.len()];
         self.friction_heat = vec![0.0; self.p.len()];
-        self.accounts.wall_power = vec![0.0; walls.len()];
+        self.accounts.wall_power = vec![WallLedger::default(); walls.len()];
         for (k, wall) in walls.iter().enumerate() {
             for i in 0..self.p.len() {
-                let AtFace { push, power, rubbed, xi } = self.wall_push(wall, time, i);
+                let AtFace { push, power, rubbed, damped, xi } = self.wall_push(wall, time, i);
                 self.external[i] = plus(self.external[i], 1.0, push);
                 // Walls are adiabatic: what friction takes heats the particle.
                 self.friction_heat[i] += rubbed;
                 self.external_power[i] += power - dot(push, self.evaluated[i]);
-                self.accounts.wall_power[k] += self.p.mass[i] * power;
+                let (of_wall, mass) = (&mut self.accounts.wall_power[k], self.p.mass[i]);
+                of_wall.work += mass * power;
+                of_wall.friction_work += mass * rubbed;
+                of_wall.damping_work += mass * damped;
                 let scale = self.p.mass[i] / self.initial_volume[i];
                 for (row, f) in self.face_stress[i].iter_mut().zip(push) {
                     *row = plus(*row, scale * f, xi);
@@ -288,9 +293,11 @@ impl Oracle {
 
     /// Adds the powers of walls at the last evaluation over a time, s.
     pub(crate) fn book_walls(&mut self, dt: f64) {
-        self.ledger.wall_work.resize(self.model.walls.len(), 0.0);
-        for (work, power) in self.ledger.wall_work.iter_mut().zip(&self.accounts.wall_power) {
-            *work += power * dt;
+        self.ledger.walls.resize(self.model.walls.len(), WallLedger::default());
+        for (done, power) in self.ledger.walls.iter_mut().zip(&self.accounts.wall_power) {
+            done.work += power.work * dt;
+            done.friction_work += power.friction_work * dt;
+            done.damping_work += power.damping_work * dt;
         }
         let beyond: f64 = self.external_power.iter().zip(&self.p.mass).map(|(power, mass)| power * mass).sum();
         self.ledger.external_work += beyond * dt;

@@ -26,7 +26,7 @@
 use crate::kernel::Kernel;
 use crate::tensor::dot;
 use crate::time_step::oscillator_limit;
-use crate::{Dimension, Real, Scalar, Vector};
+use crate::{Dimension, Elementary, Numbers, Real, Vector};
 
 /// Overlap over which damping comes in, so that it does not jump at first touch.
 const ONSET: f64 = 0.2;
@@ -163,7 +163,19 @@ impl ContactLaw<f64> {
     }
 }
 
-impl<T: Scalar> ContactLaw<T> {
+impl ContactLaw<f64> {
+    /// In the numbers of another precision.
+    pub fn cast<T: Real>(self) -> ContactLaw<T> {
+        ContactLaw {
+            inverse_sums: (T::of(self.inverse_sums.0), T::of(self.inverse_sums.1)),
+            modulus: T::of(self.modulus),
+            damping: T::of(self.damping),
+            friction: T::of(self.friction),
+        }
+    }
+}
+
+impl<T: Real> ContactLaw<T> {
     /// The same contact seen from body `b`.
     pub fn turned(self) -> Self {
         Self { inverse_sums: (self.inverse_sums.1, self.inverse_sums.0), ..self }
@@ -172,15 +184,15 @@ impl<T: Scalar> ContactLaw<T> {
 
 /// `phi'` of an overlap; zero where there is none.
 #[inline(always)]
-fn overlap_pressure<T: Scalar>(overlap: T) -> T {
+fn overlap_pressure<T: Real>(overlap: T) -> T {
     let s = overlap.max(T::zero());
     s * (T::one() + s * s / T::of(3.0))
 }
 
 /// `phi''` of an overlap; zero where there is none.
 #[inline(always)]
-fn overlap_stiffness<T: Scalar>(overlap: T) -> T {
-    if overlap > T::zero() { T::one() + overlap * overlap } else { T::zero() }
+fn overlap_stiffness<T: Real>(overlap: T) -> T {
+    T::select_lt(T::zero(), overlap, T::one() + overlap * overlap, T::zero())
 }
 
 /// What a particle sees of other bodies.
@@ -207,7 +219,7 @@ pub struct ContactKernel<T> {
     pub h: T,
 }
 
-impl<T: Scalar> ContactKernel<T> {
+impl<T: Real> ContactKernel<T> {
     /// At a distance, m, with the smoothing length of the pair, m.
     #[inline]
     pub fn new(kernel: Kernel, dimension: Dimension, r: T, h: T) -> Self {
@@ -223,7 +235,7 @@ impl<T: Scalar> ContactKernel<T> {
     }
 }
 
-impl<T: Scalar> Overlap<T> {
+impl<T: Real> Overlap<T> {
     /// Of a particle with neighbours in other bodies, before the first of them is added.
     pub fn before_the_first() -> Self {
         Self { overlap: -T::one(), away: [T::zero(); 3], weight: T::zero() }
@@ -263,10 +275,10 @@ pub struct ContactPair<T> {
 /// `weight` over the larger sum of weights of the two particles, in what would stop the reduced mass. Masses in kg; none in a step of
 /// no length.
 #[inline(always)]
-pub fn stopping<T: Scalar>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) -> T {
-    let reduced = m_i * m_j / (m_i + m_j);
+pub fn stopping<T: Real>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) -> T {
+    let (zero, reduced) = (T::zero(), m_i * m_j / (m_i + m_j));
     let share = weight / weights.0.max(weights.1);
-    if dt > T::zero() && weight > T::zero() { reduced * share / dt } else { T::zero() }
+    T::select_lt(zero, dt, T::select_lt(zero, weight, reduced * share / dt, zero), zero)
 }
 
 /// Stiffness and damping of the contacts of a particle: the diagonal of the second derivative of the energy by its place.
@@ -280,7 +292,20 @@ pub struct ContactStiffness<T> {
     damping: T,
 }
 
-impl<T: Scalar> ContactStiffness<T> {
+impl<T: Real> Numbers<T> for ContactStiffness<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        [&mut self.stiffness, &mut self.modulus, &mut self.damping].into_iter().for_each(visit);
+    }
+}
+
+impl<T: Real> ContactStiffness<T> {
+    /// Before the first neighbour.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { stiffness: T::zero(), modulus: T::zero(), damping: T::zero() }
+    }
+
     /// Adds a neighbour in another body with the overlap `s_j`; volumes at rest, m^d.
     #[inline(always)]
     pub fn add(&mut self, law: &ContactLaw<T>, kernel: &ContactKernel<T>, overlaps: (T, T), volume_i: T, volume_j: T) {
@@ -289,9 +314,7 @@ impl<T: Scalar> ContactStiffness<T> {
         let through = volume_i * kernel.slope * kernel.r * law.inverse_sums.1;
         self.stiffness +=
             law.modulus * (volume_j * overlap_stiffness(overlaps.1) * through * through + weight * pressed / kernel.h);
-        if pressed > T::zero() {
-            self.damping += law.damping * weight;
-        }
+        self.damping += T::select_lt(T::zero(), pressed, law.damping * weight, T::zero());
         self.modulus = self.modulus.max(law.modulus);
     }
 
@@ -307,7 +330,7 @@ impl<T: Scalar> ContactStiffness<T> {
 
 /// `phi'(s_i)/S_ab + phi'(s_j)/S_ba`.
 #[inline(always)]
-fn pair_pressure<T: Scalar>(law: &ContactLaw<T>, overlaps: (T, T)) -> T {
+fn pair_pressure<T: Real>(law: &ContactLaw<T>, overlaps: (T, T)) -> T {
     overlap_pressure(overlaps.0) * law.inverse_sums.0 + overlap_pressure(overlaps.1) * law.inverse_sums.1
 }
 
@@ -326,48 +349,71 @@ pub struct ContactForce<T> {
     pub approach: T,
 }
 
+impl<T: Real> ContactForce<T> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let o = T::zero();
+        Self { force: [o; 3], stored: o, damped: o, rubbed: o, approach: o }
+    }
+}
+
+impl<T: Real> ContactForce<T> {
+    /// Power that turns to heat in the particle, W, and friction's part of it: half of what is damped and a share of what is rubbed.
+    #[inline(always)]
+    pub fn own_heat(&self, friction_share: T) -> (T, T) {
+        let friction = friction_share * self.rubbed;
+        (T::of(0.5) * self.damped + friction, friction)
+    }
+}
+
+impl<T: Real> Numbers<T> for ContactForce<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { force: [x, y, z], stored, damped, rubbed, approach } = self;
+        [x, y, z, stored, damped, rubbed, approach].into_iter().for_each(visit);
+    }
+}
+
 /// Force of a pair.
 ///
 /// Elastic: `V_i V_j |dW/dr| K (phi'(s_i)/S_ab + phi'(s_j)/S_ba)` along `x_ij`. Damping: opposes the speed of approach `u` along
 /// `n_ij`, never by more than the elastic force where bodies part. Friction: the lesser of `friction` times the normal force and
 /// what stops the sliding within a step, against the sliding velocity.
 #[inline]
-pub fn contact_force<T: Scalar>(law: &ContactLaw<T>, pair: &ContactPair<T>) -> ContactForce<T> {
-    let zero = T::zero();
-    let mut result = ContactForce::default();
+pub fn contact_force<T: Elementary>(law: &ContactLaw<T>, pair: &ContactPair<T>) -> ContactForce<T> {
     let r2 = dot(pair.x, pair.x);
     let n2 = dot(pair.direction, pair.direction);
     // Beyond the reach of the kernel, where lists with a skin have pairs too, there is nothing to approach.
-    if r2 <= zero || n2 <= zero || pair.weight <= zero {
-        return result;
-    }
+    T::if_lt(T::zero(), r2.min(n2).min(pair.weight), || force_in_reach(law, pair, r2, n2), ContactForce::none)
+}
+
+#[inline(always)]
+fn force_in_reach<T: Elementary>(law: &ContactLaw<T>, pair: &ContactPair<T>, r2: T, n2: T) -> ContactForce<T> {
+    let zero = T::zero();
     let (r, length) = (r2.sqrt(), n2.sqrt());
     let normal = pair.direction.map(|c| c / length);
     let speed_n = dot(pair.v, normal);
-    result.approach = -speed_n;
     let (s_i, s_j) = pair.overlaps;
     let pressure = pair_pressure(law, pair.overlaps);
-    if pressure <= zero {
-        return result;
-    }
-    let elastic = pair.weight * law.modulus * pressure;
-    let onset = ((s_i.max(zero) + s_j.max(zero)) / T::of(ONSET)).min(T::one());
-    let damping = (onset * pair.weight * law.damping * -speed_n).max(-elastic);
-    let sliding = [0, 1, 2].map(|a| pair.v[a] - speed_n * normal[a]);
-    let slip = dot(sliding, sliding).sqrt();
-    let along = elastic * dot(pair.x, normal) / r;
-    let pressing = (along + damping).max(zero);
-    let mut drag = zero;
-    if slip > zero {
-        drag = (law.friction * pressing / slip).min(pair.stopping);
-    }
-    for a in 0..3 {
-        result.force[a] = elastic * pair.x[a] / r + damping * normal[a] - drag * sliding[a];
-    }
-    result.stored = -elastic * dot(pair.x, pair.v) / r;
-    result.damped = -damping * speed_n;
-    result.rubbed = drag * slip * slip;
-    result
+    let pressed = || {
+        let elastic = pair.weight * law.modulus * pressure;
+        let onset = ((s_i.max(zero) + s_j.max(zero)) / T::of(ONSET)).min(T::one());
+        let damping = (onset * pair.weight * law.damping * -speed_n).max(-elastic);
+        let sliding = [0, 1, 2].map(|a| pair.v[a] - speed_n * normal[a]);
+        let slip = dot(sliding, sliding).sqrt();
+        let along = elastic * dot(pair.x, normal) / r;
+        let pressing = (along + damping).max(zero);
+        let drag = T::select_lt(zero, slip, (law.friction * pressing / slip).min(pair.stopping), zero);
+        ContactForce {
+            force: [0, 1, 2].map(|a| elastic * pair.x[a] / r + damping * normal[a] - drag * sliding[a]),
+            stored: -elastic * dot(pair.x, pair.v) / r,
+            damped: -damping * speed_n,
+            rubbed: drag * slip * slip,
+            approach: -speed_n,
+        }
+    };
+    T::if_lt(zero, pressure, pressed, || ContactForce { approach: -speed_n, ..ContactForce::none() })
 }
 
 #[cfg(test)]

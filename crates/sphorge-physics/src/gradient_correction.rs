@@ -4,8 +4,8 @@
 //! `L_i = sum_j V_j (v_j - v_i) ⊗ grad_i W_ij` is exact where `v` is linear in space. `M` and `B` are symmetric as long as
 //! `grad W` lies along the line of the pair. The adjoint force is `m_j (sigma_i B_i + sigma_j B_j) grad_i W_ij / (rho_i rho_j)`.
 
-use crate::tensor::{determinant, identity, inverse};
-use crate::{Dimension, Elementary, Tensor};
+use crate::tensor::{determinant, identity, inverse, multiply, transpose};
+use crate::{Dimension, Elementary, Real, Tensor};
 
 /// Largest component of a correction, usually. A particle in the corner of a block, an eighth of a neighbourhood, needs about 16.
 pub const LARGEST_COMPONENT: f64 = 30.0;
@@ -34,10 +34,16 @@ pub fn gradient_correction<T: Elementary>(moment: &Tensor<T>, dimension: Dimensi
     T::if_lt(T::zero(), determinant(&m), invert, identity)
 }
 
+/// `L B^T`: the corrected gradient of a plain one.
+#[inline(always)]
+pub fn corrected<T: Real>(gradient: &Tensor<T>, correction: &Tensor<T>) -> Tensor<T> {
+    multiply(gradient, &transpose(correction))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tensor::{multiply, zero};
+    use crate::tensor::zero;
     use crate::test_cloud::{Cloud, DIMENSIONS};
 
     #[test]
@@ -57,7 +63,7 @@ mod tests {
                         }
                     }
                 }
-                let corrected = multiply(&gradient, &gradient_correction(&moment, dimension, LARGEST_COMPONENT));
+                let corrected = corrected(&gradient, &gradient_correction(&moment, dimension, LARGEST_COMPONENT));
                 for p in 0..3 {
                     for q in 0..dimension.count() {
                         assert!((corrected[p][q] - a[p][q]).abs() < 1e-10 * 120.0, "{dimension:?} {i}");

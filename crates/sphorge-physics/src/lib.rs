@@ -25,6 +25,7 @@ pub mod heat;
 pub mod history;
 pub mod hourglass;
 pub mod kernel;
+pub mod kick;
 pub mod moving_least_squares;
 pub mod pair;
 pub mod parameter;

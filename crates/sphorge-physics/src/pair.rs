@@ -27,7 +27,9 @@
 mod force_sums;
 mod gradient_sums;
 
-pub use force_sums::{EnergySplit, ForceSums, PairForce, corrected_stress_vector, stress_vector};
+pub use force_sums::{
+    EnergySplit, ForceSums, PairForce, closing_power, corrected_stress_vector, share_of_power, stress_vector,
+};
 pub use gradient_sums::GradientSums;
 
 use crate::Real;
@@ -165,6 +167,7 @@ mod tests {
                 let f = scale.weighted(gradient_weight(form, mass[j], rho[j])).f(dw_over_q);
                 gradients.add::<D, false>(&x, &v_ij.map(|c| -c), f);
                 let r = (sigma[i] + sigma[j]) * artificial;
+                let weighted_f = scale.weighted(weight[j]).f(dw_over_q);
                 let pair = PairForce {
                     x,
                     v: v_ij,
@@ -172,7 +175,8 @@ mod tests {
                     other_stress: stress_vector::<_, D>(&scaled[j], &x),
                     artificial_stress: stress_vector::<_, D>(&r, &x),
                     pi: scaled_pressure(form, 0.3 * artificial, rho[i], rho[j]),
-                    weighted_f: scale.weighted(weight[j]).f(dw_over_q),
+                    weighted_f,
+                    closing_power: closing_power(dot(v_ij, x), weighted_f),
                 };
                 forces.add::<D>(split, &pair);
             }
@@ -180,7 +184,7 @@ mod tests {
             let m = mass[i] * momentum_factor(form, mass[i], weight[i]);
             totals.force_power += m * dot(v[i], forces.acceleration);
             totals.stress_power += mass[i] / rho[i] * sigma[i].double_dot(SymmetricTensor::symmetric_part(&l));
-            totals.energy_rate += m * forces.energy_rate;
+            totals.energy_rate += m * forces.energy_rate();
             for a in 0..3 {
                 totals.force[a] += m * forces.acceleration[a];
             }

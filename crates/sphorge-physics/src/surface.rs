@@ -1,11 +1,13 @@
 //! Surfaces of a body: where their normals and faces go as it deforms, and which places of them can meet.
 
+use crate::contact::flat_body;
+use crate::kernel::Kernel;
 use crate::tensor::{apply, dot, inverse, transpose};
-use crate::{Scalar, Tensor, Vector};
+use crate::{Dimension, Real, Scalar, Tensor, Vector};
 
 /// Unit normal of a surface whose normal (of any length) in the reference configuration is given: `F^-T N` over its length.
 #[inline(always)]
-pub fn surface_normal<T: Scalar>(f: &Tensor<T>, normal: Vector<T>) -> Vector<T> {
+pub fn surface_normal<T: Real>(f: &Tensor<T>, normal: Vector<T>) -> Vector<T> {
     let turned = apply(&transpose(&inverse(f)), normal);
     let length = dot(turned, turned).sqrt();
     turned.map(|c| c / length)
@@ -16,10 +18,16 @@ pub fn surface_normal<T: Scalar>(f: &Tensor<T>, normal: Vector<T>) -> Vector<T> 
 const DIFFERENT: f64 = 0.5;
 
 /// Whether places of a surface with these outward unit normals are of different sides of it, as those of a fold that has closed are;
-/// [`are_back_to_back`] tells them from the sides of a sheet.
+/// [`sides_of_a_sheet`] tells them from the sides of a sheet.
 #[inline]
 pub fn are_different_sides<T: Scalar>(normal_i: Vector<T>, normal_j: Vector<T>) -> bool {
-    dot(normal_i, normal_j) < T::of(DIFFERENT)
+    different_sides(normal_i, normal_j) > T::zero()
+}
+
+/// The same as a number: one or zero.
+#[inline(always)]
+pub fn different_sides<T: Real>(normal_i: Vector<T>, normal_j: Vector<T>) -> T {
+    T::select_lt(dot(normal_i, normal_j), T::of(DIFFERENT), T::one(), T::zero())
 }
 
 /// Whether of two places of a surface `x = x_i - x_j` (m) apart, with these outward normals (of any length), at least one is behind the other
@@ -27,9 +35,95 @@ pub fn are_different_sides<T: Scalar>(normal_i: Vector<T>, normal_j: Vector<T>) 
 /// that the answer stands.
 #[inline]
 pub fn are_back_to_back<T: Scalar>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>, by: T) -> bool {
+    back_to_back(x, normal_i, normal_j, by) > T::zero()
+}
+
+#[inline(always)]
+fn back_to_back<T: Real>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>, by: T) -> T {
     let behind = |along: T, normal: Vector<T>| along / dot(normal, normal).sqrt();
     let (j, i) = (behind(dot(x, normal_i), normal_i), behind(-dot(x, normal_j), normal_j));
-    j.max(i) > by && j.min(i) > -by
+    let none_in_front = T::select_lt(-by, j.min(i), T::one(), T::zero());
+    T::select_lt(by, j.max(i), none_in_front, T::zero())
+}
+
+/// How far behind each other two places are that are back to back, in spacings.
+const BEHIND: f64 = 0.25;
+
+/// Sides of a body that are farther apart at the start, in spacings, meet by their normals alone: before they are pressed into the reach of the
+/// contact through the body it has come apart, but its ends may be bent round to meet.
+const THICKEST: f64 = 32.0;
+
+/// One where two places of a surface, `x = x_i - x_j` (m) apart in the reference configuration of a body of that spacing (m), with these outward
+/// normals (of any length) there, are the two sides of a sheet or an edge of it, which never press each other, else zero.
+#[inline(always)]
+pub fn sides_of_a_sheet<T: Real>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>, spacing: T) -> T {
+    let thickest = T::of(THICKEST) * spacing;
+    let is_one = back_to_back(x, normal_i, normal_j, T::of(BEHIND) * spacing);
+    T::select_lt(dot(x, x), thickest * thickest, is_one, T::zero())
+}
+
+/// Adds a neighbour `x = x_i - x_j` (m) away, of that volume (m^d), to the outward normal of a particle, 1/m.
+#[inline(always)]
+pub fn add_outward(
+    outward: &mut Vector<f64>,
+    kernel: Kernel,
+    dimension: Dimension,
+    x: Vector<f64>,
+    volume: f64,
+    h: f64,
+) {
+    let weight = volume * kernel.slope(dimension, Real::sqrt(dot(x, x)), h);
+    for a in 0..3 {
+        outward[a] += weight * x[a];
+    }
+}
+
+/// Length of an outward normal above which a particle of that spacing and smoothing length (m) is of the outermost layer, 1/m: between what the
+/// outermost layer of a flat surface has and the one behind it, the sum over the layers that are not there; less than midway, since a sheet of
+/// two layers with twice the usual smoothing has but seven tenths of that.
+pub fn exposed(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> f64 {
+    let missing = |layer: f64| flat_body(kernel, dimension, spacing, h, layer * spacing);
+    0.7 * 0.5 * (missing(1.0).slope + missing(2.0).slope)
+}
+
+/// Length of the mean of unit normals of the faces near a particle below which it is near no one face, as in the middle of a sheet.
+const ONE_FACE: f64 = 0.5;
+
+/// The face a particle behind the outermost layer is near, by its neighbours in that layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NearFace {
+    sum: f64,
+    mean: Vector<f64>,
+    below: f64,
+}
+
+impl NearFace {
+    /// Adds a neighbour with this outward normal (of any length), `x = x_j - x_i` (m) away, whose kernel is `weight`, m^-d.
+    #[inline(always)]
+    pub fn add(&mut self, x: Vector<f64>, outward: Vector<f64>, weight: f64) {
+        let per_length = weight / Real::sqrt(dot(outward, outward));
+        self.sum += weight;
+        self.below += per_length * dot(x, outward);
+        (0..3).for_each(|a| self.mean[a] += per_length * outward[a]);
+    }
+
+    /// Depth below the face times its outward unit normal, m, where the outermost layer is `half` a spacing (m) deep; zero near no one face.
+    #[inline(always)]
+    pub fn arm(&self, half: f64) -> Vector<f64> {
+        let length = Real::sqrt(dot(self.mean, self.mean));
+        if self.sum > 0.0 && length > ONE_FACE * self.sum {
+            let depth = half + (self.below / self.sum).max(0.0);
+            self.mean.map(|n| depth * n / length)
+        } else {
+            [0.0; 3]
+        }
+    }
+}
+
+/// The same of a particle of the outermost layer with this outward normal, of any length.
+#[inline(always)]
+pub fn outermost_arm(outward: Vector<f64>, half: f64) -> Vector<f64> {
+    outward.map(|n| half * n / Real::sqrt(dot(outward, outward)))
 }
 
 /// Where a particle near a surface stands for others that meet the surface.
@@ -60,19 +154,22 @@ impl<T: Scalar> FaceShift<T> {
     /// the `arm`; `None` where there is no face near.
     #[inline]
     pub fn new(f: &Tensor<T>, arm: Vector<T>) -> Option<Self> {
+        (dot(arm, arm) > T::zero()).then(|| Self::of(f, arm))
+    }
+}
+
+impl<T: Real> FaceShift<T> {
+    /// The same near a face.
+    #[inline(always)]
+    pub fn of(f: &Tensor<T>, arm: Vector<T>) -> Self {
         let depth = dot(arm, arm).sqrt();
-        if depth == T::zero() {
-            return None;
-        }
         let carried = apply(&transpose(&inverse(f)), arm);
         let length = dot(carried, carried).sqrt();
         let thinning = depth / length;
-        let (c, slope) = if thinning < T::one() {
-            (thinning, T::one())
-        } else {
-            (T::of(2.0) - T::one() / thinning, T::one() / (thinning * thinning))
-        };
-        Some(Self { normal: carried.map(|n| n / length), depth, thinning, c, slope })
+        let one = T::one();
+        let c = T::select_lt(thinning, one, thinning, T::of(2.0) - one / thinning);
+        let slope = T::select_lt(thinning, one, one, one / (thinning * thinning));
+        Self { normal: carried.map(|n| n / length), depth, thinning, c, slope }
     }
 
     /// `z - x`, m.
@@ -110,6 +207,47 @@ impl<T: Scalar> FaceShift<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sides_of_a_sheet_are_behind_each_other_and_near() {
+        let (up, down): (Vector<f64>, Vector<f64>) = ([0.0, 3.0, 0.0], [0.0, -0.5, 0.0]);
+        // Two spacings thick: the one above looks up, the one below looks down. A slot is the other way round, a flat side has none behind.
+        assert_eq!(sides_of_a_sheet([0.5, 2.0, 0.0], up, down, 1.0), 1.0);
+        assert_eq!(sides_of_a_sheet([0.5, -2.0, 0.0], up, down, 1.0), 0.0);
+        assert_eq!(sides_of_a_sheet([2.0, 0.0, 0.0], up, up, 1.0), 0.0);
+        // A quarter of a spacing behind, and 32 spacings apart, are the bounds.
+        assert_eq!([0.24, 0.26].map(|y| sides_of_a_sheet([0.0, y, 0.0], up, down, 1.0)), [0.0, 1.0]);
+        assert_eq!([31.0, 33.0].map(|y| sides_of_a_sheet([0.0, 2.0 * y, 0.0], up, down, 2.0)), [1.0, 0.0]);
+        assert_eq!([0.49, 0.51].map(|c| different_sides([c, 0.0, 0.0], [1.0, 0.0, 0.0])), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn faces_are_found_by_the_outermost_layer() {
+        // Layers one spacing apart, the outermost seen by its normals: half a spacing deep itself, one and a half what is behind it.
+        assert_eq!(outermost_arm([0.0, 4.0, 0.0], 0.5), [0.0, 0.5, 0.0]);
+        let mut face = NearFace::default();
+        face.add([1.0, 1.0, 0.0], [0.0, 4.0, 0.0], 2.0);
+        face.add([-1.0, 1.0, 0.0], [0.0, 9.0, 0.0], 3.0);
+        assert_eq!(face.arm(0.5), [0.0, 1.5, 0.0]);
+        // Between two faces, and with no neighbour in a face, near none.
+        face.add([0.0, -1.0, 0.0], [0.0, -2.0, 0.0], 5.0);
+        assert_eq!((face.arm(0.5), NearFace::default().arm(0.5)), ([0.0; 3], [0.0; 3]));
+        // A row at the edge of a half plane is of the outermost layer, the next one is not.
+        let (kernel, dimension, h) = (Kernel::CubicSpline, Dimension::Two, 1.1);
+        let normal = |layer: i32| {
+            let mut outward = [0.0; 3];
+            for (x, y) in (-3..=3).flat_map(|x| (-3..=layer).map(move |y| (x, y))).filter(|place| *place != (0, 0)) {
+                add_outward(&mut outward, kernel, dimension, [f64::from(-x), f64::from(-y), 0.0], 1.0, h);
+            }
+            outward
+        };
+        let exposed = exposed(kernel, dimension, 1.0, h);
+        let [outer, inner] = [0, 1].map(normal);
+        assert!(
+            outer[0].abs() < 1e-15 && outer[1] > 1.2 * exposed && inner[1] < 0.8 * exposed,
+            "{outer:?} {inner:?} {exposed}"
+        );
+    }
 
     #[test]
     fn a_normal_stays_square_to_its_surface() {

@@ -1,6 +1,6 @@
 //! Time-step limits: each the longest step, in s, that one process bears. The smallest of them is taken.
 
-use crate::{Real, Scalar};
+use crate::Real;
 
 /// Speed of longitudinal waves, m/s: `c_l^2 = c^2 + 4 G/(3 rho)` from the bulk sound speed (m/s), `G` (Pa) and density (kg/m^3).
 #[inline(always)]
@@ -30,13 +30,10 @@ pub fn penalty_limit<T: Real>(scale: T, rate: T, courant: T) -> T {
 /// An oscillator of that stiffness (1/s^2) and damping (1/s) per mass: `2/omega (sqrt(1 + z^2) - z)` with its frequency `omega` and
 /// damping ratio `z`, the stability limit of a leapfrog step whose damping lags; infinite without stiffness.
 #[inline(always)]
-pub fn oscillator_limit<T: Scalar>(stiffness: T, damping: T) -> T {
-    let mut limit = T::one() / T::zero();
-    if stiffness > T::zero() {
-        let half = T::of(0.5) * damping;
-        limit = T::of(2.0) * ((stiffness + half * half).sqrt() - half) / stiffness;
-    }
-    limit
+pub fn oscillator_limit<T: Real>(stiffness: T, damping: T) -> T {
+    let half = T::of(0.5) * damping;
+    let limit = T::of(2.0) * ((stiffness + half * half).sqrt() - half) / stiffness;
+    T::select_lt(T::zero(), stiffness, limit, T::of(f64::INFINITY))
 }
 
 /// Conduction: `m c_p / G` with the heat capacity `m c_p` (J/K) and the sum `G` (W/K) of a particle's conductances; an explicit step

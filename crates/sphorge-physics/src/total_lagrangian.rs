@@ -12,16 +12,22 @@
 //! is the smoothing length times the smallest principal stretch. It stands for `h` in the time-step limits and in the bulk viscosity.
 
 use crate::tensile_part::smallest_principal_value;
-use crate::tensor::{determinant, inverse, multiply, transpose};
-use crate::{Real, SymmetricTensor, Tensor, Vector};
+use crate::tensor::{apply, determinant, dot, inverse, multiply, transpose};
+use crate::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
 /// Takes a deformation gradient through a step `dt` (s) at the rate `dF/dt` (1/s) and returns the velocity gradient (1/s) of its
 /// middle, `dF/dt (F + dt/2 dF/dt)^-1`.
 #[inline(always)]
 pub fn deform<T: Real>(f: &mut Tensor<T>, rate: &Tensor<T>, dt: T) -> Tensor<T> {
-    let middle = plus(f, T::of(0.5) * dt, rate);
+    let l = velocity_gradient(f, rate, dt);
     *f = plus(f, dt, rate);
-    multiply(rate, &inverse(&middle))
+    l
+}
+
+/// The velocity gradient (1/s) of the middle of a step `dt` (s) of a deformation gradient at the rate `dF/dt` (1/s): that of [`deform`].
+#[inline(always)]
+pub fn velocity_gradient<T: Real>(f: &Tensor<T>, rate: &Tensor<T>, dt: T) -> Tensor<T> {
+    multiply(rate, &inverse(&plus(f, T::of(0.5) * dt, rate)))
 }
 
 /// Density, kg/m^3: mass (kg) over the volume the initial one (m^d) has become.
@@ -40,11 +46,21 @@ pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
 /// Whether a principal stretch is above a bound.
 #[inline(always)]
 pub fn is_stretched(f: &Tensor<f64>, bound: f64) -> bool {
+    stretched(f, bound) > 0.0
+}
+
+/// One where a principal stretch is above a bound, else zero.
+#[inline(always)]
+pub fn stretched<T: Elementary>(f: &Tensor<T>, bound: T) -> T {
     // The squares of the stretches add up to that of all components: few particles need the principal values.
-    let sum: f64 = f.as_flattened().iter().map(|c| c * c).sum();
-    let c = || SymmetricTensor::symmetric_part(&multiply(&transpose(f), f));
-    // The largest principal value of C is the smallest of -C with the sign turned.
-    sum > bound * bound && -smallest_principal_value(c() * -1.0) > bound * bound
+    let sum = f.as_flattened().iter().fold(T::zero(), |sum, c| sum + *c * *c);
+    let beyond = || {
+        let c = SymmetricTensor::symmetric_part(&multiply(&transpose(f), f));
+        // The largest principal value of C is the smallest of -C with the sign turned.
+        let largest = -smallest_principal_value(c * T::of(-1.0));
+        T::select_lt(bound * bound, largest, T::one(), T::zero())
+    };
+    T::if_lt(bound * bound, sum, beyond, T::zero)
 }
 
 /// The length of the time-step limits of a particle of that smoothing length (m) and smallest principal stretch, m.
@@ -68,6 +84,45 @@ pub fn extreme_point<T: Real>(spacing: T, f: &Tensor<T>, normal: Vector<T>) -> V
     let along = [0, 1, 2].map(|a| f[0][a] * normal[0] + f[1][a] * normal[1] + f[2][a] * normal[2]);
     let length = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();
     along.map(|c| T::of(0.5) * spacing * c / length)
+}
+
+/// The point of a particle that meets a wall ([`extreme_point`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeetingPoint<T> {
+    /// How far it is from the centre along the normal of the wall, turned round, m.
+    pub radius: T,
+    /// Its place in the initial configuration from the centre, with the sign turned, m.
+    pub place: Vector<T>,
+    /// Its velocity, m/s.
+    pub velocity: Vector<T>,
+}
+
+impl<T: Real> MeetingPoint<T> {
+    /// Of a particle of this spacing (m), deformation gradient since the start and velocity gradient (1/s), that moves with a velocity (m/s),
+    /// with a wall of this unit normal.
+    #[inline(always)]
+    pub fn new(spacing: T, f: &Tensor<T>, l: &Tensor<T>, velocity: Vector<T>, normal: Vector<T>) -> Self {
+        let place = extreme_point(spacing, f, normal);
+        let arm = apply(f, place);
+        let spin = apply(l, arm);
+        Self { radius: dot(normal, arm), place, velocity: [0, 1, 2].map(|a| velocity[a] - spin[a]) }
+    }
+}
+
+/// The tensor whose sum is the force of a particle, Pa: the first Piola–Kirchhoff stress of its Cauchy stress (Pa) and that of the forces on its
+/// faces (Pa), times its gradient correction.
+#[inline(always)]
+pub fn force_tensor<T: Real>(
+    stress: SymmetricTensor<T>,
+    f: &Tensor<T>,
+    face_stress: &Tensor<T>,
+    correction: &Tensor<T>,
+) -> Tensor<T> {
+    let mut piola = first_piola(stress, f);
+    for (own, face) in piola.as_flattened_mut().iter_mut().zip(face_stress.as_flattened()) {
+        *own += *face;
+    }
+    multiply(&piola, correction)
 }
 
 /// `P = det F sigma F^-T`, the first Piola–Kirchhoff stress of a Cauchy stress: force on the area as it was, Pa.
@@ -187,6 +242,28 @@ mod tests {
             let along: f64 = (0..3).map(|a| n[a] * (0..3).map(|b| f[a][b] * point[b]).sum::<f64>()).sum();
             assert!(along <= farthest);
         }
+    }
+
+    #[test]
+    fn a_point_that_meets_a_wall_turns_with_its_particle() {
+        // Twice as thick along z, which turns about y at 3/s and closes at 5/s: the point is 1 m below the centre.
+        let f = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]];
+        let l = [[0.0, 0.0, 3.0], [0.0; 3], [0.0, 0.0, -5.0f64]];
+        let point = MeetingPoint::new(1.0, &f, &l, [7.0, 0.0, 11.0], [0.0, 0.0, 1.0]);
+        assert_eq!(point, MeetingPoint { radius: 1.0, place: [0.0, 0.0, 0.5], velocity: [4.0, 0.0, 16.0] });
+        let point = MeetingPoint::new(0.5, &f, &l, [0.0; 3], [-1.0, 0.0, 0.0]);
+        assert_eq!(point, MeetingPoint { radius: 0.25, place: [-0.25, 0.0, 0.0], velocity: [0.0; 3] });
+    }
+
+    #[test]
+    fn the_tensor_of_the_forces_by_hand() {
+        // P = J sigma F^-T = 2 (6, 10)/(2, 1), with a moment of faces, twice corrected along y.
+        let f = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0f64]];
+        let stress = SymmetricTensor { xx: 6.0, yy: 10.0, ..SymmetricTensor::zero() };
+        let face = [[1.0, 3.0, 0.0], [0.0, -4.0, 0.0], [0.0; 3]];
+        let correction = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]];
+        let tensor = force_tensor(stress, &f, &face, &correction);
+        assert_eq!(tensor, [[7.0, 6.0, 0.0], [0.0, 32.0, 0.0], [0.0; 3]]);
     }
 
     #[test]

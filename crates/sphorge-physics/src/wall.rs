@@ -1,7 +1,7 @@
 //! Rigid walls: how far a particle is from them, and forces that push and never pull.
 
 use crate::tensor::dot;
-use crate::{Real, Scalar, Vector};
+use crate::{Real, Scalar, Tensor, Vector};
 
 /// Smallest relative distance the repulsion is evaluated at: it is finite for particles on or behind the wall.
 const CLOSEST: f64 = 0.01;
@@ -89,6 +89,60 @@ pub struct WallPush<T> {
     pub rubbed: T,
 }
 
+/// What a wall does to a particle, and where.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacePush<T> {
+    /// Acceleration, m/s^2.
+    pub acceleration: Vector<T>,
+    /// Heat of damping and friction, all of which stays in the particle, W/kg.
+    pub heat: T,
+    /// Friction's part of it, W/kg.
+    pub rubbed: T,
+    /// Where the wall meets the particle, from its centre in the reference configuration with the sign turned, m; zero where it meets the centre.
+    pub face: Vector<T>,
+    /// Velocity of that point, m/s.
+    pub velocity: Vector<T>,
+}
+
+/// What gravity and all walls do to a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacePushes<T> {
+    /// Acceleration, m/s^2.
+    pub acceleration: Vector<T>,
+    /// Power beyond that of the forces on the centre, W/kg.
+    pub beyond: T,
+    /// Moment of the forces about the centre per mass, in the reference configuration, m^2/s^2.
+    pub moment: Tensor<T>,
+}
+
+impl<T: Real> FacePushes<T> {
+    /// Gravity alone, m/s^2.
+    #[inline(always)]
+    pub fn of_gravity(gravity: Vector<T>) -> Self {
+        Self { acceleration: gravity, beyond: T::zero(), moment: [[T::zero(); 3]; 3] }
+    }
+
+    /// Adds what a wall does to a particle whose centre has a velocity (m/s); its power, W/kg.
+    #[inline(always)]
+    pub fn add(&mut self, push: &FacePush<T>, velocity: Vector<T>) -> T {
+        let force = push.acceleration;
+        let at_centre = dot(force, velocity);
+        let whole = dot(force, push.velocity) + push.heat;
+        self.beyond += whole - at_centre;
+        for a in 0..3 {
+            self.acceleration[a] += force[a];
+            (0..3).for_each(|c| self.moment[a][c] += force[a] * push.face[c]);
+        }
+        whole
+    }
+
+    /// The first Piola-Kirchhoff stress that the moment is for a particle of that mass (kg) and volume (m^d) in the reference configuration, Pa.
+    #[inline(always)]
+    pub fn stress(&self, mass: T, reference_volume: T) -> Tensor<T> {
+        self.moment.map(|row| row.map(|c| mass / reference_volume * c))
+    }
+}
+
 /// Penalty contact with Coulomb friction.
 ///
 /// Surfaces touch when the particle, a ball of that `radius` (m), does. Along the normal: `a_n = max(k d + b u, 0)` at a penetration
@@ -123,6 +177,27 @@ pub fn penalty_contact<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_walls_do_at_faces_by_hand() {
+        let mut pushes = FacePushes::of_gravity([0.0, -10.0, 0.0f64]);
+        // 4 (3 - 1) + 2 beyond the centre, 4 3 + 2 in all.
+        let push = FacePush {
+            acceleration: [0.0, 4.0, 0.0],
+            heat: 2.0,
+            rubbed: 1.0,
+            face: [0.5, 2.0, 0.0],
+            velocity: [9.0, 3.0, 0.0],
+        };
+        assert_eq!(pushes.add(&push, [9.0, 1.0, 0.0]), 14.0);
+        assert_eq!((pushes.acceleration, pushes.beyond), ([0.0, -6.0, 0.0], 10.0));
+        assert_eq!(pushes.moment, [[0.0; 3], [2.0, 8.0, 0.0], [0.0; 3]]);
+        // One that pushes the centre along x: no moment, no power beyond.
+        let push = FacePush { acceleration: [3.0, 0.0, 0.0], velocity: [-2.0, 0.0, 0.0], ..FacePush::default() };
+        assert_eq!(pushes.add(&push, [-2.0, 0.0, 0.0]), -6.0);
+        assert_eq!((pushes.acceleration, pushes.beyond), ([3.0, -6.0, 0.0], 10.0));
+        assert_eq!(pushes.stress(6.0, 2.0), [[0.0; 3], [6.0, 24.0, 0.0], [0.0; 3]]);
+    }
 
     const UP: Vector<f64> = [0.0, 1.0, 0.0];
 

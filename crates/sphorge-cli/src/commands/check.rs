@@ -3,6 +3,7 @@
 use super::run::parse_threads;
 use crate::{
     deck_arguments::DeckArguments,
+    engine_arguments::EngineArguments,
     failure::{Ending, Failure, Outcome},
     readable, table, terminal,
 };
@@ -21,23 +22,27 @@ const LONGEST: f64 = 365.0 * 86_400.0;
 Examples:
   sphorge check my.toml
   sphorge check taylor-bar --set particles.spacing=\"0.1 mm\"
+  sphorge check taylor-plate --engine gpu
 
 Takes a few real steps to time them and writes nothing. Exit code 2 if the
 deck cannot be run.")]
 pub(crate) struct CheckArguments {
     #[command(flatten)]
     deck: DeckArguments,
+    #[command(flatten)]
+    engine: EngineArguments,
     /// Number of threads [default: all of the machine]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
 }
 
 pub(crate) fn execute(arguments: CheckArguments) -> Ending {
+    let engine = arguments.engine.find()?;
     let setup = arguments.deck.find()?.load()?;
     let advice = advice(&setup.model, &setup.particles);
     let notes = setup.catalogue_notes.iter().chain(&setup.notes).chain(&advice.notes);
     notes.for_each(|note| terminal::note(&format!("note: {note}")));
-    let options = ForecastOptions { threads: arguments.threads, seconds: SECONDS };
+    let options = ForecastOptions { engine, threads: arguments.threads, seconds: SECONDS };
     let forecast = forecast(setup, &options).map_err(|error| Failure::BadInput(error.into()))?;
     terminal::print(&report(&forecast, &advice))?;
     if forecast.run_seconds > LONGEST {
@@ -108,7 +113,7 @@ fn report(forecast: &Forecast, advice: &Advice) -> String {
                 } else {
                     "endless".to_owned()
                 },
-                readable::threads(forecast.threads),
+                readable::computer(forecast.device.as_deref(), 1, forecast.threads),
                 readable::duration(forecast.seconds_per_step),
             ),
         ),

@@ -150,7 +150,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
                 readable::count(summary.particles),
                 readable::count(summary.steps),
                 readable::duration(summary.wall_seconds),
-                readable::ranks(summary.ranks, summary.threads),
+                readable::computer(summary.device.as_deref(), summary.ranks, summary.threads),
             ),
         ),
         ("speed", format!("{} particle-steps/s", readable::large(summary.particle_steps_per_second))),

@@ -6,14 +6,16 @@
 
 use super::CpuEngine;
 use super::conduction_table::Table;
+use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
-use crate::HeatLedger;
+use crate::halo::GhostColumn;
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
+use crate::{HeatLedger, RunFailure};
 use rayon::prelude::*;
 use sphorge_physics::conduction::{Inflow, cell_size, surface_area, surface_conductance, touch};
 use sphorge_physics::kernel::pair_smoothing_length;
@@ -36,6 +38,8 @@ pub(super) struct HeatFlow {
     moved: Vec<f64>,
     /// Largest stable step over the margin by block, s.
     limits: Vec<f64>,
+    /// The least of all blocks, of all ranks, at the last evaluation.
+    limit: f64,
     /// Power of each boundary at the last evaluation, W.
     power: Vec<f64>,
     /// Heat of each boundary so far, J.
@@ -51,6 +55,9 @@ pub(super) struct HeatFlow {
     due: bool,
     /// The other body whose face each particle touches, that of the nearest particle: its index plus one, zero for none.
     touched: Vec<u32>,
+    /// The same of the ghosts of the neighbour list, and of those of the contact.
+    touched_near: Vec<u32>,
+    touched_far: Vec<u32>,
 }
 
 impl HeatFlow {
@@ -64,6 +71,7 @@ impl HeatFlow {
             partial: vec![0.0; blocks * boundaries.max(1)],
             moved: vec![0.0; blocks],
             limits: vec![f64::INFINITY; blocks],
+            limit: f64::INFINITY,
             power: vec![0.0; boundaries],
             supplied: vec![0.0; boundaries],
             exchanged: 0.0,
@@ -72,12 +80,30 @@ impl HeatFlow {
             surfaces: model.thermal.boundaries.iter().any(|b| on_surface(b.kind)),
             due: false,
             touched: vec![0; if model.bodies.len() > 1 { particles } else { 0 }],
+            touched_near: Vec::new(),
+            touched_far: Vec::new(),
         })
     }
 
     /// Largest stable step over the margin at the last evaluation, s.
     pub(super) fn limit(&self) -> f64 {
-        self.limits.iter().copied().fold(f64::INFINITY, f64::min)
+        self.limit
+    }
+
+    /// Makes room for other particles, before a step has summed anything.
+    pub(super) fn resize(&mut self, particles: usize) {
+        let blocks = particles.div_ceil(BLOCK);
+        self.partial.resize(blocks * self.power.len().max(1), 0.0);
+        self.moved.resize(blocks, 0.0);
+        self.limits.resize(blocks, f64::INFINITY);
+        if !self.touched.is_empty() {
+            self.touched.resize(particles, 0);
+        }
+    }
+
+    /// Whether the flow is summed again in this step.
+    pub(super) fn is_due(&self) -> bool {
+        self.due
     }
 
     /// Account of the heat.
@@ -87,7 +113,16 @@ impl HeatFlow {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity()) + 4 * self.touched.capacity()
+        let touched = self.touched.capacity() + self.touched_near.capacity() + self.touched_far.capacity();
+        8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity()) + 4 * touched
+    }
+
+    /// Notes the least limit, and adds up the power of each boundary, of all ranks where there are others.
+    fn close(&mut self, share: Option<&Share>) -> Result<(), RunFailure> {
+        let least = self.limits.iter().copied().fold(f64::INFINITY, f64::min);
+        self.limit = share.map_or(Ok(least), |share| share.range((least, 0.0)).map(|range| range.0))?;
+        self.power.fill(0.0);
+        add_by_boundary(&self.partial, &mut self.power, share)
     }
 }
 
@@ -107,12 +142,23 @@ pub(super) fn hold(model: &Model, particles: &mut Particles) {
 }
 
 /// Adds the shares of all blocks, in their order, boundary by boundary.
-fn add_by_boundary(partial: &[f64], totals: &mut [f64]) {
-    for block in partial.chunks(totals.len().max(1)) {
+fn add_by_boundary(partial: &[f64], totals: &mut [f64], share: Option<&Share>) -> Result<(), RunFailure> {
+    if totals.is_empty() {
+        return Ok(());
+    }
+    let all = share.map(|share| share.gather_blocks(partial, totals.len())).transpose()?;
+    for block in all.as_deref().unwrap_or(partial).chunks(totals.len()) {
         for (total, part) in totals.iter_mut().zip(block) {
             *total += part;
         }
     }
+    Ok(())
+}
+
+/// What ghosts have of a column.
+fn fill_touched(ghosts: &Ghosts, touched: &[u32], of_ghosts: &mut Vec<u32>) {
+    of_ghosts.resize(ghosts.count(), 0);
+    ghosts.halo.fill(GhostColumn::Integer(touched, of_ghosts));
 }
 
 /// Particles and ghosts, as a flow is summed from them.
@@ -124,17 +170,14 @@ struct HeatPoints<'a> {
     body: WithGhosts<'a, u32>,
     mass: WithGhosts<'a, f64>,
     density: WithGhosts<'a, f64>,
-    touched: &'a [u32],
-    /// Particles the ghosts stand for.
-    sources: &'a [u32],
+    touched: WithGhosts<'a, u32>,
 }
 
 impl<'a> HeatPoints<'a> {
-    fn new(p: &'a Particles, ghosts: &'a Ghosts, touched: &'a [u32]) -> Self {
-        let (ghosts, sources) = (&ghosts.columns, ghosts.halo.rows());
+    fn new(p: &'a Particles, ghosts: &'a Ghosts, touched: WithGhosts<'a, u32>) -> Self {
+        let ghosts = &ghosts.columns;
         Self {
             touched,
-            sources,
             position: WithGhosts::new(&p.position, &ghosts.position),
             smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
             temperature: WithGhosts::new(&p.temperature, &ghosts.temperature),
@@ -159,8 +202,7 @@ impl<'a> HeatPoints<'a> {
     /// Whether heat passes between two particles: of one body, or of two whose faces touch at one of them.
     fn are_joined(&self, i: usize, j: usize) -> bool {
         let (a, b) = (self.body.at(i), self.body.at(j));
-        let source = || j.checked_sub(self.touched.len()).map_or(j, |ghost| self.sources[ghost] as usize);
-        a == b || self.touched[i] == b + 1 || self.touched[source()] == a + 1
+        a == b || self.touched.at(i) == b + 1 || self.touched.at(j) == a + 1
     }
 }
 
@@ -222,17 +264,21 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Sums the flow of heat again where that is due.
-    pub(super) fn sum_heat(&mut self) {
-        let Some(heat) = self.heat.as_mut().filter(|heat| heat.due) else { return };
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
+        let Some(heat) = self.heat.as_mut().filter(|heat| heat.due) else { return Ok(()) };
         (heat.age, heat.steps) = (0.0, 0);
         let mut rates = std::mem::take(&mut self.particles.heat_rate);
         let p = &self.particles;
         let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
         let touching = self.contacts.as_ref().map_or(&self.ghosts, |c| c.ghosts(&self.ghosts));
-        let HeatFlow { table, partial, limits, power, surfaces, touched, .. } = heat;
-        {
-            let (near, far) = (HeatPoints::new(p, &self.ghosts, &[]), HeatPoints::new(p, touching, &[]));
+        let HeatFlow { table, partial, limits, surfaces, touched, touched_near, touched_far, .. } = &mut *heat;
+        if !touched.is_empty() {
+            let untouched = WithGhosts::new(&[], &[]);
+            let (near, far) = (HeatPoints::new(p, &self.ghosts, untouched), HeatPoints::new(p, touching, untouched));
             let dimension = table.dimension;
             touched.par_chunks_mut(BLOCK).enumerate().for_each(|(b, touched)| {
                 let mut rows = foreign.map(|f| f.blocks()[b].rows().peekable());
@@ -248,9 +294,11 @@ impl<T: PairScalar> CpuEngine<T> {
                     *touched = nearest.map_or(0, |(_, body)| body + 1);
                 }
             });
+            fill_touched(&self.ghosts, touched, touched_near);
+            fill_touched(touching, touched, touched_far);
         }
-        let points = HeatPoints::new(p, &self.ghosts, touched);
-        let touching = HeatPoints::new(p, touching, touched);
+        let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near));
+        let touching = HeatPoints::new(p, touching, WithGhosts::new(touched, touched_far));
         let (table, boundaries) = (&*table, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (rates.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
@@ -286,16 +334,19 @@ impl<T: PairScalar> CpuEngine<T> {
                 }
             },
         );
-        power.fill(0.0);
-        add_by_boundary(partial, power);
+        heat.close(self.domain.as_deref())?;
         self.particles.heat_rate = rates;
+        Ok(())
     }
 
     /// Lets the heat flow for the step: energy, temperature, balance.
-    pub(super) fn flow_heat(&mut self) {
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn flow_heat(&mut self) -> Result<(), RunFailure> {
         let model = &*self.model;
         let dt = self.step.dt;
-        let Some(heat) = &mut self.heat else { return };
+        let Some(heat) = &mut self.heat else { return Ok(()) };
         let Particles { energy, temperature, mass, body, regions, heat_rate, .. } = &mut self.particles;
         let (mass, body, regions, rate) = (&*mass, &*body, &*regions, &*heat_rate);
         let HeatFlow { table, partial, moved, power, supplied, exchanged, age, steps, .. } = heat;
@@ -332,13 +383,16 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                 }
             });
-        add_by_boundary(partial, supplied);
+        let share = self.domain.as_deref();
+        add_by_boundary(partial, supplied, share)?;
         for (supplied, power) in supplied.iter_mut().zip(power) {
             *supplied += dt * *power;
         }
-        *exchanged += moved.iter().sum::<f64>();
+        let all = share.map(|share| share.gather_blocks(moved, 1)).transpose()?;
+        *exchanged += all.as_ref().unwrap_or(moved).iter().sum::<f64>();
         *age += dt;
         *steps += 1;
+        Ok(())
     }
 
     /// Warms particles by the heat of friction, where temperature is not that of the internal energy anyway.
@@ -358,7 +412,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
 impl Persist for HeatFlow {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        persist_column(&mut self.limits, &format!("{name}.limits"), archive)?;
+        self.limit.persist(&format!("{name}.limit"), archive)?;
         persist_column(&mut self.power, &format!("{name}.power"), archive)?;
         persist_column(&mut self.supplied, &format!("{name}.supplied"), archive)?;
         self.exchanged.persist(&format!("{name}.exchanged"), archive)?;

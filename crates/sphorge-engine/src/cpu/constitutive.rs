@@ -179,9 +179,19 @@ impl<'a> FlowColumns<'a> {
     }
 }
 
-/// What the update of a block of particles writes: deviator, flow, pressure, sound speed, force records.
-type Chunks<'a, T> =
-    (&'a mut [SymmetricTensor<f64>], FlowChunks<'a>, &'a mut [f64], &'a mut [f64], &'a mut [[T; force::LEN]]);
+/// What the update of a block of particles writes: deviator, flow, pressure, sound speed, force records; with bulk
+/// viscosity that, and to its work, J.
+type Chunks<'a, T> = (
+    &'a mut [SymmetricTensor<f64>],
+    FlowChunks<'a>,
+    &'a mut [f64],
+    &'a mut [f64],
+    &'a mut [[T; force::LEN]],
+    Viscous<'a>,
+);
+
+/// Bulk viscosity of a block of particles, if there is one, and its work so far, J.
+type Viscous<'a> = (Option<&'a mut [f64]>, &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Updates the stress to the configuration forces are evaluated in and packs it for the force sum. Leapfrog commits
@@ -193,7 +203,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let model: &Model = &self.model;
         let only_flow_heats = self.only_flow_heats();
         let instructions = self.instructions;
-        let dt = self.step.dt_to_evaluation(numerics.integrator);
+        let (dt, step_size) = (self.step.dt_to_evaluation(numerics.integrator), self.step.dt);
         let corrected = self.corrected();
         let formulation = self.formulation;
         let form = StressForm {
@@ -215,6 +225,7 @@ impl<T: PairScalar> CpuEngine<T> {
             velocity_gradient,
             smoothing_length,
             smallest_stretch: stretch,
+            viscous_pressure,
             mass,
             deviator,
             plastic_strain,
@@ -250,6 +261,9 @@ impl<T: PairScalar> CpuEngine<T> {
         let count = density.len();
         let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
         let corrected_length = if corrected { count } else { 0 };
+        let viscous = &mut self.numerical_work.viscous;
+        let without = if viscous_pressure.is_empty() { viscous.work.len() } else { 0 };
+        let viscous_pressure = viscous_pressure.par_chunks_mut(BLOCK).map(Some);
 
         let chunks = (
             deviator.par_chunks_mut(BLOCK),
@@ -265,11 +279,13 @@ impl<T: PairScalar> CpuEngine<T> {
             pressure.par_chunks_mut(BLOCK),
             sound_speed.par_chunks_mut(BLOCK),
             self.records.force[..count].par_chunks_mut(BLOCK),
+            (viscous_pressure.chain((0..without).into_par_iter().map(|_| None)), viscous.work.par_iter_mut())
+                .into_par_iter(),
         )
             .into_par_iter()
             .enumerate();
         let update = |columns: &mut StressColumns,
-                      (b, (s, flow, p, c, records)): (usize, Chunks<'_, T>),
+                      (b, (s, flow, p, c, records, viscous)): (usize, Chunks<'_, T>),
                       extras: &mut [[T; extra::LEN]]| {
             let first = b * BLOCK;
             let particles = first..first + s.len();
@@ -302,11 +318,14 @@ impl<T: PairScalar> CpuEngine<T> {
             let inputs = ElasticInputs {
                 material: &material[particles.clone()],
                 deviator: s,
-                velocity_gradient: &velocity_gradient[particles],
+                velocity_gradient: &velocity_gradient[particles.clone()],
                 dt,
             };
             FlowColumns::new(flow).take_step(&step, columns, &inputs);
             run(step.instructions, PackStress { columns, form, records, extras });
+            if let (Some(parameters), (Some(pressure), work)) = (form.bulk_viscosity, viscous) {
+                *work += step_size * columns.viscous_power(parameters, &mass[particles.clone()], pressure);
+            }
 
             if commit {
                 for (k, s) in s.iter_mut().enumerate() {

@@ -8,16 +8,17 @@
 use super::CpuEngine;
 use super::contact_laws::PairLaws;
 use super::contact_search::ContactSearch;
+use super::domain::Share;
 use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
-use crate::ContactLedger;
 use crate::halo::Halo;
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
 use crate::particles::Particles;
-use crate::persist::{Archive, ArchiveError, Persist, persist_each};
+use crate::persist::{Archive, ArchiveError, persist_each};
+use crate::{ContactLedger, RunFailure};
 use rayon::prelude::*;
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::contact::{
@@ -70,6 +71,26 @@ struct PairSums {
     stored: f64,
     friction: f64,
     damped: f64,
+}
+
+impl PairSums {
+    fn add(&mut self, part: &Self) {
+        self.stored += part.stored;
+        self.friction += part.friction;
+        self.damped += part.damped;
+        for k in 0..3 {
+            self.force[k] += part.force[k];
+        }
+    }
+
+    fn to_array(self) -> [f64; 6] {
+        let [x, y, z] = self.force;
+        [x, y, z, self.stored, self.friction, self.damped]
+    }
+
+    fn from_array([x, y, z, stored, friction, damped]: [f64; 6]) -> Self {
+        Self { force: [x, y, z], stored, friction, damped }
+    }
 }
 
 /// Sums of a block over the pairs of bodies that meet there, by their place: few of the many pairs of many bodies.
@@ -164,14 +185,19 @@ struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// Of particles at `position`, m.
-    fn new(position: &'a [Vector<f64>], own: &'a Particles, ghosts: &'a Particles) -> Self {
+    /// Of particles and ghosts where they stand.
+    fn new(own: &'a Particles, ghosts: &'a Particles) -> Self {
+        Self::at((&own.position, &ghosts.position), own, ghosts)
+    }
+
+    /// Of particles at the first of these positions, m, and ghosts at the second.
+    fn at(position: (&'a [Vector<f64>], &'a [Vector<f64>]), own: &'a Particles, ghosts: &'a Particles) -> Self {
         let shift = || Shifts {
             shift: WithGhosts::new(&own.contact_shift, &ghosts.contact_shift),
             rate: WithGhosts::new(&own.contact_shift_rate, &ghosts.contact_shift_rate),
         };
         Self {
-            position: WithGhosts::new(position, &ghosts.position),
+            position: WithGhosts::new(position.0, position.1),
             velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
             shift: (!own.contact_shift.is_empty()).then(shift),
         }
@@ -239,6 +265,14 @@ impl BodyContacts {
         })
     }
 
+    /// Makes room for other particles, before a step has summed anything.
+    pub(super) fn resize(&mut self, particles: usize) {
+        let blocks = particles.div_ceil(BLOCK);
+        self.partial.resize(blocks, BlockSums::default());
+        self.limits.resize(blocks, f64::INFINITY);
+        self.pushes.resize(blocks, Vec::new());
+    }
+
     /// Whether particle `i` has `j` for a neighbour in another body.
     pub(super) fn has_pair(&self, i: usize, j: u32) -> bool {
         let mut rows = self.foreign.blocks()[i / BLOCK].rows();
@@ -260,24 +294,41 @@ impl BodyContacts {
     }
 
     /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
-    pub(super) fn release(&mut self, body: usize, particles: &mut Particles) {
-        let Some(works) = self.works.get_mut(self.table.places[body * self.table.bodies + body]) else { return };
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn release(
+        &mut self,
+        body: usize,
+        particles: &mut Particles,
+        share: Option<&Share>,
+    ) -> Result<(), RunFailure> {
+        let Some(works) = self.works.get_mut(self.table.places[body * self.table.bodies + body]) else {
+            return Ok(());
+        };
         let held = std::mem::take(&mut works.stored);
         works.damped += held;
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
         // By how far they are pressed; evenly where none is any more.
         let pressed =
             |i: usize| if reference_normal[i] == [0.0; 3] { 0.0 } else { contact_overlap[i].max(0.0).powi(2) };
-        let sum = |share: &dyn Fn(usize) -> f64| -> f64 {
-            let of = |i: usize| if bodies[i] as usize == body { mass[i] * share(i) } else { 0.0 };
-            (0..mass.len()).map(of).sum()
+        let sum = |part: &dyn Fn(usize) -> f64| -> Result<f64, RunFailure> {
+            let of = |i: usize| if bodies[i] as usize == body { mass[i] * part(i) } else { 0.0 };
+            let add = |sums: &mut [f64]| (0..mass.len()).for_each(|i| sums[0] += of(i));
+            let mut sums = [0.0];
+            match share {
+                Some(share) => share.ranks.sum_in_turn(&mut sums, add)?,
+                None => add(&mut sums),
+            }
+            Ok(sums[0])
         };
         let even = |_: usize| 1.0;
-        let share: &dyn Fn(usize) -> f64 = if sum(&pressed) > 0.0 { &pressed } else { &even };
-        let all = sum(share);
+        let part: &dyn Fn(usize) -> f64 = if sum(&pressed)? > 0.0 { &pressed } else { &even };
+        let all = sum(part)?;
         for i in (0..energy.len()).filter(|&i| bodies[i] as usize == body) {
-            energy[i] += held * share(i) / all;
+            energy[i] += held * part(i) / all;
         }
+        Ok(())
     }
 
     /// Smoothing lengths of particles in the contact, by body, m.
@@ -290,18 +341,18 @@ impl BodyContacts {
         &self.foreign
     }
 
-    /// Force on particle `i` by a particle or ghost `j` of another body, N, where particles are at `places`, m.
+    /// Force on particle `i` by a particle or ghost `j` of another body, N, where particles and ghosts are at `places`, m.
     pub(super) fn force_of_pair(
         &self,
         i: usize,
         j: u32,
-        places: &[Vector<f64>],
+        places: (&[Vector<f64>], &[Vector<f64>]),
         own: &Particles,
         ghosts: &Particles,
         dt: f64,
     ) -> Vector<f64> {
         let points = Points {
-            places: Places::new(places, own, ghosts),
+            places: Places::at(places, own, ghosts),
             mass: WithGhosts::new(&own.mass, &ghosts.mass),
             body: WithGhosts::new(&own.body, &ghosts.body),
             overlap: WithGhosts::new(&own.contact_overlap, &ghosts.contact_overlap),
@@ -340,22 +391,34 @@ impl BodyContacts {
             + self.partial.capacity() * size_of::<BlockSums>()
     }
 
+    /// Completes what was loaded, once all ranks have loaded theirs: makes ghosts of those that are in contact, and brings them up to date.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn complete(&mut self, particles: &Particles, share: Option<&Share>) -> Result<(), RunFailure> {
+        let Some(search) = &mut self.search else { return Ok(()) };
+        search.complete(particles, share, &mut self.foreign)
+    }
+
     /// The ghosts its pairs name, where they are not those of the neighbour list.
     pub(super) fn ghosts<'a>(&'a self, of_list: &'a Ghosts) -> &'a Ghosts {
         self.search.as_ref().map_or(of_list, |search| &search.ghosts)
     }
 
-    fn close(&mut self) {
+    /// Adds up the blocks in their order, of all ranks where there are others.
+    fn close(&mut self, share: Option<&Share>) -> Result<(), RunFailure> {
         self.now.fill(PairSums::default());
-        for &(place, part) in self.partial.iter().flat_map(|block| &block.0) {
-            let sum = &mut self.now[place];
-            sum.stored += part.stored;
-            sum.friction += part.friction;
-            sum.damped += part.damped;
-            for k in 0..3 {
-                sum.force[k] += part.force[k];
+        let own = self.partial.iter().flat_map(|block| &block.0);
+        match share {
+            None => own.for_each(|(place, part)| self.now[*place].add(part)),
+            Some(share) => {
+                let own: Vec<(usize, [f64; 6])> = own.map(|(place, part)| (*place, part.to_array())).collect();
+                for (place, part) in share.ranks.gather_all(&own)? {
+                    self.now[place].add(&PairSums::from_array(part));
+                }
             }
         }
+        Ok(())
     }
 }
 
@@ -369,7 +432,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut weights = std::mem::take(&mut self.particles.contact_weight);
         let p = &self.particles;
         let ghosts = &contacts.ghosts(&self.ghosts).columns;
-        let places = Places::new(&p.position, p, ghosts);
+        let places = Places::new(p, ghosts);
         let masses = WithGhosts::new(&p.mass, &ghosts.mass);
         let bodies = WithGhosts::new(&p.body, &ghosts.body);
         let surfaces = Surfaces::new(&p.reference_normal, &p.deformation, ghosts);
@@ -405,15 +468,18 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Second pass: works out the forces between bodies and their heat. A force on a face has a moment about the particle, which is a stress of
     /// it, so that the face does the work.
-    pub(super) fn push_bodies(&mut self) {
-        let Some(contacts) = &mut self.contacts else { return };
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn push_bodies(&mut self) -> Result<(), RunFailure> {
+        let Some(contacts) = &mut self.contacts else { return Ok(()) };
         let BodyContacts { foreign, search, table, partial, limits, pushes, .. } = contacts;
         let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
         let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
         let mut face_stress = std::mem::take(&mut self.particles.face_stress);
         let p = &self.particles;
         let points = Points {
-            places: Places::new(&p.position, p, ghosts),
+            places: Places::new(p, ghosts),
             mass: WithGhosts::new(&p.mass, &ghosts.mass),
             body: WithGhosts::new(&p.body, &ghosts.body),
             overlap: WithGhosts::new(&p.contact_overlap, &ghosts.contact_overlap),
@@ -458,8 +524,9 @@ impl<T: PairScalar> CpuEngine<T> {
                 .into_par_iter()
                 .for_each(|(block, sums, pushes, stress)| update(block, sums, pushes, stress));
         }
-        contacts.close();
+        contacts.close(self.domain.as_deref())?;
         (self.particles.friction_heat, self.particles.face_stress) = (friction_heat, face_stress);
+        Ok(())
     }
 
     /// Adds the forces between bodies, and their heat, to those of the pair sum.
@@ -525,8 +592,8 @@ impl Table {
                     sum.force[k] += force.force[k];
                 }
             }
-            let friction = self.friction_shares[a * self.bodies + b] * force.rubbed;
-            push.heat += 0.5 * force.damped + friction;
+            let (heat, friction) = force.own_heat(self.friction_shares[a * self.bodies + b]);
+            push.heat += heat;
             push.friction += friction;
             // The other half comes from the row of the other particle.
             sum.stored += 0.5 * force.stored;
@@ -542,11 +609,19 @@ impl Table {
 crate::persist_fields!(PairSums { force, stored, friction, damped });
 crate::persist_fields!(Works { stored, friction, damped });
 
-impl Persist for BodyContacts {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.foreign.persist(&format!("{name}.foreign"), archive)?;
+impl BodyContacts {
+    /// Saves or loads what `count` particles of this rank hold. Pairs follow from the neighbour list but for those that are searched apart from it.
+    pub(super) fn persist(
+        &mut self,
+        count: usize,
+        share: Option<&Share>,
+        name: &str,
+        archive: &mut dyn Archive,
+    ) -> Result<(), ArchiveError> {
         if let Some(search) = &mut self.search {
-            search.persist(&format!("{name}.search"), archive)?;
+            search.persist(count, share, &format!("{name}.search"), archive)?;
+            let number = |j: u32| share.map_or(j, |share| search.point(share, j));
+            self.foreign.persist(count, number, &format!("{name}.foreign"), archive)?;
         }
         persist_each(&mut self.now, &format!("{name}.now"), archive)?;
         persist_each(&mut self.works, &format!("{name}.works"), archive)

@@ -1,20 +1,26 @@
 //! Search for contact where the neighbour list is that of the initial configuration: who is beside whom now.
 //!
 //! The search is repeated when two particles may have closed in by the skin it was made with. Its images in symmetry planes are those
-//! of the present positions, not those the neighbour list has.
+//! of the present positions, not those the neighbour list has. Ranks search the same points, those of all of them, each for the rows of its
+//! particles.
 
 use super::CpuEngine;
+use super::common_points::CommonPoints;
+use super::contact::BodyContacts;
+use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
-use super::search::{differ_beyond, moved_beyond};
+use super::search::closed_in_beyond;
 use super::self_contact::Surfaces;
-use crate::halo::{FieldSet, Halo};
+use crate::RunFailure;
+use crate::halo::{FieldSet, Halo, Image, Images};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::Model;
 use crate::neighbors::{BLOCK, DisplacementBound, ForeignList, NeighborList, Reach, Searcher};
 use crate::particles::Particles;
-use crate::persist::{Archive, ArchiveError, Persist, require};
+use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none, require};
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
+use std::ops::Range;
 
 /// Skin of the search, in reaches of the contact.
 const SKIN: f64 = 0.2;
@@ -22,6 +28,8 @@ const SKIN: f64 = 0.2;
 /// Present surroundings of the particles.
 pub(super) struct ContactSearch {
     pub(super) ghosts: Ghosts,
+    /// The points of all ranks; of one rank alone they are its particles and ghosts.
+    common: CommonPoints,
     /// Reach of the contact in smoothing lengths.
     support: f64,
     /// Smoothing length of the contact by body, m.
@@ -30,7 +38,8 @@ pub(super) struct ContactSearch {
     spacing_of: Vec<f64>,
     has_self_contact: bool,
     conducts: bool,
-    /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'.
+    /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'. On ranks
+    /// they are those of all of them, of which what this rank does not read has no number.
     members: Vec<u32>,
     /// Their positions, m, and smoothing lengths, m, and all their pairs.
     points: Vec<Vector<f64>>,
@@ -50,6 +59,7 @@ impl ContactSearch {
     pub(super) fn new(model: &Model, halo: Box<dyn Halo>, smoothing_length_of: Vec<f64>) -> Self {
         Self {
             ghosts: Ghosts::new(halo),
+            common: CommonPoints::new(Images::new(model)),
             support: model.numerics.kernel.support(),
             smoothing_length_of,
             spacing_of: model.bodies.iter().map(|body| body.spacing).collect(),
@@ -68,19 +78,29 @@ impl ContactSearch {
     }
 
     /// Whether two particles may be nearer each other than the contact reaches and not be among the pairs.
-    fn is_due(&self, particles: &Particles, displacement: DisplacementBound) -> bool {
+    fn is_due(
+        &self,
+        particles: &Particles,
+        share: Option<&Share>,
+        displacement: DisplacementBound,
+    ) -> Result<bool, RunFailure> {
+        if !self.is_made {
+            return Ok(true);
+        }
         let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
         // What the shifts have changed is spent, of the skin that a particle has: that of a pair is the mean of both. Particles are as they were
         // at the last evaluation.
-        let half = smallest * (0.5 * SKIN * self.support - self.largest_change_of_shift(particles));
-        // Images in symmetry planes are displaced otherwise than their sources.
-        let differ =
-            || !self.ghosts.halo.is_empty() || differ_beyond(&particles.position, &self.searched_at, 2.0 * half);
-        !self.is_made
-            || half <= 0.0
-            || (!displacement.is_within(self.displacement, half)
-                && moved_beyond(&particles.position, &self.searched_at, half)
-                && differ())
+        let change = self.largest_change_of_shift(particles);
+        let change = share.map_or(Ok(change), |share| share.largest(change))?;
+        let half = smallest * (0.5 * SKIN * self.support - change);
+        if half <= 0.0 {
+            return Ok(true);
+        }
+        if displacement.is_within(self.displacement, half) {
+            return Ok(false);
+        }
+        let has_images = self.ghosts.halo.has_images();
+        closed_in_beyond(&particles.position, &self.searched_at, 2.0 * half, has_images, share)
     }
 
     /// Largest change of a shift since the last search, in smoothing lengths of the body.
@@ -104,44 +124,34 @@ impl ContactSearch {
     fn search(
         &mut self,
         particles: &Particles,
+        share: Option<&Share>,
         displacement: DisplacementBound,
         instructions: Instructions,
         has_come_apart: &[bool],
         foreign: &mut ForeignList,
-    ) {
+    ) -> Result<(), RunFailure> {
         let factor = self.support * (1.0 + SKIN);
         let largest = self.smoothing_length_of.iter().copied().fold(0.0, f64::max);
         // Particles of stretched material stand farther out than they are.
         let farthest = largest_length(&particles.contact_shift);
-        if self.ghosts.halo.rebuild(&particles.position, factor * largest + farthest) {
-            self.searcher.forget();
-        }
-        self.ghosts.exchange(FieldSet::Search, particles);
-        // Faces are as they were at the last evaluation.
-        self.ghosts.exchange(FieldSet::Contact, particles);
-        let own = self.find_members(particles);
-        let ghosts = &self.ghosts.columns;
-        let (position, body) =
-            (WithGhosts::new(&particles.position, &ghosts.position), WithGhosts::new(&particles.body, &ghosts.body));
-        self.points.clear();
-        let shift = WithGhosts::new(&particles.contact_shift, &ghosts.contact_shift);
-        self.points.extend(self.members.iter().map(|&i| {
-            let (x, s) = (position.at(i as usize), shift.at(i as usize));
-            [0, 1, 2].map(|a| x[a] + s[a])
-        }));
-        self.smoothing_length.clear();
-        // Heat crosses faces between positions, which are nearer each other than the places they stand at.
-        let beyond =
-            |i: usize| if self.conducts { 2.0 / self.support * dot(shift.at(i), shift.at(i)).sqrt() } else { 0.0 };
-        self.smoothing_length.extend(self.members.iter().map(|&i| {
-            let i = i as usize;
-            self.smoothing_length_of[body.at(i) as usize] + beyond(i)
-        }));
+        let farthest = share.map_or(Ok(farthest), |share| share.largest(farthest))?;
+        let ghost_reach = factor * largest + farthest;
+        let rows = match share {
+            None => self.place(particles, ghost_reach),
+            Some(share) => self.place_among_ranks(particles, share, ghost_reach)?,
+        };
         let reach = Reach::new(&self.smoothing_length, factor);
-        self.searcher.search(&self.points, own, &reach, displacement, instructions, &mut self.list);
+        self.searcher.search_rows(&self.points, rows.clone(), &reach, displacement, instructions, &mut self.list);
+        let mut owners = self.members[rows].to_vec();
+        if let Some(share) = share {
+            owners.iter_mut().for_each(|place| *place -= share.own().start as u32);
+            self.adopt_found(particles, share)?;
+        }
+        let ghosts = &self.ghosts.columns;
+        let body = WithGhosts::new(&particles.body, &ghosts.body);
         let surfaces = Surfaces::new(&particles.reference_normal, &particles.deformation, ghosts);
         let reference = WithGhosts::new(&particles.reference_position, &ghosts.reference_position);
-        foreign.gather(&self.list, &self.members, particles.len(), |i, j| {
+        foreign.gather(&self.list, &owners, &self.members, particles.len(), |i, j| {
             let of = body.at(i) as usize;
             if of != body.at(j) as usize {
                 return true;
@@ -154,10 +164,101 @@ impl ContactSearch {
             dot(apart, apart) >= (self.support * self.smoothing_length_of[of]).powi(2)
                 && surfaces.may_press(i, j, apart, self.spacing_of[of])
         });
+        if let Some(share) = share {
+            self.keep_met(particles, share, foreign)?;
+        }
         self.searched_at.clone_from(&particles.position);
         self.shifts.clone_from(&particles.contact_shift);
         self.displacement = displacement;
         self.is_made = true;
+        Ok(())
+    }
+
+    /// Places members where they stand for the contact, ghosts of all particles within `reach` (m) of where they are needed among them; those whose
+    /// rows are searched.
+    fn place(&mut self, particles: &Particles, reach: f64) -> Range<usize> {
+        if self.ghosts.halo.rebuild(&particles.position, reach) {
+            self.searcher.forget();
+        }
+        // Faces are as they were at the last evaluation.
+        self.exchange_all(particles);
+        let own = self.find_members(particles);
+        let (members, ghosts) = (std::mem::take(&mut self.members), std::mem::take(&mut self.ghosts.columns));
+        let (position, body) =
+            (WithGhosts::new(&particles.position, &ghosts.position), WithGhosts::new(&particles.body, &ghosts.body));
+        let shift = WithGhosts::new(&particles.contact_shift, &ghosts.contact_shift);
+        self.place_members(&members, |i| (position.at(i), shift.at(i), body.at(i)));
+        (self.members, self.ghosts.columns) = (members, ghosts);
+        0..own
+    }
+
+    /// The same among the particles of all ranks.
+    fn place_among_ranks(
+        &mut self,
+        particles: &Particles,
+        share: &Share,
+        reach: f64,
+    ) -> Result<Range<usize>, RunFailure> {
+        let is_one_body = self.smoothing_length_of.len() == 1;
+        let is_searched = |i: usize| !is_one_body || particles.reference_normal[i] != [0.0; 3];
+        let own: Vec<Point> = (0..particles.len())
+            .map(|i| ((particles.position[i], particles.contact_shift[i]), (particles.body[i], is_searched(i))))
+            .collect();
+        let mut all = share.gather(&own)?;
+        let positions: Vec<Vector<f64>> = all.iter().map(|point| point.0.0).collect();
+        if self.common.reflect(&positions, reach) {
+            self.searcher.forget();
+        }
+        self.common.extend(&mut all, |image: &Image, ((x, shift), of)| ((image.position(&x), image.vector(shift)), of));
+        let members: Vec<u32> = (0..all.len() as u32).filter(|&i| all[i as usize].1.1).collect();
+        self.place_members(&members, |i| {
+            let ((x, shift), (body, _)) = all[i];
+            (x, shift, body)
+        });
+        let before = |place: usize| members.partition_point(|&member| (member as usize) < place);
+        let rows = before(share.own().start)..before(share.own().end);
+        self.members = members;
+        Ok(rows)
+    }
+
+    /// Places members, whose position (m), shift (m) and body `of` tells.
+    fn place_members(&mut self, members: &[u32], of: impl Fn(usize) -> (Vector<f64>, Vector<f64>, u32)) {
+        self.points.clear();
+        self.smoothing_length.clear();
+        for &i in members {
+            let (x, shift, body) = of(i as usize);
+            self.points.push([0, 1, 2].map(|a| x[a] + shift[a]));
+            // Heat crosses faces between positions, which are nearer each other than the places they stand at.
+            let beyond = if self.conducts { 2.0 / self.support * dot(shift, shift).sqrt() } else { 0.0 };
+            self.smoothing_length.push(self.smoothing_length_of[body as usize] + beyond);
+        }
+    }
+
+    /// Makes ghosts of what was found beside the particles of this rank, and numbers the members by them.
+    fn adopt_found(&mut self, particles: &Particles, share: &Share) -> Result<(), RunFailure> {
+        let found = self.list.blocks().iter().flat_map(|block| (0..block.len()).flat_map(|k| block.row(k)));
+        let halo = self.common.adopt(share, found.map(|&k| self.members[k as usize]))?;
+        self.ghosts.halo = Box::new(halo);
+        self.members.iter_mut().for_each(|member| *member = self.common.number(*member));
+        self.exchange_all(particles);
+        Ok(())
+    }
+
+    /// Keeps the ghosts that are in contact, few of those that were found.
+    fn keep_met(&mut self, particles: &Particles, share: &Share, foreign: &mut ForeignList) -> Result<(), RunFailure> {
+        let own = share.own();
+        foreign.renumber(|j| self.common.point(own.clone(), j));
+        let halo = self.common.adopt(share, foreign.indices())?;
+        self.ghosts.halo = Box::new(halo);
+        foreign.renumber(|point| self.common.number(point));
+        self.exchange_all(particles);
+        Ok(())
+    }
+
+    /// Brings what a search reads of ghosts to that of the particles.
+    fn exchange_all(&mut self, particles: &Particles) {
+        self.ghosts.exchange(FieldSet::Search, particles);
+        self.ghosts.exchange(FieldSet::Contact, particles);
     }
 
     /// Finds who is searched; how many of them are particles.
@@ -179,10 +280,14 @@ impl ContactSearch {
             + self.ghosts.columns.bytes()
             + self.list.bytes()
             + self.searcher.bytes()
+            + self.common.bytes()
             + 36 * self.points.capacity()
             + 24 * (self.searched_at.capacity() + self.shifts.capacity())
     }
 }
+
+/// A particle as ranks tell each other of it: position and shift, m; body, and whether it is searched.
+type Point = ((Vector<f64>, Vector<f64>), (u32, bool));
 
 /// Length of the longest vector.
 fn largest_length(vectors: &[Vector<f64>]) -> f64 {
@@ -191,16 +296,21 @@ fn largest_length(vectors: &[Vector<f64>]) -> f64 {
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Finds the pairs in contact among the present positions, where the neighbour list does not hold them and they may have changed.
-    pub(super) fn search_contacts(&mut self) {
-        let displacement = self.lists.displacement;
-        let Some(contacts) = &mut self.contacts else { return };
-        let Some(search) = contacts.search.as_mut().filter(|s| s.is_due(&self.particles, displacement)) else { return };
-        search.search(&self.particles, displacement, self.instructions, &self.has_come_apart, &mut contacts.foreign);
+    pub(super) fn search_contacts(&mut self) -> Result<(), RunFailure> {
+        let (displacement, share) = (self.lists.displacement, self.domain.as_deref());
+        let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        let Some(search) = &mut contacts.search else { return Ok(()) };
+        if !search.is_due(&self.particles, share, displacement)? {
+            return Ok(());
+        }
+        let (apart, foreign) = (&self.has_come_apart, &mut contacts.foreign);
+        search.search(&self.particles, share, displacement, self.instructions, apart, foreign)?;
         // Those that lose their neighbours in other bodies overlap no more.
         let p = &mut self.particles;
         p.contact_overlap.fill(0.0);
         p.contact_direction.fill([0.0; 3]);
         p.contact_weight.fill(0.0);
+        Ok(())
     }
 
     /// Brings what the contact reads of ghosts, be they its own or those of the neighbour list, to that of the particles.
@@ -214,36 +324,76 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Brings the columns of the images the contact reads to those of the particles.
     pub(super) fn exchange_contact_ghosts(&mut self, fields: FieldSet) {
-        let Some(contacts) = self.contacts.as_mut().filter(|contacts| !contacts.foreign.is_empty()) else { return };
+        // Another rank may read particles of this one.
+        let is_alone = self.domain.is_none();
+        let is_met = |contacts: &&mut BodyContacts| !(is_alone && contacts.foreign.is_empty());
+        let Some(contacts) = self.contacts.as_mut().filter(is_met) else { return };
         if let Some(search) = &mut contacts.search {
             search.ghosts.exchange(fields, &self.particles);
         }
     }
 }
 
-impl Persist for ContactSearch {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let of = |field: &str| format!("{name}.{field}");
-        self.ghosts.halo.persist(&of("halo"), archive)?;
-        self.searcher.persist(&of("searcher"), archive)?;
-        self.searched_at.persist(&of("searched_at"), archive)?;
-        self.shifts.persist(&of("shifts"), archive)?;
-        self.displacement.persist(&of("displacement"), archive)?;
-        self.is_made.persist(&of("is_made"), archive)
-    }
-}
-
 impl ContactSearch {
-    /// Refuses what was loaded and does not fit the particles, and brings the columns of the images up to date.
-    pub(super) fn complete(&mut self, particles: &Particles, name: &str) -> Result<(), ArchiveError> {
-        let rows = self.ghosts.halo.rows();
-        require(rows.iter().all(|&row| (row as usize) < particles.len()), &format!("{name}.halo"))?;
+    /// Saves or loads what `count` particles of this rank hold. The images of all particles are saved; which of them are ghosts of a rank follows from
+    /// the pairs.
+    pub(super) fn persist(
+        &mut self,
+        count: usize,
+        share: Option<&Share>,
+        name: &str,
+        archive: &mut dyn Archive,
+    ) -> Result<(), ArchiveError> {
+        let of = |field: &str| format!("{name}.{field}");
+        match share {
+            None => self.ghosts.halo.persist(&of("halo"), archive)?,
+            Some(_) => self.common.persist(&of("halo"), archive)?,
+        }
+        self.searcher.persist(&of("searcher"), archive)?;
+        persist_pieces_or_none(&mut self.searched_at, count, &of("searched_at"), archive)?;
+        persist_pieces_or_none(&mut self.shifts, count, &of("shifts"), archive)?;
+        self.displacement.persist(&of("displacement"), archive)?;
+        self.is_made.persist(&of("is_made"), archive)?;
+        if archive.is_saving() {
+            return Ok(());
+        }
+        let all = share.map_or(count, |share| share.count());
+        let (images, sources) = match share {
+            None => (self.ghosts.count(), self.ghosts.halo.sources()),
+            Some(_) => (self.common.images(), self.common.sources()),
+        };
+        require(sources.iter().all(|&source| (source as usize) < all), &of("halo"))?;
+        let fits = self.searched_at.len() == count && self.shifts.len() == count;
+        require(!self.is_made || fits && self.searcher.fits_within(all + images), &of("searched_at"))
+    }
+
+    /// Points that pairs may name, by their numbers among those of all ranks.
+    pub(super) fn points(&self, count: usize, share: Option<&Share>) -> usize {
+        share.map_or_else(|| count + self.ghosts.count(), |share| share.count() + self.common.images())
+    }
+
+    /// The number among the points of all ranks of a point of this one.
+    pub(super) fn point(&self, share: &Share, number: u32) -> u32 {
+        self.common.point(share.own(), number)
+    }
+
+    /// Brings what was loaded up to date, once all ranks have loaded theirs.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn complete(
+        &mut self,
+        particles: &Particles,
+        share: Option<&Share>,
+        foreign: &mut ForeignList,
+    ) -> Result<(), RunFailure> {
+        if let Some(share) = share {
+            let halo = self.common.adopt(share, foreign.indices())?;
+            self.ghosts.halo = Box::new(halo);
+            foreign.renumber(|point| self.common.number(point));
+        }
         // They take what does not change between searches with each search, and the next one may be far.
         self.ghosts.exchange(FieldSet::Search, particles);
-        self.find_members(particles);
-        let fits = self.searched_at.len() == particles.len()
-            && self.shifts.len() == particles.contact_shift.len()
-            && self.searcher.fits(self.members.len());
-        require(!self.is_made || fits, &format!("{name}.searched_at"))
+        Ok(())
     }
 }

@@ -5,47 +5,83 @@
 //! numbers in the same order, and what is summed by blocks is summed in the common order of the blocks. A result does not depend on the number
 //! of ranks, to the bit.
 
-use super::CpuEngine;
+use super::common_points::CommonPoints;
 use super::guard::Fault;
+use super::smoothing::least_searched;
+use super::{CpuEngine, balance};
 use crate::engine::{Engine, Part, TimeStepLimit};
-use crate::halo::{FieldSet, Remote};
+use crate::halo::{Images, Remote};
 use crate::lanes::PairScalar;
 use crate::model::{Model, Precision};
-use crate::neighbors::{BLOCK, Reach, range_of};
+use crate::neighbors::{BLOCK, DisplacementBound, Reach, range_of};
 use crate::particles::{COLUMNS, Column, Particles};
-use crate::persist::Fixed;
+use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Communicator, Ranks};
+use crate::reduction::Reduction;
 use crate::{LimitReason, RunFailure};
 use sphorge_physics::Vector;
 use sphorge_physics::flow::FLOW_LAWS;
+use std::ops::Deref;
 use std::sync::Arc;
 
-/// The share of this rank.
-pub(super) struct Domain {
+/// Who has which particles.
+#[derive(Clone, Debug)]
+pub(super) struct Share {
     pub(super) ranks: Ranks,
     /// Places in the common order at which the particles of each rank begin, and their number.
-    starts: Vec<usize>,
-    /// Scratch of a search: points of this rank by places in the common order.
-    points: Vec<u32>,
+    pub(super) starts: Vec<usize>,
+}
+
+/// The share of this rank, and the points it searches.
+pub(super) struct Domain {
+    pub(super) share: Share,
+    points: CommonPoints,
+    /// Most work of a rank over the mean of all, in counted pairs of the last step.
+    pub(super) imbalance: f64,
 }
 
 impl Domain {
-    /// Shares `count` particles in whole blocks.
-    ///
-    /// # Errors
-    /// There are fewer blocks than ranks.
-    fn new(ranks: Ranks, count: usize) -> Result<Self, RunFailure> {
-        let (size, blocks) = (ranks.size(), count.div_ceil(BLOCK));
-        if blocks < size {
-            return Err(RunFailure::of_engine(format!(
-                "{count} particles are too few for {size} ranks, which take whole blocks of {BLOCK}: there are {blocks}; take `--ranks {}`",
-                blocks.max(1)
-            )));
-        }
-        let starts = (0..=size).map(|r| (r * blocks / size * BLOCK).min(count)).collect();
-        Ok(Self { ranks, starts, points: Vec::new() })
+    fn new(share: Share, model: &Model) -> Self {
+        Self { share, points: CommonPoints::new(Images::new(model)), imbalance: 1.0 }
     }
 
+    /// Adds up the pairs of all ranks, and notes how unlike their works are.
+    pub(super) fn sum_pairs(&mut self, own: u64) -> Result<u64, RunFailure> {
+        let pairs = self.ranks.gather_one(own)?;
+        let work = |(pairs, count): (&u64, usize)| pairs + balance::OF_A_PARTICLE * count as u64;
+        let works: Vec<u64> = pairs.iter().zip(self.counts()).map(work).collect();
+        self.imbalance = balance::imbalance(&works);
+        Ok(pairs.into_iter().sum())
+    }
+
+    /// Saves or loads the images of the particles of all ranks.
+    pub(super) fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.points.persist(name, archive)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.points.bytes()
+    }
+
+    /// Points that are searched: particles of all ranks and their images.
+    pub(super) fn searched(&self) -> usize {
+        self.count() + self.points.images()
+    }
+
+    /// The particles, by their places in the common order, that images are of.
+    pub(super) fn image_sources(&self) -> &[u32] {
+        self.points.sources()
+    }
+}
+
+impl Deref for Domain {
+    type Target = Share;
+    fn deref(&self) -> &Share {
+        &self.share
+    }
+}
+
+impl Share {
     /// Places of this rank's particles in the common order.
     pub(super) fn own(&self) -> std::ops::Range<usize> {
         let rank = self.ranks.rank();
@@ -80,6 +116,11 @@ impl Domain {
     /// The smallest of the first and the largest of the second of two numbers of every rank.
     pub(super) fn range(&self, own: (f64, f64)) -> Result<(f64, f64), RunFailure> {
         Ok(self.ranks.gather_one(own)?.into_iter().fold(own, |a, b| (a.0.min(b.0), a.1.max(b.1))))
+    }
+
+    /// The largest of a number of every rank.
+    pub(super) fn largest(&self, own: f64) -> Result<f64, RunFailure> {
+        Ok(self.ranks.gather_one(own)?.into_iter().fold(own, f64::max))
     }
 
     /// Bounds of what every rank has bounds of.
@@ -154,12 +195,12 @@ pub(crate) struct Relocation {
 }
 
 impl Relocation {
-    /// Place `k` of the common order is to receive what is at `order[k]`; `starts` are the places at which the particles of each rank begin, and
-    /// their number.
-    pub(crate) fn new(ranks: Ranks, starts: &[usize], order: &[u32]) -> Self {
+    /// Place `k` of the common order is to receive what is at `order[k]`; the particles of each rank begin at the first of `places`, and then at the
+    /// second, with their number behind.
+    pub(crate) fn new(ranks: Ranks, (former, starts): (&[usize], &[usize]), order: &[u32]) -> Self {
         let (rank, size) = (ranks.rank(), ranks.size());
-        let own = starts[rank]..starts[rank + 1];
-        let owner = |place: u32| starts.partition_point(|&start| start <= place as usize) as u32 - 1;
+        let own = former[rank]..former[rank + 1];
+        let owner = |place: u32| former.partition_point(|&start| start <= place as usize) as u32 - 1;
         let is_own = |place: &&u32| own.contains(&(**place as usize));
         let leaving = (0..size)
             .map(|r| {
@@ -170,6 +211,11 @@ impl Relocation {
         let mut coming = vec![0; size];
         from.iter().for_each(|&other| coming[other as usize] += 1);
         Self { ranks, leaving, from, coming, lost: None }
+    }
+
+    /// Particles of this rank then.
+    pub(crate) fn count(&self) -> usize {
+        self.from.len()
     }
 
     /// Moves a column; one that is empty stays so, which it is on all ranks or on none.
@@ -200,54 +246,70 @@ impl Relocation {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Puts the particles of all ranks in the order of the cells; each rank gets those of its blocks, with all their columns.
+    /// Puts the particles of all ranks in the order of the cells; each rank gets those of its blocks, with all their columns, and other blocks where
+    /// works have come apart.
     pub(super) fn sort_among_ranks(&mut self, cell: f64) -> Result<(), RunFailure> {
-        let Some(domain) = &self.domain else { return Ok(()) };
-        let positions = domain.gather(&self.particles.position)?;
-        let order = self.lists.searcher.cell_order(&positions, cell);
-        let mut relocation = Relocation::new(domain.ranks.clone(), &domain.starts, order);
+        let Some(share) = self.domain.as_ref().map(|domain| domain.share.clone()) else { return Ok(()) };
+        let positions = share.gather(&self.particles.position)?;
+        let order = self.lists.searcher.cell_order(&positions, cell).to_vec();
+        let pairs = share.gather(&self.particles.neighbors)?;
+        // Before the first step none are counted, and shares are those of the start.
+        let are_counted = pairs.iter().any(|&pairs| pairs > 0);
+        let pairs: Vec<u32> = order.iter().map(|&place| pairs[place as usize]).collect();
+        let starts = if are_counted { share.rebalanced(&pairs) } else { None };
+        let Some(starts) = starts else { return self.relocate(&share, &share.starts, &order) };
+        let taken = self.take_block_sums(&share)?;
+        self.relocate(&share, &starts, &order)?;
+        let share = Share { starts, ..share };
+        self.keep_block_sums(&share, taken);
+        self.domain.iter_mut().for_each(|domain| domain.share = share.clone());
+        Ok(())
+    }
+
+    fn relocate(&mut self, share: &Share, starts: &[usize], order: &[u32]) -> Result<(), RunFailure> {
+        let mut relocation = Relocation::new(share.ranks.clone(), (&share.starts, starts), order);
         self.particles.relocate(&mut relocation);
         relocation.lost.map_or(Ok(()), Err)
     }
 
-    /// Searches the neighbours of this rank's particles among those of all ranks, and makes the particles of others that are found its ghosts.
-    pub(super) fn search_among_ranks(&mut self, factor: f64) -> Result<(), RunFailure> {
-        let is_initial = self.formulation.is_initial();
+    /// Searches the neighbours of this rank's particles among those of all ranks, and images of these for which ghosts reach `ghost_reach` (m), and
+    /// makes those of them that are found its ghosts.
+    pub(super) fn search_among_ranks(&mut self, factor: f64, ghost_reach: f64) -> Result<(), RunFailure> {
         let Some(domain) = &mut self.domain else { return Ok(()) };
-        let points = domain.gather(super::search::searched_positions(&self.particles, is_initial))?;
-        let smoothing_length = domain.gather(&self.particles.smoothing_length)?;
+        let searched = super::search::searched_positions(&self.particles, self.formulation.is_initial());
+        let points = domain.gather(searched)?;
+        let mut own_lengths = self.particles.smoothing_length.clone();
+        if let Some(least) = least_searched(&self.model, self.contacts.as_ref()) {
+            let raise = |(h, body): (&mut f64, &u32)| *h = h.max(least[*body as usize]);
+            own_lengths.iter_mut().zip(&self.particles.body).for_each(raise);
+        }
+        let smoothing_length = domain.gather(&own_lengths)?;
+        if domain.points.reflect(&points, ghost_reach) {
+            self.lists.searcher.forget();
+        }
+        let (range, displacement) = (self.lists.smoothing_lengths, self.lists.displacement);
+        self.search_common((points, smoothing_length), (factor, range), displacement)
+    }
+
+    /// Makes the rows of this rank and its ghosts, of the positions (m) and smoothing lengths (m) of the particles of all ranks; `reach` is that of a
+    /// kernel in smoothing lengths, and the range of these.
+    pub(super) fn search_common(
+        &mut self,
+        (mut points, mut smoothing_length): (Vec<Vector<f64>>, Vec<f64>),
+        (factor, range): (f64, (f64, f64)),
+        displacement: DisplacementBound,
+    ) -> Result<(), RunFailure> {
+        let Some(domain) = &mut self.domain else { return Ok(()) };
         let lists = &mut self.lists;
-        let reach = Reach { smoothing_length: &smoothing_length, factor, range: lists.smoothing_lengths };
-        let own = domain.own();
-        lists.searcher.search_rows(
-            &points,
-            own.clone(),
-            &reach,
-            lists.displacement,
-            self.instructions,
-            &mut lists.list,
-        );
-        let numbers = &mut domain.points;
-        numbers.clear();
-        numbers.resize(points.len(), u32::MAX);
-        let mut sources = Vec::new();
-        for block in lists.list.blocks() {
-            for &j in block.entries() {
-                if !own.contains(&(j as usize)) && numbers[j as usize] == u32::MAX {
-                    numbers[j as usize] = 0;
-                    sources.push(j);
-                }
-            }
-        }
-        sources.sort_unstable();
-        for (k, &source) in sources.iter().enumerate() {
-            numbers[source as usize] = (own.len() + k) as u32;
-        }
-        own.clone().for_each(|place| numbers[place] = (place - own.start) as u32);
+        domain.points.extend(&mut points, |image, x| image.position(&x));
+        domain.points.extend(&mut smoothing_length, |_, h| h);
+        let reach = Reach { smoothing_length: &smoothing_length, factor, range };
+        lists.searcher.search_rows(&points, domain.own(), &reach, displacement, self.instructions, &mut lists.list);
+        let named = lists.list.blocks().iter().flat_map(|block| block.entries()).copied();
+        let halo = domain.points.adopt(&domain.share, named)?;
         for block in lists.list.blocks_mut() {
-            block.entries_mut().iter_mut().for_each(|j| *j = numbers[*j as usize]);
+            block.entries_mut().iter_mut().for_each(|j| *j = domain.points.number(*j));
         }
-        let halo = Remote::new(domain.ranks.clone(), domain.starts.clone()).of(sources)?;
         self.ghosts.halo = Box::new(halo);
         Ok(())
     }
@@ -281,13 +343,17 @@ impl<T: PairScalar> Part for CpuEngine<T> {
         })
     }
 
+    fn section_force(&self, section: usize) -> Result<Vec<f64>, RunFailure> {
+        let section = self.model.sections.get(section);
+        section.map_or(Ok(Vec::new()), |section| self.reduce(&Reduction::SectionForce(section)))
+    }
+
     fn complete(&mut self) -> Result<(), RunFailure> {
-        // Ghosts take what does not change between searches with each search, and the next one may be far.
-        self.exchange(FieldSet::Search)
+        self.complete_state()
     }
 
     fn total(&self) -> usize {
-        self.domain.as_ref().map_or(self.particles.len(), Domain::count)
+        self.domain.as_ref().map_or(self.particles.len(), |domain| domain.count())
     }
 }
 
@@ -300,7 +366,8 @@ pub fn start_part(
     particles: Particles,
     communicator: Arc<dyn Communicator>,
 ) -> Result<Box<dyn Part>, RunFailure> {
-    let domain = Domain::new(Ranks::new(communicator), particles.len())?;
+    let share = balance::share_at_start(Ranks::new(communicator), &model, &particles)?;
+    let domain = Domain::new(share, &model);
     Ok(match model.numerics.precision {
         Precision::Mixed => Box::new(part::<f32>(model, particles, domain)?),
         Precision::Double => Box::new(part::<f64>(model, particles, domain)?),
@@ -314,6 +381,6 @@ fn part<T: PairScalar>(
 ) -> Result<CpuEngine<T>, RunFailure> {
     let smoothing_lengths = range_of(&particles.smoothing_length);
     particles.keep(domain.own());
-    let halo = Box::new(Remote::new(domain.ranks.clone(), domain.starts.clone()));
+    let halo = Box::new(Remote::new(domain.ranks.clone(), domain.starts.clone(), Images::new(&model)));
     CpuEngine::new(model, particles, halo, Some(domain), smoothing_lengths)
 }

@@ -5,11 +5,13 @@ use super::walls::{AtWall, book, push};
 use crate::RunFailure;
 use crate::lanes::PairScalar;
 use crate::neighbors::BLOCK;
+use crate::report::WallLedger;
 use rayon::prelude::*;
-use sphorge_physics::{Tensor, Vector, tensor::dot};
+use sphorge_physics::wall::FacePushes;
+use sphorge_physics::{Tensor, Vector};
 
 /// Of a block of particles: accelerations and powers, powers by wall, power at faces.
-type Chunks<'a> = ((&'a mut [Vector<f64>], &'a mut [f64]), &'a mut [f64], &'a mut f64);
+type Chunks<'a> = ((&'a mut [Vector<f64>], &'a mut [f64]), &'a mut [WallLedger], &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether nothing but pairs acts on the particles: the columns of external forces are zero from the start.
@@ -30,41 +32,33 @@ impl<T: PairScalar> CpuEngine<T> {
         let mut external = std::mem::take(&mut p.external_acceleration);
         let mut external_power = std::mem::take(&mut p.external_power);
         let mut face_stress = std::mem::take(&mut p.face_stress);
-        let mut power = std::mem::take(&mut self.walls.power);
+        let mut powers = std::mem::take(&mut self.walls.powers);
         let mut at_faces = std::mem::take(&mut self.walls.at_faces);
         let (model, p, dt) = (&*self.model, &self.particles, self.step.dt);
         let (columns, states) = (AtWall::new(p), &self.walls.states);
-        let update = |b: usize, (sums, power, at_faces): Chunks<'_>, face_stress: &mut [Tensor<f64>]| {
-            power.fill(0.0);
+        let update = |b: usize, (sums, powers, at_faces): Chunks<'_>, face_stress: &mut [Tensor<f64>]| {
+            powers.fill(WallLedger::default());
             *at_faces = 0.0;
             let (external, external_power) = sums;
             for k in 0..external.len() {
                 let i = b * BLOCK + k;
-                let mut sum = model.gravity;
-                let (mut beyond, mut stress) = (0.0, [[0.0; 3]; 3]);
-                for ((wall, state), power) in model.walls.iter().zip(states).zip(&mut *power) {
+                let mut sum = FacePushes::of_gravity(model.gravity);
+                for ((wall, state), powers) in model.walls.iter().zip(states).zip(&mut *powers) {
                     let push = push(model, wall, state, &columns, i, dt);
-                    let force = push.acceleration;
-                    let at_centre = dot(force, p.evaluated_velocity[i]);
-                    let whole = dot(force, push.velocity) + push.heat;
-                    beyond += whole - at_centre;
-                    *power += p.mass[i] * whole;
-                    for a in 0..3 {
-                        sum[a] += force[a];
-                        (0..3).for_each(|c| stress[a][c] += force[a] * push.face[c]);
-                    }
+                    let power = sum.add(&push, p.evaluated_velocity[i]);
+                    powers.add(&WallLedger::powers(&push, power, p.mass[i]), 1.0);
                 }
-                external[k] = sum;
-                external_power[k] = beyond;
-                *at_faces += p.mass[i] * beyond;
+                external[k] = sum.acceleration;
+                external_power[k] = sum.beyond;
+                *at_faces += p.mass[i] * sum.beyond;
                 // The stress that the moment of the forces at the face is, where the form has one.
                 if let Some(face_stress) = face_stress.get_mut(k) {
-                    *face_stress = stress.map(|row| row.map(|c| p.mass[i] / p.reference_volume[i] * c));
+                    *face_stress = sum.stress(p.mass[i], p.reference_volume[i]);
                 }
             }
         };
         let sums = external.par_chunks_mut(BLOCK).zip(external_power.par_chunks_mut(BLOCK));
-        let chunks = (sums, power.par_chunks_mut(model.walls.len().max(1)), at_faces.par_iter_mut());
+        let chunks = (sums, powers.par_chunks_mut(model.walls.len().max(1)), at_faces.par_iter_mut());
         let chunks = chunks.into_par_iter().enumerate();
         if face_stress.is_empty() {
             chunks.for_each(|(b, chunks)| update(b, chunks, &mut []));
@@ -74,7 +68,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let p = &mut self.particles;
         (p.external_acceleration, p.external_power) = (external, external_power);
         p.face_stress = face_stress;
-        (self.walls.power, self.walls.at_faces) = (power, at_faces);
+        (self.walls.powers, self.walls.at_faces) = (powers, at_faces);
     }
 
     /// The heat of friction at walls, to which that of contacts is added.
@@ -108,11 +102,11 @@ impl<T: PairScalar> CpuEngine<T> {
         let at_faces = match &self.domain {
             // Without walls all of it is zero.
             Some(domain) if !self.model.walls.is_empty() => {
-                let power = domain.gather_blocks(&self.walls.power, self.model.walls.len())?;
+                let powers = domain.gather_blocks(&self.walls.powers, self.model.walls.len())?;
                 let at_faces = domain.gather_blocks(&self.walls.at_faces, 1)?;
-                book(&mut self.walls.work, &power, &at_faces, dt)
+                book(&mut self.walls.done, &powers, &at_faces, dt)
             }
-            _ => book(&mut self.walls.work, &self.walls.power, &self.walls.at_faces, dt),
+            _ => book(&mut self.walls.done, &self.walls.powers, &self.walls.at_faces, dt),
         };
         self.external.work += at_faces;
         Ok(())

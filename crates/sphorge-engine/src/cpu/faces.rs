@@ -12,12 +12,8 @@ use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Tensor;
-use sphorge_physics::contact::flat_body;
-use sphorge_physics::surface::FaceShift;
+use sphorge_physics::surface::{FaceShift, NearFace, add_outward, exposed, outermost_arm};
 use sphorge_physics::tensor::{dot, multiply};
-
-/// Length of the mean of unit normals of the faces near a particle below which it is near no one face, as in the middle of a sheet.
-const ONE_FACE: f64 = 0.5;
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Finds the surfaces of the reference configuration, whose lists were just made, and the faces of the initial one.
@@ -39,11 +35,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let (list, points) = (&self.lists.list, &self.lists.points);
         let (kernel, dimension) = (self.model.numerics.kernel, super::dimension(&self.model));
         let bodies = &self.model.bodies;
-        // Between what the outermost layer of a flat surface has and the one behind it, the sum over the layers that are not there; less
-        // than midway, since a sheet of two layers with twice the usual smoothing has but seven tenths of that.
-        let missing =
-            |b: &Body, layer: f64| flat_body(kernel, dimension, b.spacing, b.smoothing_length, layer * b.spacing);
-        let exposed = |b: &Body| 0.7 * 0.5 * (missing(b, 1.0).slope + missing(b, 2.0).slope);
+        let exposed = |b: &Body| exposed(kernel, dimension, b.spacing, b.smoothing_length);
         let exposed: Vec<f64> = bodies.iter().map(exposed).collect();
         let p = &mut self.particles;
         let volume = WithGhosts::new(&p.reference_volume, &self.ghosts.columns.reference_volume);
@@ -53,10 +45,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let mut outward = [0.0; 3];
             for &j in list.row(i) {
                 let x = [0, 1, 2].map(|a| points[i][a] - points[j as usize][a]);
-                let weight = volume.at(j as usize) * kernel.slope(dimension, dot(x, x).sqrt(), h);
-                for a in 0..3 {
-                    outward[a] += weight * x[a];
-                }
+                add_outward(&mut outward, kernel, dimension, x, volume.at(j as usize), h);
             }
             *normal = if dot(outward, outward).sqrt() > exposed[body as usize] { outward } else { [0.0; 3] };
         });
@@ -75,10 +64,10 @@ impl<T: PairScalar> CpuEngine<T> {
             let half = 0.5 * of.spacing;
             let own = normal.at(i);
             if own != [0.0; 3] {
-                *arm = own.map(|n| half * n / dot(own, own).sqrt());
+                *arm = outermost_arm(own, half);
                 return;
             }
-            let (mut sum, mut mean, mut below) = (0.0, [0.0; 3], 0.0);
+            let mut face = NearFace::default();
             for &j in list.row(i) {
                 let j = j as usize;
                 let outward = normal.at(j);
@@ -86,19 +75,9 @@ impl<T: PairScalar> CpuEngine<T> {
                     continue;
                 }
                 let x = [0, 1, 2].map(|a| points[j][a] - points[i][a]);
-                let weight = kernel.value(dimension, dot(x, x).sqrt(), of.smoothing_length);
-                let per_length = weight / dot(outward, outward).sqrt();
-                sum += weight;
-                below += per_length * dot(x, outward);
-                (0..3).for_each(|a| mean[a] += per_length * outward[a]);
+                face.add(x, outward, kernel.value(dimension, dot(x, x).sqrt(), of.smoothing_length));
             }
-            let length = dot(mean, mean).sqrt();
-            *arm = if sum > 0.0 && length > ONE_FACE * sum {
-                let depth = half + (below / sum).max(0.0);
-                mean.map(|n| depth * n / length)
-            } else {
-                [0.0; 3]
-            };
+            *arm = face.arm(half);
         });
     }
 

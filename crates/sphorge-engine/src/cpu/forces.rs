@@ -10,8 +10,8 @@ use crate::lanes::{Job, Lanes, PairScalar, splat_record};
 use crate::neighbors::{BLOCK, Block};
 use sphorge_physics::kernel::{Kernel, PairScale};
 use sphorge_physics::pair::{
-    EnergySplit, ForceSums, PairForce, PairForm, corrected_stress_vector, inverse_density_mean, mean, scaled_pressure,
-    stress_vector,
+    EnergySplit, ForceSums, PairForce, PairForm, closing_power, corrected_stress_vector, inverse_density_mean, mean,
+    scaled_pressure, share_of_power, stress_vector,
 };
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
@@ -20,15 +20,14 @@ use sphorge_physics::{SymmetricTensor, Tensor, Vector, artificial_stress};
 /// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForceTerms<T> {
-    pub(super) viscosity: ViscosityParameters<T>,
+    /// Viscosity of pairs; none where it is a pressure of the particle.
+    pub(super) viscosity: Option<ViscosityParameters<T>>,
     /// Exponent of the pair factor of the artificial stress.
     pub(super) artificial_stress: Option<u32>,
     pub(super) balsara: bool,
     pub(super) xsph: bool,
     pub(super) pair_form: PairForm,
     pub(super) energy_split: EnergySplit,
-    /// Whether the power of the artificial stress is summed apart, too.
-    pub(super) artificial_power: bool,
 }
 
 impl<T: PairScalar> ForceTerms<T> {
@@ -36,12 +35,12 @@ impl<T: PairScalar> ForceTerms<T> {
     /// any of the questions.
     pub(super) fn are_default(&self, kernel: Kernel) -> bool {
         kernel == Kernel::CubicSpline
+            && self.viscosity.is_some()
             && self.artificial_stress.is_some()
             && self.xsph
             && !self.balsara
             && self.pair_form == PairForm::VolumeWeighted
             && self.energy_split == EnergySplit::OwnStress
-            && !self.artificial_power
     }
 
     /// The same terms; if `DEFAULT`, in a form the compiler knows.
@@ -51,13 +50,12 @@ impl<T: PairScalar> ForceTerms<T> {
             return self;
         }
         Self {
-            viscosity: self.viscosity,
+            viscosity: Some(self.viscosity.unwrap_or_default()),
             artificial_stress: Some(self.artificial_stress.unwrap_or(1)),
             balsara: false,
             xsph: true,
             pair_form: PairForm::VolumeWeighted,
             energy_split: EnergySplit::OwnStress,
-            artificial_power: false,
         }
     }
 }
@@ -69,7 +67,9 @@ pub(super) struct ForceSum<T> {
     pub(super) acceleration: Vector<T>,
     /// Rate of the specific internal energy, W/kg.
     pub(super) energy_rate: T,
-    /// The part of it that is the artificial stress's; zero unless asked for.
+    /// The part of it that is the viscosity's of pairs.
+    pub(super) viscous_power: T,
+    /// The part of it that is the artificial stress's.
     pub(super) artificial_power: T,
     /// `sum_j m_j/rho_mean (v_j - v_i) W_ij`, m/s.
     pub(super) xsph: Vector<T>,
@@ -112,7 +112,7 @@ struct Pairs<L> {
     v: Vector<L>,
     /// Weight of the neighbour.
     weight: L,
-    /// Smoothing length of the neighbour, m.
+    /// Smoothing length of the neighbour, m; then the power of a unit of `Pi_ij`, [`closing_power`].
     h: L,
     /// Distance squared, m²; then the weighted `F` of `grad_i W_ij = F x_ij`.
     r2: L,
@@ -139,7 +139,7 @@ struct Own<L: Lanes> {
     extra: [L; extra::LEN],
     corrected: Tensor<L>,
     scale: PairScale<L>,
-    viscosity: ViscosityParameters<L>,
+    viscosity: Option<ViscosityParameters<L>>,
     kernel: Kernel,
 }
 
@@ -157,10 +157,9 @@ impl<L: Lanes> Own<L> {
             extra: if records.extra.is_empty() { [zero; extra::LEN] } else { splat_record(&records.extra[own]) },
             corrected: if CORRECTED { splat_corrected(&records.corrected[own]) } else { [[zero; 3]; 3] },
             scale: own_scale::<L, D>(constants, records.force[own][H]),
-            viscosity: ViscosityParameters {
-                alpha: L::splat(terms.viscosity.alpha),
-                beta: L::splat(terms.viscosity.beta),
-            },
+            viscosity: terms
+                .viscosity
+                .map(|of| ViscosityParameters { alpha: L::splat(of.alpha), beta: L::splat(of.beta) }),
             kernel: if DEFAULT { Kernel::CubicSpline } else { constants.kernel },
         }
     }
@@ -208,10 +207,14 @@ fn weigh<L: Lanes, const D: usize>(
 ) -> L {
     let scale = scale_with::<L, D>(own.scale, constants, pair.h);
     let (q, inverse_q) = scale.reduced_distance(pair.r2);
-    let mu = viscosity_mu(pair.v_dot_x, pair.r2, scale.h);
+    let (r2, mut mu) = (pair.r2, L::zero());
     let weighted = scale.weighted(pair.weight);
     pair.r2 = weighted.f(own.kernel.dw_over_q_by(q, inverse_q));
-    pair.v_dot_x = mu;
+    if own.viscosity.is_some() {
+        mu = viscosity_mu(pair.v_dot_x, r2, scale.h);
+        pair.h = closing_power(pair.v_dot_x, pair.r2);
+        pair.v_dot_x = mu;
+    }
     if terms.xsph || terms.artificial_stress.is_some() {
         let w = own.kernel.w(q);
         pair.w = w;
@@ -225,14 +228,13 @@ fn weigh<L: Lanes, const D: usize>(
 #[derive(Clone, Copy)]
 struct Sums<L> {
     forces: ForceSums<L>,
-    artificial_power: L,
     xsph: Vector<L>,
 }
 
 impl<L: Lanes> Sums<L> {
     #[inline(always)]
     fn zero() -> Self {
-        Self { forces: ForceSums::zero(), artificial_power: L::zero(), xsph: [L::zero(); 3] }
+        Self { forces: ForceSums::zero(), xsph: [L::zero(); 3] }
     }
 
     /// Third pass over a SIMD vector of pairs: the forces.
@@ -249,9 +251,12 @@ impl<L: Lanes> Sums<L> {
         let state_j: [L; 8] = L::gather_part(&records.force, indices, S);
         let density_j = state_j[RHO - S];
         let inverse_density = inverse_density_mean(own.record[RHO], density_j);
-        let sound_speed = mean(own.record[C], state_j[C - S]);
-        let pi = viscous_pressure(own.viscosity, pair.v_dot_x, sound_speed, inverse_density);
-        let mut pi = scaled_pressure(terms.pair_form, pi, own.record[RHO], density_j);
+        let mut pi = L::zero();
+        if let Some(viscosity) = own.viscosity {
+            let sound_speed = mean(own.record[C], state_j[C - S]);
+            pi = viscous_pressure(viscosity, pair.v_dot_x, sound_speed, inverse_density);
+            pi = scaled_pressure(terms.pair_form, pi, own.record[RHO], density_j);
+        }
         let (own_stress, other_stress) = if CORRECTED {
             let corrected_j = gather_corrected(&records.corrected, indices);
             (corrected_stress_vector::<L, D>(&own.corrected, x), corrected_stress_vector::<L, D>(&corrected_j, x))
@@ -274,21 +279,23 @@ impl<L: Lanes> Sums<L> {
                 add_xsph::<L, D>(&mut self.xsph, &pair.v, weight);
             }
         }
+        let (weighted_f, closing_power) = (pair.r2, pair.h);
         let force =
-            PairForce { x: *x, v: pair.v, own_stress, other_stress, artificial_stress, pi, weighted_f: pair.r2 };
+            PairForce { x: *x, v: pair.v, own_stress, other_stress, artificial_stress, pi, weighted_f, closing_power };
         self.forces.add::<D>(terms.energy_split, &force);
-        if terms.artificial_power {
-            self.artificial_power += force.artificial_power::<D>();
-        }
     }
 
     /// All lanes together.
     #[inline(always)]
-    fn total(&self) -> ForceSum<L::Element> {
+    fn total(&self, terms: &ForceTerms<L::Element>) -> ForceSum<L::Element> {
         let ([ax, ay, az], [x, y, z]) = (self.forces.acceleration, self.xsph);
-        let [ax, ay, az, x, y, z, energy_rate] = L::sums([ax, ay, az, x, y, z, self.forces.energy_rate]);
-        let artificial_power = self.artificial_power.sum();
-        ForceSum { acceleration: [ax, ay, az], energy_rate, artificial_power, xsph: [x, y, z], ..ForceSum::zero() }
+        let (rate, viscous) = (self.forces.energy_rate(), share_of_power(self.forces.viscous_power));
+        let [ax, ay, az, x, y, z, energy_rate, viscous_power] = L::sums([ax, ay, az, x, y, z, rate, viscous]);
+        let zero = ForceSum::zero();
+        let repels = terms.artificial_stress.is_some();
+        let artificial_power =
+            if repels { share_of_power(self.forces.repulsive_power).sum() } else { zero.artificial_power };
+        ForceSum { acceleration: [ax, ay, az], energy_rate, viscous_power, artificial_power, xsph: [x, y, z], ..zero }
     }
 }
 
@@ -325,15 +332,15 @@ fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const DEFAULT: boo
             sums.add::<D, CORRECTED>(&own, records, indices, terms, pair);
         }
     }
-    ForceSum { mu: mu.largest(), ..sums.total() }
+    ForceSum { mu: mu.largest(), ..sums.total(terms) }
 }
 
 impl<T: PairScalar> ForceSum<T> {
     /// Nothing summed.
     #[inline(always)]
     pub(super) fn zero() -> Self {
-        let zero = T::zero();
-        Self { acceleration: [zero; 3], energy_rate: zero, artificial_power: zero, xsph: [zero; 3], mu: zero }
+        let o = T::zero();
+        Self { acceleration: [o; 3], energy_rate: o, viscous_power: o, artificial_power: o, xsph: [o; 3], mu: o }
     }
 }
 

@@ -178,11 +178,14 @@ impl<T: PairScalar> CpuEngine<T> {
             dimension: super::dimension(&self.model),
         };
         let Particles { acceleration, energy_rate, mass, reference_volume, .. } = &mut self.particles;
-        let (mass, volume) = (&*mass, &*reference_volume);
-        (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK)).into_par_iter().enumerate().for_each(
-            |(b, (acceleration, energy_rate))| {
+        let (mass, volume, work) = (&*mass, &*reference_volume, &mut self.numerical_work.hourglass);
+        (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK), work.power.par_iter_mut())
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(b, (acceleration, energy_rate, power))| {
                 let mut sums = [SpringSums::zero(); BLOCK];
                 springs.block(b, &list.blocks()[b], &mut sums);
+                *power = 0.0;
                 for k in 0..acceleration.len() {
                     let i = b * BLOCK + k;
                     let factor = volume[i] / mass[i];
@@ -190,9 +193,9 @@ impl<T: PairScalar> CpuEngine<T> {
                         acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
                     }
                     energy_rate[k] += factor * sums[k].energy_rate.to_f64();
+                    *power += volume[i] * sums[k].energy_rate.to_f64();
                 }
-            },
-        );
+            });
     }
 
     /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation

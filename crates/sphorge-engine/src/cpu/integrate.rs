@@ -1,10 +1,6 @@
 //! Kick-drift-kick leapfrog and Monaghan's predictor–corrector.
 //!
-//! Total energy. Pair sums take the work of the pair forces at the velocity they were evaluated with, `v^`; the velocity a
-//! kick really moves through is the mean of the velocities before and after it. The difference,
-//! `a . (v_mean - v^) dt`, is of second order; it is booked to the particle's internal energy, so that kinetic plus internal
-//! energy less external work is constant to round-off for any step sequence (in the spirit of Owen's 2014 compatible
-//! energy, per particle instead of per pair).
+//! What a kick books to the energies, so that the total closes for any step sequence, is that of [`sphorge_physics::kick`].
 
 use super::CpuEngine;
 use super::domain::Domain;
@@ -16,6 +12,7 @@ use crate::particles::Particles;
 use crate::persist::Fixed;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
+use sphorge_physics::kick::{KickAccount, KickAxis};
 
 /// Prescribed velocities at one time, by motion and axis.
 #[derive(Clone, Debug, Default)]
@@ -106,6 +103,11 @@ impl ExternalSums {
         Self { partial: vec![Moved::default(); count.div_ceil(BLOCK)], ..Self::default() }
     }
 
+    /// Makes room for other particles, before a step has summed anything.
+    pub(super) fn resize(&mut self, count: usize) {
+        self.partial.resize(count.div_ceil(BLOCK), Moved::default());
+    }
+
     /// Adds up the blocks, of all ranks where there are others; the longest way of any particle, m.
     fn close(&mut self, domain: Option<&Domain>) -> Result<f64, RunFailure> {
         let all = domain.map(|domain| domain.gather_blocks(&self.partial, 1)).transpose()?;
@@ -146,28 +148,27 @@ fn kick(
 ) -> Kick {
     let mut after = [0, 1, 2].map(|k| v[k] + dt * a[k]);
     motions.hold(motion, &mut after);
-    let mut energy = 0.0;
-    let mut work = 0.0;
-    let mut impulse = [0.0; 3];
+    let mut account = KickAccount::zero();
     for k in 0..3 {
         let pair = a[k] - external[k];
         let mean = 0.5 * (v[k] + after[k]);
-        energy -= pair * (mean - evaluated[k]) * dt;
-        // Change of kinetic energy and momentum less what the pair forces did.
-        work += mass * mean * (after[k] - v[k] - pair * dt);
-        impulse[k] = mass * (after[k] - v[k] - pair * dt);
+        // Change of velocity less what the pair forces did.
+        let beyond = after[k] - v[k] - pair * dt;
+        account.add(k, &KickAxis { pair, mean, ahead: mean - evaluated[k], beyond }, mass, dt);
     }
+    let KickAccount { energy, work, impulse } = account;
     Kick { velocity: after, energy, work, impulse, booked: mass * energy }
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts and walls, the work
-    /// of the artificial stress.
+    /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts and walls, of viscosity,
+    /// artificial stress and hourglass springs.
     fn book_rates(&mut self, dt: f64) -> Result<(), RunFailure> {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(dt);
         }
         self.book_walls(dt)?;
+        self.numerical_work.book(dt);
         let Particles { artificial_energy, artificial_power, .. } = &mut self.particles;
         let columns = artificial_energy.par_iter_mut().with_min_len(BLOCK).zip(&*artificial_power);
         columns.for_each(|(energy, power)| *energy += dt * power);

@@ -1,5 +1,7 @@
 //! The CPU engine.
 
+mod balance;
+mod common_points;
 mod conduction;
 mod conduction_table;
 mod constitutive;
@@ -19,6 +21,7 @@ mod integrate;
 mod kinematics;
 mod ledger;
 mod moving_least_squares;
+mod numerical_work;
 mod persist;
 mod prefetch;
 mod read;
@@ -56,6 +59,7 @@ use ghosts::Ghosts;
 use guard::Fault;
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
+use numerical_work::NumericalWork;
 use records::Records;
 use search::Lists;
 use std::sync::Arc;
@@ -106,6 +110,7 @@ struct CpuEngine<T: PairScalar> {
     /// Prescribed velocities at the end of the step, while those of its middle are in use.
     motions_at_end: Motions,
     external: ExternalSums,
+    numerical_work: NumericalWork,
     contacts: Option<BodyContacts>,
     heat: Option<HeatFlow>,
     constants: PairConstants<T>,
@@ -189,6 +194,7 @@ impl<T: PairScalar> CpuEngine<T> {
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),
+            numerical_work: NumericalWork::new(count),
             heat: HeatFlow::new(&model, count),
             records: Records::default(),
             lists: Lists::new(smoothing_lengths),
@@ -285,7 +291,11 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
                 self.exchange_contact_ghosts(fields);
                 self.pack_ghost_stress();
             }
-            FieldSet::IntermediateSums => self.ghosts.exchange(fields, &self.particles),
+            FieldSet::IntermediateSums => {
+                if self.heat.as_ref().is_some_and(HeatFlow::is_due) {
+                    self.ghosts.exchange(fields, &self.particles);
+                }
+            }
         }
         self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())
     }
@@ -328,7 +338,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn push_faces(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
             self.push_externally();
-            self.push_bodies();
+            self.push_bodies()?;
         }
         Ok(())
     }
@@ -346,7 +356,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn forces(&mut self) -> Result<(), RunFailure> {
-        self.sum_heat();
+        self.sum_heat()?;
         if self.idle(self.step.dt) {
             return Ok(());
         }
@@ -364,13 +374,13 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
                 Integrator::PredictorCorrector => self.correct()?,
             }
             self.warm_by_friction();
+            if let Some(domain) = &mut self.domain {
+                self.step.pairs = domain.sum_pairs(self.step.pairs)?;
+            }
         }
         self.accumulate_strain();
-        self.flow_heat();
+        self.flow_heat()?;
         self.step.time += self.step.dt;
-        if let Some(domain) = &self.domain {
-            self.step.pairs = domain.ranks.gather_one(self.step.pairs)?.into_iter().sum();
-        }
         Ok(())
     }
 
@@ -402,6 +412,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.particles.len()
     }
 
+    fn imbalance(&self) -> f64 {
+        self.domain.as_ref().map_or(1.0, |domain| domain.imbalance)
+    }
+
     fn pairs(&self) -> u64 {
         self.step.pairs
     }
@@ -412,7 +426,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
         Ok(match *reduction {
-            Reduction::SectionForce(section) => self.section_force(section).map_or_else(Vec::new, |f| f.to_vec()),
+            Reduction::SectionForce(section) => self.section_force(section)?.map_or_else(Vec::new, |f| f.to_vec()),
             _ => reduction::evaluate(reduction, &self.model, &self.particles),
         })
     }
@@ -429,7 +443,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         let contacts = self.contacts.as_ref().map_or(0, BodyContacts::bytes);
         let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
         let ghosts = self.ghosts.halo.bytes() + self.ghosts.columns.bytes();
-        (self.particles.bytes() + ghosts + contacts + heat + self.lists.bytes() + self.records.bytes()) as u64
+        let domain = self.domain.as_ref().map_or(0, Domain::bytes);
+        (self.particles.bytes() + ghosts + contacts + heat + domain + self.lists.bytes() + self.records.bytes()) as u64
     }
 }
 

@@ -2,22 +2,23 @@
 
 use super::CpuEngine;
 use crate::engine::Part;
-use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
+use crate::neighbors::{are_places, is_place};
 use crate::particles::Owner;
 use crate::persist::{Archive, ArchiveError, Persist, require};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Saves or loads the state of the engine:
+    /// Saves or loads the state of the engine. Ranks save together what one process would, in the common order of the particles, and load it with
+    /// whatever share each has then.
     ///
     /// - columns of the particles in their present order, with rates, base values and the marks of searches;
-    /// - who the ghosts are; their columns follow;
+    /// - who the images are; their columns follow, and who the ghosts of a rank are;
     /// - where walls stand; what prescribed motions are is in their tables and the time;
-    /// - work, impulse, energy of density restorations, steps begun, pairs;
+    /// - work, impulse, energy of density restorations, works and powers of viscosity, artificial stress and hourglass springs, steps begun, pairs;
     /// - which bodies have come apart;
     /// - contacts: pairs, powers and works; heat: the last flow, its age, its accounts and limits;
-    /// - lists with their kept distances, the displacement bounds and positions that say when they are renewed, who is among strangers,
-    ///   and the order of the cells, which is that of the rows;
+    /// - where particles were searched and the order of the cells, of which rows follow; rows, who is among strangers and kept distances of strategies
+    ///   that do not search all rows at once; the displacement bounds that say when lists are renewed;
     /// - the frame of the records. Records and scratch are made anew in every step.
     pub(super) fn persist_all(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.has_come_apart.persist("has_come_apart", archive)?;
@@ -29,30 +30,29 @@ impl<T: PairScalar> CpuEngine<T> {
             self.particles.release(Owner::Renewal);
         }
         self.particles.persist("particles", archive)?;
-        self.ghosts.halo.persist("halo", archive)?;
+        match &mut self.domain {
+            None => self.ghosts.halo.persist("halo", archive)?,
+            Some(domain) => domain.persist("halo", archive)?,
+        }
         self.walls.persist("walls", archive)?;
         self.external.persist("external", archive)?;
+        self.numerical_work.persist("numerical_work", archive)?;
         self.step.persist("step", archive)?;
         self.reference_corrected.persist("reference_corrected", archive)?;
         if let Some(contacts) = &mut self.contacts {
-            contacts.persist("contacts", archive)?;
+            contacts.persist(self.particles.len(), self.domain.as_deref(), "contacts", archive)?;
         }
         if let Some(heat) = &mut self.heat {
             heat.persist("heat", archive)?;
         }
         self.records.frame.persist("frame", archive)?;
         self.constants.unit = T::of(self.records.frame.unit);
-        self.lists.persist("lists", archive)?;
         if !archive.is_saving() {
             self.check_places("particles", "halo")?;
-            if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
-                search.complete(&self.particles, "contacts.search")?;
-            }
-            self.check_lists("lists")?;
-            if self.domain.is_none() {
-                // Ghosts take what does not change between searches with each search, and the next one may be far.
-                self.ghosts.exchange(FieldSet::Search, &self.particles);
-            }
+        }
+        self.persist_lists("lists", archive)?;
+        if !archive.is_saving() && self.domain.is_none() {
+            self.complete_state().map_err(|failure| ArchiveError::Unsupported(failure.message))?;
         }
         Ok(())
     }
@@ -66,12 +66,23 @@ impl<T: PairScalar> CpuEngine<T> {
         below(&p.body, model.bodies.len(), "body")?;
         below(&p.material, model.materials.len(), "material")?;
         below(&p.motion, model.motions.len() + 1, "motion")?;
+        for (column, name) in [
+            (&p.position, "position"),
+            (&p.base_position, "base_position"),
+            (&p.reference_position, "reference_position"),
+            (&p.contact_shift, "contact_shift"),
+        ] {
+            require(are_places(column), &format!("{particles}.{name}"))?;
+        }
+        let is_length = |&h: &f64| h > 0.0 && is_place(h);
+        require(p.smoothing_length.iter().all(is_length), &format!("{particles}.smoothing_length"))?;
         let total = self.total();
         below(&p.id, total, "id")?;
         let mut seen = vec![false; total];
         p.id.iter().for_each(|&id| seen[id as usize] = true);
         // No two are the same.
         require(seen.into_iter().filter(|seen| *seen).count() == p.len(), &format!("{particles}.id"))?;
-        require(self.ghosts.halo.rows().iter().all(|&row| (row as usize) < p.len()), halo)
+        let sources = self.domain.as_ref().map_or_else(|| self.ghosts.halo.sources(), |domain| domain.image_sources());
+        require(sources.iter().all(|&source| (source as usize) < total), halo)
     }
 }

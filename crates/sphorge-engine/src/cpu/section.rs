@@ -7,6 +7,8 @@
 use super::CpuEngine;
 use super::ghosts::Ghosts;
 use super::records::force;
+use crate::RunFailure;
+use crate::halo::GhostColumn;
 use crate::lanes::PairScalar;
 use crate::model::Section;
 use crate::neighbors::{BLOCK, Block};
@@ -17,7 +19,28 @@ use sphorge_physics::Vector;
 /// An image that is shifted by less than this across the plane, in spacings, is shifted along it.
 const ALONG: f64 = 1e-3;
 
-/// Where particles and ghosts stand.
+/// Where particles stood where forces were last evaluated, m, and ghosts.
+struct Standing<'a> {
+    own: &'a [Vector<f64>],
+    ghosts: Vec<Vector<f64>>,
+}
+
+impl<'a> Standing<'a> {
+    /// Images stand where they were exchanged, particles of other ranks where these have them.
+    fn new(own: &'a [Vector<f64>], ghosts: &Ghosts) -> Self {
+        let mut places = vec![[0.0; 3]; ghosts.count()];
+        ghosts.halo.fill(GhostColumn::PointOf(&|i| own[i], &mut places));
+        for (k, (place, &source)) in places.iter_mut().zip(ghosts.halo.sources()).enumerate() {
+            let is_image = source as usize != own.len() + k;
+            if is_image {
+                *place = ghosts.columns.position[k];
+            }
+        }
+        Self { own, ghosts: places }
+    }
+}
+
+/// On which side of the plane particles and ghosts are.
 struct Sides {
     /// Distance ahead of the plane, m.
     ahead: Vec<f64>,
@@ -29,23 +52,18 @@ struct Sides {
 
 impl Sides {
     /// Of particles at `places` (m) and of their images.
-    fn new(section: &Section, particles: &Particles, places: &[Vector<f64>], ghosts: &Ghosts, spacing: f64) -> Self {
+    fn new(section: &Section, particles: &Particles, places: &Standing<'_>, ghosts: &Ghosts, spacing: f64) -> Self {
         let ahead = |x: &Vector<f64>| (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum();
         let of_body = |&body: &u32| section.body.is_none_or(|wanted| wanted == body as usize);
-        let count = places.len();
-        let images = &ghosts.columns.position[..ghosts.count()];
-        let mut sides = Self {
-            ahead: places.iter().chain(images).map(ahead).collect(),
-            counts: particles.body.iter().map(of_body).collect(),
-            twice: vec![true; count],
+        let count = places.own.len();
+        let ahead: Vec<f64> = places.own.iter().chain(&places.ghosts).map(ahead).collect();
+        let bodies = particles.body.iter().chain(&ghosts.columns.body[..ghosts.count()]);
+        let along = |(ghost, &source): (usize, &u32)| {
+            let shift = ahead[count + ghost] - ahead[source as usize];
+            shift.abs() <= ALONG * spacing
         };
-        for (ghost, &source) in ghosts.halo.rows().iter().enumerate() {
-            let source = source as usize;
-            let shift = sides.ahead[count + ghost] - sides.ahead[source];
-            sides.counts.push(sides.counts[source]);
-            sides.twice.push(shift.abs() <= ALONG * spacing);
-        }
-        sides
+        let twice = std::iter::repeat_n(true, count).chain(ghosts.halo.sources().iter().enumerate().map(along));
+        Self { twice: twice.collect(), counts: bodies.map(of_body).collect(), ahead }
     }
 
     /// How much of the force of `j` on `i` goes through the plane, seen from behind.
@@ -88,9 +106,12 @@ impl Crossing {
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Force of the material ahead of a plane on that behind it where forces were last evaluated, N; none before they were.
-    pub(super) fn section_force(&self, section: &Section) -> Option<Vector<f64>> {
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn section_force(&self, section: &Section) -> Result<Option<Vector<f64>>, RunFailure> {
         if self.records.force.len() < self.particles.len() || self.lists.list.blocks().is_empty() {
-            return None;
+            return Ok(None);
         }
         let (p, spacing) = (&self.particles, self.model.spacing);
         let places: Vec<Vector<f64>> = if self.formulation.is_initial() {
@@ -99,7 +120,7 @@ impl<T: PairScalar> CpuEngine<T> {
             let of = |record: &[T; force::LEN]| self.records.frame.decode(&[0, 1, 2].map(|a| record[force::X + a]));
             self.records.force[..p.len()].iter().map(of).collect()
         };
-        let sides = Sides::new(section, p, &places, &self.ghosts, spacing);
+        let sides = Sides::new(section, p, &Standing::new(&places, &self.ghosts), &self.ghosts, spacing);
         let blocks: Vec<Vector<f64>> = self
             .lists
             .list
@@ -122,22 +143,34 @@ impl<T: PairScalar> CpuEngine<T> {
                 sum
             })
             .collect();
-        let mut force = [0.0; 3];
-        blocks.iter().for_each(|part| add(&mut force, 1.0, part));
+        let blocks = self.domain.as_ref().map(|domain| domain.gather_blocks(&blocks, 1)).transpose()?.unwrap_or(blocks);
+        let mut force = [[0.0; 3]];
+        blocks.iter().for_each(|part| add(&mut force[0], 1.0, part));
         if let Some(contacts) = &self.contacts {
             let ghosts = contacts.ghosts(&self.ghosts);
-            let sides = Sides::new(section, p, &places, ghosts, spacing);
-            for (i, row) in contacts.foreign().blocks().iter().flat_map(|block| block.rows()) {
-                for &j in row {
-                    let share = sides.share(i, j as usize);
-                    if share != 0.0 {
-                        let push = contacts.force_of_pair(i, j, &places, p, &ghosts.columns, self.step.dt);
-                        add(&mut force, share, &push);
+            let standing = Standing::new(&places, ghosts);
+            let sides = Sides::new(section, p, &standing, ghosts, spacing);
+            let add_contacts = |force: &mut [Vector<f64>]| {
+                for (i, row) in contacts.foreign().blocks().iter().flat_map(|block| block.rows()) {
+                    for &j in row {
+                        let share = sides.share(i, j as usize);
+                        if share != 0.0 {
+                            let standing = (standing.own, &*standing.ghosts);
+                            let push = contacts.force_of_pair(i, j, standing, p, &ghosts.columns, self.step.dt);
+                            add(&mut force[0], share, &push);
+                        }
                     }
                 }
+            };
+            match &self.domain {
+                None => add_contacts(&mut force),
+                Some(domain) => domain.ranks.sum_in_turn(&mut force, add_contacts)?,
             }
         }
-        Some(force)
+        if let Some(domain) = &self.domain {
+            domain.ranks.check_lost()?;
+        }
+        Ok(Some(force[0]))
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::ghosts::WithGhosts;
 use crate::particles::Particles;
-use sphorge_physics::surface::{are_back_to_back, are_different_sides, surface_normal};
+use sphorge_physics::surface::{are_different_sides, sides_of_a_sheet, surface_normal};
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
 /// The surfaces of bodies that meet themselves.
@@ -16,12 +16,6 @@ pub(super) struct Surfaces<'a> {
     reference_normal: WithGhosts<'a, Vector<f64>>,
     deformation: WithGhosts<'a, Tensor<f64>>,
 }
-
-/// How far behind each other two places are that are back to back, in spacings.
-const BEHIND: f64 = 0.25;
-/// Sides of a body that are farther apart at the start, in spacings, meet by their normals alone: before they are pressed into the reach of the
-/// contact through the body it has come apart, but its ends may be bent round to meet.
-const THICKEST: f64 = 32.0;
 
 /// Cosine of the angle between normals, 25 degrees, from which on surfaces are of one side until the next search: to turn to 60 degrees moves
 /// neighbours on a surface by more than the skin of the search.
@@ -40,10 +34,9 @@ impl<'a> Surfaces<'a> {
     /// press each other before the next search.
     pub(super) fn may_press(&self, i: usize, j: usize, apart: Vector<f64>, spacing: f64) -> bool {
         let (own, other) = (self.reference_normal.at(i), self.reference_normal.at(j));
-        let is_near = dot(apart, apart) < (THICKEST * spacing).powi(2);
         own != [0.0; 3]
             && other != [0.0; 3]
-            && !(is_near && are_back_to_back(apart, own, other, BEHIND * spacing))
+            && sides_of_a_sheet(apart, own, other, spacing) == 0.0
             && dot(self.normal(i), self.normal(j)) < TURNED_AWAY
     }
 

@@ -6,7 +6,7 @@ use crate::model::Material;
 use crate::neighbors::{BLOCK, PAD};
 use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
-use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity};
+use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
 /// What the stress of a block of particles is computed from and becomes, a column for each quantity. Places behind the last particle hold
@@ -72,6 +72,25 @@ impl StressColumns {
             }
         }
         elastic
+    }
+
+    /// Power of the bulk viscosity over the step, W, on particles of these masses (kg). Kicks take half of a step with the pressure
+    /// before it, half with that after it, and drift with the velocities of its middle, of which the divergence is. `pressures`, Pa,
+    /// are the ones before and become the ones after.
+    pub(super) fn viscous_power(
+        &self,
+        parameters: ViscosityParameters<f64>,
+        masses: &[f64],
+        pressures: &mut [f64],
+    ) -> f64 {
+        let mut power = 0.0;
+        for (k, (mass, pressure)) in masses.iter().zip(pressures).enumerate() {
+            let (divergence, density) = (self.divergence[k], self.density[k]);
+            let q = bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
+            power += mass * bulk_viscous_power(0.5 * (*pressure + q), divergence, density);
+            *pressure = q;
+        }
+        power
     }
 
     /// Deviator of particle `k`.

@@ -4,6 +4,7 @@ use super::CpuEngine;
 use super::forces::{ForceJob, ForceSum, ForceTerms};
 use super::kinematics::PairConstants;
 use super::kinematics::{GradientJob, GradientSum};
+use super::numerical_work::NumericalWork;
 use super::records::{Records, kinematic};
 use super::search::Lists;
 use super::stored::{StoredBlock, StoredPairs};
@@ -126,8 +127,10 @@ impl<T: PairScalar> ForceSweep<'_, T> {
     }
 }
 
-/// What the force sum of a block writes: acceleration, energy rate, XSPH velocity, `mu`.
-type ForceColumns<'a> = (&'a mut [Vector<f64>], &'a mut [f64], &'a mut [Vector<f64>], &'a mut [f64]);
+/// What the force sum of a block writes: acceleration, energy rate, XSPH velocity, `mu`, and the powers of the viscosity of pairs and of
+/// the artificial stress, W.
+type ForceColumns<'a> =
+    (&'a mut [Vector<f64>], &'a mut [f64], &'a mut [Vector<f64>], &'a mut [f64], (&'a mut f64, &'a mut f64));
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether sums use corrected gradients.
@@ -153,13 +156,12 @@ impl<T: PairScalar> CpuEngine<T> {
         let numerics = &self.model.numerics;
         let viscosity = self.formulation.pair_viscosity(&self.model);
         ForceTerms {
-            viscosity: ViscosityParameters { alpha: T::of(viscosity.alpha), beta: T::of(viscosity.beta) },
+            viscosity: viscosity.map(|of| ViscosityParameters { alpha: T::of(of.alpha), beta: T::of(of.beta) }),
             artificial_stress: numerics.artificial_stress.map(|a| a.exponent),
             balsara: numerics.balsara,
             xsph: numerics.xsph != 0.0,
             pair_form: numerics.pair_form,
             energy_split: numerics.energy_split,
-            artificial_power: self.model.books_artificial_energy(),
         }
     }
 
@@ -189,7 +191,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn sum_forces(&mut self) {
         let numerics = &self.model.numerics;
         let pair_form = numerics.pair_form;
-        let mu_of_pairs = self.formulation.bulk_viscosity(&self.model).is_none();
+        let viscosity_of_pairs = self.formulation.pair_viscosity(&self.model).is_some();
         let terms = self.force_terms();
         let default_terms = terms.are_default(numerics.kernel);
         let strength = numerics.xsph;
@@ -203,10 +205,15 @@ impl<T: PairScalar> CpuEngine<T> {
             terms: &terms,
         };
         let Particles { acceleration, energy_rate, mass, xsph, mu, artificial_power, .. } = &mut self.particles;
+        let NumericalWork { viscous, artificial_stress, .. } = &mut self.numerical_work;
         let mass = &*mass;
         let room = || [ForceSum::zero(); BLOCK];
         let sum_block = |sums: &mut [ForceSum<T>; BLOCK], b: usize, columns: ForceColumns<'_>, powers: &mut [f64]| {
-            let (a, e, x, mu) = columns;
+            let (a, e, x, mu, (viscous, repulsive)) = columns;
+            if viscosity_of_pairs {
+                *viscous = 0.0;
+            }
+            *repulsive = 0.0;
             sweep.block(b, &list.blocks()[b], stored.map(|s| s.block(b)), default_terms, sums);
             for (k, sum) in sums.iter().enumerate().take(a.len()) {
                 let i = b * BLOCK + k;
@@ -215,11 +222,14 @@ impl<T: PairScalar> CpuEngine<T> {
                 a[k] = sum.acceleration.map(|v| v.to_f64() * outer);
                 e[k] = sum.energy_rate.to_f64() * outer;
                 x[k] = sum.xsph.map(|v| v.to_f64() * strength);
-                if mu_of_pairs {
+                if viscosity_of_pairs {
                     mu[k] = sum.mu.to_f64();
+                    *viscous += mass[i] * outer * sum.viscous_power.to_f64();
                 }
+                let artificial_power = sum.artificial_power.to_f64() * outer;
+                *repulsive += mass[i] * artificial_power;
                 if let Some(power) = powers.get_mut(k) {
-                    *power = sum.artificial_power.to_f64() * outer;
+                    *power = artificial_power;
                 }
             }
         };
@@ -228,6 +238,7 @@ impl<T: PairScalar> CpuEngine<T> {
             energy_rate.par_chunks_mut(BLOCK),
             xsph.par_chunks_mut(BLOCK),
             mu.par_chunks_mut(BLOCK),
+            (viscous.power.par_iter_mut(), artificial_stress.power.par_iter_mut()).into_par_iter(),
         )
             .into_par_iter()
             .enumerate();

@@ -4,10 +4,11 @@ use super::faces::WholeDeformation;
 use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
-use crate::persist::{Archive, ArchiveError, Persist, persist_column, persist_each};
-use sphorge_physics::tensor::{self, dot};
-use sphorge_physics::total_lagrangian::extreme_point;
-use sphorge_physics::wall::{Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
+use crate::persist::{Archive, ArchiveError, Persist, persist_column, persist_each, persist_pieces};
+use crate::report::WallLedger;
+use sphorge_physics::tensor;
+use sphorge_physics::total_lagrangian::MeetingPoint;
+use sphorge_physics::wall::{FacePush, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
 use sphorge_physics::{Tensor, Vector};
 
 /// Present place of a wall.
@@ -55,10 +56,10 @@ pub(super) struct Walls {
     pub(super) states: Vec<WallState>,
     /// Time at which `states` were reached, s.
     time: f64,
-    /// Work of each wall since the start, J.
-    pub(super) work: Vec<f64>,
-    /// Power of the last forces, W, by block of particles and wall, so that its sum does not depend on threads.
-    pub(super) power: Vec<f64>,
+    /// What each wall has done since the start.
+    pub(super) done: Vec<WallLedger>,
+    /// Powers of the last forces, W, by block of particles and wall, so that their sum does not depend on threads.
+    pub(super) powers: Vec<WallLedger>,
     /// Power of the last forces beyond that on the centres of the particles, W, by block of particles.
     pub(super) at_faces: Vec<f64>,
 }
@@ -69,8 +70,8 @@ impl Walls {
         Self {
             states: model.walls.iter().map(WallState::new).collect(),
             time: 0.0,
-            work: vec![0.0; walls],
-            power: vec![0.0; count.div_ceil(BLOCK) * walls.max(1)],
+            done: vec![WallLedger::default(); walls],
+            powers: vec![WallLedger::default(); count.div_ceil(BLOCK) * walls.max(1)],
             at_faces: vec![0.0; count.div_ceil(BLOCK)],
         }
     }
@@ -84,12 +85,12 @@ impl Walls {
     }
 }
 
-/// Takes the power of the last forces, of blocks as [`Walls`] has it, over `dt` (s) to the work of the walls, J; what of it is not done on the
-/// centres of particles, J.
-pub(super) fn book(work: &mut [f64], power: &[f64], at_faces: &[f64], dt: f64) -> f64 {
-    for block in power.chunks_exact(work.len().max(1)) {
-        for (work, power) in work.iter_mut().zip(block) {
-            *work += power * dt;
+/// Takes the powers of the last forces, of blocks as [`Walls`] has them, over `dt` (s) to what walls have done; what of their work is not
+/// done on the centres of particles, J.
+pub(super) fn book(done: &mut [WallLedger], powers: &[WallLedger], at_faces: &[f64], dt: f64) -> f64 {
+    for block in powers.chunks_exact(done.len().max(1)) {
+        for (done, powers) in done.iter_mut().zip(block) {
+            done.add(powers, dt);
         }
     }
     dt * at_faces.iter().sum::<f64>()
@@ -100,33 +101,25 @@ crate::persist_fields!(WallState { displacement, velocity });
 impl Persist for Walls {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.time.persist(&format!("{name}.time"), archive)?;
-        persist_column(&mut self.work, &format!("{name}.work"), archive)?;
-        persist_column(&mut self.power, &format!("{name}.power"), archive)?;
-        persist_column(&mut self.at_faces, &format!("{name}.at_faces"), archive)?;
+        persist_column(&mut self.done, &format!("{name}.done"), archive)?;
+        persist_pieces(&mut self.powers, &format!("{name}.powers"), archive)?;
+        persist_pieces(&mut self.at_faces, &format!("{name}.at_faces"), archive)?;
         persist_each(&mut self.states, name, archive)
     }
 }
 
-/// What a wall does to a particle.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Push {
-    /// Acceleration, m/s².
-    pub(super) acceleration: Vector<f64>,
-    /// Heat of damping and friction, all of which stays in the particle, W/kg.
-    pub(super) heat: f64,
-    /// Friction's part of it, W/kg.
-    pub(super) rubbed: f64,
-    /// Where the wall meets the particle, from its centre in the initial configuration, m; zero where it meets the centre.
-    pub(super) face: Vector<f64>,
-    /// Velocity of that point, m/s.
-    pub(super) velocity: Vector<f64>,
-}
-
 /// What a wall does to particle `i` with the velocity forces are evaluated with. `dt` (s) bounds friction: it can stop the sliding
 /// within the step, never turn it. Particles are as thick as they were at rest, or as their deformation gradient has made them.
-pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWall<'_>, i: usize, dt: f64) -> Push {
+pub(super) fn push(
+    model: &Model,
+    wall: &Wall,
+    state: &WallState,
+    columns: &AtWall<'_>,
+    i: usize,
+    dt: f64,
+) -> FacePush<f64> {
     let velocity = columns.velocity[i];
-    let away = Push { velocity, ..Push::default() };
+    let away = FacePush { velocity, ..FacePush::default() };
     let Some(gap) = state.gap(&wall.surface, columns.position[i]) else { return away };
     let body = &model.bodies[columns.body[i] as usize];
     let sound_speed = || model.materials[body.material].equation_of_state.reference_sound_speed();
@@ -134,7 +127,7 @@ pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWa
     match wall.contact {
         WallContact::MonaghanKos { range } => {
             let acceleration = monaghan_kos(&gap, relative(velocity), range, sound_speed(), body.smoothing_length);
-            Push { acceleration, ..away }
+            FacePush { acceleration, ..away }
         }
         WallContact::Penalty { stiffness, damping, friction } => {
             if gap.distance > columns.farthest(body.spacing, i) {
@@ -145,7 +138,7 @@ pub(super) fn push(model: &Model, wall: &Wall, state: &WallState, columns: &AtWa
             let (radius, face, velocity) = columns.face(body.spacing, i, gap.normal);
             let WallPush { acceleration, heat, rubbed } =
                 penalty_contact(parameters, &gap, radius, relative(velocity), dt);
-            Push { acceleration, heat, rubbed, face, velocity }
+            FacePush { acceleration, heat, rubbed, face, velocity }
         }
     }
 }
@@ -192,11 +185,10 @@ impl<'a> AtWall<'a> {
     fn face(&self, spacing: f64, i: usize, normal: Vector<f64>) -> (f64, Vector<f64>, Vector<f64>) {
         let velocity = self.velocity[i];
         let Some(f) = self.whole_deformation(i) else { return (0.5 * spacing, [0.0; 3], velocity) };
-        let initial = extreme_point(spacing, &f, normal);
-        let face = self.earlier_deformation.get(i).map_or(initial, |earlier| tensor::apply(earlier, initial));
-        let arm = tensor::apply(&f, initial);
-        let spin = tensor::apply(&self.velocity_gradient[i], arm);
-        (dot(normal, arm), face, [0, 1, 2].map(|a| velocity[a] - spin[a]))
+        let MeetingPoint { radius, place, velocity } =
+            MeetingPoint::new(spacing, &f, &self.velocity_gradient[i], velocity, normal);
+        let face = self.earlier_deformation.get(i).map_or(place, |earlier| tensor::apply(earlier, place));
+        (radius, face, velocity)
     }
 }
 

@@ -7,8 +7,9 @@
 //! equal slices of rings.
 //!
 //! The four about the centre of a disc stand for quarters of it and sit in their centroids, a fifth farther out than the middle of
-//! their ring: from there the foot of a copper bar at 250 m/s, 24 particles across, has one strain in both innermost rings, 7.8 %
-//! below that of finite elements at the axis. From the second ring on centroids and middles are within 0.02 widths.
+//! their ring: with them in the middle, the foot of a copper bar at 250 m/s, 24 particles across, has one strain in both innermost
+//! rings, 7.8 % below that of finite elements at the axis. From the second ring on centroids are within 0.02 widths of the middle;
+//! there particles stay in the middle, since measures and contacts take faces to be half a width beyond the outermost.
 
 use super::{
     lattice::frame,

@@ -3,22 +3,92 @@
 use super::{GhostColumn, Halo, Packed};
 use crate::model::{Model, SymmetryPlane};
 use crate::persist::{Archive, ArchiveError, Persist, require};
-use sphorge_physics::{Real, SymmetricTensor, Vector};
+use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
 
 /// An image: its source with a sign and a shift per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Image {
-    source: u32,
+pub(crate) struct Image {
+    /// Point it is an image of.
+    pub(crate) source: u32,
     /// +1, or -1 along axes it is mirrored on.
     sign: Vector<f64>,
+    /// m.
     shift: Vector<f64>,
 }
 
 impl Image {
-    /// Position of the image when its source is at `p`.
+    /// Position of the image when its source is at `p`, m.
     #[inline(always)]
-    fn position(&self, p: &Vector<f64>) -> Vector<f64> {
+    pub(crate) fn position(&self, p: &Vector<f64>) -> Vector<f64> {
         [0, 1, 2].map(|a| self.sign[a] * p[a] + self.shift[a])
+    }
+
+    /// A vector of the image whose source has `v`.
+    #[inline(always)]
+    pub(crate) fn vector(&self, v: Vector<f64>) -> Vector<f64> {
+        [0, 1, 2].map(|a| v[a] * self.sign[a])
+    }
+
+    fn symmetric(&self, tensor: SymmetricTensor<f64>) -> SymmetricTensor<f64> {
+        let mut c = tensor.to_array();
+        for (value, (a, b)) in c.iter_mut().zip(PAIRS) {
+            *value = *value * self.sign[a] * self.sign[b];
+        }
+        SymmetricTensor::from_array(c)
+    }
+
+    fn tensor(&self, tensor: Tensor<f64>) -> Tensor<f64> {
+        [0, 1, 2].map(|a| [0, 1, 2].map(|b| tensor[a][b] * self.sign[a] * self.sign[b]))
+    }
+}
+
+/// Fills what images have of a column: those of `count` particles and of the first `others` ghosts, which are no images and are filled before. The
+/// images are the ghosts behind these, and number their sources as particles and ghosts are: particles first.
+pub(super) fn reflect(images: &[Image], count: usize, others: usize, column: GhostColumn<'_>) {
+    match column {
+        GhostColumn::Scalar(own, ghosts) => each(images, others, own, ghosts, |_, v| v),
+        GhostColumn::Integer(own, ghosts) => each(images, others, own, ghosts, |_, v| v),
+        GhostColumn::Point(own, ghosts) => each(images, others, own, ghosts, |image, p| image.position(&p)),
+        GhostColumn::PointOf(of, ghosts) => {
+            let (others, ghosts) = ghosts.split_at_mut(others);
+            for (image, ghost) in images.iter().zip(ghosts) {
+                let source = image.source as usize;
+                *ghost = image.position(&source.checked_sub(count).map_or_else(|| of(source), |k| others[k]));
+            }
+        }
+        GhostColumn::Vector(own, ghosts) => each(images, others, own, ghosts, Image::vector),
+        GhostColumn::Symmetric(own, ghosts) => each(images, others, own, ghosts, Image::symmetric),
+        GhostColumn::Tensor(own, ghosts) => each(images, others, own, ghosts, Image::tensor),
+        GhostColumn::Single(records) => packed(images, others, records),
+        GhostColumn::Double(records) => packed(images, others, records),
+    }
+}
+
+/// Each image behind the other ghosts, filled from its source by `of`.
+fn each<V: Copy>(images: &[Image], others: usize, own: &[V], ghosts: &mut [V], of: impl Fn(&Image, V) -> V) {
+    let (others, ghosts) = ghosts.split_at_mut(others);
+    for (image, ghost) in images.iter().zip(ghosts) {
+        let source = image.source as usize;
+        *ghost = of(image, source.checked_sub(own.len()).map_or_else(|| own[source], |k| others[k]));
+    }
+}
+
+fn packed<T: Real>(images: &[Image], others: usize, records: Packed<'_, T>) {
+    let Packed { own, ghosts, axes } = records;
+    let width = axes.len();
+    let (others, ghosts) = ghosts.split_at_mut(others * width);
+    for (image, record) in images.iter().zip(ghosts.chunks_exact_mut(width)) {
+        let start = image.source as usize * width;
+        let source = start.checked_sub(own.len()).map_or_else(|| &own[start..], |start| &others[start..]);
+        let sign = image.sign.map(T::of);
+        for ((entry, source), (first, second)) in record.iter_mut().zip(&source[..width]).zip(axes) {
+            *entry = *source;
+            for axis in [first, second] {
+                if *axis != 0 {
+                    *entry = *entry * sign[axis.trailing_zeros() as usize];
+                }
+            }
+        }
     }
 }
 
@@ -42,38 +112,28 @@ impl Images {
         Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ..Self::default() }
     }
 
-    /// Each image behind the particles, filled from its source by `of`.
-    fn each<V: Copy, G>(&self, own: &[V], ghosts: &mut [G], of: impl Fn(&Image, V) -> G) {
-        for (image, ghost) in self.images.iter().zip(ghosts) {
-            *ghost = of(image, own[image.source as usize]);
-        }
+    /// All images, in the order they were made in.
+    pub(crate) fn all(&self) -> &[Image] {
+        &self.images
     }
 
-    fn packed<T: Real>(&self, records: Packed<'_, T>) {
-        let Packed { own, ghosts, axes } = records;
-        let width = axes.len();
-        for (image, record) in self.images.iter().zip(ghosts.chunks_exact_mut(width)) {
-            let start = image.source as usize * width;
-            let sign = image.sign.map(T::of);
-            for ((entry, source), (first, second)) in record.iter_mut().zip(&own[start..start + width]).zip(axes) {
-                *entry = *source;
-                for axis in [first, second] {
-                    if *axis != 0 {
-                        *entry = *entry * sign[axis.trailing_zeros() as usize];
-                    }
-                }
-            }
-        }
+    /// The same planes and periodic axes, without images.
+    pub(crate) fn planes(&self) -> Self {
+        Self { symmetry: self.symmetry.clone(), periodic: self.periodic, ..Self::default() }
     }
 }
 
 impl Halo for Images {
     fn another(&self) -> Box<dyn Halo> {
-        Box::new(Self { symmetry: self.symmetry.clone(), periodic: self.periodic, ..Self::default() })
+        Box::new(self.planes())
     }
 
     fn is_empty(&self) -> bool {
         self.symmetry.is_empty() && self.periodic.iter().all(Option::is_none)
+    }
+
+    fn has_images(&self) -> bool {
+        !self.is_empty()
     }
 
     fn count(&self) -> usize {
@@ -150,34 +210,10 @@ impl Halo for Images {
     }
 
     fn fill(&self, column: GhostColumn<'_>) {
-        match column {
-            GhostColumn::Scalar(own, ghosts) => self.each(own, ghosts, |_, v| v),
-            GhostColumn::Integer(own, ghosts) => self.each(own, ghosts, |_, v| v),
-            GhostColumn::Point(own, ghosts) => self.each(own, ghosts, |image, p| image.position(&p)),
-            GhostColumn::PointOf(of, ghosts) => {
-                for (image, ghost) in self.images.iter().zip(ghosts) {
-                    *ghost = image.position(&of(image.source as usize));
-                }
-            }
-            GhostColumn::Vector(own, ghosts) => {
-                self.each(own, ghosts, |image, v| [0, 1, 2].map(|a| v[a] * image.sign[a]));
-            }
-            GhostColumn::Symmetric(own, ghosts) => self.each(own, ghosts, |image, tensor| {
-                let mut c = tensor.to_array();
-                for (value, (a, b)) in c.iter_mut().zip(PAIRS) {
-                    *value = *value * image.sign[a] * image.sign[b];
-                }
-                SymmetricTensor::from_array(c)
-            }),
-            GhostColumn::Tensor(own, ghosts) => self.each(own, ghosts, |image, tensor| {
-                [0, 1, 2].map(|a| [0, 1, 2].map(|b| tensor[a][b] * image.sign[a] * image.sign[b]))
-            }),
-            GhostColumn::Single(records) => self.packed(records),
-            GhostColumn::Double(records) => self.packed(records),
-        }
+        reflect(&self.images, usize::MAX, 0, column);
     }
 
-    fn rows(&self) -> &[u32] {
+    fn sources(&self) -> &[u32] {
         &self.sources
     }
 
@@ -223,7 +259,7 @@ mod tests {
         let plane = SymmetryPlane { axis: 1, position: 2.0, side: 1.0 };
         let mut halo = Images { symmetry: vec![plane], ..Images::default() };
         halo.rebuild(&[[1.0, 2.5, 3.0]], 1.0);
-        assert_eq!(halo.rows(), [0]);
+        assert_eq!(halo.sources(), [0]);
         let mut vector = [[0.0; 3]];
         halo.fill(GhostColumn::Vector(&[[4.0, 5.0, 6.0]], &mut vector));
         assert_eq!(vector, [[4.0, -5.0, 6.0]]);
@@ -253,7 +289,7 @@ mod tests {
         assert!(halo.rebuild(&p, 0.6));
         let mut images = vec![[0.0; 3]; halo.count()];
         halo.fill(GhostColumn::Point(&p, &mut images));
-        assert_eq!((halo.rows(), images[0][0], images[1][0]), ([0, 1].as_slice(), 3.25, 0.5));
+        assert_eq!((halo.sources(), images[0][0], images[1][0]), ([0, 1].as_slice(), 3.25, 0.5));
         // As many, of others.
         p.swap(1, 2);
         assert!(halo.rebuild(&p, 0.6));

@@ -1,59 +1,93 @@
-//! Particles of other ranks that rows of this one read.
+//! Particles of other ranks that rows of this one read, and images of them and of its own.
 
-use super::{GhostColumn, Halo, Packed};
+use super::images::reflect;
+use super::{GhostColumn, Halo, Image, Images, Packed};
 use crate::RunFailure;
-use crate::persist::{Archive, ArchiveError, Fixed, Persist, persist_each, require};
+use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Ranks, decoded, encoded};
 use sphorge_physics::Vector;
 
-/// Ghosts in the common order of the particles, so that those of one rank are one run.
+/// Ghosts: particles of other ranks in the common order, so that those of one rank are one run, and behind them images. A particle is sent once,
+/// whether itself or images of it are read; the rank that reads an image makes it.
 #[derive(Clone, Debug)]
 pub(crate) struct Remote {
     ranks: Ranks,
     /// Places in the common order at which the particles of each rank begin, and their number.
     starts: Vec<usize>,
-    /// Whom the ghosts stand for: places in the common order, ascending.
-    sources: Vec<u32>,
+    /// Whom the ghosts that are no images stand for: places in the common order, ascending.
+    places: Vec<u32>,
     /// Particles of this rank that each other one reads.
     read_by: Vec<Vec<u32>>,
     /// Ghosts that each other rank fills.
     filled_by: Vec<usize>,
+    /// Images of particles of this rank and of the ghosts before.
+    images: Vec<Image>,
+    sources: Vec<u32>,
+    /// What the images are made by.
+    planes: Images,
 }
 
 impl Remote {
-    /// No ghosts yet.
-    pub(crate) fn new(ranks: Ranks, starts: Vec<usize>) -> Self {
+    /// No ghosts yet; images are those of these planes and periodic axes.
+    pub(crate) fn new(ranks: Ranks, starts: Vec<usize>, planes: Images) -> Self {
         let size = ranks.size();
-        Self { ranks, starts, sources: Vec::new(), read_by: vec![Vec::new(); size], filled_by: vec![0; size] }
+        Self {
+            ranks,
+            starts,
+            places: Vec::new(),
+            read_by: vec![Vec::new(); size],
+            filled_by: vec![0; size],
+            images: Vec::new(),
+            sources: Vec::new(),
+            planes,
+        }
     }
 
-    /// Ghosts of these particles of other ranks, by their places in the common order, ascending.
+    /// Ghosts of these particles of other ranks, by their places in the common order, ascending, and these images, whose sources are numbered as
+    /// particles of this rank and ghosts behind them are.
     ///
     /// # Errors
     /// A rank is lost.
-    pub(crate) fn of(&self, sources: Vec<u32>) -> Result<Self, RunFailure> {
+    pub(crate) fn with(mut self, places: Vec<u32>, images: Vec<Image>) -> Result<Self, RunFailure> {
         let (rank, size) = (self.ranks.rank(), self.ranks.size());
-        let wanted: Vec<Vec<u8>> = (0..size).map(|r| encoded(&sources[self.of_rank(&sources, r)])).collect();
-        let filled_by: Vec<usize> = (0..size).map(|r| self.of_rank(&sources, r).len()).collect();
-        // Of every rank, how many it wants of each.
-        let table = self.ranks.gather(&filled_by, &vec![size; size])?;
-        let lengths: Vec<usize> = (0..size).map(|r| table[r * size + rank] * u32::SIZE).collect();
+        let wanted: Vec<Vec<u8>> = (0..size).map(|r| encoded(&places[self.of_rank(&places, r)])).collect();
+        self.filled_by = (0..size).map(|r| self.of_rank(&places, r).len()).collect();
+        // How many this one wants of each, and each of this one.
+        let counts = self.filled_by.iter().map(|&count| encoded(&[count])).collect::<Vec<_>>();
+        let mut lengths = vec![usize::SIZE; size];
+        lengths[rank] = 0;
+        let mut lengths_of = self.ranks.exchange(&counts, &lengths)?;
+        lengths_of[rank] = encoded(&[0usize]);
+        let mut lengths = Vec::with_capacity(size);
+        for bytes in &lengths_of {
+            lengths.push(decoded::<usize>(bytes)?.iter().sum::<usize>() * u32::SIZE);
+        }
         let asked = self.ranks.exchange(&wanted, &lengths)?;
         let own = self.starts[rank];
-        let mut read_by = Vec::with_capacity(size);
+        self.read_by.clear();
         for bytes in asked {
-            read_by.push(decoded::<u32>(&bytes)?.into_iter().map(|place| place - own as u32).collect());
+            self.read_by.push(decoded::<u32>(&bytes)?.into_iter().map(|place| place - own as u32).collect());
         }
-        Ok(Self { ranks: self.ranks.clone(), starts: self.starts.clone(), sources, read_by, filled_by })
+        (self.places, self.images) = (places, images);
+        let first = self.own_count() as u32;
+        self.sources = (first..first + self.places.len() as u32).collect();
+        self.sources.extend(self.images.iter().map(|image| image.source));
+        Ok(self)
+    }
+
+    /// Particles of this rank.
+    fn own_count(&self) -> usize {
+        let rank = self.ranks.rank();
+        self.starts[rank + 1] - self.starts[rank]
     }
 
     /// The ghosts that rank `r` fills.
-    fn of_rank(&self, sources: &[u32], r: usize) -> std::ops::Range<usize> {
-        let place = |start: usize| sources.partition_point(|&source| (source as usize) < start);
+    fn of_rank(&self, places: &[u32], r: usize) -> std::ops::Range<usize> {
+        let place = |start: usize| places.partition_point(|&source| (source as usize) < start);
         place(self.starts[r])..place(self.starts[r + 1])
     }
 
-    /// Fills values of the ghosts, `width` to each, from those that `write` writes of particles.
+    /// Fills values of the ghosts that are no images, `width` to each, from those that `write` writes of particles.
     fn carry<V: Fixed>(&self, width: usize, write: impl Fn(usize, &mut Vec<u8>), ghosts: &mut [V]) {
         let bytes = |particles: &Vec<u32>| {
             let mut bytes = Vec::with_capacity(particles.len() * width * V::SIZE);
@@ -80,7 +114,7 @@ impl Remote {
         self.carry(1, |i, bytes| own[i].write(bytes), ghosts);
     }
 
-    fn records<V: Fixed>(&self, records: Packed<'_, V>) {
+    fn records<V: Fixed>(&self, records: &mut Packed<'_, V>) {
         let Packed { own, ghosts, axes } = records;
         let width = axes.len();
         self.carry(width, |i, bytes| own[i * width..][..width].iter().for_each(|v| v.write(bytes)), ghosts);
@@ -89,11 +123,15 @@ impl Remote {
 
 impl Halo for Remote {
     fn another(&self) -> Box<dyn Halo> {
-        Box::new(Self::new(self.ranks.clone(), self.starts.clone()))
+        Box::new(Self::new(self.ranks.clone(), self.starts.clone(), self.planes.planes()))
     }
 
     fn is_empty(&self) -> bool {
-        self.ranks.size() == 1
+        self.ranks.size() == 1 && self.planes.is_empty()
+    }
+
+    fn has_images(&self) -> bool {
+        self.planes.has_images()
     }
 
     fn count(&self) -> usize {
@@ -101,11 +139,11 @@ impl Halo for Remote {
     }
 
     fn longest_shift(&self) -> f64 {
-        0.0
+        self.planes.longest_shift()
     }
 
-    fn wrap(&self, _: &mut [Vector<f64>]) -> bool {
-        false
+    fn wrap(&self, positions: &mut [Vector<f64>]) -> bool {
+        self.planes.wrap(positions)
     }
 
     /// Who the ghosts are follows from the rows, which are searched among the particles of all ranks.
@@ -113,8 +151,8 @@ impl Halo for Remote {
         false
     }
 
-    fn fill(&self, column: GhostColumn<'_>) {
-        match column {
+    fn fill(&self, mut column: GhostColumn<'_>) {
+        match &mut column {
             GhostColumn::Scalar(own, ghosts) => self.values(own, ghosts),
             GhostColumn::Integer(own, ghosts) => self.values(own, ghosts),
             GhostColumn::Point(own, ghosts) | GhostColumn::Vector(own, ghosts) => self.values(own, ghosts),
@@ -124,29 +162,21 @@ impl Halo for Remote {
             GhostColumn::Single(records) => self.records(records),
             GhostColumn::Double(records) => self.records(records),
         }
+        reflect(&self.images, self.own_count(), self.places.len(), column);
     }
 
-    /// Ghosts have no rows here.
-    fn rows(&self) -> &[u32] {
-        &[]
+    fn sources(&self) -> &[u32] {
+        &self.sources
     }
 
     fn bytes(&self) -> usize {
-        4 * (self.sources.capacity() + self.read_by.iter().map(Vec::capacity).sum::<usize>())
+        size_of::<Image>() * self.images.capacity()
+            + 4 * (self.places.capacity() + self.sources.capacity())
+            + 4 * self.read_by.iter().map(Vec::capacity).sum::<usize>()
     }
 
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let sources = format!("{name}.sources");
-        self.sources.persist(&sources, archive)?;
-        if !archive.is_saving() {
-            let is_ascending = self.sources.is_sorted_by(|a, b| a < b);
-            let last = self.sources.last().map_or(0, |&source| source as usize + 1);
-            require(is_ascending && last <= self.starts[self.ranks.size()], &sources)?;
-            self.filled_by = (0..self.ranks.size()).map(|r| self.of_rank(&self.sources, r).len()).collect();
-        }
-        persist_each(&mut self.read_by, &format!("{name}.read_by"), archive)?;
-        let count = self.starts[self.ranks.rank() + 1] - self.starts[self.ranks.rank()];
-        let is_there = self.read_by.iter().flatten().all(|&i| (i as usize) < count);
-        require(is_there, &format!("{name}.read_by"))
+    /// Who the ghosts are follows from the rows, which are made again of what is loaded.
+    fn persist(&mut self, _: &str, _: &mut dyn Archive) -> Result<(), ArchiveError> {
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! Cells are a little larger than the reach, so that they serve as long as no particle has moved through half of the
 //! difference; only coordinates are updated in between.
 
-use super::cells::{CHUNK, bounds};
+use super::cells::{CHUNK, are_places, bounds};
 use super::{CellGrid, DisplacementBound, Frame, PAD, Reach};
 use crate::lanes::PairScalar;
 use crate::persist::{Archive, ArchiveError, Persist, require};
@@ -122,6 +122,11 @@ impl CellPoints {
         self.sorted_at.is_empty() || self.sorted_at.len() == count
     }
 
+    /// Whether no more than `count` points are sorted into the cells.
+    pub(super) fn fits_within(&self, count: usize) -> bool {
+        self.sorted_at.len() <= count
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let columns: usize = self.x.iter().chain([&self.h]).map(|c| 4 * c.capacity()).sum();
@@ -235,7 +240,7 @@ impl Persist for CellPoints {
             // Cells of no size, or as many as reach to infinity, cannot be made.
             require(self.sorted_for.is_finite() && self.sorted_for > 0.0, &format!("{name}.sorted_for"))?;
             let points = std::mem::take(&mut self.sorted_at);
-            require(points.as_flattened().iter().all(|x| x.is_finite()), &format!("{name}.sorted_at"))?;
+            require(are_places(&points), &format!("{name}.sorted_at"))?;
             self.sort(&points, self.sorted_for, self.sorted_when);
         }
         Ok(())

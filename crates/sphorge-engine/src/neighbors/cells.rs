@@ -6,6 +6,19 @@ use sphorge_physics::Vector;
 /// Points one thread takes at a time.
 pub(super) const CHUNK: usize = 1024;
 
+/// Coordinates of points that are sorted into cells are smaller than this, m: their differences and the cubes of these must be numbers.
+const FARTHEST: f64 = 1e100;
+
+/// Whether points may have this coordinate, m.
+pub(crate) fn is_place(x: f64) -> bool {
+    x.abs() < FARTHEST
+}
+
+/// Whether points may be at all these places, m.
+pub(crate) fn are_places(points: &[Vector<f64>]) -> bool {
+    points.as_flattened().iter().all(|&x| is_place(x))
+}
+
 /// Points in cell order. Cells are numbered with the last used axis running fastest, so that three neighbouring cells
 /// along it are one contiguous run of points.
 #[derive(Clone, Debug, Default)]

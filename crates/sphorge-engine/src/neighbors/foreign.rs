@@ -1,7 +1,7 @@
 //! Neighbours in contact, of other bodies mostly, taken out of the neighbour list where bodies meet in a contact of their own.
 
 use super::{BLOCK, Block, NeighborList};
-use crate::persist::{Archive, ArchiveError, Persist, persist_all};
+use crate::persist::{Archive, ArchiveError, persist_pieces, persist_pieces_or_none, require};
 use rayon::prelude::*;
 
 /// Rows of the few particles that have neighbours in contact, by block like [`NeighborList`].
@@ -34,26 +34,37 @@ impl ForeignList {
         );
     }
 
-    /// Takes those pairs that are in contact from a list of some points: `members` says which of `count` particles each of its rows is, in
-    /// ascending order, and behind them which ghosts its further points are.
+    /// Takes those pairs that are in contact from a list of some points: `owners` says which of `count` particles each of its rows is, in ascending
+    /// order, `members` which particle or ghost each of its points is.
     pub(crate) fn gather(
         &mut self,
         list: &NeighborList,
+        owners: &[u32],
         members: &[u32],
         count: usize,
         is_in_contact: impl Fn(usize, usize) -> bool + Sync,
     ) {
         self.blocks.resize_with(count.div_ceil(BLOCK), ForeignBlock::default);
-        let row_of = |i: usize| members.partition_point(|&member| (member as usize) < i.min(count));
+        let row_of = |i: usize| owners.partition_point(|&owner| (owner as usize) < i);
         self.blocks.par_iter_mut().enumerate().for_each(|(b, foreign)| {
             foreign.clear();
             for row in row_of(b * BLOCK)..row_of((b + 1) * BLOCK) {
-                let own = members[row];
+                let own = owners[row];
                 let neighbours = list.row(row).iter().map(|&k| members[k as usize]);
                 foreign.indices.extend(neighbours.filter(|&j| is_in_contact(own as usize, j as usize)));
                 foreign.end_row(own);
             }
         });
+    }
+
+    /// Neighbours in contact, row by row.
+    pub(crate) fn indices(&self) -> impl Iterator<Item = u32> {
+        self.blocks.iter().flat_map(|block| &block.indices).copied()
+    }
+
+    /// Gives the neighbours other numbers.
+    pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> u32) {
+        self.blocks.iter_mut().flat_map(|block| &mut block.indices).for_each(|j| *j = number(*j));
     }
 
     /// No pairs at all.
@@ -130,13 +141,47 @@ impl ForeignBlock {
     }
 }
 
-impl Persist for ForeignList {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        persist_all(&mut self.blocks, name, archive)
+impl ForeignList {
+    /// Saves or loads the rows of `count` particles: how many neighbours in contact each has, and these, as `number` says they are to be saved. Those
+    /// that are loaded are numbered as they were saved.
+    ///
+    /// # Errors
+    /// See [`ArchiveError`].
+    pub(crate) fn persist(
+        &mut self,
+        count: usize,
+        number: impl Fn(u32) -> u32,
+        name: &str,
+        archive: &mut dyn Archive,
+    ) -> Result<(), ArchiveError> {
+        let mut lengths = vec![0u32; count];
+        for (own, row) in self.blocks.iter().flat_map(ForeignBlock::rows) {
+            lengths[own] = row.len() as u32;
+        }
+        persist_pieces(&mut lengths, &format!("{name}.lengths"), archive)?;
+        // What was loaded before and not completed has other numbers.
+        let mut indices: Vec<u32> = if archive.is_saving() { self.indices().map(number).collect() } else { Vec::new() };
+        let all: usize = lengths.iter().map(|&length| length as usize).sum();
+        let indices_name = format!("{name}.indices");
+        persist_pieces_or_none(&mut indices, all, &indices_name, archive)?;
+        require(indices.len() == all, &indices_name)?;
+        if archive.is_saving() {
+            return Ok(());
+        }
+        self.blocks.resize_with(count.div_ceil(BLOCK), ForeignBlock::default);
+        let mut rest = &indices[..];
+        for (b, (block, lengths)) in self.blocks.iter_mut().zip(lengths.chunks(BLOCK)).enumerate() {
+            block.clear();
+            for (k, &length) in lengths.iter().enumerate() {
+                let (row, behind) = rest.split_at(length as usize);
+                block.indices.extend_from_slice(row);
+                block.end_row((b * BLOCK + k) as u32);
+                rest = behind;
+            }
+        }
+        Ok(())
     }
 }
-
-crate::persist_fields!(ForeignBlock { owners, ends, indices });
 
 #[cfg(test)]
 mod tests {
@@ -170,7 +215,7 @@ mod tests {
             row.iter().for_each(|&j| block.push(j));
             block.end_row(own as u32);
         }
-        foreign.gather(&some, &[1, 3, 4], 4, |_, j| j != 1);
+        foreign.gather(&some, &[1, 3], &[1, 3, 4], 4, |_, j| j != 1);
         let rows: Vec<_> = foreign.blocks()[0].rows().map(|(own, row)| (own, row.to_vec())).collect();
         assert_eq!(rows, [(1, vec![3, 4]), (3, vec![4])]);
         // A second search starts from nothing.

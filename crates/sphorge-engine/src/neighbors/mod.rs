@@ -15,7 +15,7 @@ mod search;
 
 pub use brute_force::brute_force;
 pub use cells::CellGrid;
-pub(crate) use cells::bounds;
+pub(crate) use cells::{are_places, bounds, is_place};
 pub(crate) use displacement_bound::DisplacementBound;
 pub(crate) use foreign::{ForeignBlock, ForeignList};
 pub(crate) use frame::Frame;

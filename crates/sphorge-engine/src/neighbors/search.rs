@@ -168,6 +168,11 @@ impl Searcher {
         self.points.fits(count)
     }
 
+    /// Whether what was loaded is of no more than `count` points.
+    pub(crate) fn fits_within(&self, count: usize) -> bool {
+        self.points.fits_within(count)
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let of = |s: &Mutex<Scratch>| s.lock().map_or(0, |scratch| scratch.candidates.bytes());

@@ -4,7 +4,7 @@ use super::Permutation;
 use crate::cpu::Relocation;
 use crate::model::Model;
 use crate::neighbors::BLOCK;
-use crate::persist::{Archive, ArchiveError, Persist, persist_column};
+use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
 use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::history::HistoryVariable;
 
@@ -92,11 +92,13 @@ impl History {
     }
 
     pub(super) fn relocate(&mut self, relocation: &mut Relocation) {
+        let mut moved = Self::at_start(self.variables.clone(), self.slots.clone(), relocation.count());
         for variable in self.variables.clone() {
             let Some(mut values) = self.column(variable.name) else { continue };
             relocation.apply(&mut values);
-            self.set_column(variable.name, &values);
+            moved.set_column(variable.name, &values);
         }
+        *self = moved;
     }
 
     /// The first variable of particle `i` that is out of the range its law gives.
@@ -120,7 +122,7 @@ impl Persist for History {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         for variable in self.variables.clone() {
             let mut values = self.column(variable.name).unwrap_or_default();
-            persist_column(&mut values, &format!("{name}.{}", variable.name), archive)?;
+            persist_pieces(&mut values, &format!("{name}.{}", variable.name), archive)?;
             self.set_column(variable.name, &values);
         }
         Ok(())
@@ -184,7 +186,7 @@ mod tests {
         let count = particles.len();
         let before = particles.history.column("damage").unwrap();
         let backwards: Vec<u32> = (0..count as u32).rev().collect();
-        let mut relocation = Relocation::new(Ranks::new(Arc::new(Alone)), &[0, count], &backwards);
+        let mut relocation = Relocation::new(Ranks::new(Arc::new(Alone)), (&[0, count], &[0, count]), &backwards);
         particles.relocate(&mut relocation);
         let expected: Vec<f64> = before.into_iter().rev().collect();
         assert_eq!(particles.history.column("damage").unwrap(), expected);

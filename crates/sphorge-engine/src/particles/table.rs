@@ -7,7 +7,7 @@ use super::value::Value;
 use super::{Column, History, Permutation};
 use crate::cpu::Relocation;
 use crate::halo::{FieldSet, Halo, Mirror};
-use crate::persist::{Archive, ArchiveError, Persist, persist_column};
+use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
 /// What a column is kept for; columns of parts that a run does not use take no memory.
@@ -205,7 +205,7 @@ macro_rules! columns {
 
         impl Persist for Particles {
             fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-                $( persist_column(&mut self.$name, &format!("{name}.{}", stringify!($name)), archive)?; )+
+                $( persist_pieces(&mut self.$name, &format!("{name}.{}", stringify!($name)), archive)?; )+
                 self.history.persist(&format!("{name}.history"), archive)?;
                 Ok(())
             }
@@ -312,6 +312,7 @@ columns! {
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls and contacts, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
         Internal("", "smallest principal stretch from the reference configuration"), Same[Stress], None;
+    pub(crate) viscous_pressure: f64 = 0.0, Reference, Internal("Pa", "bulk viscosity of the last stress"), Unmirrored[], None;
     pub(crate) reference_normal: Vector<f64> = [0.0; 3], Faces,
         Internal("1/m", "outward normal of the surface in the reference configuration, zero inside"), Vector[Search], None;
     pub(crate) face_arm: Vector<f64> = [0.0; 3], Faces,

@@ -17,6 +17,8 @@ pub(super) enum Group {
     BaseVelocity,
     /// Velocity that forces are evaluated with, m/s.
     Evaluated,
+    /// What the velocity is ahead of that, m/s.
+    Ahead,
     /// Density, kg/m³, and its rest.
     Density,
     /// The same at the start of the step.
@@ -25,11 +27,13 @@ pub(super) enum Group {
     Gradient,
     /// Weight of the particle in the sums of its neighbours, and their number.
     Weight,
-    /// Specific internal energy, J/kg, its rest, and its rate, W/kg.
+    /// Specific internal energy, J/kg, its rest, its rate, W/kg, and the parts of the rate that are the viscosity's of pairs, the artificial
+    /// stress's and the hourglass springs'.
     Energy,
     /// Acceleration, m/s², XSPH velocity, m/s, and the largest `|mu|`, m/s.
     Rates,
-    /// What walls and gravity have in the acceleration, m/s², heat of walls, W/kg, and what of it is friction's.
+    /// What walls and gravity have in the acceleration, m/s², power of walls beyond that of their force on the centre, W/kg, and heat of
+    /// their friction, W/kg.
     External,
     /// Deviator of the stress, Pa.
     Deviator,
@@ -39,18 +43,45 @@ pub(super) enum Group {
     Plastic,
     /// Temperature, K, and its rest.
     Temperature,
-    /// What forces read of a neighbour: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound speed, m/s.
+    /// What forces read of a neighbour: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound speed, m/s; in the total
+    /// Lagrangian form the tensor whose sum is the force, stiffness and bound of the hourglass springs, Pa.
     Packed,
-    /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s.
+    /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s, Young's modulus, Pa.
     Constants,
-    /// Work of what pairs do not do, J, its impulse, N s, and energy booked by the integrator, J, each with its rest.
+    /// Work of what pairs do not do, J, its impulse, N s, energy booked by the integrator, J, turned into heat by viscosity, J,
+    /// work against the artificial stress and against the hourglass springs, J, each with its rest.
     Accounts,
-    /// Work of each wall, J, and its rest.
+    /// Work of each wall, J, its rest, and the power of the last forces, W.
     Walls,
-    /// Least time steps by sound and by acceleration, s, four changes of the step, and whether a number is none, of each particle.
+    /// Least time steps by sound and by acceleration, s, four changes of the step, whether a number is none, and whether the particle is
+    /// stretched beyond the bound of the reference configuration, of each particle.
     Limits,
     /// The same of each chunk of particles.
     Extremes,
+    /// Place in the reference configuration, m, its rest, and volume there, m^d.
+    Reference,
+    /// Gradient correction there.
+    Correction,
+    /// Deformation gradient, and its rest.
+    Deformation,
+    /// Smallest principal stretch, bulk viscosity of the last stress, Pa, and whether a stretch is beyond a bound.
+    Stretch,
+    /// First Piola-Kirchhoff stress of the forces of walls and of the contact, which act on faces, Pa.
+    FaceStress,
+    /// Particles of the surface of a body that meets itself.
+    Surface,
+    /// Of these: outward normal in the reference configuration, 1/m, and depth below the face times its unit normal, m.
+    Outward,
+    /// Where they stand for the contact, m, the rest of it, how fast that departs from the particle, m/s, and the outward unit normal.
+    Standing,
+    /// Overlap, its gradient turned round, 1/m, and weight, m^(d-1).
+    Overlap,
+    /// Force of the contact, N, its power that turns to heat of the particle, W, speed of approach, m/s, limit of the step, s; works so far, J, and
+    /// their rests: stored, of friction, damped; their powers, W.
+    Contact,
+    /// Where the list of each particle starts, and the neighbours.
+    ListStarts,
+    List,
     /// Numbers of the step: see [`super::step_numbers`].
     Step,
     /// Particles of a material.

@@ -1,10 +1,10 @@
 //! Conservation sums, taken when asked for.
 
 use super::GpuEngine;
-use super::kernels::walls::of_wall;
+use super::kernels::walls::{AtWall, of_wall};
 use super::snapshot::Snapshot;
 use sphorge_engine::model::Wall;
-use sphorge_engine::{BodyLedger, Energies, Ledger, RunFailure};
+use sphorge_engine::{BodyLedger, ContactLedger, Energies, Ledger, RunFailure};
 use sphorge_physics::heat::elastic_energy;
 
 impl GpuEngine {
@@ -20,23 +20,36 @@ impl GpuEngine {
         }
         let mut total = BodyLedger::total(&bodies);
         bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
-        let [external_work, x, y, z, integration_energy] = snapshot.accounts;
+        let account = |[stored_energy, friction_work, damping_work]: [f64; 3]| ContactLedger {
+            // On itself.
+            force: [0.0; 3],
+            stored_energy,
+            friction_work,
+            damping_work,
+        };
+        let contacts = snapshot.contact.map(account).into_iter().collect();
+        let [external_work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy] =
+            snapshot.accounts;
         Ok(Ledger {
             bodies,
             total,
             external_work,
             external_impulse: [x, y, z],
-            wall_work: snapshot.wall_work.clone(),
+            walls: snapshot.walls.clone(),
             wall_forces: self.model.walls.iter().map(|wall| self.wall_force(snapshot, wall)).collect(),
             integration_energy,
+            viscous_energy,
+            artificial_stress_energy,
+            hourglass_energy,
+            contacts,
             ..Ledger::default()
         })
     }
 
-    /// Force of a wall on the particles as they are now, N; the wall stands where forces were evaluated, half a step ago.
+    /// Force of a wall on the particles as they are now, N; the wall stands where forces were evaluated.
     fn wall_force(&self, snapshot: &Snapshot, wall: &Wall) -> [f64; 3] {
         let p = &snapshot.particles;
-        let then = self.time - 0.5 * self.dt;
+        let then = self.time - (self.dt - self.dt_to_evaluation());
         let shift = [0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then));
         let moving = [0, 1, 2].map(|a| wall.velocity[a].at(then));
         let mut force = [0.0; 3];
@@ -44,8 +57,9 @@ impl GpuEngine {
             let body = &self.model.bodies[p.body[i] as usize];
             let sound_speed = self.model.materials[body.material].equation_of_state.reference_sound_speed();
             let x = [0, 1, 2].map(|a| p.position[i][a] - shift[a]);
-            let v = [0, 1, 2].map(|a| snapshot.evaluated[i][a] - moving[a]);
-            let push = of_wall(wall, x, v, (body.smoothing_length, body.spacing, sound_speed), self.dt);
+            let deformed = snapshot.deformation.get(i).map(|f| (*f, p.velocity_gradient[i]));
+            let own = AtWall { h: body.smoothing_length, spacing: body.spacing, sound_speed, deformed };
+            let push = of_wall(wall, &own, x, snapshot.evaluated[i], moving, self.dt);
             for a in 0..3 {
                 force[a] += p.mass[i] * push.acceleration[a];
             }

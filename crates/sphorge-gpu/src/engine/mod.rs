@@ -7,10 +7,13 @@
 mod columns;
 mod conservation;
 mod kernels;
+mod lists;
+mod plan;
 mod snapshot;
 mod start;
 mod step;
 mod supports;
+mod surfaces;
 
 pub use start::{KernelText, kernel_texts};
 
@@ -44,9 +47,11 @@ mod step_numbers {
 
 /// Kernels of a step, in groups that are launched together.
 struct Stages {
-    predict: Vec<Launch>,
+    begin: Vec<Launch>,
     sorting: Vec<Launch>,
     gradients: Vec<Launch>,
+    /// Walls and gravity.
+    push: Vec<Launch>,
     stress: Vec<Launch>,
     forces: Vec<Launch>,
     /// The end of the step, and what it changed.

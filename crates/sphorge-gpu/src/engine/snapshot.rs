@@ -1,23 +1,41 @@
 //! What a card holds, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::walls;
+use super::kernels::{contact, limits, walls};
 use super::{GpuEngine, failure};
-use sphorge_engine::{Particles, RunFailure};
-use sphorge_physics::SymmetricTensor;
+use sphorge_engine::model::{Integrator, Model};
+use sphorge_engine::{Particles, RunFailure, WallLedger};
+use sphorge_physics::{SymmetricTensor, Tensor};
 
-/// Groups of columns of particles, with their number of columns.
-pub(super) const FIELDS: &[(Group, usize)] = &[
+/// Groups of columns of particles, with their number of columns, that a model needs.
+pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
+    let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
+    let meets_itself = model.has_self_contact();
+    let is_needed = move |group: &Group| match group {
+        Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
+        Group::Ahead => integrator == Integrator::Leapfrog,
+        Group::Reference | Group::Correction | Group::Deformation | Group::Stretch | Group::FaceStress => is_initial,
+        Group::Standing | Group::Overlap | Group::Contact => meets_itself,
+        _ => true,
+    };
+    FIELDS.iter().copied().filter(move |(group, _)| is_needed(group))
+}
+
+/// Columns of [`Group::Weight`]; the second is the number of neighbours.
+pub(super) const WEIGHT_FIELDS: usize = 3;
+
+const FIELDS: &[(Group, usize)] = &[
     (Group::Place, 6),
     (Group::BasePlace, 6),
     (Group::Velocity, 6),
     (Group::BaseVelocity, 9),
     (Group::Evaluated, 3),
+    (Group::Ahead, 3),
     (Group::Density, 2),
     (Group::BaseDensity, 2),
     (Group::Gradient, 9),
-    (Group::Weight, 3),
-    (Group::Energy, 3),
+    (Group::Weight, WEIGHT_FIELDS),
+    (Group::Energy, 6),
     (Group::Rates, 7),
     (Group::External, 5),
     (Group::Deviator, 6),
@@ -25,9 +43,17 @@ pub(super) const FIELDS: &[(Group, usize)] = &[
     (Group::Plastic, 6),
     (Group::Temperature, 2),
     (Group::Packed, 14),
-    (Group::Constants, 5),
-    (Group::Accounts, 10),
-    (Group::Limits, 7),
+    (Group::Constants, 6),
+    (Group::Accounts, 16),
+    (Group::Limits, limits::FIELDS),
+    (Group::Reference, 7),
+    (Group::Correction, 9),
+    (Group::Deformation, 18),
+    (Group::Stretch, 3),
+    (Group::FaceStress, 9),
+    (Group::Standing, 12),
+    (Group::Overlap, 5),
+    (Group::Contact, 15),
 ];
 
 /// Groups whose numbers the steps to come depend on.
@@ -35,6 +61,7 @@ pub(super) const STATE: &[Group] = &[
     Group::Place,
     Group::Velocity,
     Group::Evaluated,
+    Group::Ahead,
     Group::Density,
     Group::Gradient,
     Group::Weight,
@@ -48,6 +75,9 @@ pub(super) const STATE: &[Group] = &[
     Group::Accounts,
     Group::Walls,
     Group::Limits,
+    Group::Deformation,
+    Group::Stretch,
+    Group::Contact,
 ];
 
 /// What a card holds after a step.
@@ -55,12 +85,16 @@ pub(super) struct Snapshot {
     pub(super) particles: Particles,
     /// Pa.
     pub(super) shear_modulus: Vec<f64>,
-    /// Work of what pairs do not do, J, its impulse, N s, and booked energy, J.
-    pub(super) accounts: [f64; 5],
-    /// Work of each wall, J.
-    pub(super) wall_work: Vec<f64>,
+    /// Work of what pairs do not do, J, its impulse, N s, booked energy, J, and those of viscosity, artificial stress and springs, J.
+    pub(super) accounts: [f64; 8],
+    /// What each wall has done.
+    pub(super) walls: Vec<WallLedger>,
+    /// Works of the contact of a body with itself, where there is such, J: stored, of friction, damped.
+    pub(super) contact: Option<[f64; 3]>,
     /// Velocities that forces were evaluated with, m/s.
     pub(super) evaluated: Vec<[f64; 3]>,
+    /// Deformation gradients, where the form has such.
+    pub(super) deformation: Vec<Tensor<f64>>,
 }
 
 /// A group read back.
@@ -104,6 +138,7 @@ impl GpuEngine {
         let (pressure, gradient) = (self.group(Group::Pressure)?, self.group(Group::Gradient)?);
         let (weight, accounts, of_walls) =
             (self.group(Group::Weight)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
+        let is_initial = walls::is_total_lagrangian(&self.model);
         for i in 0..count {
             p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
             p.velocity[i] = [0, 1, 2].map(|a| velocity.double(a, 3 + a, i));
@@ -122,15 +157,29 @@ impl GpuEngine {
             p.yield_stress[i] = if plastic.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { plastic.at(3, i) };
             p.plastic_work[i] = plastic.double(4, 5, i);
             p.neighbors[i] = weight.at(1, i) as u32;
-            (p.adapted[i], p.last_searched[i]) = (1, self.steps);
+            (p.adapted[i], p.last_searched[i]) =
+                if is_initial { (u32::from(self.steps == 0), 0) } else { (1, self.steps) };
         }
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
+        let of_wall = |at: usize| {
+            let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
+            WallLedger { work, friction_work, damping_work }
+        };
         let evaluated = self.group(Group::Evaluated)?;
+        let contact = self.model.has_self_contact().then(|| self.group(Group::Contact)).transpose()?;
+        let mut deformation = Vec::new();
+        if is_initial {
+            let f = self.group(Group::Deformation)?;
+            let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| f.double(3 * a + b, 9 + 3 * a + b, i)));
+            deformation.extend((0..count).map(at));
+        }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
-            accounts: [0, 2, 4, 6, 8].map(|field| sum(&accounts, field)),
-            wall_work: (0..self.model.walls.len()).map(|k| sum(&of_walls, walls::FIELDS * k)).collect(),
+            accounts: [0, 2, 4, 6, 8, 10, 12, 14].map(|field| sum(&accounts, field)),
+            walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
+            contact: contact.map(|of| contact::WORKS.map(|(work, _)| sum(&of, work))),
+            deformation,
             particles: p,
         })
     }

@@ -1,10 +1,12 @@
 //! Particles brought to the card, and kernels compiled for it.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
-use super::kernels::{grid, limits, motion, pairs, stress, walls};
-use super::snapshot::FIELDS;
+use super::kernels::{contact, grid, limits, walls};
+use super::lists::{self, bound};
+use super::plan::{Plan, members};
+use super::snapshot::fields;
 use super::{GpuEngine, Stages, failure};
-use crate::device::{Card, CardFault, Launch};
+use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
 use sphorge_engine::model::Dimensions;
@@ -40,8 +42,10 @@ impl GpuEngine {
         }
         let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
         let grid = grid_of(&model, &p);
-        let columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
-        let stages = stages(&card, &columns, &model, &p, stride, &grid)?;
+        let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
+        let plan = Plan::of(&model, &p, stride, &grid).map_err(failure)?;
+        lists::make(&card, &mut columns, &plan, (&model, &p))?;
+        let stages = stages(&card, &columns, &plan)?;
         let extremes = [0.0; limits::FIELDS];
         let snapshot = OnceCell::new();
         Ok(Self { model, card, columns, stages, initial: p, stride, steps: 0, time: 0.0, dt: 0.0, extremes, snapshot })
@@ -90,7 +94,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     let numerics = &model.numerics;
     let of_body = |i: usize| &model.bodies[p.body[i] as usize];
     let vector = |of: &[[f64; 3]], field: usize, i: usize| part(of[i][field % 3], field >= 3);
-    for &(group, fields) in FIELDS {
+    for (group, fields) in fields(model) {
         let number = |field: usize, i: usize| match (group, field) {
             (Group::Place, _) => vector(&p.position, field, i),
             (Group::Velocity, _) => vector(&p.velocity, field, i),
@@ -109,13 +113,18 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
                 coefficient(terms.epsilon, at_spacing, terms.exponent)
             }),
             (Group::Constants, 3) => of_body(i).spacing,
+            (Group::Constants, 5) => model.materials[p.material[i] as usize].young_modulus(),
             (Group::Constants, _) => model.materials[p.material[i] as usize].equation_of_state.reference_sound_speed(),
             (Group::Packed, 12) => 1.0,
+            (Group::Contact, contact::LIMIT) => f64::from(f32::MAX),
+            (Group::Reference, 6) => p.mass[i] / p.density[i],
+            (Group::Reference, _) => vector(&p.position, field, i),
+            (Group::Deformation, 0 | 4 | 8) | (Group::Stretch, 0) => 1.0,
             _ => 0.0,
         };
         let mut numbers = fill(stride, fields, count, number);
         if group == Group::Limits {
-            numbers[..2 * stride].fill(f32::MAX);
+            numbers[..limits::LIMITS * stride].fill(f32::MAX);
         }
         columns.insert(group, card.numbers(&numbers)?);
     }
@@ -138,52 +147,6 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     Ok(columns)
 }
 
-/// Particles of a material.
-fn members(p: &Particles, material: usize) -> Vec<u32> {
-    (0..p.len() as u32).filter(|i| p.material[*i as usize] as usize == material).collect()
-}
-
-/// Every kernel of the step of a model, with the number of its threads.
-pub(super) struct Recordings {
-    predict: Recording,
-    sorting: Vec<(Recording, usize)>,
-    weigh: Recording,
-    pairs: [Recording; 2],
-    /// By material: where forces are evaluated, at the end.
-    stress: Vec<[Recording; 2]>,
-    push: Recording,
-    correct: Recording,
-    limits: Recording,
-    extremes: Recording,
-}
-
-impl Recordings {
-    pub(super) fn of(model: &Model, count: usize, stride: usize, grid: &Grid) -> Result<Self, KernelFault> {
-        let sorting = grid::sorting(grid, stride)?;
-        // What is done for each particle is done for those there are.
-        let sorting =
-            sorting.into_iter().map(|(kernel, threads)| (kernel, if threads == stride { count } else { threads }));
-        let of_material = |k| Ok([stress::stress(model, k, stride, false)?, stress::stress(model, k, stride, true)?]);
-        Ok(Self {
-            predict: motion::predict(stride)?,
-            sorting: sorting.collect(),
-            weigh: pairs::weigh(model, stride)?,
-            pairs: pairs::of_dimension(model, grid, stride)?,
-            stress: (0..model.materials.len()).map(of_material).collect::<Result<_, KernelFault>>()?,
-            push: walls::push(model, stride)?,
-            correct: motion::correct(stride)?,
-            limits: limits::of_particles(model, stride)?,
-            extremes: limits::of_chunks(stride)?,
-        })
-    }
-
-    fn all(&self) -> impl Iterator<Item = &Recording> {
-        let sorting = self.sorting.iter().map(|(kernel, _)| kernel);
-        let single = [&self.predict, &self.weigh, &self.push, &self.correct, &self.limits, &self.extremes];
-        single.into_iter().chain(sorting).chain(&self.pairs).chain(self.stress.iter().flatten())
-    }
-}
-
 /// A kernel of the step in the languages of cards.
 #[derive(Clone, Debug)]
 pub struct KernelText {
@@ -201,46 +164,24 @@ pub struct KernelText {
 /// A law cannot be written for a card.
 pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
-    let recordings = Recordings::of(model, particles.len(), stride, &grid_of(model, particles))?;
+    let plan = Plan::of(model, particles, stride, &grid_of(model, particles))?;
     let text = |recording: &Recording| KernelText {
         name: recording.kernel.name.clone(),
         wgsl: crate::source::wgsl(&recording.kernel),
         cuda: crate::source::cuda(&recording.kernel),
     };
-    Ok(recordings.all().map(text).collect())
+    Ok(plan.all().map(text).collect())
 }
 
-fn stages(
-    card: &Card,
-    columns: &Columns,
-    model: &Model,
-    p: &Particles,
-    stride: usize,
-    grid: &Grid,
-) -> Result<Stages, RunFailure> {
-    let count = p.len();
-    let recordings = Recordings::of(model, count, stride, grid).map_err(failure)?;
-    let stage = |recording: &Recording, threads: usize| recording.bind(card, columns, threads).map_err(failure);
-    let of_particles = |recording: &Recording| stage(recording, count);
-    let by_material = |at_end: usize| -> Result<Vec<Launch>, RunFailure> {
-        let kernels = recordings.stress.iter().enumerate();
-        kernels
-            .map(|(k, kernels)| (members(p, k).len(), &kernels[at_end]))
-            .filter(|(members, _)| *members > 0)
-            .map(|(members, kernel)| stage(kernel, members))
-            .collect()
-    };
-    let mut finish = vec![of_particles(&recordings.correct)?];
-    finish.extend(by_material(1)?);
-    finish.push(of_particles(&recordings.limits)?);
-    finish.push(stage(&recordings.extremes, stride / limits::CHUNK)?);
-    let sorting = recordings.sorting.iter().map(|(kernel, threads)| stage(kernel, *threads));
+fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stages, RunFailure> {
+    let bound = |planned| bound(card, columns, planned);
     Ok(Stages {
-        predict: vec![of_particles(&recordings.predict)?],
-        sorting: sorting.collect::<Result<_, _>>()?,
-        gradients: vec![of_particles(&recordings.weigh)?, of_particles(&recordings.pairs[0])?],
-        stress: by_material(0)?,
-        forces: vec![of_particles(&recordings.pairs[1])?, of_particles(&recordings.push)?],
-        finish,
+        begin: bound(&plan.begin)?,
+        sorting: bound(&plan.sorting)?,
+        gradients: bound(&plan.gradients)?,
+        push: bound(&plan.push)?,
+        stress: bound(&plan.stress)?,
+        forces: bound(&plan.forces)?,
+        finish: bound(&plan.finish)?,
     })
 }

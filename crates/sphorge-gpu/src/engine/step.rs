@@ -4,7 +4,7 @@ use super::columns::Group;
 use super::kernels::limits;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure};
-use sphorge_engine::model::{Material, WallContact};
+use sphorge_engine::model::{Formulation, Integrator, Material, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
@@ -12,14 +12,22 @@ use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
 
 impl GpuEngine {
-    /// The numbers of a step that goes from `time` on; walls stand where they are at its middle, at which forces are evaluated.
+    /// Time from the start of the step to where forces are evaluated, s.
+    pub(super) fn dt_to_evaluation(&self) -> f64 {
+        match self.model.numerics.integrator {
+            Integrator::Leapfrog => self.dt,
+            Integrator::PredictorCorrector => 0.5 * self.dt,
+        }
+    }
+
+    /// The numbers of a step that goes from `time` on; walls stand where they are when forces are evaluated.
     fn set_step(&self) -> Result<(), RunFailure> {
-        let middle = self.time + 0.5 * self.dt;
+        let then = self.time + self.dt_to_evaluation();
         let mut numbers = vec![self.dt, 0.5 * self.dt];
         numbers.extend(self.model.gravity);
         for wall in &self.model.walls {
-            numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, middle)));
-            numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(middle)));
+            numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
+            numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
         }
         let numbers: Vec<f32> = numbers.into_iter().map(|number| number as f32).collect();
         let array = self.columns.array(Group::Step).ok_or_else(|| failure("no numbers of the step"))?;
@@ -32,7 +40,7 @@ impl GpuEngine {
         let chunks = self.stride / limits::CHUNK;
         for (k, extreme) in self.extremes.iter_mut().enumerate() {
             let of = numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
-            *extreme = if k < 2 { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
+            *extreme = if k < limits::LIMITS { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
         }
         Ok(())
     }
@@ -72,17 +80,31 @@ impl Engine for GpuEngine {
         self.dt = dt;
         self.steps += u32::from(dt > 0.0);
         self.set_step()?;
-        self.card.launch(&self.stages.predict);
+        self.card.launch(&self.stages.begin);
         Ok(())
     }
 
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
+        if let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation
+            && self.extremes[limits::STRETCHED] > 0.0
+        {
+            return Err(failure(format!(
+                "a body is stretched beyond {bound} and has come apart; the engine for graphics cards does not renew the reference configuration: \
+                 run with `--engine cpu`, or keep the initial one with `search.total-lagrangian.renewal = 0`"
+            )));
+        }
         self.card.launch(&self.stages.sorting);
-        Ok(SearchReport { searched_fraction: 1.0 })
+        let searches = self.steps == 0 || !self.stages.sorting.is_empty();
+        Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) })
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
         self.card.launch(&self.stages.gradients);
+        Ok(())
+    }
+
+    fn push_faces(&mut self) -> Result<(), RunFailure> {
+        self.card.launch(&self.stages.push);
         Ok(())
     }
 
@@ -103,7 +125,7 @@ impl Engine for GpuEngine {
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        let [_, _, density, stretch, energy, jump, broken] = self.extremes;
+        let [_, _, _, density, stretch, energy, jump, broken, _] = self.extremes;
         if broken > 0.0 {
             return Err(self.broken()?);
         }
@@ -120,9 +142,12 @@ impl Engine for GpuEngine {
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
-        let [by_sound, by_acceleration, ..] = self.extremes;
+        let [by_sound, by_acceleration, by_contact, ..] = self.extremes;
         let limit = |dt, reason| TimeStepLimit { dt, reason };
         let mut least = limit(by_sound, LimitReason::SoundSpeed).min(limit(by_acceleration, LimitReason::Acceleration));
+        if self.model.has_self_contact() {
+            least = least.min(limit(self.model.time.courant * by_contact, LimitReason::Contact));
+        }
         let rate = |b: &sphorge_engine::model::Body| {
             self.model.materials[b.material].equation_of_state.reference_sound_speed() / b.spacing
         };
@@ -187,5 +212,9 @@ impl Engine for GpuEngine {
 
     fn memory_bytes(&self) -> u64 {
         self.columns.all().map(|(_, array)| 4 * array.count() as u64).sum()
+    }
+
+    fn device(&self) -> Option<String> {
+        Some(self.card.found().name.clone())
     }
 }

@@ -11,27 +11,31 @@ const BY_CPU: &str = "run it with `--engine cpu`";
 /// Whether the engine can run a model.
 pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
     let numerics = &model.numerics;
+    let is_total = matches!(model.formulation, Formulation::TotalLagrangian { .. });
     let asked = [
         (
-            matches!(model.formulation, Formulation::TotalLagrangian { .. }),
-            "sums in the initial configuration",
-            "`method = \"patino\"` sums in the present one; or run it with `--engine cpu`",
+            is_total && numerics.integrator != Integrator::Leapfrog,
+            "sums in the initial configuration without the leapfrog",
+            "set `numerics.integrator = \"leapfrog\"`",
         ),
-        (model.search != Search::EveryStep, "neighbour lists that are kept", "search anew: `search = \"every-step\"`"),
         (
-            numerics.integrator != Integrator::PredictorCorrector,
-            "the leapfrog",
-            "set `numerics.integrator = \"predictor-corrector\"`",
+            !is_total && model.search != Search::EveryStep,
+            "neighbour lists that are kept",
+            "search anew: `search = \"every-step\"`",
         ),
         (numerics.precision == Precision::Double, "pair sums in double precision", "leave `numerics.precision` out"),
-        (numerics.gradient_correction != GradientCorrection::None, "corrected gradients", BY_CPU),
+        (!is_total && numerics.gradient_correction != GradientCorrection::None, "corrected gradients", BY_CPU),
         (numerics.mls_interval.is_some(), "density by moving least squares", BY_CPU),
         (numerics.temperature != TemperatureSource::PlasticWork, "temperature from the energy", BY_CPU),
         (numerics.smoothing_length != SmoothingLength::Constant, "a smoothing length that follows the density", BY_CPU),
         (model.audit.is_some(), "audits of the search", "its search is exact: leave `audit` out"),
-        (model.contact != BodyContact::Sph && model.bodies.len() > 1, "contact between bodies", BY_CPU),
+        ((is_total || model.contact != BodyContact::Sph) && model.bodies.len() > 1, "contact between bodies", BY_CPU),
         (model.thermal.conduction || !model.thermal.boundaries.is_empty(), "conduction of heat", BY_CPU),
-        (!model.symmetry.is_empty(), "planes of symmetry", BY_CPU),
+        (
+            (0..3).any(|axis| model.symmetry.iter().filter(|plane| plane.axis == axis).count() > 1),
+            "two planes of symmetry along one axis",
+            BY_CPU,
+        ),
         (model.periodic.iter().any(Option::is_some), "periodic axes", BY_CPU),
         (!model.motions.is_empty(), "prescribed motion", BY_CPU),
         (!model.sections.is_empty(), "forces through sections", BY_CPU),

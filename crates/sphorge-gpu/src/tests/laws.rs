@@ -5,9 +5,12 @@ use sphorge_physics::eos::{BoundedPressure, EQUATIONS_OF_STATE, EquationOfState}
 use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
 use sphorge_physics::hourglass::{Misfit, Spring};
 use sphorge_physics::kernel::{Kernel, PairScale};
+use sphorge_physics::kick::{KickAccount, KickAxis, earlier};
 use sphorge_physics::return_mapping::{ReturnRule, return_mapping_near};
 use sphorge_physics::tensor::transpose;
+use sphorge_physics::total_lagrangian::MeetingPoint;
 use sphorge_physics::viscosity::ViscosityParameters;
+use sphorge_physics::wall::{FacePush, FacePushes};
 use sphorge_physics::{
     Dimension, Elementary, SymmetricTensor, Tensor, artificial_stress, gradient_correction, heat, stress, time_step,
     total_lagrangian, viscosity, xsph,
@@ -250,7 +253,8 @@ pub(super) fn laws() -> Vec<Law> {
             s,
             s
         ],
-        1,
+        // Deformations of no shear at all, of which the smallest and the largest stretch are asked.
+        2,
         |x: &[T]| {
             let mut f = tensor(x);
             for a in 0..3 {
@@ -262,6 +266,7 @@ pub(super) fn laws() -> Vec<Law> {
             let mut all = flat(&l);
             all.extend(flat(&f));
             all.extend(flat(&total_lagrangian::first_piola(symmetric(&x[12..]), &f)));
+            all.push(total_lagrangian::stretched(&f, T::of(1.6)));
             let stretch = total_lagrangian::smallest_stretch(&f);
             all.extend([total_lagrangian::density(T::of(1e-6), T::of(1e-10), &f), stretch]);
             all.push(total_lagrangian::limiting_length(T::of(1.2e-3), stretch));
@@ -288,6 +293,35 @@ pub(super) fn laws() -> Vec<Law> {
             let spring = Spring::new(T::of(10.0), T::of(120e9), x[8], x[9], T::of(0.3));
             let scale = PairScale::new::<3>(T::of(0.3), T::of(1.2e-3));
             vec![misfit.strength(spring, scale, T::of(0.4), T::of(1e-9)), misfit.v_dot_x]
+        }
+    );
+    law!(
+        laws,
+        "walls at faces and kicks",
+        [f, f, f, f, f, f, l, l, (-200.0, 200.0), (-200.0, 200.0), (-1e9, 1e9), (0.0, 1e6)],
+        0,
+        |x: &[T]| {
+            let (zero, one) = (T::zero(), T::one());
+            let f = [[one + x[0], x[1], zero], [x[2], one, x[3]], [zero, x[4], one + x[5]]];
+            let l = [[x[6], zero, x[7]], [zero, x[7], zero], [x[6], zero, zero]];
+            let (velocity, normal) = ([x[8], x[9], zero], [T::of(0.6), zero, T::of(0.8)]);
+            let at = MeetingPoint::new(T::of(1e-3), &f, &l, velocity, normal);
+            let acceleration = normal.map(|n| n * x[10]);
+            let push = FacePush { acceleration, heat: x[11], rubbed: zero, face: at.place, velocity: at.velocity };
+            let mut pushes = FacePushes::of_gravity([zero, x[11], zero]);
+            let power = pushes.add(&push, velocity);
+            let stress = pushes.stress(T::of(9e-6), T::of(1e-9));
+            let tensor = total_lagrangian::force_tensor(SymmetricTensor::isotropic(x[10]), &f, &stress, &l);
+            let mut account = KickAccount::zero();
+            for k in 0..3 {
+                let axis = KickAxis { pair: x[10], mean: x[8], ahead: x[9], beyond: pushes.acceleration[k] };
+                account.add(k, &axis, T::of(9e-6), T::of(1e-8));
+            }
+            let mut all =
+                vec![at.radius, power, pushes.beyond, account.energy, account.work, earlier(x[8], x[9], x[0])];
+            all.extend([pushes.acceleration, account.impulse].concat());
+            all.extend(flat(&tensor));
+            all
         }
     );
     law!(

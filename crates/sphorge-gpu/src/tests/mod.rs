@@ -6,6 +6,8 @@ mod card;
 mod engine;
 mod laws;
 mod pairs;
+#[cfg(feature = "device")]
+mod self_contact;
 
 use crate::evaluate::Evaluation;
 use crate::record::Kernel;

@@ -4,8 +4,8 @@ use crate::evaluate::{Evaluation, whole};
 use crate::record::{Index, Input, Kernel, KernelFault, Recorded};
 use sphorge_physics::kernel::{KernelShape, PairScale, WendlandC2, pair_smoothing_length};
 use sphorge_physics::pair::{
-    EnergySplit, ForceSums, GradientSums, PairForce, PairForm, inverse_density_mean, mean, scaled_pressure,
-    stress_vector,
+    EnergySplit, ForceSums, GradientSums, PairForce, PairForm, closing_power, inverse_density_mean, mean,
+    scaled_pressure, stress_vector,
 };
 use sphorge_physics::viscosity::{ViscosityParameters, viscosity_mu, viscous_pressure};
 use sphorge_physics::{Dimension, Real, SymmetricTensor, Vector};
@@ -14,7 +14,7 @@ use sphorge_physics::{Dimension, Real, SymmetricTensor, Vector};
 const FIELDS: usize = 16;
 
 /// Sums of a particle: velocity gradient 9, acceleration 3, energy rate 1, `mu` 1.
-const SUMS: usize = 14;
+const SUMS: usize = 16;
 
 /// A particle, in numbers of either kind.
 struct Particle<T> {
@@ -61,22 +61,31 @@ fn add<T: Real>(sums: [T; SUMS], i: &Particle<T>, j: &Particle<T>) -> [T; SUMS] 
     let viscosity = ViscosityParameters { alpha: T::of(1.0), beta: T::of(2.0) };
     let pi =
         viscous_pressure(viscosity, mu, mean(i.sound_speed, j.sound_speed), inverse_density_mean(i.density, j.density));
-    let mut forces = ForceSums { acceleration: [sums[9], sums[10], sums[11]], energy_rate: sums[12] };
+    let mut forces = ForceSums {
+        acceleration: [sums[9], sums[10], sums[11]],
+        stress_power: sums[12],
+        viscous_power: sums[13],
+        repulsive_power: sums[14],
+    };
     let pair = PairForce {
         x,
         v,
         own_stress: stress_vector::<T, 3>(&i.stress, &x),
         other_stress: stress_vector::<T, 3>(&j.stress, &x),
-        artificial_stress: [T::zero(); 3],
+        // Any vector will do.
+        artificial_stress: stress_vector::<T, 3>(&i.stress, &v),
         pi: scaled_pressure(PairForm::VolumeWeighted, pi, i.density, j.density),
         weighted_f,
+        closing_power: closing_power(v_dot_x, weighted_f),
     };
     forces.add::<3>(EnergySplit::OwnStress, &pair);
     let mut all = [T::zero(); SUMS];
     all[..9].copy_from_slice(gradients.gradient.as_flattened());
     all[9..12].copy_from_slice(&forces.acceleration);
-    all[12] = forces.energy_rate;
-    all[13] = sums[13].max(mu.abs());
+    all[12] = forces.stress_power;
+    all[13] = forces.viscous_power;
+    all[14] = forces.repulsive_power;
+    all[15] = sums[15].max(mu.abs());
     all
 }
 

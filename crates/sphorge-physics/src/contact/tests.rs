@@ -7,6 +7,12 @@ const STEEL: ContactBody =
 const STRENGTH: ContactStrength = ContactStrength { stiffness: 1.0, damping: 0.5, friction: 0.1 };
 
 #[test]
+fn heat_of_a_particle_by_hand() {
+    let force = ContactForce { damped: 6.0, rubbed: 8.0, ..ContactForce::<f64>::none() };
+    assert_eq!((force.own_heat(0.25), force.own_heat(0.5)), ((5.0, 2.0), (7.0, 4.0)));
+}
+
+#[test]
 fn a_flat_body_by_hand() {
     // In one dimension, h = 1.2 spacings: w(1/1.2) + w(2/1.2) over 1.2, with the cubic spline.
     let flat = flat_body(Kernel::CubicSpline, Dimension::One, 1.0, 1.2, 1.0);

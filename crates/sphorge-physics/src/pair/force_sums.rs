@@ -38,18 +38,23 @@ pub struct PairForce<T> {
     pub pi: T,
     /// `w'_j F` with `grad_i W_ij = F x_ij`, negative.
     pub weighted_f: T,
+    /// [`closing_power`] of the pair, m^2/s times the unit of `weighted_f`.
+    pub closing_power: T,
 }
 
-impl<T: Real> PairForce<T> {
-    /// What the artificial stress adds to the energy rate of the particle, half of its work, along the `D` axes computed in.
-    #[inline(always)]
-    pub fn artificial_power<const D: usize>(&self) -> T {
-        let mut work = T::zero();
-        for a in 0..D {
-            work = self.artificial_stress[a].mul_add(self.v[a], work);
-        }
-        -(T::of(0.5) * work * self.weighted_f)
-    }
+/// Power of a unit of `Pi_ij` on the pair: `v_ij . x_ij w'_j F`, positive where they approach, `v_dot_x = v_ij . x_ij` in m^2/s. `Pi_ij`
+/// times this is the power of the viscosity; each particle takes its [`share_of_power`].
+#[inline(always)]
+pub fn closing_power<T: Real>(v_dot_x: T, weighted_f: T) -> T {
+    v_dot_x * weighted_f
+}
+
+/// What a particle takes of the power that viscosity or artificial stress has on its pairs: half. Summed over the neighbours it is their
+/// part of the energy rate ([`ForceSums::energy_rate`]), in W/kg for stresses and `Pi_ij` that are scaled
+/// ([`scaled_pressure`](super::scaled_pressure)).
+#[inline(always)]
+pub fn share_of_power<T: Real>(power: T) -> T {
+    T::of(0.5) * power
 }
 
 /// Sums of one particle over its neighbours, still without the factor of the form.
@@ -57,34 +62,47 @@ impl<T: Real> PairForce<T> {
 pub struct ForceSums<T> {
     /// Acceleration, m/s^2.
     pub acceleration: Vector<T>,
-    /// Rate of the specific internal energy, W/kg.
-    pub energy_rate: T,
+    /// Power that the stress of the pairs leaves with the particle, W/kg.
+    pub stress_power: T,
+    /// Power of the viscosity on the pairs, W/kg. The particle takes its [`share_of_power`].
+    pub viscous_power: T,
+    /// Power of the artificial stress on the pairs, W/kg, positive where it resists. The particle takes its [`share_of_power`].
+    pub repulsive_power: T,
 }
 
 impl<T: Real> ForceSums<T> {
     /// Nothing summed.
     #[inline(always)]
     pub fn zero() -> Self {
-        Self { acceleration: [T::zero(); 3], energy_rate: T::zero() }
+        let o = T::zero();
+        Self { acceleration: [o; 3], stress_power: o, viscous_power: o, repulsive_power: o }
+    }
+
+    /// Rate of the specific internal energy, W/kg.
+    #[inline(always)]
+    pub fn energy_rate(&self) -> T {
+        self.stress_power + share_of_power(self.viscous_power + self.repulsive_power)
     }
 
     /// Adds a neighbour along the `D` axes computed in.
     #[inline(always)]
     pub fn add<const D: usize>(&mut self, split: EnergySplit, pair: &PairForce<T>) {
-        let half = T::of(0.5);
-        let mut work = T::zero();
+        let (mut of_stress, mut of_repulsion) = (T::zero(), T::zero());
         for a in 0..D {
             let artificial = pair.artificial_stress[a] - pair.pi * pair.x[a];
-            let total = pair.own_stress[a] + pair.other_stress[a] + artificial;
-            self.acceleration[a] = total.mul_add(pair.weighted_f, self.acceleration[a]);
+            let stress = pair.own_stress[a] + pair.other_stress[a];
+            self.acceleration[a] = (stress + artificial).mul_add(pair.weighted_f, self.acceleration[a]);
             let share = match split {
-                EnergySplit::OwnStress => artificial.mul_add(half, pair.own_stress[a]),
-                EnergySplit::Symmetric => total * half,
+                EnergySplit::OwnStress => pair.own_stress[a],
+                EnergySplit::Symmetric => stress * T::of(0.5),
             };
-            work = share.mul_add(pair.v[a], work);
+            of_stress = share.mul_add(pair.v[a], of_stress);
+            of_repulsion = pair.artificial_stress[a].mul_add(pair.v[a], of_repulsion);
         }
         // The work is that of v_j - v_i: the sign of v_ij is turned.
-        self.energy_rate -= work * pair.weighted_f;
+        self.stress_power -= of_stress * pair.weighted_f;
+        self.viscous_power = pair.pi.mul_add(pair.closing_power, self.viscous_power);
+        self.repulsive_power -= of_repulsion * pair.weighted_f;
     }
 }
 
@@ -130,27 +148,46 @@ mod tests {
             artificial_stress: [-3.0, 5.0, 1.0],
             pi: 2.0,
             weighted_f: -0.5,
+            // v . x = 3 - 2 - 2.
+            closing_power: closing_power(-1.0, -0.5),
         }
     }
 
     #[test]
     fn forces_and_shares_by_hand() {
         // t* = (-3, 5, 1) - 2 (1, 2, -1) = (-5, 1, 3); t = (0, 5, 14).
-        let mut sums = ForceSums { acceleration: [1.0, 0.0, 0.0], energy_rate: 2.0 };
+        let mut sums =
+            ForceSums { acceleration: [1.0, 0.0, 0.0], stress_power: 2.0, viscous_power: 4.0, repulsive_power: 8.0 };
         sums.add::<3>(EnergySplit::OwnStress, &pair());
         assert_eq!(sums.acceleration, [1.0, -2.5, -7.0]);
-        // s = (1.5, 6.5, 9.5), s . v = 4.5 - 6.5 + 19 = 17.
-        assert_eq!(sums.energy_rate, 2.0 + 8.5);
+        // (4, 6, 8) . v = 12 - 6 + 16 = 22 and (-3, 5, 1) . v = -9 - 5 + 2 = -12, times 0.5; 2 v . x = -2, times -0.5.
+        assert_eq!((sums.stress_power, sums.viscous_power, sums.repulsive_power), (2.0 + 11.0, 4.0 + 1.0, 8.0 - 6.0));
+        assert_eq!(sums.energy_rate(), 13.0 + 0.5 * (5.0 + 2.0));
         let mut sums = ForceSums::zero();
         sums.add::<3>(EnergySplit::Symmetric, &pair());
         // t . v / 2 = (-5 + 28)/2 = 11.5.
-        assert_eq!(sums.energy_rate, 5.75);
-        // Of the artificial stress alone: (-9 - 5 + 2)/2, in the plane (-9 - 5)/2, times 0.5.
-        assert_eq!((pair().artificial_power::<3>(), pair().artificial_power::<2>()), (-3.0, -3.5));
-        // In the plane: s . v = 4.5 - 6.5.
+        assert_eq!(sums.energy_rate(), 5.75);
+        for split in [EnergySplit::OwnStress, EnergySplit::Symmetric] {
+            let sums = |pair: &PairForce<f64>| {
+                let mut sums = ForceSums::zero();
+                sums.add::<3>(split, pair);
+                sums
+            };
+            // Half of it is what the rate lacks without it, with the force that the viscosity has: 2 x . v.
+            let all = sums(&pair());
+            let without = sums(&PairForce { pi: 0.0, ..pair() });
+            assert_eq!((all.energy_rate() - without.energy_rate(), without.viscous_power), (0.5, 0.0), "{split:?}");
+            let of_force =
+                |sums: ForceSums<f64>| sums.acceleration.iter().zip(pair().v).map(|(a, v)| a * v).sum::<f64>();
+            assert_eq!(of_force(without) - of_force(all), 1.0);
+            let without = sums(&PairForce { artificial_stress: [0.0; 3], ..pair() });
+            assert_eq!((all.energy_rate() - without.energy_rate(), without.repulsive_power), (-3.0, 0.0), "{split:?}");
+        }
+        // In the plane: (4, 6) . v = 12 - 6, (-3, 5) . v = -9 - 5; v . x is that of space.
         let mut sums = ForceSums::zero();
         sums.add::<2>(EnergySplit::OwnStress, &pair());
-        assert_eq!(sums, ForceSums { acceleration: [0.0, -2.5, 0.0], energy_rate: -1.0 });
+        let acceleration = [0.0, -2.5, 0.0];
+        assert_eq!(sums, ForceSums { acceleration, stress_power: 3.0, viscous_power: 1.0, repulsive_power: -7.0 });
     }
 
     #[test]

@@ -2,17 +2,19 @@
 
 use crate::{
     deck::Setup,
-    engine::{LimitReason, RunFailure, Simulation, persist::ByteCount},
+    engine::{EngineKind, LimitReason, RunFailure, Simulation, Unsupported, persist::ByteCount},
     geometry::FilledMass,
     model::{Body, Dimensions, Model},
     observed::Observed,
     output::uncompressed_bytes,
 };
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 /// How to forecast.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ForecastOptions {
+    /// What would compute.
+    pub engine: Arc<dyn EngineKind>,
     /// Number of threads; all the machine has if not given.
     pub threads: Option<usize>,
     /// Wall-clock seconds to spend on steps, at least one step is taken.
@@ -42,11 +44,13 @@ pub struct Forecast {
     pub mean_neighbors: f64,
     /// Threads in use.
     pub threads: usize,
+    /// Name of the device that computes, where that is not the processor.
+    pub device: Option<String>,
     /// Wall-clock seconds of a step.
     pub seconds_per_step: f64,
     /// Wall-clock seconds of the whole run, writing left out.
     pub run_seconds: f64,
-    /// Bytes of columns, lists and scratch.
+    /// Bytes of columns, lists and scratch, of the device that computes.
     pub memory_bytes: u64,
     /// Frames that would be written.
     pub frames: u64,
@@ -90,6 +94,23 @@ pub enum ForecastError {
     #[error("cannot start the threads: {0}")]
     #[diagnostic(help("ask for fewer with `--threads N`"))]
     Threads(String),
+    /// The engine does not run such a model.
+    #[error("the engine `{engine}` does not run this deck: {unsupported}")]
+    #[diagnostic(help("{}", unsupported.help))]
+    Unsupported {
+        /// Name of the engine.
+        engine: &'static str,
+        /// What it cannot do.
+        unsupported: Unsupported,
+    },
+    /// The engine does not start: there is no such device, or no room on it.
+    #[error("the engine `{engine}` did not start: {failure}")]
+    Start {
+        /// Name of the engine.
+        engine: &'static str,
+        /// Why.
+        failure: Box<RunFailure>,
+    },
     /// The deck can be read but not stepped.
     #[error("the run fails: {0}")]
     Failed(RunFailure),
@@ -110,15 +131,18 @@ pub fn forecast(setup: Setup, options: &ForecastOptions) -> Result<Forecast, For
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|e| ForecastError::Threads(e.to_string()))?;
-    pool.install(|| Ok(look_ahead(setup, options.seconds)?))
+    let (kind, engine) = (options.engine.as_ref(), options.engine.name());
+    kind.supports(&setup.model).map_err(|unsupported| ForecastError::Unsupported { engine, unsupported })?;
+    pool.install(|| look_ahead(setup, kind, options.seconds))
 }
 
-fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
+fn look_ahead(setup: Setup, kind: &dyn EngineKind, seconds: f64) -> Result<Forecast, ForecastError> {
     let model = setup.model.clone();
     let bodies = bodies(&model, &setup.masses);
     let frame_bytes = uncompressed_bytes(setup.particles.len(), &model.output.fields);
 
-    let mut simulation = Simulation::new(setup.model, setup.particles);
+    let mut simulation = Simulation::start(kind, setup.model, setup.particles)
+        .map_err(|failure| ForecastError::Start { engine: kind.name(), failure: Box::new(failure) })?;
     let (first_step, first_reason) = simulation.next_step_estimate()?;
     // The first step touches memory for the first time: it is taken, not timed.
     simulation.step(None)?;
@@ -131,7 +155,7 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
             Ok(_) => steps += 1,
             // A run would repeat it.
             Err(failure) if failure.step_may_be_smaller && steps > 0 => break,
-            Err(failure) => return Err(failure),
+            Err(failure) => return Err(failure.into()),
         }
     }
     let seconds_per_step = start.elapsed().as_secs_f64() / steps as f64;
@@ -153,6 +177,7 @@ fn look_ahead(setup: Setup, seconds: f64) -> Result<Forecast, RunFailure> {
         most_steps: model.time.max_steps,
         mean_neighbors: simulation.mean_neighbors(),
         threads: rayon::current_num_threads(),
+        device: simulation.device(),
         seconds_per_step,
         run_seconds: seconds_per_step * expected_steps,
         memory_bytes: simulation.memory_bytes() + kept_bytes(&mut simulation),
@@ -190,7 +215,7 @@ fn history_row_bytes(model: &Model) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deck::load_text;
+    use crate::{deck::load_text, engine::Cpu};
 
     const DECK: &str = r#"
         dimensions = "3d"
@@ -213,12 +238,16 @@ mod tests {
         spacing = "0.8 mm"
     "#;
 
+    fn options(seconds: f64) -> ForecastOptions {
+        ForecastOptions { engine: Arc::new(Cpu), threads: Some(1), seconds }
+    }
+
     #[test]
     fn bodies_steps_and_output_are_those_of_a_run() {
         let setup = load_text("test", DECK, &[]).unwrap();
         let particles = setup.particles.clone();
         let model = setup.model.clone();
-        let forecast = forecast(setup, &ForecastOptions { threads: Some(1), seconds: 0.0 }).unwrap();
+        let forecast = forecast(setup, &options(0.0)).unwrap();
         let [left, right] = &forecast.bodies[..] else { panic!("{:?}", forecast.bodies) };
         assert_eq!((left.filled.particles, right.filled.particles), (120, particles.len() - 120));
         assert!(
@@ -236,7 +265,7 @@ mod tests {
         // Steps are taken no farther than a run would go, however long they may last.
         let setup = load_text("test", DECK, &[("time.end".into(), "100 ns".into())]).unwrap();
         let started = Instant::now();
-        super::forecast(setup, &ForecastOptions { threads: Some(1), seconds: 1000.0 }).unwrap();
+        super::forecast(setup, &options(1000.0)).unwrap();
         assert!(started.elapsed().as_secs() < 500);
         // Twenty steps of 48 ns are short of the first frame interval: the initial frame and that of the end.
         assert_eq!(forecast.frames, 2);

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     engine::{
-        Audit, ContactLedger, Energies, HeatLedger, Ledger, LimitReason,
+        Audit, ContactLedger, Energies, HeatLedger, Ledger, LimitReason, WallLedger,
         persist::{Archive, ArchiveError, Persist, require},
     },
     model::{Dimensions, MeasureKind, Model},
@@ -167,6 +167,12 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("mls_energy", "J", mls, ledger.mls_energy);
     let booked = "energy the integrator booked into the internal energy so far, so that the total closes: second order of the time step";
     row.number("integration_energy", "J", booked, ledger.integration_energy);
+    let hourglass = "work against the hourglass springs so far, in the internal energy: what they hold and what they turned into heat";
+    row.number("hourglass_energy", "J", hourglass, ledger.hourglass_energy);
+    let viscous = "what artificial viscosity turned into internal energy so far";
+    row.number("viscous_energy", "J", viscous, ledger.viscous_energy);
+    let repulsion = "work against the artificial stress so far, in the internal energy: negative where it has driven particles apart";
+    row.number("artificial_stress_energy", "J", repulsion, ledger.artificial_stress_energy);
     if model.thermal.conduction {
         let meaning = "heat that came in through all boundaries so far";
         row.number("boundary_heat", "J", meaning, ledger.boundary_heat());
@@ -230,8 +236,11 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     }
     for (k, (wall, force)) in model.walls.iter().zip(&ledger.wall_forces).enumerate() {
         row.vector(&format!("wall.{}.force", wall.name), "N", "force of the wall on the particles", *force);
-        let work = ledger.wall_work.get(k).copied().unwrap_or(0.0);
-        row.number(&format!("wall.{}.work", wall.name), "J", "work of the wall on the particles so far", work);
+        let WallLedger { work, friction_work, damping_work } = ledger.walls.get(k).copied().unwrap_or_default();
+        let name = format!("wall.{}", wall.name);
+        row.number(&format!("{name}.work"), "J", "work of the wall on the particles so far, with its heat", work);
+        row.number(&format!("{name}.friction_work"), "J", "heat of friction so far", friction_work);
+        row.number(&format!("{name}.damping_work"), "J", "heat of contact damping so far", damping_work);
     }
     for (motion, force) in model.motions.iter().zip(&ledger.motion_forces) {
         let region = model.regions.get(motion.region).map_or("", |region| region.name.as_str());

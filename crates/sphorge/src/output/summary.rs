@@ -203,6 +203,15 @@ pub struct EnergyRecord {
     /// What the integrator booked into the internal energy so that the total closes.
     #[serde(default)]
     pub integration: f64,
+    /// Work against the hourglass springs, part of the internal energy.
+    #[serde(default)]
+    pub hourglass: f64,
+    /// What artificial viscosity turned into internal energy.
+    #[serde(default)]
+    pub viscous: f64,
+    /// Work against the artificial stress, part of the internal energy; negative where it has driven particles apart.
+    #[serde(default)]
+    pub artificial_stress: f64,
     /// Drift of the total at the end; see [`crate::run`] for its definition.
     pub relative_drift: f64,
     /// Largest size of the drift in any row.
@@ -291,10 +300,16 @@ pub struct Summary {
     /// Processes that share the run.
     #[serde(default = "one_rank")]
     pub ranks: usize,
+    /// Most work of a process over the mean of all, counted in pairs of particles, in the last step; one for a process alone.
+    #[serde(default = "no_imbalance")]
+    pub rank_imbalance: f64,
     /// Threads of each.
     pub threads: usize,
     /// `cpu` or `gpu`.
     pub engine: String,
+    /// Name of the graphics card, if one computed.
+    #[serde(default)]
+    pub device: Option<String>,
     /// `mixed` or `double`.
     pub precision: String,
     /// Wall-clock seconds by stage.
@@ -340,8 +355,12 @@ fn one_rank() -> usize {
     1
 }
 
+fn no_imbalance() -> f64 {
+    1.0
+}
+
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 50] = [
+const UNITS: [(&str, &str); 54] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -356,6 +375,7 @@ const UNITS: [(&str, &str); 50] = [
     ("simulated_time", "s"),
     ("wall_seconds", "s"),
     ("ranks", ""),
+    ("rank_imbalance", ""),
     ("threads", ""),
     ("stage_seconds.search", "s"),
     ("stage_seconds.kinematics", "s"),
@@ -375,6 +395,9 @@ const UNITS: [(&str, &str); 50] = [
     ("energy.plastic_work", "J{per}"),
     ("energy.external_work", "J{per}"),
     ("energy.integration", "J{per}"),
+    ("energy.hourglass", "J{per}"),
+    ("energy.viscous", "J{per}"),
+    ("energy.artificial_stress", "J{per}"),
     ("energy.relative_drift", ""),
     ("energy.largest_relative_drift", ""),
     ("momentum_drift", ""),

@@ -108,7 +108,7 @@ impl Keeper {
         observer: &mut dyn Observer,
     ) -> Result<(), OutputError> {
         let (step, time) = (state.simulation.steps(), state.simulation.time());
-        let mut about = About::new(state.simulation.engine_name(), &self.deck_name, step, time);
+        let mut about = About::new(state.simulation.saved_as(), &self.deck_name, step, time);
         about.changed_from = changed_from;
         if let Some(interval) = self.plan.interval {
             self.next = multiple_after(time, interval);

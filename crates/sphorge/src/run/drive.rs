@@ -78,6 +78,7 @@ fn run(
         particles: simulation.count(),
         ranks: simulation.ranks(),
         threads: rayon::current_num_threads(),
+        device: simulation.device(),
         end: simulation.model().time.end,
     });
     let mut state = RunState::new(directory, simulation, &masses, pace, Beginning::New)

@@ -25,6 +25,8 @@ pub struct RunStart {
     pub ranks: usize,
     /// Threads of each.
     pub threads: usize,
+    /// Name of the device that computes, where that is not the processor.
+    pub device: Option<String>,
     /// End time, s.
     pub end: f64,
 }

@@ -32,10 +32,13 @@ pub(super) struct Recorder {
     frames: Vec<SeriesEntry>,
     last_frame_step: Option<u64>,
     last_row_step: Option<u64>,
-    /// Energies, external work and what the integrator booked, of the last row.
+    /// Energies, external work, what the integrator booked and what springs, viscosity and artificial stress took, of the last row.
     energies: Energies,
     external_work: f64,
     integration_energy: f64,
+    hourglass_energy: f64,
+    viscous_energy: f64,
+    artificial_stress_energy: f64,
     steps: StepSums,
     steps_at_last_row: StepSums,
     /// Size and reason for the `dt` column.
@@ -94,6 +97,9 @@ impl Recorder {
             energies: Energies::default(),
             external_work: 0.0,
             integration_energy: 0.0,
+            hourglass_energy: 0.0,
+            viscous_energy: 0.0,
+            artificial_stress_energy: 0.0,
             steps: StepSums::default(),
             steps_at_last_row: StepSums::default(),
             step_size: (0.0, None),
@@ -202,6 +208,9 @@ impl Recorder {
         self.energies = ledger.total.energies;
         self.external_work = ledger.external_work;
         self.integration_energy = ledger.integration_energy;
+        self.hourglass_energy = ledger.hourglass_energy;
+        self.viscous_energy = ledger.viscous_energy;
+        self.artificial_stress_energy = ledger.artificial_stress_energy;
         self.steps_at_last_row = self.steps;
         self.landing_since_row = true;
         self.last_row_step = Some(engine.steps());
@@ -292,8 +301,10 @@ impl Recorder {
             simulated_time: engine.time(),
             wall_seconds: seconds,
             ranks: engine.ranks(),
+            rank_imbalance: engine.imbalance(),
             threads: rayon::current_num_threads(),
             engine: engine.engine_name().to_owned(),
+            device: engine.device(),
             precision: match model.numerics.precision {
                 Precision::Mixed => "mixed".to_owned(),
                 Precision::Double => "double".to_owned(),
@@ -312,6 +323,9 @@ impl Recorder {
                 plastic_work: self.energies.plastic_work,
                 external_work: self.external_work,
                 integration: self.integration_energy,
+                hourglass: self.hourglass_energy,
+                viscous: self.viscous_energy,
+                artificial_stress: self.artificial_stress_energy,
                 relative_drift: self.conservation.last.energy,
                 largest_relative_drift: self.conservation.largest.energy,
             },
@@ -355,6 +369,9 @@ impl Persist for Recorder {
         self.energies.persist(&of("energies"), archive)?;
         self.external_work.persist(&of("external_work"), archive)?;
         self.integration_energy.persist(&of("integration_energy"), archive)?;
+        self.hourglass_energy.persist(&of("hourglass_energy"), archive)?;
+        self.viscous_energy.persist(&of("viscous_energy"), archive)?;
+        self.artificial_stress_energy.persist(&of("artificial_stress_energy"), archive)?;
         self.steps.persist(&of("steps"), archive)?;
         self.steps_at_last_row.persist(&of("steps_at_last_row"), archive)?;
         require(self.steps_at_last_row.count <= self.steps.count, &of("steps_at_last_row.count"))?;

@@ -129,32 +129,36 @@ pub fn resume(
             Ok(checkpoint) if deck.as_ref().is_some_and(|deck| !checkpoint.is_of(deck)) => {
                 format!("{} is of a run of another deck", file.display())
             }
-            Ok(checkpoint) => match options.engines.iter().find(|engine| engine.name() == checkpoint.about.engine) {
-                None => {
-                    let known: Vec<_> = options.engines.iter().map(|engine| format!("`{}`", engine.name())).collect();
-                    let (file, engine) = (file.display(), &checkpoint.about.engine);
-                    format!("{file} is of the engine `{engine}`, not of {}", known.join(" or "))
-                }
-                Some(kind) => {
-                    let own = env!("CARGO_PKG_VERSION");
-                    if checkpoint.about.version != own {
-                        let version = &checkpoint.about.version;
-                        observer.noted(&format!(
+            Ok(checkpoint) => {
+                match options.engines.iter().find(|engine| engine.saved_as() == checkpoint.about.engine) {
+                    None => {
+                        let known: Vec<_> =
+                            options.engines.iter().map(|engine| format!("`{}`", engine.saved_as())).collect();
+                        let (file, engine) = (file.display(), &checkpoint.about.engine);
+                        format!("{file} is of the engine `{engine}`, not of {}", known.join(" or "))
+                    }
+                    Some(kind) => {
+                        let own = env!("CARGO_PKG_VERSION");
+                        if checkpoint.about.version != own {
+                            let version = &checkpoint.about.version;
+                            observer.noted(&format!(
                             "{} was written by version {version}, this is {own}: what it holds fits or is refused, but the run may not go on to the \
                              same bits",
                             file.display()
                         ));
-                    }
-                    let name = checkpoint.about.deck_name.clone();
-                    let setup = load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
-                    let saved =
-                        Saved { directory: directory.clone(), checkpoint, setup, passed_over: passed_over.clone() };
-                    match pool.install(|| go_on_from(saved, &**kind, options, stop, observer))? {
-                        Ok(summary) => return Ok(summary),
-                        Err(why) => format!("{}: {why}", file.display()),
+                        }
+                        let name = checkpoint.about.deck_name.clone();
+                        let setup =
+                            load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
+                        let saved =
+                            Saved { directory: directory.clone(), checkpoint, setup, passed_over: passed_over.clone() };
+                        match pool.install(|| go_on_from(saved, &**kind, options, stop, observer))? {
+                            Ok(summary) => return Ok(summary),
+                            Err(why) => format!("{}: {why}", file.display()),
+                        }
                     }
                 }
-            },
+            }
         };
         if passed_over.len() < MOST_TOLD {
             observer.noted(&format!("{why}; it is passed over"));
@@ -207,6 +211,8 @@ fn go_on_from(
     if end < reached * (1.0 - 1e-12) {
         return Err(ResumeError::EndPassed { end, reached });
     }
+    kind.supports(&model)
+        .map_err(|unsupported| ResumeError::Run(RunError::Unsupported { engine: kind.name(), unsupported }))?;
     kind.take_deck(&checkpoint.about.deck_name, &deck_text);
     let simulation = Simulation::start(kind, model, particles)
         .map_err(|failure| ResumeError::Run(RunError::Start { engine: kind.name(), failure: Box::new(failure) }))?;
@@ -257,6 +263,7 @@ fn go_on_from(
         particles: state.simulation.count(),
         ranks: state.simulation.ranks(),
         threads: rayon::current_num_threads(),
+        device: state.simulation.device(),
         end,
     });
     let ended = go_on(&mut state, &mut keeper, stop, observer);

@@ -222,8 +222,8 @@ impl Watch {
         }
         self.hold(WarningKind::NegativeEnergy, worst.0, worst.1, clock);
 
-        let resting = model.walls.iter().zip(&ledger.wall_work).filter(|(wall, _)| wall.velocity.iter().all(is_zero));
-        let taken = resting.map(|(_, work)| work).sum::<f64>();
+        let resting = model.walls.iter().zip(&ledger.walls).filter(|(wall, _)| wall.velocity.iter().all(is_zero));
+        let taken = resting.map(|(_, done)| done.work).sum::<f64>();
         // Without motion at the start there is nothing to hold it against.
         if kinetic > nothing {
             self.hold(WarningKind::WallEnergy, taken.abs() / kinetic, Place::default(), clock);

@@ -117,17 +117,17 @@ fn a_wall_at_rest_without_friction_takes_nothing() {
         let (mut deepest, end) = (0.0f64, simulation.model().time.end);
         while simulation.time() < end {
             simulation.step(Some(end)).unwrap();
-            deepest = deepest.min(simulation.ledger().unwrap().wall_work[0] / supplied);
+            deepest = deepest.min(simulation.ledger().unwrap().walls[0].work / supplied);
         }
         let ledger = simulation.ledger().unwrap();
-        let work = ledger.wall_work[0] / supplied;
+        let work = ledger.walls[0].work / supplied;
         // What its spring holds comes back.
         assert!(deepest < -0.01, "{velocity}, {search}: {deepest}");
         assert!(work.abs() < 0.01, "{velocity}, {search}: {work}");
         // Every joule is somewhere.
         let total = ledger.total.energies.kinetic + ledger.total.energies.internal;
         assert!((total - ledger.external_work - supplied).abs() < 1e-9 * supplied, "{velocity}, {search}");
-        assert!((ledger.external_work - ledger.wall_work[0]).abs() < 2e-3 * supplied, "{velocity}, {search}");
+        assert!((ledger.external_work - ledger.walls[0].work).abs() < 2e-3 * supplied, "{velocity}, {search}");
     }
 }
 

@@ -7,6 +7,7 @@ mod contact;
 mod external_forces;
 mod failure;
 mod heat;
+mod numerical_work;
 mod oracle;
 mod persist;
 mod renewal;

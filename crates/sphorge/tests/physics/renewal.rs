@@ -59,7 +59,7 @@ fn a_renewed_foot_is_pressed_as_one_that_is_not_and_loses_nothing() {
         let ledger = simulation.ledger().unwrap();
         let total = ledger.total.energies.kinetic + ledger.total.energies.internal;
         assert!((total - ledger.external_work - supplied).abs() < 1e-9 * supplied, "{renewal}");
-        assert!((ledger.wall_work[0] / supplied).abs() < 0.01, "{renewal}: {}", ledger.wall_work[0] / supplied);
+        assert!((ledger.walls[0].work / supplied).abs() < 0.01, "{renewal}: {}", ledger.walls[0].work / supplied);
         assert!(ledger.total.momentum[0].abs() < 1e-9 * ledger.total.mass * 200.0, "{renewal}");
         shape(&simulation)
     };

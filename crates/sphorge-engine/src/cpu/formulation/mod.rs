@@ -25,7 +25,7 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     /// Whether material of other bodies takes part in the sums.
     fn sees_other_bodies(&self) -> bool;
     /// Viscosity between pairs, which is none where it is a pressure of the particle.
-    fn pair_viscosity(&self, model: &Model) -> ViscosityParameters<f64>;
+    fn pair_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
     /// Viscosity as a pressure of the particle.
     fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
 

@@ -15,10 +15,10 @@ use crate::model::Model;
 use crate::neighbors::{BLOCK, PAD};
 use crate::particles::Particles;
 use rayon::prelude::*;
-use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
-use sphorge_physics::total_lagrangian::{deform, density as density_of, first_piola, smallest_stretch};
+use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
+use sphorge_physics::total_lagrangian::{deform, density as density_of, force_tensor, smallest_stretch};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
-use sphorge_physics::{Dimension, SymmetricTensor, Tensor, tensor};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor};
 
 pub(super) struct TotalLagrangian;
 
@@ -43,8 +43,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         false
     }
 
-    fn pair_viscosity(&self, _: &Model) -> ViscosityParameters<f64> {
-        ViscosityParameters { alpha: 0.0, beta: 0.0 }
+    fn pair_viscosity(&self, _: &Model) -> Option<ViscosityParameters<f64>> {
+        None
     }
 
     fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>> {
@@ -109,7 +109,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                 for k in 0..l.len() {
                     let i = b * BLOCK + k;
                     let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
-                    let rate = tensor::multiply(&sum, &tensor::transpose(&correction[i]));
+                    let rate = corrected(&sum, &correction[i]);
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);
                     n[k] = sums[k].inside;
@@ -133,11 +133,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         stress: SymmetricTensor<f64>,
         correction: &Tensor<f64>,
     ) -> Tensor<f64> {
-        let mut piola = first_piola(stress, &particles.deformation[i]);
-        for (own, face) in piola.as_flattened_mut().iter_mut().zip(particles.face_stress[i].as_flattened()) {
-            *own += face;
-        }
-        tensor::multiply(&piola, correction)
+        force_tensor(stress, &particles.deformation[i], &particles.face_stress[i], correction)
     }
 
     fn add_forces(&self, engine: &mut CpuEngine<T>) {

@@ -12,7 +12,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{self, LARGEST_COMPONENT};
 use sphorge_physics::viscosity::ViscosityParameters;
-use sphorge_physics::{SymmetricTensor, Tensor, Vector, pair, stress, tensor};
+use sphorge_physics::{SymmetricTensor, Tensor, Vector, kick, pair, stress, tensor};
 
 /// Steps from one sum of the moments to the next where the guard of adaptive search alone needs them. Waves go five smoothing lengths in them,
 /// and a neighbourhood that strains by the guard's bound changes its moments by as much, half a per cent.
@@ -35,8 +35,8 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         true
     }
 
-    fn pair_viscosity(&self, model: &Model) -> ViscosityParameters<f64> {
-        ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta }
+    fn pair_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>> {
+        Some(ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta })
     }
 
     fn bulk_viscosity(&self, _: &Model) -> Option<ViscosityParameters<f64>> {
@@ -76,7 +76,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             let scale = pair::gradient_factor(form, stress::predicted_density(rho, last, half));
             (sum.gradient.map(|row| row.map(|v| v.to_f64() * scale)), scale)
         };
-        let corrected_by = |l: &Tensor<f64>, b_i: &Tensor<f64>| tensor::multiply(l, &tensor::transpose(b_i));
+        let corrected_by = gradient_correction::corrected::<f64>;
         let columns =
             (velocity_gradient.par_chunks_mut(BLOCK), neighbors.par_chunks_mut(BLOCK), density.par_chunks_mut(BLOCK));
         if corrected {
@@ -220,5 +220,5 @@ fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, back: f64, ahead: f64) {
 #[inline(always)]
 fn earlier(x: Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], back: f64) -> Vector<f64> {
     // A prescribed axis has no XSPH; its velocity is the one it drifted with.
-    [0, 1, 2].map(|a| x[a] - back * if prescribed[a].is_some() { v[a] } else { v[a] + xsph[a] })
+    [0, 1, 2].map(|a| kick::earlier(x[a], if prescribed[a].is_some() { v[a] } else { v[a] + xsph[a] }, back))
 }

@@ -55,7 +55,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let one_sided = adaptive.guard.is_none();
         let (displacement, range) = (self.lists.displacement, self.lists.smoothing_lengths);
         let super::Lists { list, searcher, points, smoothing_length, marks, to_search, stored, .. } = &mut self.lists;
-        let rows = self.ghosts.halo.rows();
+        let rows = self.ghosts.halo.sources();
         // Without ghosts the particles are all there is.
         let (points, smoothing_length) = if rows.is_empty() {
             (&self.particles.position, &self.particles.smoothing_length)

@@ -3,9 +3,10 @@
 mod adaptive;
 mod audit;
 mod contact_candidates;
+mod saved;
 
 use super::CpuEngine;
-use super::domain::Domain;
+use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::smoothing::least_searched;
 use super::stored::StoredPairs;
@@ -16,7 +17,6 @@ use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
-use crate::persist::{Archive, ArchiveError, Persist, persist_option, require};
 use contact_candidates::ContactCandidates;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
@@ -46,6 +46,8 @@ pub(super) struct Lists<T> {
     pub(super) displacement: DisplacementBound,
     /// Its readings at the last full search, and when the frame was made.
     displacement_at_search: DisplacementBound,
+    /// Range of the smoothing lengths at the last full search, m.
+    smoothing_lengths_at_search: (f64, f64),
     displacement_at_frame: DisplacementBound,
     /// What a partial search does with each row; ghosts as their sources.
     marks: Vec<AtomicU8>,
@@ -58,55 +60,6 @@ impl<T: Default> Lists<T> {
     /// Lists that are to be built for particles of these smallest and largest smoothing lengths, m.
     pub(super) fn new(smoothing_lengths: (f64, f64)) -> Self {
         Self { stale: true, smoothing_lengths, ..Self::default() }
-    }
-}
-
-impl<T: PairScalar> Persist for Lists<T> {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        let of = |field: &str| format!("{name}.{field}");
-        self.list.persist(&of("list"), archive)?;
-        persist_option(&mut self.stored, &of("stored"), archive)?;
-        self.searches.persist(&of("searches"), archive)?;
-        self.stale.persist(&of("stale"), archive)?;
-        self.searcher.persist(&of("searcher"), archive)?;
-        self.points.persist(&of("points"), archive)?;
-        self.smoothing_length.persist(&of("smoothing_length"), archive)?;
-        self.smoothing_lengths.persist(&of("smoothing_lengths"), archive)?;
-        self.displacement.persist(&of("displacement"), archive)?;
-        self.displacement_at_search.persist(&of("displacement_at_search"), archive)?;
-        self.displacement_at_frame.persist(&of("displacement_at_frame"), archive)?;
-        self.candidates.persist(&of("candidates"), archive)
-    }
-}
-
-impl<T: PairScalar> CpuEngine<T> {
-    /// Refuses lists that were loaded and do not fit the particles and ghosts that are there.
-    pub(super) fn check_lists(&self, name: &str) -> Result<(), ArchiveError> {
-        let Lists { list, stored, searcher, points, smoothing_length, candidates, stale, .. } = &self.lists;
-        let count = self.particles.len();
-        let all = count + self.ghosts.count();
-        let in_place = |part: &str, unfit: Option<usize>| match unfit {
-            Some(block) => require(false, &format!("{name}.{part}.{block}")),
-            None => Ok(()),
-        };
-        require(candidates.fits(count), &format!("{name}.candidates.is_candidate"))?;
-        let kept = stored.is_some() == self.keeps_distances() || *stale && stored.is_none();
-        require(kept, &format!("{name}.stored.is_there"))?;
-        if *stale {
-            // Searched before they are read.
-            return Ok(());
-        }
-        in_place("list", list.first_unfit(count, all))?;
-        in_place("stored", stored.as_ref().and_then(|stored| stored.first_unfit(list)))?;
-        let unfit = self.contacts.as_ref().and_then(|contacts| {
-            let ghosts = contacts.search.as_ref().map_or(self.ghosts.count(), |search| search.ghosts.count());
-            contacts.foreign().first_unfit(count, count + ghosts)
-        });
-        in_place("foreign", unfit)?;
-        let searched = self.domain.as_ref().map_or(all, Domain::count);
-        require(searcher.fits(searched), &format!("{name}.searcher.sorted_at"))?;
-        require(points.len() == all, &format!("{name}.points"))?;
-        require(smoothing_length.len() == all, &format!("{name}.smoothing_length"))
     }
 }
 
@@ -150,7 +103,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     self.follow_frame()?;
                     self.keep_lists()
                 };
-                self.search_contacts();
+                self.search_contacts()?;
                 Ok(report)
             }
         }
@@ -187,14 +140,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if self.lists.displacement.is_within(self.lists.displacement_at_search, 0.5 * skin) {
             return Ok(false);
         }
-        if let Some(domain) = &self.domain {
-            let (low, high) = displacement_box(now, then);
-            let (low, high) = domain.bounds(low, high)?;
-            return Ok(domain.any(moved_beyond(now, then, 0.5 * skin))? && diagonal_beyond(low, high, skin));
-        }
-        // Images in symmetry planes go other ways than their sources.
-        let displacements_differ = || !self.ghosts.halo.is_empty() || differ_beyond(now, then, skin);
-        Ok(moved_beyond(now, then, 0.5 * skin) && displacements_differ())
+        closed_in_beyond(now, then, skin, self.ghosts.halo.has_images(), self.domain.as_deref())
     }
 
     fn keep_lists(&mut self) -> SearchReport {
@@ -208,14 +154,16 @@ impl<T: PairScalar> CpuEngine<T> {
     fn search_all(&mut self) -> Result<SearchReport, RunFailure> {
         let reach_factor = self.reach_factor();
         let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
-        if self.ghosts.halo.wrap(&mut self.particles.position) {
+        let wrapped = self.ghosts.halo.wrap(&mut self.particles.position);
+        let wraps = self.model.periodic.iter().any(Option::is_some);
+        if self.domain.as_ref().filter(|_| wraps).map_or(Ok(wrapped), |domain| domain.any(wrapped))? {
             self.lists.searcher.forget();
             self.lists.candidates.forget();
         }
         if self.ghosts.halo.rebuild(searched_positions(&self.particles, self.formulation.is_initial()), ghost_reach) {
             self.lists.searcher.forget();
         }
-        self.search_among_ranks(reach_factor)?;
+        self.search_among_ranks(reach_factor, ghost_reach)?;
         self.place_points();
         let count = self.particles.len();
         let Lists { list, searcher, points, smoothing_length, smoothing_lengths, displacement, .. } = &mut self.lists;
@@ -224,16 +172,7 @@ impl<T: PairScalar> CpuEngine<T> {
             searcher.search(points, count, &reach, *displacement, self.instructions, list);
         }
         let frame = searcher.frame::<T>();
-        if !self.formulation.sees_other_bodies() {
-            // Another body's material is no part of the deformation of this one.
-            let body = WithGhosts::new(&self.particles.body, &self.ghosts.columns.body);
-            for (b, block) in list.blocks_mut().iter_mut().enumerate() {
-                for k in 0..block.len() {
-                    let own = b * BLOCK + k;
-                    block.retain_in_row(k, own as u32, |j| body.at(own) == body.at(j as usize));
-                }
-            }
-        }
+        self.keep_own_bodies();
         self.set_frame(frame);
         if self.has_come_apart.contains(&true) {
             // Bodies are elsewhere than their reference configurations.
@@ -241,6 +180,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.take_contacts();
         self.lists.displacement_at_search = self.lists.displacement;
+        self.lists.smoothing_lengths_at_search = self.lists.smoothing_lengths;
         self.lists.searches += 1;
         self.lists.stale = false;
         self.particles.adapted.fill(1);
@@ -250,16 +190,39 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(SearchReport { searched_fraction: 1.0 })
     }
 
+    /// Takes other bodies out of the rows where their material is no part of the deformation of this one.
+    fn keep_own_bodies(&mut self) {
+        if self.formulation.sees_other_bodies() {
+            return;
+        }
+        let body = WithGhosts::new(&self.particles.body, &self.ghosts.columns.body);
+        for (b, block) in self.lists.list.blocks_mut().iter_mut().enumerate() {
+            for k in 0..block.len() {
+                let own = b * BLOCK + k;
+                block.retain_in_row(k, own as u32, |j| body.at(own) == body.at(j as usize));
+            }
+        }
+    }
+
     /// Moves pairs of different bodies to the contact between them, where the deck has one.
     fn take_contacts(&mut self) {
-        if let Some(contacts) = self.contacts.as_mut().filter(|contacts| contacts.search.is_none()) {
-            let p = &mut self.particles;
-            contacts.take_pairs(&mut self.lists.list, WithGhosts::new(&p.body, &self.ghosts.columns.body));
-            // Those that lose their neighbours in other bodies overlap no more.
-            p.contact_overlap.fill(0.0);
-            p.contact_direction.fill([0.0; 3]);
-            p.contact_weight.fill(0.0);
+        if !self.take_foreign_pairs() {
+            return;
         }
+        // Those that lose their neighbours in other bodies overlap no more.
+        let p = &mut self.particles;
+        p.contact_overlap.fill(0.0);
+        p.contact_direction.fill([0.0; 3]);
+        p.contact_weight.fill(0.0);
+    }
+
+    /// The same to pairs alone; says whether there is such a contact.
+    fn take_foreign_pairs(&mut self) -> bool {
+        let of_list = self.contacts.as_mut().filter(|contacts| contacts.search.is_none());
+        let Some(contacts) = of_list else { return false };
+        let body = WithGhosts::new(&self.particles.body, &self.ghosts.columns.body);
+        contacts.take_pairs(&mut self.lists.list, body);
+        true
     }
 
     /// How much farther than the kernel reaches ghosts are made, so that they serve until particles have moved.
@@ -378,8 +341,27 @@ pub(super) fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f
     })
 }
 
+/// Whether two particles, of all ranks, or particles and images may have closed in by more than `skin` (m) since they were where they were `then`: by
+/// twice the longest way of any, and by what the ways of all differ.
+pub(super) fn closed_in_beyond(
+    now: &[Vector<f64>],
+    then: &[Vector<f64>],
+    skin: f64,
+    has_images: bool,
+    share: Option<&Share>,
+) -> Result<bool, RunFailure> {
+    let moved = || moved_beyond(now, then, 0.5 * skin);
+    let Some(share) = share else {
+        // Images in symmetry planes go other ways than their sources.
+        return Ok(moved() && (has_images || differ_beyond(now, then, skin)));
+    };
+    let (low, high) = displacement_box(now, then);
+    let (low, high) = share.bounds(low, high)?;
+    Ok(share.any(moved())? && (has_images || diagonal_beyond(low, high, skin)))
+}
+
 /// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
-pub(super) fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
+fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
     let (low, high) = displacement_box(now, then);
     diagonal_beyond(low, high, allowed)
 }

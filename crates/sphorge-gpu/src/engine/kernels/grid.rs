@@ -3,7 +3,7 @@
 //! Cells repeat along each axis after a power of two, so that there is no bounding box to find: what lies a period away is near in the
 //! table, and too far in space to count.
 
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::{Real, Vector};
 
@@ -62,22 +62,61 @@ impl Grid {
     }
 }
 
-/// The kernels, in their order; with how many threads each: of cells, particles, chunks, one.
-pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recording, usize)>, KernelFault> {
+/// Who is sorted into the cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Sorted {
+    /// All particles, where they are.
+    Particles,
+    /// Those of the surface, where they stand for the contact.
+    Surface,
+}
+
+/// How many threads a kernel of the sorting has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum SortingThreads {
+    Of(usize),
+    /// As many as there are particles to sort.
+    OfSorted,
+}
+
+impl Sorted {
+    /// Name of a kernel.
+    fn name(self, of: &str) -> String {
+        match self {
+            Self::Particles => of.to_owned(),
+            Self::Surface => format!("{of}_of_surface"),
+        }
+    }
+
+    /// The particle of a thread, and its cell.
+    fn cell(self, bind: &mut Binder<'_>, grid: &Grid, thread: Index) -> (Index, Index) {
+        let (i, place) = match self {
+            Self::Particles => (thread, bind.read(Group::Place)),
+            Self::Surface => (bind.indices(Group::Surface).at(thread), bind.read(Group::Standing)),
+        };
+        (i, grid.cell(grid.steps(&|axis| place.get(axis, i))))
+    }
+}
+
+/// The kernels, in their order, of columns of a length.
+pub(in crate::engine) fn sorting(
+    grid: &Grid,
+    count: usize,
+    of: Sorted,
+) -> Result<Vec<(Recording, SortingThreads)>, KernelFault> {
     let cells = grid.cells();
-    let clear = recording("clear_cells", count, |bind, cell| {
+    let clear = recording(&of.name("clear_cells"), count, |bind, cell| {
         let counts = bind.index_output(Group::CellCounts);
         counts.set(cell, Index::of(0));
     })?;
-    let counting = recording("count_in_cells", count, |bind, i| {
-        let (place, counts, slots) =
-            (bind.read(Group::Place), bind.counters(Group::CellCounts), bind.index_output(Group::Slots));
-        let cell = grid.cell(grid.steps(&|axis| place.get(axis, i)));
+    let counting = recording(&of.name("count_in_cells"), count, |bind, thread| {
+        let (i, cell) = of.cell(bind, grid, thread);
+        let (counts, slots) = (bind.counters(Group::CellCounts), bind.index_output(Group::Slots));
         slots.set(i, counts.count(cell));
     })?;
     let last = |chunk: Index| (chunk * Index::of(CHUNK as u32), CHUNK as u32);
     // The table of cells is as long as whole chunks, so that no chunk ends early.
-    let chunk_sums = recording("add_up_chunks", count, |bind, chunk| {
+    let chunk_sums = recording(&of.name("add_up_chunks"), count, |bind, chunk| {
         let (counts, sums) = (bind.indices(Group::CellCounts), bind.write(Group::ChunkStarts));
         let (first, length) = last(chunk);
         let sum = bind
@@ -85,7 +124,7 @@ pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recor
             .fold(first, first + Index::of(length), Recorded::zero(), |_, sum, cell| sum + counts.at(cell).number());
         sums.set(0, chunk, sum);
     })?;
-    let chunk_starts = recording("start_chunks", count, |bind, one| {
+    let chunk_starts = recording(&of.name("start_chunks"), count, |bind, one| {
         let sums = bind.write(Group::ChunkStarts);
         let end = one + Index::of(grid.chunks() as u32);
         let total = bind.scope.fold(one, end, Recorded::zero(), |_, start, chunk| {
@@ -95,7 +134,7 @@ pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recor
         });
         sums.set(0, end, total);
     })?;
-    let starts = recording("start_cells", count, |bind, chunk| {
+    let starts = recording(&of.name("start_cells"), count, |bind, chunk| {
         let (counts, sums) = (bind.indices(Group::CellCounts), bind.read(Group::ChunkStarts));
         let starts = bind.index_output(Group::CellStarts);
         let (first, length) = last(chunk);
@@ -107,17 +146,16 @@ pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recor
         // The next chunk says the same.
         starts.set(end, Index::floor(total));
     })?;
-    let scatter = recording("scatter", count, |bind, i| {
-        let (place, starts, slots) =
-            (bind.read(Group::Place), bind.indices(Group::CellStarts), bind.indices(Group::Slots));
+    let scatter = recording(&of.name("scatter"), count, |bind, thread| {
+        let (i, cell) = of.cell(bind, grid, thread);
+        let (starts, slots) = (bind.indices(Group::CellStarts), bind.indices(Group::Slots));
         let unsorted = bind.index_output(Group::Unsorted);
-        let cell = grid.cell(grid.steps(&|axis| place.get(axis, i)));
         unsorted.set(starts.at(cell) + slots.at(i), i);
     })?;
-    let rank = recording("rank", count, |bind, i| {
-        let (place, starts) = (bind.read(Group::Place), bind.indices(Group::CellStarts));
+    let rank = recording(&of.name("rank"), count, |bind, thread| {
+        let (i, cell) = of.cell(bind, grid, thread);
+        let starts = bind.indices(Group::CellStarts);
         let (unsorted, sorted) = (bind.indices(Group::Unsorted), bind.index_output(Group::Sorted));
-        let cell = grid.cell(grid.steps(&|axis| place.get(axis, i)));
         let (first, end) = (starts.at(cell), starts.at(cell + Index::of(1)));
         let before = bind.scope.fold(first, end, Recorded::zero(), |_, before, k| {
             let (other, own) = (unsorted.at(k).number(), i.number());
@@ -128,13 +166,14 @@ pub(in crate::engine) fn sorting(grid: &Grid, count: usize) -> Result<Vec<(Recor
     let chunks = grid.chunks();
     let padded = chunks * CHUNK;
     debug_assert!(padded >= cells);
+    let (of, sorted) = (SortingThreads::Of, SortingThreads::OfSorted);
     Ok(vec![
-        (clear, padded),
-        (counting, count),
-        (chunk_sums, chunks),
-        (chunk_starts, 1),
-        (starts, chunks),
-        (scatter, count),
-        (rank, count),
+        (clear, of(padded)),
+        (counting, sorted),
+        (chunk_sums, of(chunks)),
+        (chunk_starts, of(1)),
+        (starts, of(chunks)),
+        (scatter, sorted),
+        (rank, sorted),
     ])
 }

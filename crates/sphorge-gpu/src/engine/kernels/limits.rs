@@ -1,5 +1,7 @@
 //! How large the next step may be, and what the last has changed.
 
+use super::contact;
+use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, KernelFault, Recorded};
@@ -8,12 +10,19 @@ use sphorge_physics::Real;
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, sound_limit};
+use sphorge_physics::total_lagrangian::limiting_length;
 
 /// Particles that one thread looks through.
 pub(in crate::engine) const CHUNK: usize = 256;
 
-/// Numbers of a particle: the two limits, four changes, and one where a number is none.
-pub(in crate::engine) const FIELDS: usize = 7;
+/// Numbers of a particle: the limits, four changes, one where a number is none, and one where it is stretched beyond a bound.
+pub(in crate::engine) const FIELDS: usize = 9;
+
+/// Limits among them: by sound, by acceleration and by the contact.
+pub(in crate::engine) const LIMITS: usize = 3;
+
+/// The last of them.
+pub(in crate::engine) const STRETCHED: usize = 8;
 
 /// Numbers beyond this are none: no state of a metal comes near.
 const BEYOND: f64 = 1e30;
@@ -29,12 +38,14 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         let (deviator, temperature) = (bind.read(Group::Deviator), bind.read(Group::Temperature));
         let limits = bind.write(Group::Limits);
         let (h, rho) = (constants.get(1, i), density.get(0, i));
+        let stretch = is_total_lagrangian(model).then(|| bind.read(Group::Stretch));
+        let shortest = stretch.map_or(h, |stretch| limiting_length(h, stretch.get(0, i)));
         let courant = Recorded::of(model.time.courant);
         let speed = longitudinal_speed(pressure.get(1, i), pressure.get(2, i), rho);
         let acceleration = rates.vector(0, i);
         let squared = dot(acceleration, acceleration);
         // Where nothing pushes there is no limit; the least of all is far below this one.
-        let by_acceleration = acceleration_limit(h, squared.sqrt(), courant);
+        let by_acceleration = acceleration_limit(shortest, squared.sqrt(), courant);
         let by_acceleration = Recorded::select_lt(Recorded::zero(), squared, by_acceleration, Recorded::of(BEYOND));
         let change = StepChange::of(
             &gradient.tensor(0, i),
@@ -54,9 +65,12 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         for number in numbers {
             sound = Recorded::select_lt(number.abs(), Recorded::of(BEYOND), sound, zero);
         }
-        limits.set(0, i, sound_limit(h, speed, rates.get(6, i), courant));
+        limits.set(0, i, sound_limit(shortest, speed, rates.get(6, i), courant));
         limits.set(1, i, by_acceleration);
-        limits.set_all(2, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
+        let mut by_contact = || bind.read(Group::Contact).get(contact::LIMIT, i);
+        limits.set(2, i, if model.has_self_contact() { by_contact() } else { Recorded::of(BEYOND) });
+        limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
+        limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
     })
 }
 
@@ -68,8 +82,7 @@ pub(in crate::engine) fn of_chunks(count: usize) -> Result<Recording, KernelFaul
         let first = chunk * Index::of(CHUNK as u32);
         let start = {
             let mut start = [Recorded::zero(); FIELDS];
-            start[0] = Recorded::of(BEYOND);
-            start[1] = Recorded::of(BEYOND);
+            start[..LIMITS].fill(Recorded::of(BEYOND));
             start
         };
         // Columns are padded to whole chunks with what limits nothing.
@@ -77,7 +90,7 @@ pub(in crate::engine) fn of_chunks(count: usize) -> Result<Recording, KernelFaul
         let least = bind.scope.fold(first, end, start, |_, mut least, i| {
             for (k, number) in least.iter_mut().enumerate() {
                 let here = limits.get(k, i);
-                *number = if k < 2 { number.min(here) } else { number.max(here) };
+                *number = if k < LIMITS { number.min(here) } else { number.max(here) };
             }
             least
         });

@@ -1,8 +1,15 @@
 //! The kernels of the step: each gathers what a law needs, calls it, and stores what it gives.
 
+pub(super) mod contact;
 pub(super) mod grid;
+pub(super) mod images;
+mod kick;
+pub(super) mod leapfrog;
 pub(super) mod limits;
-pub(super) mod motion;
+mod neighbors;
 pub(super) mod pairs;
+pub(super) mod predictor_corrector;
+pub(super) mod reference;
+pub(super) mod reference_forces;
 pub(super) mod stress;
 pub(super) mod walls;

@@ -1,19 +1,20 @@
 //! The pair sums: every particle goes through the cells around its own.
 
 use super::grid::Grid;
-use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
-use crate::engine::step_numbers::HALF;
+use super::neighbors::over_cells;
+use crate::engine::columns::{Fields, Group, Recording, added, recording};
+use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::Model;
-use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
+use sphorge_engine::model::{Integrator, Model};
+use sphorge_physics::kick::earlier;
 use sphorge_physics::pair::{
-    ForceSums, GradientSums, PairForce, PairForm, gradient_factor, gradient_weight, inverse_density_mean, mean,
-    momentum_factor, momentum_weight, scaled_pressure, stress_vector,
+    ForceSums, GradientSums, PairForce, PairForm, closing_power, gradient_factor, gradient_weight,
+    inverse_density_mean, mean, momentum_factor, momentum_weight, scaled_pressure, share_of_power, stress_vector,
 };
 use sphorge_physics::stress::{density_after, predicted_density};
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
-use sphorge_physics::{Dimension, Elementary, Numbers, Real, Vector, artificial_stress};
+use sphorge_physics::{Real, Tensor, artificial_stress};
 
 /// The weight of every particle in the gradient sum, of the density half a step ahead.
 pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording, KernelFault> {
@@ -29,97 +30,74 @@ pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording,
     })
 }
 
-/// Where pairs are, and how far their kernel reaches.
-struct Pair {
-    /// `x_i - x_j`, m.
-    x: Vector<Recorded>,
-    r2: Recorded,
-    scale: PairScale<Recorded>,
-}
-
-/// Takes a state through every neighbour within the kernel support, the particle itself left out.
-fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
-    bind: &mut Binder<'_>,
-    model: &Model,
-    grid: &Grid,
-    i: Index,
-    (place, constants): (Reading, Reading),
-    start: S,
-    add: impl FnOnce(S, &Pair, Index) -> S,
-) -> S {
-    let (starts, sorted, around) =
-        (bind.indices(Group::CellStarts), bind.indices(Group::Sorted), bind.indices(Group::Around));
-    let kernel = model.numerics.kernel;
-    let sigma = Recorded::of(kernel.normalisation(model.dimensions.into()));
-    let own = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
-    let h = constants.get(1, i);
-    let steps = grid.steps(&|axis| own[axis][0]);
-    let cells = Index::of((grid.around().len() / 3) as u32);
-    bind.scope.fold(Index::of(0), cells, start, |scope, state, k| {
-        let there = k * Index::of(3);
-        let cell = grid.cell([0, 1, 2].map(|axis| steps[axis] + around.at(there + Index::of(axis as u32))));
-        scope.fold(starts.at(cell), starts.at(cell + Index::of(1)), state, |_, state, place_of| {
-            let j = sorted.at(place_of);
-            let x = [0, 1, 2].map(|a| {
-                if a >= D {
-                    return Recorded::zero();
-                }
-                let other = place.double(a, 3 + a, j);
-                (own[a][0] - other[0]) + (own[a][1] - other[1])
-            });
-            let mut r2 = Recorded::zero();
-            for c in &x[..D] {
-                r2 = c.mul_add(*c, r2);
-            }
-            let scale = PairScale::new::<D>(sigma, pair_smoothing_length(h, constants.get(1, j)));
-            let reach = Recorded::of(kernel.support()) * scale.h;
-            let pair = Pair { x, r2, scale };
-            // The particle itself is as if out of reach.
-            let itself = (j.number() - i.number()).abs();
-            let apart = Recorded::select_lt(itself, Recorded::of(0.5), reach * reach, r2);
-            Recorded::if_lt(apart, reach * reach, || add(state, &pair, j), || state)
-        })
-    })
-}
-
-/// Velocity gradient and density.
+/// Velocity gradient and density. With leapfrog the gradient is that of the positions of mid-step, where its velocities are, over the pairs
+/// at its end.
 pub(in crate::engine) fn gradients<const D: usize>(
     model: &Model,
     grid: &Grid,
     count: usize,
 ) -> Result<Recording, KernelFault> {
-    let kernel = model.numerics.kernel;
+    let numerics = &model.numerics;
+    let kernel = numerics.kernel;
     recording("gradients", count, |bind, i| {
         let near = (bind.read(Group::Place), bind.read(Group::Constants));
         let (velocity, weight) = (bind.read(Group::Velocity), bind.write(Group::Weight));
         let (gradient, density, step) =
             (bind.write(Group::Gradient), bind.write(Group::Density), bind.read(Group::Step));
+        let rates = (numerics.xsph != 0.0).then(|| bind.read(Group::Rates));
+        let half = step.get(0, Index::of(HALF));
         let own = velocity.vector(0, i);
+        // What drifts beside the velocity.
+        let smoothed = |of: Index| rates.map_or([Recorded::zero(); 3], |rates| rates.vector(3, of));
+        let own_smoothed = smoothed(i);
         let start = [Recorded::zero(); 10];
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
-            let other = velocity.vector(0, j);
+        let sums = over_cells::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+            let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
-            let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
+            let (mut x, mut r2) = (pair.x, pair.r2);
+            if numerics.integrator == Integrator::Leapfrog {
+                let other_smoothed = pair.image.vector(smoothed(j));
+                r2 = Recorded::zero();
+                for a in 0..D {
+                    x[a] = earlier(x[a], (own_smoothed[a] - other_smoothed[a]) - v[a], half);
+                    r2 = x[a].mul_add(x[a], r2);
+                }
+            }
+            let (q, inverse_q) = pair.scale.reduced_distance(r2);
             let f = pair.scale.weighted(weight.get(0, j)).f(kernel.dw_over_q_by(q, inverse_q));
             let mut sums = GradientSums::zero();
             sums.gradient = [0, 1, 2].map(|a| [state[3 * a], state[3 * a + 1], state[3 * a + 2]]);
-            sums.add::<D, false>(&pair.x, &v, f);
+            sums.add::<D, false>(&x, &v, f);
             state[..9].copy_from_slice(sums.gradient.as_flattened());
-            state[9] += Recorded::one();
+            let support = Recorded::of(kernel.support());
+            state[9] += Recorded::select_lt(q, support, Recorded::one(), Recorded::zero());
             state
         });
         let factor = weight.get(2, i);
         let l = [0, 1, 2].map(|a| [0, 1, 2].map(|b| sums[3 * a + b] * factor));
         gradient.set_all(0, i, l.as_flattened());
         weight.set(1, i, sums[9]);
-        let half = step.get(0, Index::of(HALF));
-        let rho = density.get(0, i);
-        density.set(0, i, density_after(rho, &l, half));
-        density.set(1, i, Recorded::zero());
+        match numerics.integrator {
+            // The end of the step, for good.
+            Integrator::Leapfrog => {
+                density.set_all(0, i, &compressed(density.double(0, 1, i), &l, step.get(0, Index::of(DT))))
+            }
+            Integrator::PredictorCorrector => {
+                density.set(0, i, density_after(density.get(0, i), &l, half));
+                density.set(1, i, Recorded::zero());
+            }
+        }
     })
 }
 
-/// Acceleration, energy rate, XSPH velocity and the largest `|mu|`.
+/// A density with its rest, kg/m³, after a step.
+pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recorded) -> [Recorded; 2] {
+    let change = density_after(Recorded::one(), l, dt) - Recorded::one();
+    added(density, density[0] * change)
+}
+
+/// Acceleration, energy rate and the parts of it that are the viscosity's and the artificial stress's, XSPH velocity and the largest
+/// `|mu|`.
 pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -137,17 +115,19 @@ pub(in crate::engine) fn forces<const D: usize>(
             (bind.read(Group::Evaluated), bind.read(Group::Weight), bind.read(Group::Density));
         let packed = bind.read(Group::Packed);
         let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
-        // The volumes of the gradient sum: both sums are adjoint to the last digit.
-        let weight_of = |j: Index| match form {
-            PairForm::VolumeWeighted => weight.get(0, j),
-            PairForm::DensityWeighted | PairForm::Mixed => momentum_weight(form, near.1.get(0, j), density.get(0, j)),
+        let weight_of = |j: Index| match (form, numerics.integrator) {
+            // The volumes of the gradient sum, at the same positions: both sums are adjoint to the last digit.
+            (PairForm::VolumeWeighted, Integrator::PredictorCorrector) => weight.get(0, j),
+            (PairForm::VolumeWeighted, Integrator::Leapfrog) | (PairForm::DensityWeighted | PairForm::Mixed, _) => {
+                momentum_weight(form, near.1.get(0, j), density.get(0, j))
+            }
         };
         let (own, rho) = (evaluated.vector(0, i), density.get(0, i));
         let (stress, repulsion) = (packed.symmetric(0, i), packed.symmetric(6, i));
         let (switch, sound_speed) = (packed.get(12, i), packed.get(13, i));
-        let start = [Recorded::zero(); 8];
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 8], pair, j| {
-            let other = evaluated.vector(0, j);
+        let start = [Recorded::zero(); 10];
+        let sums = over_cells::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+            let other = pair.image.vector(evaluated.vector(0, j));
             let v = [0, 1, 2].map(|a| own[a] - other[a]);
             let mut v_dot_x = Recorded::zero();
             for a in 0..D {
@@ -168,21 +148,33 @@ pub(in crate::engine) fn forces<const D: usize>(
             let mut artificial = [Recorded::zero(); 3];
             if let Some(terms) = numerics.artificial_stress {
                 let factor = artificial_stress::pair_factor(w, terms.exponent);
-                artificial = artificial_stress::pair_vector::<_, D>(repulsion, packed.symmetric(6, j), factor, &pair.x);
+                artificial = artificial_stress::pair_vector::<_, D>(
+                    repulsion,
+                    pair.image.symmetric(packed.symmetric(6, j)),
+                    factor,
+                    &pair.x,
+                );
             }
+            let weighted_f = weighted.f(kernel.dw_over_q_by(q, inverse_q));
             let force = PairForce {
                 x: pair.x,
                 v,
                 own_stress: stress_vector::<_, D>(&stress, &pair.x),
-                other_stress: stress_vector::<_, D>(&packed.symmetric(0, j), &pair.x),
+                other_stress: stress_vector::<_, D>(&pair.image.symmetric(packed.symmetric(0, j)), &pair.x),
                 artificial_stress: artificial,
                 pi,
-                weighted_f: weighted.f(kernel.dw_over_q_by(q, inverse_q)),
+                weighted_f,
+                closing_power: closing_power(v_dot_x, weighted_f),
             };
-            let mut sums = ForceSums { acceleration: [state[0], state[1], state[2]], energy_rate: state[3] };
+            let mut sums = ForceSums {
+                acceleration: [state[0], state[1], state[2]],
+                stress_power: state[3],
+                viscous_power: state[8],
+                repulsive_power: state[9],
+            };
             sums.add::<D>(numerics.energy_split, &force);
             state[..3].copy_from_slice(&sums.acceleration);
-            state[3] = sums.energy_rate;
+            [state[3], state[8], state[9]] = [sums.stress_power, sums.viscous_power, sums.repulsive_power];
             if numerics.xsph != 0.0 {
                 let mut smoothing = [state[4], state[5], state[6]];
                 let mass_per_weight = near.1.get(0, j) / w_j;
@@ -199,15 +191,9 @@ pub(in crate::engine) fn forces<const D: usize>(
             rates.set(3 + a, i, sums[4 + a] * Recorded::of(numerics.xsph));
         }
         rates.set(6, i, sums[7]);
-        energy.set(2, i, sums[3] * factor);
-    })
-}
-
-/// A kernel of the dimension of a model.
-pub(in crate::engine) fn of_dimension(model: &Model, grid: &Grid, count: usize) -> Result<[Recording; 2], KernelFault> {
-    Ok(match Dimension::from(model.dimensions) {
-        Dimension::One => [gradients::<1>(model, grid, count)?, forces::<1>(model, grid, count)?],
-        Dimension::Two => [gradients::<2>(model, grid, count)?, forces::<2>(model, grid, count)?],
-        Dimension::Three => [gradients::<3>(model, grid, count)?, forces::<3>(model, grid, count)?],
+        let [viscous, repulsive] = [share_of_power(sums[8]), share_of_power(sums[9])];
+        energy.set(2, i, (sums[3] + viscous + repulsive) * factor);
+        energy.set(3, i, viscous * factor);
+        energy.set(4, i, repulsive * factor);
     })
 }

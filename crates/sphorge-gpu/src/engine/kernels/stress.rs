@@ -1,41 +1,73 @@
 //! The stress of the particles of a material: equation of state, trial stress, return mapping, heat.
 
+use super::pairs::compressed;
+use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::{Model, Wall};
+use sphorge_engine::model::Model;
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::flow::FlowState;
 use sphorge_physics::heat::temperature_rise_from_plastic_work;
-use sphorge_physics::pair::stress_scale;
+use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
-use sphorge_physics::stress::{density_after, trial_deviator};
-use sphorge_physics::viscosity::balsara;
+use sphorge_physics::stress::trial_deviator;
+use sphorge_physics::viscosity::{ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power};
 use sphorge_physics::{Real, SymmetricTensor};
 
-/// A kernel over the particles of material `k`: where forces are evaluated, which commits nothing, or at the end of the step.
-pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, at_end: bool) -> Result<Recording, KernelFault> {
+/// Which stress of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum StressOf {
+    /// Of the middle that the predictor looks at: nothing is committed, forces read it.
+    Middle,
+    /// Of the end of the predictor–corrector's step, for good, from the density before it.
+    End,
+    /// Of the end of the leapfrog's step, for good, and forces read it.
+    Leapfrog,
+}
+
+impl StressOf {
+    fn commits(self) -> bool {
+        match self {
+            Self::Middle => false,
+            Self::End | Self::Leapfrog => true,
+        }
+    }
+
+    fn is_read_by_forces(self) -> bool {
+        match self {
+            Self::End => false,
+            Self::Middle | Self::Leapfrog => true,
+        }
+    }
+}
+
+/// A kernel over the particles of material `k`.
+pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: StressOf) -> Result<Recording, KernelFault> {
     let material = &model.materials[k];
     let numerics = &model.numerics;
-    let name = if at_end { format!("commit_stress_{k}") } else { format!("stress_{k}") };
+    let name = match of {
+        StressOf::End => format!("commit_stress_{k}"),
+        StressOf::Middle | StressOf::Leapfrog => format!("stress_{k}"),
+    };
     recording(&name, count, |bind, thread| {
         let members = bind.indices(Group::Members(k));
         let i = members.at(thread);
         let step = bind.read(Group::Step);
-        let (density, base_density) = (bind.write(Group::Density), bind.read(Group::BaseDensity));
+        let density = bind.write(Group::Density);
         let (gradient, energy) = (bind.read(Group::Gradient), bind.read(Group::Energy));
         let (deviator, plastic) = (bind.write(Group::Deviator), bind.write(Group::Plastic));
         let (temperature, pressures) = (bind.write(Group::Temperature), bind.write(Group::Pressure));
         let half = step.get(0, Index::of(HALF));
-        let dt = if at_end { step.get(0, Index::of(DT)) } else { half };
+        let dt = if of.commits() { step.get(0, Index::of(DT)) } else { half };
         let l = gradient.tensor(0, i);
-        let (rho, e) = if at_end {
-            let change = density_after(Recorded::one(), &l, dt) - Recorded::one();
-            let after = crate::engine::columns::added(base_density.double(0, 1, i), base_density.get(0, i) * change);
-            density.set_all(0, i, &after);
-            (after[0], energy.get(0, i))
-        } else {
-            (density.get(0, i), energy.get(0, i) + half * energy.get(2, i))
+        let (rho, e) = match of {
+            StressOf::End => {
+                let after = compressed(bind.read(Group::BaseDensity).double(0, 1, i), &l, dt);
+                density.set_all(0, i, &after);
+                (after[0], energy.get(0, i))
+            }
+            StressOf::Middle | StressOf::Leapfrog => (density.get(0, i), energy.get(0, i) + half * energy.get(2, i)),
         };
         let state = material.bounded_pressure::<Recorded>().at(rho, e);
         let flow = FlowState {
@@ -51,7 +83,7 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, at_end: b
         let guess = plastic.get(2, i);
         let returned = return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &[], dt, guess);
         pressures.set_all(0, i, &[state.pressure, state.sound_speed, shear_modulus]);
-        if at_end {
+        if of.commits() {
             deviator.set_all(0, i, &returned.deviator.to_array());
             plastic.add(0, 1, i, returned.plastic_strain_increment);
             plastic.set(2, i, returned.plastic_strain_increment);
@@ -66,16 +98,27 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, at_end: b
                     i,
                     temperature_rise_from_plastic_work(beta, returned.plastic_work, rho, specific_heat),
                 );
-                if model.walls.iter().any(Wall::rubs) {
-                    let rubbed = bind.read(Group::External).get(4, i);
-                    temperature.add(0, 1, i, rubbed * dt / specific_heat);
-                }
             }
+        }
+        if !of.is_read_by_forces() {
             return;
         }
         let (packed, constants) = (bind.write(Group::Packed), bind.read(Group::Constants));
-        let sigma =
-            (returned.deviator - SymmetricTensor::isotropic(state.pressure)) * stress_scale(numerics.pair_form, rho);
+        let mut pressure = state.pressure;
+        if is_total_lagrangian(model) {
+            let (stretch, accounts) = (bind.write(Group::Stretch), bind.write(Group::Accounts));
+            let parameters = ViscosityParameters {
+                alpha: Recorded::of(numerics.viscosity_alpha),
+                beta: Recorded::of(numerics.viscosity_beta),
+            };
+            let (divergence, shortest) = (l[0][0] + l[1][1] + l[2][2], constants.get(1, i) * stretch.get(0, i));
+            let q = bulk_viscosity(parameters, divergence, rho, state.sound_speed, shortest);
+            let power = bulk_viscous_power(mean(stretch.get(1, i), q), divergence, rho);
+            accounts.add(10, 11, i, constants.get(0, i) * dt * power);
+            stretch.set(1, i, q);
+            pressure += q;
+        }
+        let sigma = (returned.deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
         packed.set_all(0, i, &sigma.to_array());
         if numerics.artificial_stress.is_some() {
             let repulsion = artificial_stress(sigma, constants.get(2, i), model.dimensions.into());
@@ -85,5 +128,17 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, at_end: b
             packed.set(12, i, balsara(&l, state.sound_speed, constants.get(1, i)));
         }
         packed.set(13, i, state.sound_speed);
+    })
+}
+
+/// Warms the particles of material `k` by the friction of the step.
+pub(in crate::engine) fn warm(model: &Model, k: usize, count: usize) -> Result<Recording, KernelFault> {
+    let specific_heat = model.materials[k].specific_heat;
+    recording(&format!("warm_by_friction_{k}"), count, |bind, thread| {
+        let i = bind.indices(Group::Members(k)).at(thread);
+        let (external, temperature, step) =
+            (bind.read(Group::External), bind.write(Group::Temperature), bind.read(Group::Step));
+        let dt = step.get(0, Index::of(DT));
+        temperature.add(0, 1, i, external.get(4, i) * dt / Recorded::of(specific_heat));
     })
 }

@@ -3,69 +3,121 @@
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, GRAVITY, WALL_LENGTH, WALLS};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::{Model, Wall, WallContact, WallSurface};
-use sphorge_physics::tensor::dot;
-use sphorge_physics::wall::{Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
-use sphorge_physics::{Real, Vector};
+use sphorge_engine::model::{Formulation, Model, Wall, WallContact, WallSurface};
+use sphorge_physics::total_lagrangian::MeetingPoint;
+use sphorge_physics::wall::{FacePush, FacePushes, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
+use sphorge_physics::{Real, Tensor, Vector};
 
-/// Numbers kept of each wall and particle.
-pub(in crate::engine) const FIELDS: usize = 2;
+/// Sums kept of each wall and particle: work, heat of friction and heat of damping, J.
+pub(in crate::engine) const SUMS: usize = 3;
+/// Numbers kept of each wall and particle: each sum with its rest, then their powers by the last forces, W.
+pub(in crate::engine) const FIELDS: usize = 3 * SUMS;
 
-/// Adds what walls and gravity do to acceleration and energy rate.
+/// Works out what walls and gravity do, to which the contact of a body with itself adds. A wall meets a particle of the total Lagrangian form at its face.
 pub(in crate::engine) fn push(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("push", count, |bind, i| {
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let (constants, step) = (bind.read(Group::Constants), bind.read(Group::Step));
-        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
-        let (external, walls) = (bind.write(Group::External), bind.write(Group::Walls));
+        let external = bind.write(Group::External);
+        let walls = (!model.walls.is_empty()).then(|| bind.write(Group::Walls));
+        let is_deformed = is_total_lagrangian(model) && walls.is_some();
+        let has_faces = is_deformed || model.has_self_contact();
+        let deformed = is_deformed.then(|| {
+            let (f, l) = (bind.read(Group::Deformation), bind.read(Group::Gradient));
+            (f.tensor(0, i), l.tensor(0, i))
+        });
         let number = |k: u32| step.get(0, Index::of(k));
         let vector = |k: u32| [number(k), number(k + 1), number(k + 2)];
-        let mut pushed = vector(GRAVITY);
-        let (mut heat, mut rubbed) = (Recorded::zero(), Recorded::zero());
+        let mut pushes = FacePushes::of_gravity(vector(GRAVITY));
+        let mut rubbed = Recorded::zero();
         let (mass, v) = (constants.get(0, i), evaluated.vector(0, i));
         for (k, wall) in model.walls.iter().enumerate() {
             let at = WALLS + k as u32 * WALL_LENGTH;
             let (shift, moving) = (vector(at), vector(at + 3));
+            let body = AtWall {
+                h: constants.get(1, i),
+                spacing: constants.get(3, i),
+                sound_speed: constants.get(4, i),
+                deformed,
+            };
             let x = [0, 1, 2].map(|a| place.get(a, i) - shift[a] + place.get(3 + a, i));
-            let own = (constants.get(1, i), constants.get(3, i), constants.get(4, i));
-            let of_wall = of_wall(wall, x, [0, 1, 2].map(|a| v[a] - moving[a]), own, number(DT));
-            for a in 0..3 {
-                pushed[a] += of_wall.acceleration[a];
+            let push = of_wall(wall, &body, x, v, moving, number(DT));
+            rubbed += push.rubbed;
+            let power = pushes.add(&push, v);
+            if let Some(walls) = walls {
+                for (sum, power) in [power, push.rubbed, push.heat - push.rubbed].into_iter().enumerate() {
+                    walls.set(FIELDS * k + 2 * SUMS + sum, i, mass * power);
+                }
             }
-            heat += of_wall.heat;
-            rubbed += of_wall.rubbed;
-            let power = mass * (dot(of_wall.acceleration, v) + of_wall.heat);
-            walls.add(FIELDS * k, FIELDS * k + 1, i, power * number(DT));
         }
-        for a in 0..3 {
-            rates.set(a, i, rates.get(a, i) + pushed[a]);
+        external.set_all(0, i, &pushes.acceleration);
+        external.set_all(3, i, &[pushes.beyond, rubbed]);
+        if has_faces {
+            let (face_stress, reference) = (bind.write(Group::FaceStress), bind.read(Group::Reference));
+            face_stress.set_all(0, i, pushes.stress(mass, reference.get(6, i)).as_flattened());
         }
-        energy.set(2, i, energy.get(2, i) + heat);
-        external.set_all(0, i, &[pushed[0], pushed[1], pushed[2], heat, rubbed]);
     })
 }
 
-/// What a wall does to a particle of that smoothing length (m), spacing (m) and sound speed at rest (m/s).
+/// Whether sums are those of the reference configuration.
+pub(in crate::engine) fn is_total_lagrangian(model: &Model) -> bool {
+    matches!(model.formulation, Formulation::TotalLagrangian { .. })
+}
+
+/// Adds what was worked out to acceleration and energy rate.
+pub(in crate::engine) fn add(count: usize) -> Result<Recording, KernelFault> {
+    recording("add_external", count, |bind, i| {
+        let external = bind.read(Group::External);
+        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
+        for a in 0..3 {
+            rates.set(a, i, rates.get(a, i) + external.get(a, i));
+        }
+        energy.set(2, i, energy.get(2, i) + external.get(3, i));
+    })
+}
+
+/// A particle that meets a wall.
+pub(in crate::engine) struct AtWall<T> {
+    /// Smoothing length, m, spacing, m, sound speed at rest, m/s.
+    pub(in crate::engine) h: T,
+    pub(in crate::engine) spacing: T,
+    pub(in crate::engine) sound_speed: T,
+    /// Deformation gradient and velocity gradient, 1/s, where the form has particles that deform.
+    pub(in crate::engine) deformed: Option<(Tensor<T>, Tensor<T>)>,
+}
+
+/// What a wall, which moves with a velocity (m/s), does to a particle that is so far from where the wall stood at first (m) and has a velocity
+/// (m/s).
 pub(in crate::engine) fn of_wall<T: Real>(
     wall: &Wall,
+    body: &AtWall<T>,
     x: Vector<T>,
     velocity: Vector<T>,
-    (h, spacing, sound_speed): (T, T, T),
+    moving: Vector<T>,
     dt: T,
-) -> WallPush<T> {
+) -> FacePush<T> {
     let zero = T::zero();
-    let none = WallPush { acceleration: [zero; 3], heat: zero, rubbed: zero };
+    let away = FacePush { acceleration: [zero; 3], heat: zero, rubbed: zero, face: [zero; 3], velocity };
     // Others are refused before a run.
-    let WallSurface::Plane { point, normal } = wall.surface else { return none };
+    let WallSurface::Plane { point, normal } = wall.surface else { return away };
     let gap = Gap::to_plane(x, point.map(T::of), normal.map(T::of));
+    let relative = |v: Vector<T>| [0, 1, 2].map(|a| v[a] - moving[a]);
     match wall.contact {
         WallContact::MonaghanKos { range } => {
-            WallPush { acceleration: monaghan_kos(&gap, velocity, T::of(range), sound_speed, h), ..none }
+            let acceleration = monaghan_kos(&gap, relative(velocity), T::of(range), body.sound_speed, body.h);
+            FacePush { acceleration, ..away }
         }
         WallContact::Penalty { stiffness, damping, friction } => {
             let [stiffness, damping, friction] = [stiffness, damping, friction].map(T::of);
-            let parameters = PenaltyParameters::from_sound_speed(sound_speed, spacing, stiffness, damping, friction);
-            penalty_contact(parameters, &gap, T::of(0.5) * spacing, velocity, dt)
+            let parameters =
+                PenaltyParameters::from_sound_speed(body.sound_speed, body.spacing, stiffness, damping, friction);
+            let at = match &body.deformed {
+                None => MeetingPoint { radius: T::of(0.5) * body.spacing, place: [zero; 3], velocity },
+                Some((f, l)) => MeetingPoint::new(body.spacing, f, l, velocity, gap.normal),
+            };
+            let WallPush { acceleration, heat, rubbed } =
+                penalty_contact(parameters, &gap, at.radius, relative(at.velocity), dt);
+            FacePush { acceleration, heat, rubbed, face: at.place, velocity: at.velocity }
         }
     }
 }

@@ -40,9 +40,15 @@ impl Observer for Listener {
 
 /// Runs the deck with checkpoints after about every third step and at the end; the folder of it.
 fn run_in(folder: &Path) -> PathBuf {
+    run_with(folder, &[])
+}
+
+/// The same with other keys.
+fn run_with(folder: &Path, overrides: &[(&str, &str)]) -> PathBuf {
     let checkpoints = CheckpointPlan { interval: Some(0.2e-6), at_end: true, ..CheckpointPlan::default() };
     let options = RunOptions { directory: folder.join("run"), threads: Some(1), checkpoints, ..RunOptions::default() };
-    let setup = load_text("bar", DECK, &[]).unwrap();
+    let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let setup = load_text("bar", DECK, &overrides).unwrap();
     execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Listener::default()).unwrap();
     options.directory
 }
@@ -80,45 +86,25 @@ fn forge(path: &Path, name: &str, change: impl Fn(&mut Vec<u8>)) {
     forged.finish().unwrap();
 }
 
-#[test]
-fn forged_values_are_passed_over_for_the_checkpoint_before() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = run_in(folder.path());
-    let found = checkpoints(&run).unwrap();
+/// Name of a value of a checkpoint, what is done to it, and what a resumed run says of it.
+type Change<'a> = (&'a str, Box<dyn Fn(&mut Vec<u8>)>, &'a str);
+
+/// More than there are.
+const MANY: u64 = 1_000_000_000_000_000_000;
+
+fn set_count(count: u64) -> impl Fn(&mut Vec<u8>) {
+    move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&count.to_le_bytes())
+}
+
+/// Resumes a run whose last checkpoint is forged, each way for itself.
+fn are_passed_over(run: &Path, forgeries: &[Change<'_>]) {
+    let found = checkpoints(run).unwrap();
     let [(12, last), (before, _)] = &found[..] else { panic!("{found:?}") };
     let whole = fs::read(last).unwrap();
-    let set_first = |value: f64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&value.to_le_bytes());
-    let set_count = |count: u64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&count.to_le_bytes());
-    let many = 1_000_000_000_000_000_000;
-    type Change<'a> = (&'a str, Box<dyn Fn(&mut Vec<u8>)>, &'a str);
-    let forgeries: [Change<'_>; 15] = [
-        ("state/particles.position", Box::new(set_first(f64::NAN)), "`position` has values that no particle can have"),
-        ("state/particles.velocity", Box::new(set_first(f64::INFINITY)), "`velocity` has values"),
-        ("state/particles.density", Box::new(set_first(-1.0)), "`density` has values"),
-        ("state/particles.position", Box::new(|bytes| bytes.truncate(240)), "particles.position"),
-        ("state/particles.id", Box::new(|bytes| bytes.extend([0; 4])), "particles.id"),
-        ("state/lists.list.count", Box::new(set_count(many)), "lists.list"),
-        ("state/run.recorder.watch.seen.count", Box::new(set_count(many)), "watch.seen"),
-        // Later: a step before that of the last report, which a slow run makes at its last step, is found by that.
-        ("state/clock.steps", Box::new(set_count(13)), "another step than it says"),
-        // Counts that the next step would wrap, and differences below nothing.
-        ("state/step.count", Box::new(set_count(u64::MAX)), "step.count"),
-        ("state/run.recorder.steps.count", Box::new(set_count(u64::MAX)), "recorder.steps.count"),
-        ("state/run.recorder.steps_at_last_row.count", Box::new(set_count(13)), "steps_at_last_row.count"),
-        ("state/run.recorder.watch.hopeless_steps", Box::new(set_count(u64::MAX)), "watch.hopeless_steps"),
-        ("state/run.pace.last_step", Box::new(set_count(13)), "run.pace.last_step"),
-        // The padding behind a row of two is not the particle itself.
-        (
-            "state/lists.list.0.indices",
-            Box::new(|bytes| bytes[12..16].copy_from_slice(&7u32.to_le_bytes())),
-            "lists.list",
-        ),
-        ("state/run.frames.next", Box::new(set_count(0)), "run.frames.next"),
-    ];
     for (name, change, reason) in forgeries {
         fs::write(last, &whole).unwrap();
         forge(last, name, change);
-        let (ended, told) = go_on_in(&run);
+        let (ended, told) = go_on_in(run);
         assert_eq!(ended.unwrap().steps, 12, "{name}");
         assert_eq!(told.len(), 2, "{name}: {told:?}");
         assert!(told[0].contains(reason) && told[0].ends_with("; it is passed over"), "{name}: {told:?}");
@@ -127,6 +113,55 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
         assert!(told[1].starts_with(&from) && told[1].ends_with(&repeated), "{told:?}");
         assert!(!last.exists(), "{name}");
     }
+}
+
+#[test]
+fn forged_values_are_passed_over_for_the_checkpoint_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let set_first = |value: f64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&value.to_le_bytes());
+    let forgeries: [Change<'_>; 20] = [
+        ("state/particles.position", Box::new(set_first(f64::NAN)), "particles.position"),
+        // So far out that the cells between would be more than there are numbers.
+        ("state/particles.position", Box::new(set_first(-1e300)), "particles.position"),
+        ("state/particles.reference_position", Box::new(set_first(1e300)), "particles.reference_position"),
+        ("state/lists.points", Box::new(set_first(1e300)), "lists.points"),
+        ("state/lists.smoothing_length", Box::new(set_first(-1.0)), "lists.smoothing_length"),
+        ("state/lists.searcher.sorted_at", Box::new(set_first(1e300)), "lists.searcher.sorted_at"),
+        ("state/particles.smoothing_length", Box::new(set_first(0.0)), "particles.smoothing_length"),
+        ("state/particles.energy", Box::new(set_first(f64::NAN)), "`energy` has values that no particle can have"),
+        ("state/particles.velocity", Box::new(set_first(f64::INFINITY)), "`velocity` has values"),
+        ("state/particles.density", Box::new(set_first(-1.0)), "`density` has values"),
+        ("state/particles.position", Box::new(|bytes| bytes.truncate(240)), "particles.position"),
+        ("state/particles.id", Box::new(|bytes| bytes.extend([0; 4])), "particles.id"),
+        ("state/run.recorder.watch.seen.count", Box::new(set_count(MANY)), "watch.seen"),
+        // Later: a step before that of the last report, which a slow run makes at its last step, is found by that.
+        ("state/clock.steps", Box::new(set_count(13)), "another step than it says"),
+        // Counts that the next step would wrap, and differences below nothing.
+        ("state/step.count", Box::new(set_count(u64::MAX)), "step.count"),
+        ("state/run.recorder.steps.count", Box::new(set_count(u64::MAX)), "recorder.steps.count"),
+        ("state/run.recorder.steps_at_last_row.count", Box::new(set_count(13)), "steps_at_last_row.count"),
+        ("state/run.recorder.watch.hopeless_steps", Box::new(set_count(u64::MAX)), "watch.hopeless_steps"),
+        ("state/run.pace.last_step", Box::new(set_count(13)), "run.pace.last_step"),
+        ("state/run.frames.next", Box::new(set_count(0)), "run.frames.next"),
+    ];
+    are_passed_over(&run, &forgeries);
+}
+
+#[test]
+fn forged_lists_of_an_adaptive_search_are_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_with(folder.path(), &[("method", "\"updated-lagrangian\""), ("search", "\"adaptive\"")]);
+    let forgeries: [Change<'_>; 2] = [
+        ("state/lists.list.count", Box::new(set_count(MANY)), "lists.list"),
+        // The padding behind a row of two is not the particle itself.
+        (
+            "state/lists.list.0.indices",
+            Box::new(|bytes| bytes[12..16].copy_from_slice(&7u32.to_le_bytes())),
+            "lists.list",
+        ),
+    ];
+    are_passed_over(&run, &forgeries);
 }
 
 #[test]

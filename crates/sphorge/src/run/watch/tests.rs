@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    engine::{BodyLedger, Energies, persist::MemoryArchive},
+    engine::{BodyLedger, Energies, WallLedger, persist::MemoryArchive},
     model::{TimeTable, Wall, WallContact, WallSurface},
     output::testing,
     particles::Particles,
@@ -127,11 +127,15 @@ fn only_walls_at_rest_must_not_work() {
         contact: WallContact::MonaghanKos { range: 1.0 },
     };
     model.walls = vec![wall(0.0), wall(1.0)];
+    let of_walls = |works: [f64; 2]| Ledger {
+        walls: works.map(|work| WallLedger { work, ..WallLedger::default() }).to_vec(),
+        ..ledger(0.0, 0.0, 0.0, 0.0)
+    };
     let mut watch = begun(&model);
-    watch.look_at_ledger(&model, &Ledger { wall_work: vec![-19.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
+    watch.look_at_ledger(&model, &of_walls([-19.0, 500.0]), CLOCK);
     assert_eq!(watch.count(), 0);
-    watch.look_at_ledger(&model, &Ledger { wall_work: vec![-21.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
-    watch.look_at_ledger(&model, &Ledger { wall_work: vec![22.0, 500.0], ..ledger(0.0, 0.0, 0.0, 0.0) }, CLOCK);
+    watch.look_at_ledger(&model, &of_walls([-21.0, 500.0]), CLOCK);
+    watch.look_at_ledger(&model, &of_walls([22.0, 500.0]), CLOCK);
     assert_eq!(found(&watch, &model), one("wall-energy", 0.22));
 }
 

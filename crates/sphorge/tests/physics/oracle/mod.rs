@@ -8,7 +8,7 @@ mod decks;
 use super::setup::COLLISION;
 use decks::{BARS, BLOCKS, CORNER, Case, LINE, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE};
 use sphorge::deck;
-use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation};
+use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation, WallLedger};
 use sphorge::{Model, Particles, model::Section};
 use sphorge_oracle::OracleKind;
 
@@ -98,8 +98,24 @@ fn of_ledgers(a: &Ledger, b: &Ledger) -> Vec<Difference> {
     compare("momentum", &bodies(a, &momentum), &bodies(b, &momentum), b.total.momentum_scale);
     compare("external work", &[a.external_work], &[b.external_work], energy);
     compare("energy booked", &[a.integration_energy], &[b.integration_energy], energy);
-    compare("work of walls", &a.wall_work, &b.wall_work, energy);
     compare("impulse", &a.external_impulse, &b.external_impulse, b.total.momentum_scale);
+    let of_walls = |l: &Ledger, of: fn(&WallLedger) -> f64| -> Vec<f64> { l.walls.iter().map(of).collect() };
+    compare("work of walls", &of_walls(a, |of| of.work), &of_walls(b, |of| of.work), energy);
+    for (what, of) in [
+        ("friction of walls", (|of| of.friction_work) as fn(&WallLedger) -> f64),
+        ("damping of walls", |of| of.damping_work),
+    ] {
+        let (a, b) = (of_walls(a, of), of_walls(b, of));
+        compare(what, &a, &b, b.iter().copied().fold(0.0, f64::max));
+    }
+    // Each has the scale of its own: they are small beside the energies.
+    for (of, a, b) in [
+        ("energy of hourglass springs", a.hourglass_energy, b.hourglass_energy),
+        ("energy of viscosity", a.viscous_energy, b.viscous_energy),
+        ("energy of artificial stress", a.artificial_stress_energy, b.artificial_stress_energy),
+    ] {
+        compare(of, &[a], &[b], b.abs());
+    }
     compare("density restored", &[a.mls_energy], &[b.mls_energy], energy);
     let works = |l: &Ledger| -> Vec<f64> {
         l.contacts.iter().flat_map(|c| [c.stored_energy, c.friction_work, c.damping_work]).collect()

@@ -1,5 +1,12 @@
 //! A run on ranks writes what a run without them writes, bit by bit.
 
+mod balance;
+mod contact;
+mod heat;
+mod saved;
+mod sections;
+mod symmetry;
+
 use sphorge::deck::{Setup, load_text};
 use sphorge::engine::{Cpu, EngineKind};
 use sphorge::run::{RunOptions, Silent, execute};
@@ -40,6 +47,11 @@ fn try_run(kind: &dyn EngineKind, setup: Setup, threads: usize) -> Result<Files,
 
 /// The same on ranks, each a thread.
 fn try_run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_each: usize) -> Result<Files, String> {
+    led(ranks, threads_each, |leader| try_run(leader, setup(deck, changes), threads_each))
+}
+
+/// What the first of some ranks makes of them, each a thread.
+fn led<T>(ranks: usize, threads_each: usize, lead: impl FnOnce(&Leader) -> T) -> T {
     let mut communicators = threads(ranks);
     thread::scope(|scope| {
         for communicator in communicators.split_off(1) {
@@ -51,8 +63,7 @@ fn try_run_on_ranks(deck: &str, changes: &[(&str, &str)], ranks: usize, threads_
                 follow(communicator, Some(threads_each), load).unwrap();
             });
         }
-        let leader = Leader::new(communicators.remove(0));
-        try_run(&leader, setup(deck, changes), threads_each)
+        lead(&Leader::new(communicators.remove(0)))
     })
 }
 
@@ -66,7 +77,7 @@ fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) {
         let found = try_run_on_ranks(deck, changes, ranks, if ranks == 2 { 2 } else { 1 }).unwrap();
         assert!(found.keys().eq(expected.keys()));
         for (name, bytes) in &found {
-            assert!(*bytes == expected[name], "`{name}` of `{deck}` on {ranks} ranks differs");
+            assert!(*bytes == expected[name], "`{name}` of `{deck:.60}` on {ranks} ranks differs");
         }
     }
 }
@@ -76,7 +87,7 @@ fn a_plate_at_a_wall_with_a_search_every_step() {
     compare(
         "taylor-plate",
         &[("particles.spacing", "\"0.4 mm\""), ("time.end", "\"6 us\""), ("output.frames", "2")],
-        &[1, 2, 3, 4, 7],
+        &[1, 2, 3, 4, 5, 7],
     );
 }
 
@@ -196,14 +207,9 @@ fn what_ranks_do_not_do_is_refused_by_name() {
     let refused = |deck: &str, changes: &[(&str, &str)]| {
         try_run_on_ranks(deck, changes, 2, 1).map(|files| files.len()).expect_err(deck)
     };
-    for (deck, changes, name) in [
-        ("copper-bar", &[][..], "`contact`"),
-        ("bullet", &[("search", "\"adaptive\"")], "`search`"),
-        ("heat-slab", &[], "`thermal`"),
-        ("copper-bar", &[("search.total-lagrangian.self-contact", "false")], "`symmetry`"),
-        ("taylor-plate", &[("audit", "10")], "`audit`"),
-        ("pulled", &[("search.total-lagrangian.self-contact", "false")], "`section`"),
-    ] {
+    for (deck, changes, name) in
+        [("bullet", &[("search", "\"adaptive\"")][..], "`search`"), ("taylor-plate", &[("audit", "10")], "`audit`")]
+    {
         let message = refused(deck, changes);
         assert!(message.contains(name) && message.contains("does not run this deck"), "{deck}: {message}");
     }

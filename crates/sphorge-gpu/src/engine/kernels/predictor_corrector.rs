@@ -1,9 +1,10 @@
 //! Monaghan's predictor–corrector.
 
+use super::kick::Kicks;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
-use crate::record::{Index, KernelFault, Recorded};
-use sphorge_physics::Real;
+use crate::record::{Index, KernelFault};
+use sphorge_engine::model::Model;
 
 /// The state at the middle of the step, predicted with the rates of the last one.
 pub(in crate::engine) fn predict(count: usize) -> Result<Recording, KernelFault> {
@@ -35,36 +36,24 @@ pub(in crate::engine) fn predict(count: usize) -> Result<Recording, KernelFault>
 
 /// The whole step with the rates of its middle. Pair forces have worked at the velocity they were evaluated with: what the mean velocity
 /// of the step differs from that goes to the internal energy.
-pub(in crate::engine) fn correct(count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn correct(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("correct", count, |bind, i| {
+        let kicks = Kicks::of(bind, model);
         let (place, velocity) = (bind.write(Group::Place), bind.write(Group::Velocity));
         let (base_place, base_velocity) = (bind.read(Group::BasePlace), bind.read(Group::BaseVelocity));
-        let (rates, external) = (bind.read(Group::Rates), bind.read(Group::External));
-        let (energy, accounts) = (bind.write(Group::Energy), bind.write(Group::Accounts));
-        let (constants, step) = (bind.read(Group::Constants), bind.read(Group::Step));
+        let step = bind.read(Group::Step);
         let (dt, half) = (step.get(0, Index::of(DT)), step.get(0, Index::of(HALF)));
-        let mass = constants.get(0, i);
-        let (mut booked, mut work) = (Recorded::zero(), external.get(3, i));
-        work = mass * work * dt;
-        for a in 0..3 {
-            let (x, v) = (base_place.double(a, 3 + a, i), base_velocity.double(a, 3 + a, i));
-            let (acceleration, pushed) = (rates.get(a, i), external.get(a, i));
-            let after = added(v, dt * acceleration);
-            let mean = v[0] + half * acceleration;
-            let moved = added(x, dt * (mean + rates.get(3 + a, i)));
+        let axes = [0, 1, 2].map(|a| {
+            // Evaluated was what the acceleration of the step before predicted.
+            let ahead = -(half * base_velocity.get(6 + a, i));
+            let (after, axis) = kicks.axis(a, i, base_velocity.double(a, 3 + a, i), ahead, dt);
+            let moved = added(base_place.double(a, 3 + a, i), dt * (axis.mean + kicks.rates.get(3 + a, i)));
             for k in 0..2 {
                 velocity.set(a + 3 * k, i, after[k]);
                 place.set(a + 3 * k, i, moved[k]);
             }
-            // The mean velocity less the evaluated one, which was predicted with the acceleration of the step before.
-            let ahead = half * (acceleration - base_velocity.get(6 + a, i));
-            booked -= (acceleration - pushed) * ahead * dt;
-            let impulse = mass * pushed * dt;
-            work += mean * impulse;
-            accounts.add(2 + 2 * a, 3 + 2 * a, i, impulse);
-        }
-        energy.add(0, 1, i, dt * energy.get(2, i) + booked);
-        accounts.add(0, 1, i, work);
-        accounts.add(8, 9, i, mass * booked);
+            axis
+        });
+        kicks.book(i, &axes, dt);
     })
 }

@@ -1,0 +1,142 @@
+//! What of the lists a run must survive with.
+//!
+//! Rows that a full search has made are not saved: the same search, of the points and with the cells it had, makes them again, whichever rank has
+//! them then. Those of an adaptive search, and distances that are kept, are.
+
+use super::super::CpuEngine;
+use super::super::stored::StoredPairs;
+use super::{Lists, Reach};
+use crate::RunFailure;
+use crate::halo::{FieldSet, GhostColumn};
+use crate::lanes::PairScalar;
+use crate::model::Search;
+use crate::neighbors::{are_places, is_place};
+use crate::persist::{Archive, ArchiveError, Persist, persist_option, persist_pieces_or_none, require};
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Whether rows are those of the last full search.
+    fn is_searched_whole(&self) -> bool {
+        !self.keeps_distances() && !matches!(self.model.search, Search::Adaptive(_))
+    }
+
+    /// Saves or loads the lists; [`Self::complete_state`] completes what was loaded.
+    pub(in crate::cpu) fn persist_lists(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let of = |field: &str| format!("{name}.{field}");
+        let (count, is_searched_whole) = (self.particles.len(), self.is_searched_whole());
+        let Lists { list, stored, searcher, points, smoothing_length, candidates, .. } = &mut self.lists;
+        if is_searched_whole {
+            // Those of ghosts follow.
+            points.truncate(count);
+            smoothing_length.truncate(count);
+            persist_pieces_or_none(points, count, &of("points"), archive)?;
+            persist_pieces_or_none(smoothing_length, count, &of("smoothing_length"), archive)?;
+        } else {
+            list.persist(&of("list"), archive)?;
+            persist_option(stored, &of("stored"), archive)?;
+            points.persist(&of("points"), archive)?;
+            smoothing_length.persist(&of("smoothing_length"), archive)?;
+            candidates.persist(&of("candidates"), archive)?;
+        }
+        searcher.persist(&of("searcher"), archive)?;
+        let lists = &mut self.lists;
+        lists.searches.persist(&of("searches"), archive)?;
+        lists.stale.persist(&of("stale"), archive)?;
+        lists.smoothing_lengths.persist(&of("smoothing_lengths"), archive)?;
+        lists.smoothing_lengths_at_search.persist(&of("smoothing_lengths_at_search"), archive)?;
+        lists.displacement.persist(&of("displacement"), archive)?;
+        lists.displacement_at_search.persist(&of("displacement_at_search"), archive)?;
+        lists.displacement_at_frame.persist(&of("displacement_at_frame"), archive)?;
+        if archive.is_saving() {
+            // Skins are measured from where particles stood, whether they are saved or not.
+            self.place_ghost_points();
+            return Ok(());
+        }
+        self.check_lists(name)
+    }
+
+    /// Refuses lists that were loaded and do not fit the particles and ghosts that are there.
+    fn check_lists(&self, name: &str) -> Result<(), ArchiveError> {
+        let Lists { list, stored, searcher, points, smoothing_length, candidates, stale, .. } = &self.lists;
+        let count = self.particles.len();
+        let in_place = |part: &str, unfit: Option<usize>| match unfit {
+            Some(block) => require(false, &format!("{name}.{part}.{block}")),
+            None => Ok(()),
+        };
+        require(candidates.fits(count), &format!("{name}.candidates.is_candidate"))?;
+        let kept = stored.is_some() == self.keeps_distances() || *stale && stored.is_none();
+        require(kept, &format!("{name}.stored.is_there"))?;
+        if *stale {
+            // Searched before they are read.
+            return Ok(());
+        }
+        let all = self.domain.as_ref().map_or_else(|| count + self.ghosts.count(), |domain| domain.searched());
+        require(searcher.fits(all), &format!("{name}.searcher.sorted_at"))?;
+        if let Some(contacts) = &self.contacts
+            && let Some(search) = &contacts.search
+        {
+            let named = search.points(count, self.domain.as_deref());
+            in_place("foreign", contacts.foreign().first_unfit(count, named))?;
+        }
+        let in_list = if self.is_searched_whole() {
+            let is_length = |&h: &f64| h > 0.0 && is_place(h);
+            require(are_places(points), &format!("{name}.points"))?;
+            require(smoothing_length.iter().all(is_length), &format!("{name}.smoothing_length"))?;
+            let (smallest, largest) = self.lists.smoothing_lengths_at_search;
+            let fits = smallest > 0.0 && is_place(largest) && smallest <= largest;
+            require(fits, &format!("{name}.smoothing_lengths_at_search"))?;
+            count
+        } else {
+            in_place("list", list.first_unfit(count, all))?;
+            in_place("stored", stored.as_ref().and_then(|stored: &StoredPairs<T>| stored.first_unfit(list)))?;
+            all
+        };
+        require(points.len() == in_list, &format!("{name}.points"))?;
+        require(smoothing_length.len() == in_list, &format!("{name}.smoothing_length"))
+    }
+
+    /// Completes a state that was loaded, once all ranks have loaded theirs.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(in crate::cpu) fn complete_state(&mut self) -> Result<(), RunFailure> {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.complete(&self.particles, self.domain.as_deref())?;
+        }
+        let is_again = self.is_searched_whole() && !self.lists.stale;
+        if is_again && let Some(domain) = &self.domain {
+            let points = domain.gather(&self.lists.points)?;
+            let smoothing_length = domain.gather(&self.lists.smoothing_length)?;
+            let reach = (self.reach_factor(), self.lists.smoothing_lengths_at_search);
+            self.search_common((points, smoothing_length), reach, self.lists.displacement_at_search)?;
+        }
+        // Ghosts take what does not change between searches with each search, and the next one may be far.
+        self.ghosts.exchange(FieldSet::Search, &self.particles);
+        if is_again {
+            self.place_ghost_points();
+            let (count, factor) = (self.particles.len(), self.reach_factor());
+            if self.domain.is_none() {
+                let (range, displacement) = (self.lists.smoothing_lengths_at_search, self.lists.displacement_at_search);
+                let Lists { list, searcher, points, smoothing_length, .. } = &mut self.lists;
+                let reach = Reach { smoothing_length, factor, range };
+                searcher.search(points, count, &reach, displacement, self.instructions, list);
+            }
+            self.keep_own_bodies();
+            self.take_foreign_pairs();
+        }
+        self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())
+    }
+
+    /// Puts the places and smoothing lengths that ghosts had at the last full search behind those of the particles.
+    fn place_ghost_points(&mut self) {
+        let Lists { points, smoothing_length, .. } = &self.lists;
+        let (count, ghosts) = (points.len(), self.ghosts.count());
+        if count < self.particles.len() || !self.is_searched_whole() || ghosts == 0 {
+            return;
+        }
+        let (mut places, mut lengths) = (vec![[0.0; 3]; ghosts], vec![0.0; ghosts]);
+        self.ghosts.halo.fill(GhostColumn::Point(points, &mut places));
+        self.ghosts.halo.fill(GhostColumn::Scalar(smoothing_length, &mut lengths));
+        self.lists.points.extend(places);
+        self.lists.smoothing_length.extend(lengths);
+    }
+}

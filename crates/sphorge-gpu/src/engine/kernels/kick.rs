@@ -1,0 +1,90 @@
+//! What kicks book: energies, and the accounts of what is not a pair force.
+
+use super::{contact, walls};
+use crate::engine::columns::{Binder, Fields, Group, Reading, Writing, added};
+use crate::record::{Index, Recorded};
+use sphorge_engine::model::Model;
+use sphorge_physics::Real;
+use sphorge_physics::kick::{KickAccount, KickAxis};
+
+/// The columns of a kick.
+#[derive(Clone, Copy)]
+pub(super) struct Kicks {
+    /// Acceleration and XSPH velocity of the last forces.
+    pub(super) rates: Reading,
+    pub(super) external: Reading,
+    energy: Writing,
+    accounts: Writing,
+    walls: Option<(Writing, usize)>,
+    contact: Option<Writing>,
+    constants: Reading,
+}
+
+impl Kicks {
+    pub(super) fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
+        let count = model.walls.len();
+        Self {
+            rates: bind.read(Group::Rates),
+            external: bind.read(Group::External),
+            energy: bind.write(Group::Energy),
+            accounts: bind.write(Group::Accounts),
+            walls: (count > 0).then(|| (bind.write(Group::Walls), count)),
+            contact: model.has_self_contact().then(|| bind.write(Group::Contact)),
+            constants: bind.read(Group::Constants),
+        }
+    }
+
+    /// A velocity along axis `a` after a kick over a time, and the axis of the account; `ahead` is what the velocity before is ahead of the one
+    /// that forces were evaluated with.
+    pub(super) fn axis(
+        self,
+        a: usize,
+        i: Index,
+        before: [Recorded; 2],
+        ahead: Recorded,
+        dt: Recorded,
+    ) -> ([Recorded; 2], KickAxis<Recorded>) {
+        let (acceleration, pushed) = (self.rates.get(a, i), self.external.get(a, i));
+        let gained = dt * acceleration;
+        let half_gained = Recorded::of(0.5) * gained;
+        let axis = KickAxis {
+            pair: acceleration - pushed,
+            mean: before[0] + half_gained,
+            ahead: ahead + half_gained,
+            beyond: dt * pushed,
+        };
+        (added(before, gained), axis)
+    }
+
+    /// Books a kick over a time.
+    pub(super) fn book(self, i: Index, axes: &[KickAxis<Recorded>; 3], dt: Recorded) {
+        let mass = self.constants.get(0, i);
+        let mut account = KickAccount::zero();
+        for (a, axis) in axes.iter().enumerate() {
+            account.add(a, axis, mass, dt);
+        }
+        self.energy.add(0, 1, i, dt * self.energy.get(2, i) + account.energy);
+        // Of walls, what is done beyond their force on the centre.
+        self.accounts.add(0, 1, i, account.work + mass * self.external.get(3, i) * dt);
+        for (a, impulse) in account.impulse.into_iter().enumerate() {
+            self.accounts.add(2 + 2 * a, 3 + 2 * a, i, impulse);
+        }
+        self.accounts.add(8, 9, i, mass * account.energy);
+        for (part, account) in [(3, 10), (4, 12), (5, 14)] {
+            self.accounts.add(account, account + 1, i, mass * dt * self.energy.get(part, i));
+        }
+        if let Some(contact) = self.contact {
+            for (work, power) in contact::WORKS {
+                contact.add(work, work + 1, i, dt * contact.get(power, i));
+            }
+        }
+        if let Some((of_walls, count)) = self.walls {
+            for wall in (0..count).map(|k| walls::FIELDS * k) {
+                for sum in 0..walls::SUMS {
+                    let done = dt * of_walls.get(wall + 2 * walls::SUMS + sum, i);
+                    of_walls.add(wall + 2 * sum, wall + 2 * sum + 1, i, done);
+                }
+            }
+        }
+    }
+}

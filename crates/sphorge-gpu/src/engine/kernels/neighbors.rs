@@ -1,0 +1,137 @@
+//! Who a particle sums over: those in the cells around its own, or those of a list.
+
+use super::grid::Grid;
+use super::images::{Image, Mirrors};
+use crate::engine::columns::{Binder, Fields, Group, Reading};
+use crate::record::{Index, Recorded};
+use sphorge_engine::model::Model;
+use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
+use sphorge_physics::{Elementary, Numbers, Real, Vector};
+
+/// A particle on a plane of symmetry is its own image: nearer than this share of the reach it has none.
+const ON_PLANE: f64 = 1e-9;
+
+/// Where pairs are, and how far their kernel reaches.
+pub(super) struct Pair {
+    /// `x_i - x_j`, m.
+    pub(super) x: Vector<Recorded>,
+    pub(super) r2: Recorded,
+    pub(super) scale: PairScale<Recorded>,
+    /// Which image the neighbour is; the entry of the pair in a list by its bits.
+    pub(super) image: Image,
+    pub(super) bits: u32,
+}
+
+impl Pair {
+    /// Of places with their rests.
+    fn of<const D: usize>(
+        model: &Model,
+        (image, bits): (Image, u32),
+        own: &Vector<[Recorded; 2]>,
+        other: &Vector<[Recorded; 2]>,
+        (h_i, h_j): (Recorded, Recorded),
+    ) -> Self {
+        let sigma = Recorded::of(model.numerics.kernel.normalisation(model.dimensions.into()));
+        let x = apart::<D>(&image, own, other);
+        let mut r2 = Recorded::zero();
+        for c in &x[..D] {
+            r2 = c.mul_add(*c, r2);
+        }
+        Self { x, r2, scale: PairScale::new::<D>(sigma, pair_smoothing_length(h_i, h_j)), image, bits }
+    }
+}
+
+/// `x_i - x_j` of places with their rests, along the `D` axes computed in.
+pub(super) fn apart<const D: usize>(
+    image: &Image,
+    own: &Vector<[Recorded; 2]>,
+    other: &Vector<[Recorded; 2]>,
+) -> Vector<Recorded> {
+    [0, 1, 2].map(|a| if a < D { image.apart(a, own[a], other[a]) } else { Recorded::zero() })
+}
+
+/// Places with their rests, m.
+pub(super) fn places(of: Reading, i: Index) -> Vector<[Recorded; 2]> {
+    [0, 1, 2].map(|a| of.double(a, 3 + a, i))
+}
+
+/// Takes a state through every neighbour within the kernel support, the particle itself left out, images in planes of symmetry among them.
+pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    grid: &Grid,
+    i: Index,
+    (place, constants): (Reading, Reading),
+    start: S,
+    add: impl Fn(S, &Pair, Index) -> S,
+) -> S {
+    let (starts, sorted, around) =
+        (bind.indices(Group::CellStarts), bind.indices(Group::Sorted), bind.indices(Group::Around));
+    let support = Recorded::of(model.numerics.kernel.support());
+    let mirrors = Mirrors::of(model);
+    let own = places(place, i);
+    let h = constants.get(1, i);
+    let cells = Index::of((grid.around().len() / 3) as u32);
+    let mut state = start;
+    for (bits, image) in mirrors.images() {
+        // What is beside the image of the particle has the particle's neighbour for an image.
+        let steps = grid.steps(&|axis| image.place(axis, own[axis][0]));
+        let scope = &mut *bind.scope;
+        let before = state;
+        let mut sum = || {
+            scope.fold(Index::of(0), cells, before, |scope, state, k| {
+                let there = k * Index::of(3);
+                let cell = grid.cell([0, 1, 2].map(|axis| steps[axis] + around.at(there + Index::of(axis as u32))));
+                scope.fold(starts.at(cell), starts.at(cell + Index::of(1)), state, |_, state, place_of| {
+                    let j = sorted.at(place_of);
+                    let other = places(place, j);
+                    let pair = Pair::of::<D>(model, (image, bits), &own, &other, (h, constants.get(1, j)));
+                    let reach = support * pair.scale.h;
+                    let mut apart = pair.r2;
+                    if bits == 0 {
+                        // The particle itself is as if out of reach.
+                        let itself = (j.number() - i.number()).abs();
+                        apart = Recorded::select_lt(itself, Recorded::of(0.5), reach * reach, apart);
+                    }
+                    for depth in
+                        (0..D).filter(|axis| image.is_mirrored(*axis)).filter_map(|a| mirrors.depth(a, other[a]))
+                    {
+                        let on_plane = Recorded::of(ON_PLANE) * reach;
+                        apart = Recorded::select_lt(on_plane, depth.abs(), apart, reach * reach);
+                    }
+                    Recorded::if_lt(apart, reach * reach, || add(state, &pair, j), || state)
+                })
+            })
+        };
+        let farthest = (0..D)
+            .filter(|axis| image.is_mirrored(*axis))
+            .filter_map(|axis| mirrors.depth(axis, own[axis]))
+            .map(Real::abs)
+            .reduce(Real::max);
+        state = match farthest {
+            None => sum(),
+            // Only what is near all planes has neighbours behind them.
+            Some(depth) => Recorded::if_lt(depth, Recorded::of(grid.edge), sum, || before),
+        };
+    }
+    state
+}
+
+/// Takes a state through the list of a particle, whose pairs are those of the reference configuration.
+pub(super) fn over_list<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    i: Index,
+    (reference, constants): (Reading, Reading),
+    start: S,
+    add: impl FnOnce(S, &Pair, Index) -> S,
+) -> S {
+    let (starts, list) = (bind.indices(Group::ListStarts), bind.indices(Group::List));
+    let mirrors = Mirrors::of(model);
+    let (own, h) = (places(reference, i), constants.get(1, i));
+    bind.scope.fold(starts.at(i), starts.at(i + Index::of(1)), start, |_, state, k| {
+        let (j, image) = mirrors.entry(list.at(k));
+        let pair = Pair::of::<D>(model, (image, 0), &own, &places(reference, j), (h, constants.get(1, j)));
+        add(state, &pair, j)
+    })
+}

@@ -1,0 +1,104 @@
+//! Forces of the total Lagrangian form: the sum of the stress in the reference configuration, and the springs against hourglassing.
+
+use super::neighbors::{apart, over_list, places};
+use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::record::{KernelFault, Recorded};
+use sphorge_engine::model::Model;
+use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
+use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momentum_factor};
+use sphorge_physics::total_lagrangian::force_tensor;
+use sphorge_physics::{Real, Vector};
+
+/// What forces read of a neighbour: the tensor whose sum is the force, and its spring.
+pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) -> Result<Recording, KernelFault> {
+    recording("pull_back", count, |bind, i| {
+        let (packed, deformation) = (bind.write(Group::Packed), bind.read(Group::Deformation));
+        let correction = bind.read(Group::Correction);
+        let f = deformation.tensor(0, i);
+        let face_stress = match model.walls.is_empty() && !model.has_self_contact() {
+            true => [[Recorded::zero(); 3]; 3],
+            false => bind.read(Group::FaceStress).tensor(0, i),
+        };
+        let tensor = force_tensor(packed.symmetric(0, i), &f, &face_stress, &correction.tensor(0, i));
+        packed.set_all(0, i, tensor.as_flattened());
+        if hourglass != 0.0 {
+            let (plastic, stretch, constants) =
+                (bind.read(Group::Plastic), bind.read(Group::Stretch), bind.read(Group::Constants));
+            let (yield_stress, plastic_strain) = (plastic.get(3, i), plastic.get(0, i));
+            let strength = Recorded::of(hourglass);
+            let spring = Spring::new(strength, constants.get(5, i), yield_stress, plastic_strain, stretch.get(0, i));
+            packed.set_all(9, i, &[spring.stiffness, spring.bound]);
+        }
+    })
+}
+
+/// Acceleration and energy rate of the stress.
+pub(in crate::engine) fn forces<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    let numerics = &model.numerics;
+    let kernel = numerics.kernel;
+    recording("reference_forces", count, |bind, i| {
+        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
+        let (evaluated, packed) = (bind.read(Group::Evaluated), bind.read(Group::Packed));
+        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
+        let (own, tensor) = (evaluated.vector(0, i), packed.tensor(0, i));
+        let zero = Recorded::zero();
+        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], |state: [Recorded; 4], pair, j| {
+            let other = pair.image.vector(evaluated.vector(0, j));
+            let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
+            let force = PairForce {
+                x: pair.x,
+                v: [0, 1, 2].map(|a| own[a] - other[a]),
+                own_stress: corrected_stress_vector::<_, D>(&tensor, &pair.x),
+                other_stress: corrected_stress_vector::<_, D>(&pair.image.tensor(&packed.tensor(0, j)), &pair.x),
+                artificial_stress: [zero; 3],
+                pi: zero,
+                weighted_f: pair.scale.weighted(near.0.get(6, j)).f(kernel.dw_over_q_by(q, inverse_q)),
+                closing_power: zero,
+            };
+            let acceleration = [state[0], state[1], state[2]];
+            let mut sums = ForceSums { acceleration, stress_power: state[3], ..ForceSums::zero() };
+            sums.add::<D>(numerics.energy_split, &force);
+            [sums.acceleration[0], sums.acceleration[1], sums.acceleration[2], sums.energy_rate()]
+        });
+        let factor = momentum_factor(numerics.pair_form, near.1.get(0, i), near.0.get(6, i));
+        for a in 0..3 {
+            rates.set(a, i, sums[a] * factor);
+        }
+        energy.set(2, i, sums[3] * factor);
+    })
+}
+
+/// Adds the springs to acceleration and energy rate.
+pub(in crate::engine) fn springs<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    let numerics = &model.numerics;
+    recording("springs", count, |bind, i| {
+        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
+        let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
+        let (packed, deformation) = (bind.read(Group::Packed), bind.read(Group::Deformation));
+        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
+        let spring = |of| Spring { stiffness: packed.get(9, of), bound: packed.get(10, of) };
+        let (x_i, v_i): (_, Vector<Recorded>) = (places(place, i), evaluated.vector(0, i));
+        let (f_i, spring_i) = (deformation.tensor(0, i), spring(i));
+        let zero = Recorded::zero();
+        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], |state: [Recorded; 4], pair, j| {
+            let image = &pair.image;
+            let x = apart::<D>(image, &x_i, &places(place, j));
+            let v_j = image.vector(evaluated.vector(0, j));
+            let v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
+            let misfit = Misfit::of::<D>(&pair.x, &x, &v, &f_i, &image.tensor(&deformation.tensor(0, j)));
+            let (q, _) = pair.scale.reduced_distance(misfit.initial2);
+            let w = numerics.kernel.w(q);
+            let strength = misfit.strength(spring_i.between(spring(j)), pair.scale, w, near.0.get(6, j));
+            let mut sums = SpringSums { acceleration: [state[0], state[1], state[2]], energy_rate: state[3] };
+            sums.add::<D>(&x, misfit.v_dot_x, strength);
+            [sums.acceleration[0], sums.acceleration[1], sums.acceleration[2], sums.energy_rate]
+        });
+        let factor = momentum_factor(numerics.pair_form, near.1.get(0, i), near.0.get(6, i));
+        for a in 0..3 {
+            rates.set(a, i, rates.get(a, i) + sums[a] * factor);
+        }
+        let power = sums[3] * factor;
+        energy.set(2, i, energy.get(2, i) + power);
+        energy.set(5, i, power);
+    })
+}

@@ -1,0 +1,164 @@
+//! Which kernels the step of a model is made of.
+
+use super::columns::Recording;
+use super::kernels::stress::StressOf;
+use super::kernels::{
+    contact, grid, leapfrog, limits, pairs, predictor_corrector, reference, reference_forces, stress, walls,
+};
+use crate::record::KernelFault;
+use grid::{Grid, Sorted, SortingThreads};
+use sphorge_engine::model::{Formulation, Integrator, Wall};
+use sphorge_engine::{Model, Particles};
+use sphorge_physics::Dimension;
+
+/// How many threads a kernel has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Threads {
+    Of(usize),
+    /// As many as the surface has particles, which is known when lists are made.
+    OfSurface,
+}
+
+/// A kernel with the number of its threads.
+pub(super) struct Planned {
+    pub(super) kernel: Recording,
+    pub(super) threads: Threads,
+}
+
+/// The kernels that sort into cells, where so many threads sort.
+fn sorting(grid: &Grid, stride: usize, of: Sorted, threads: Threads) -> Result<Vec<Planned>, KernelFault> {
+    let planned = |(kernel, of)| match of {
+        SortingThreads::Of(count) => Planned { kernel, threads: Threads::Of(count) },
+        SortingThreads::OfSorted => Planned { kernel, threads },
+    };
+    Ok(grid::sorting(grid, stride, of)?.into_iter().map(planned).collect())
+}
+
+/// Every kernel of a run, in groups that are launched together.
+#[derive(Default)]
+pub(super) struct Plan {
+    /// Once, where lists are those of the start: before their lengths are known, and when there is room for them.
+    pub(super) count_lists: Vec<Planned>,
+    pub(super) fill_lists: Vec<Planned>,
+    pub(super) begin: Vec<Planned>,
+    pub(super) sorting: Vec<Planned>,
+    pub(super) gradients: Vec<Planned>,
+    pub(super) push: Vec<Planned>,
+    pub(super) stress: Vec<Planned>,
+    pub(super) forces: Vec<Planned>,
+    pub(super) finish: Vec<Planned>,
+}
+
+/// Kernels of the number of dimensions of a model.
+macro_rules! in_dimension {
+    ($model:expr, $module:ident::$function:ident, $($argument:expr),*) => {
+        match Dimension::from($model.dimensions) {
+            Dimension::One => $module::$function::<1>($($argument),*)?,
+            Dimension::Two => $module::$function::<2>($($argument),*)?,
+            Dimension::Three => $module::$function::<3>($($argument),*)?,
+        }
+    };
+}
+
+impl Plan {
+    /// Columns are `stride` long.
+    pub(super) fn of(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> Result<Self, KernelFault> {
+        let all = Threads::Of(p.len());
+        let of_particles = |kernel| Planned { kernel, threads: all };
+        let of_surface = |kernel| Planned { kernel, threads: Threads::OfSurface };
+        let mut plan = Self::default();
+        let (begin, finish) = match model.numerics.integrator {
+            Integrator::Leapfrog => (leapfrog::begin(model, stride)?, leapfrog::finish(model, stride)?),
+            Integrator::PredictorCorrector => {
+                (predictor_corrector::predict(stride)?, predictor_corrector::correct(model, stride)?)
+            }
+        };
+        plan.begin.push(of_particles(begin));
+        let sorted = sorting(grid, stride, Sorted::Particles, all)?;
+        match model.formulation {
+            Formulation::UpdatedLagrangian => {
+                plan.sorting = sorted;
+                plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
+                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, stride)));
+            }
+            Formulation::TotalLagrangian { renewal, .. } => {
+                plan.count_lists = sorted;
+                plan.count_lists.push(of_particles(in_dimension!(model, reference::count, model, grid, stride)));
+                plan.fill_lists.push(of_particles(in_dimension!(model, reference::list, model, grid, stride)));
+                plan.fill_lists.push(of_particles(in_dimension!(model, reference::correct, model, stride)));
+                plan.gradients.push(of_particles(in_dimension!(model, reference::deform, model, renewal, stride)));
+            }
+        }
+        let is_alone = model.walls.is_empty() && model.gravity == [0.0; 3];
+        let meets_itself = model.has_self_contact();
+        if meets_itself {
+            plan.push.push(of_surface(contact::stand(stride)?));
+            plan.push.extend(sorting(grid, stride, Sorted::Surface, Threads::OfSurface)?);
+            plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, stride)));
+        }
+        if meets_itself || !is_alone {
+            plan.push.push(of_particles(walls::push(model, stride)?));
+        }
+        if meets_itself {
+            plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, stride)));
+        }
+        for k in 0..model.materials.len() {
+            let threads = members(p, k).len();
+            let of_material = |kernel| (threads > 0).then_some(Planned { kernel, threads: Threads::Of(threads) });
+            let stress = |of| stress::stress(model, k, stride, of);
+            match model.numerics.integrator {
+                Integrator::Leapfrog => plan.stress.extend(of_material(stress(StressOf::Leapfrog)?)),
+                Integrator::PredictorCorrector => {
+                    plan.stress.extend(of_material(stress(StressOf::Middle)?));
+                    plan.finish.extend(of_material(stress(StressOf::End)?));
+                }
+            }
+            if model.materials[k].heats() && (meets_itself || model.walls.iter().any(Wall::rubs)) {
+                plan.finish.extend(of_material(stress::warm(model, k, stride)?));
+            }
+        }
+        match model.formulation {
+            Formulation::UpdatedLagrangian => {
+                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, grid, stride)));
+            }
+            Formulation::TotalLagrangian { hourglass, .. } => {
+                plan.stress.push(of_particles(reference_forces::pull_back(model, hourglass, stride)?));
+                plan.forces.push(of_particles(in_dimension!(model, reference_forces::forces, model, stride)));
+                if hourglass != 0.0 {
+                    plan.forces.push(of_particles(in_dimension!(model, reference_forces::springs, model, stride)));
+                }
+            }
+        }
+        if meets_itself {
+            plan.forces.push(of_surface(contact::add(stride)?));
+        }
+        if !is_alone {
+            plan.forces.push(of_particles(walls::add(stride)?));
+        }
+        plan.finish.insert(0, of_particles(finish));
+        plan.finish.push(of_particles(limits::of_particles(model, stride)?));
+        plan.finish.push(Planned { kernel: limits::of_chunks(stride)?, threads: Threads::Of(stride / limits::CHUNK) });
+        Ok(plan)
+    }
+
+    /// All of them, in the order of a run.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Recording> {
+        let groups = [
+            &self.count_lists,
+            &self.fill_lists,
+            &self.begin,
+            &self.sorting,
+            &self.gradients,
+            &self.push,
+            &self.stress,
+            &self.forces,
+            &self.finish,
+        ];
+        groups.into_iter().flatten().map(|planned| &planned.kernel)
+    }
+}
+
+/// Particles of a material.
+pub(super) fn members(p: &Particles, material: usize) -> Vec<u32> {
+    (0..p.len() as u32).filter(|i| p.material[*i as usize] as usize == material).collect()
+}

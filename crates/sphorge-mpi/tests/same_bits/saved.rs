@@ -1,0 +1,145 @@
+//! States that are saved: by any number of ranks to be loaded by any other, or by one process without ranks.
+
+use super::contact::CLAMP;
+use super::symmetry::CORNER;
+use super::{IN_THE_INITIAL_CONFIGURATION, led, setup};
+use sphorge::engine::persist::{Archive, ArchiveError, MemoryArchive};
+use sphorge::engine::{Cpu, EngineKind, FieldSource, Ledger, Simulation};
+use std::collections::BTreeMap;
+
+/// A deck, changes of it, and works of which it has some.
+type Worked<'a> = (&'a str, &'a [(&'a str, &'a str)], fn(&Ledger) -> Vec<f64>);
+
+/// Heat flows, and the clamp is pressed shut and struck at once.
+const FAST: [(&str, &str); 4] = [
+    ("thermal.conduction", "true"),
+    // So near that particles of two bodies are neighbours in the reference configuration.
+    ("body.1.shape.box.min", "[\"20.2 mm\", \"2 mm\"]"),
+    ("body.1.velocity", "[\"-600 m/s\", \"60 m/s\"]"),
+    ("motion.0.velocity", "[\"free\", \"-600 m/s\"]"),
+];
+
+const DECKS: [Worked<'static>; 6] = [
+    ("taylor-plate", &[("particles.spacing", "\"0.4 mm\"")], |l| vec![l.viscous_energy, l.artificial_stress_energy]),
+    (IN_THE_INITIAL_CONFIGURATION, &[("time.step-control.stretch", "0.5")], |l| {
+        vec![l.viscous_energy, l.hourglass_energy]
+    }),
+    (CLAMP, &FAST, |l| vec![l.contacts[0].damping_work, l.contacts[1].friction_work, l.heat.exchanged]),
+    (CORNER, &[("contact", "\"penalty\""), ("search", "\"skin\"")], |l| vec![l.contacts[0].damping_work]),
+    ("copper-bar", &[("particles.spacing", "\"0.8 mm\"")], |l| vec![l.viscous_energy]),
+    (
+        "bullet",
+        &[
+            ("particles.spacing", "\"24 mm\""),
+            ("body.1.spacing", "\"12 mm\""),
+            ("contact", "{ penalty = { friction = 0.1 } }"),
+            ("numerics.smoothing-length", "\"follow-density\""),
+        ],
+        |l| vec![l.contacts[0].damping_work],
+    ),
+];
+
+/// A state in memory whose values can be seen.
+#[derive(Default)]
+struct Seen(BTreeMap<String, Vec<u8>>);
+
+impl Archive for Seen {
+    fn is_saving(&self) -> bool {
+        true
+    }
+    fn save(&mut self, name: &str, bytes: Vec<u8>) {
+        self.0.insert(name.to_owned(), bytes);
+    }
+    fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        Err(ArchiveError::Missing(name.to_owned()))
+    }
+}
+
+impl Seen {
+    fn to_load(&self) -> MemoryArchive {
+        let mut archive = MemoryArchive::new();
+        self.0.iter().for_each(|(name, bytes)| archive.save(name, bytes.clone()));
+        archive.to_load()
+    }
+}
+
+/// Sums and places after some more steps of a deck, from a saved state or from the start, and the state then.
+fn after_steps(kind: &dyn EngineKind, of: &Worked<'_>, saved: Option<&Seen>, more: u64) -> (String, Seen) {
+    let setup = setup(of.0, of.1);
+    kind.take_deck("a-deck", &setup.deck_text);
+    let mut simulation = Simulation::start(kind, setup.model, setup.particles).unwrap();
+    if let Some(saved) = saved {
+        simulation.persist(&mut saved.to_load()).unwrap();
+    }
+    let end = simulation.steps() + more;
+    while simulation.steps() < end {
+        simulation.step(None).unwrap();
+    }
+    let ledger = simulation.ledger().unwrap();
+    assert!(more < 30 || of.2(&ledger).iter().all(|work| *work != 0.0), "{ledger:?}");
+    let told = format!("{ledger:?} {:?}", simulation.read("position").unwrap());
+    let mut archive = Seen::default();
+    simulation.persist(&mut archive).unwrap();
+    (told, archive)
+}
+
+/// The state without the times that stages took.
+fn values(state: &Seen) -> BTreeMap<&str, &Vec<u8>> {
+    let of_state = |name: &&String| !name.contains("seconds");
+    state.0.iter().filter(|(name, _)| of_state(name)).map(|(name, bytes)| (name.as_str(), bytes)).collect()
+}
+
+#[test]
+fn what_some_ranks_have_saved_others_go_on_with_to_the_bits_of_one() {
+    for deck in &DECKS {
+        let name = &deck.0[..20.min(deck.0.len())];
+        let (expected, last) = after_steps(&Cpu, deck, None, 150);
+        let (_, by_one) = after_steps(&Cpu, deck, None, 130);
+        let (_, by_three) = led(3, 1, |leader| after_steps(leader, deck, None, 130));
+        let (one, three) = (values(&by_one), values(&by_three));
+        assert!(one.keys().eq(three.keys()), "{name}: {:?} {:?}", one.keys(), three.keys());
+        for (value, bytes) in &one {
+            assert!(three[value] == *bytes, "`{value}` of {name}");
+        }
+        for (saved, ranks) in [(&by_three, 2), (&by_three, 3), (&by_one, 4)] {
+            let (found, state) = led(ranks, 1, |leader| after_steps(leader, deck, Some(saved), 20));
+            assert!(found == expected, "{name} on {ranks} ranks: {found:.2000}\n{expected:.2000}");
+            assert!(values(&state) == values(&last), "{name} on {ranks} ranks");
+        }
+        let (found, _) = after_steps(&Cpu, deck, Some(&by_three), 20);
+        assert!(found == expected, "{name} without ranks: {found:.2000}\n{expected:.2000}");
+    }
+}
+
+#[test]
+fn what_cannot_be_loaded_is_refused_by_all_ranks_and_the_next_state_is_loaded() {
+    let deck = &DECKS[2];
+    let (_, saved) = led(3, 1, |leader| after_steps(leader, deck, None, 10));
+    let (expected, _) = after_steps(&Cpu, deck, Some(&saved), 5);
+    let damaged = |name: &str, change: &dyn Fn(&mut Vec<u8>)| {
+        let mut state = Seen(saved.0.clone());
+        change(state.0.get_mut(name).unwrap());
+        state
+    };
+    let last_byte = |bytes: &mut Vec<u8>| *bytes.last_mut().unwrap() = 0xff;
+    let faults = [
+        ("particles.body", damaged("particles.body", &last_byte)),
+        ("particles.position", damaged("particles.position", &|bytes| bytes.truncate(24))),
+        ("lists.stale", damaged("lists.stale", &last_byte)),
+        ("contacts.search.foreign", damaged("contacts.foreign.lengths", &last_byte)),
+    ];
+    let found = led(3, 1, |leader| {
+        let setup = setup(deck.0, deck.1);
+        leader.take_deck("a-deck", &setup.deck_text);
+        let mut simulation = Simulation::start(leader, setup.model, setup.particles).unwrap();
+        for (name, fault) in &faults {
+            assert!(simulation.persist(&mut fault.to_load()).is_err(), "{name}");
+        }
+        simulation.persist(&mut saved.to_load()).unwrap();
+        for _ in 0..5 {
+            simulation.step(None).unwrap();
+        }
+        format!("{:?} {:?}", simulation.ledger().unwrap(), simulation.read("position").unwrap())
+    });
+    assert!(found == expected);
+}
