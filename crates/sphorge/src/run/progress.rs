@@ -98,13 +98,20 @@ pub(super) struct Pace {
     last_seconds: f64,
     last_step: u64,
     last_fraction: f64,
-    /// Share done per second, recent mean.
-    rate: Option<f64>,
+    /// Share done of late, and the seconds it took, each fading with [`MEMORY`]: their ratio is a mean from the first report on.
+    recent: (f64, f64),
 }
 
 impl Pace {
     pub(super) fn new() -> Self {
-        Self { start: Instant::now(), before: 0.0, last_seconds: 0.0, last_step: 0, last_fraction: 0.0, rate: None }
+        Self {
+            start: Instant::now(),
+            before: 0.0,
+            last_seconds: 0.0,
+            last_step: 0,
+            last_fraction: 0.0,
+            recent: (0.0, 0.0),
+        }
     }
 
     /// The step of the last report.
@@ -128,13 +135,18 @@ impl Pace {
         if since < REPORT_INTERVAL && !now || since <= 0.0 || step == self.last_step {
             return None;
         }
-        let rate = (fraction - self.last_fraction) / since;
-        let weight = 1.0 - (-since / MEMORY).exp();
-        let rate = self.rate.map_or(rate, |old| old + weight * (rate - old));
         let steps_per_second = (step - self.last_step) as f64 / since;
-        (self.last_seconds, self.last_step, self.last_fraction, self.rate) = (seconds, step, fraction, Some(rate));
-        Some((steps_per_second, (rate > 0.0).then(|| (1.0 - fraction) / rate)))
+        self.recent = mean_of_late(self.recent, fraction - self.last_fraction, since);
+        (self.last_seconds, self.last_step, self.last_fraction) = (seconds, step, fraction);
+        let (share, took) = self.recent;
+        Some((steps_per_second, (share > 0.0).then(|| (1.0 - fraction) * took / share)))
     }
+}
+
+/// A share done and the seconds it took, with another share that took `since` seconds.
+fn mean_of_late(recent: (f64, f64), share: f64, since: f64) -> (f64, f64) {
+    let kept = (-since / MEMORY).exp();
+    (kept * recent.0 + share, kept * recent.1 + since)
 }
 
 impl Persist for Pace {
@@ -145,10 +157,35 @@ impl Persist for Pace {
         self.last_seconds.persist(&format!("{name}.last_seconds"), archive)?;
         self.last_step.persist(&format!("{name}.last_step"), archive)?;
         self.last_fraction.persist(&format!("{name}.last_fraction"), archive)?;
-        self.rate.persist(&format!("{name}.rate"), archive)?;
+        self.recent.persist(&format!("{name}.recent"), archive)?;
         if !archive.is_saving() {
             (self.before, self.start) = (seconds, Instant::now());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_start_does_not_stay_in_the_time_left() {
+        // A tenth of a second that gets nowhere, then a tenth of the run each second.
+        let mut recent = mean_of_late((0.0, 0.0), 0.0, 0.1);
+        for _ in 0..10 {
+            recent = mean_of_late(recent, 0.01, 0.1);
+        }
+        let left = 0.9 * recent.1 / recent.0;
+        assert!((left / 9.9 - 1.0).abs() < 0.02, "{left}");
+    }
+
+    #[test]
+    fn what_was_long_ago_is_forgotten() {
+        let slow = (0..100).fold((0.0, 0.0), |recent, _| mean_of_late(recent, 0.001, 1.0));
+        let fast = (0..30).fold(slow, |recent, _| mean_of_late(recent, 0.01, 1.0));
+        assert!((fast.1 / fast.0 / 100.0 - 1.0).abs() < 0.06, "{fast:?}");
+        let (share, took) = (0..100).fold(slow, |recent, _| mean_of_late(recent, 0.01, 1.0));
+        assert!((took / share / 100.0 - 1.0).abs() < 1e-3);
     }
 }
