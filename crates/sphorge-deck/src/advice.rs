@@ -1,7 +1,9 @@
 //! What the chosen method will do with a deck, said before the run.
 
 use sphorge_engine::Particles;
-use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface};
+use sphorge_engine::model::{
+    Body, BodyContact, Dimensions, Formulation, Integrator, Model, Precision, Search, WallSurface,
+};
 use sphorge_physics::flow::FlowState;
 
 /// Damage number `rho v^2 / Y` (Johnson 1972) from which on metal comes apart, and from which on it flows enough to shorten the time step.
@@ -32,6 +34,7 @@ pub fn advice(model: &Model, particles: &Particles) -> Advice {
             of_updated_lagrangian(model, hardest.as_ref())
         }
     };
+    notes.extend(unseen_faces(model));
     notes.extend(rounded_positions(model, particles));
     notes.extend(beyond_metals(model, particles));
     let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
@@ -65,6 +68,29 @@ fn method(model: &Model) -> String {
         Integrator::PredictorCorrector => "predictor-corrector",
     });
     parts.join(", ")
+}
+
+/// Reach of the kernel, in spacings, beyond which the outermost layer of a thin body is not told from the one behind that of a thick one.
+const FARTHEST_REACH: f64 = 4.0;
+
+/// Bodies whose faces are not found, where contact and walls meet bodies at them.
+fn unseen_faces(model: &Model) -> Vec<String> {
+    let support = model.numerics.kernel.support();
+    let meets_at_faces =
+        matches!(model.formulation, Formulation::TotalLagrangian { .. }) && model.dimensions != Dimensions::One;
+    let reach = |body: &Body| support * body.smoothing_length / body.spacing;
+    let too_wide = model.bodies.iter().filter(|body| meets_at_faces && reach(body) > FARTHEST_REACH * (1.0 + 1e-9));
+    too_wide
+        .map(|body| {
+            format!(
+                "the kernel of body `{}` reaches over {:.1} spacings, so that a sheet of it three particles thick or less may have no faces and pass through \
+                 what it meets; `smoothing` is at most {:.4} where faces matter",
+                body.name,
+                reach(body),
+                FARTHEST_REACH / support
+            )
+        })
+        .collect()
 }
 
 /// Share of a spacing to which positions are kept in mixed precision without a word: 31 bits of the distance between bodies.
@@ -255,6 +281,12 @@ mod tests {
         assert!(fast.notes[0].contains("come apart") && fast.notes[0].contains("16 times"), "{fast:?}");
         let kept = [("body.bar.velocity.1", "-3000 m/s"), ("search", "{ total-lagrangian = { renewal = 0 } }")];
         assert!(of("iron-plate", &kept).notes[0].contains("leave that out"));
+        // 2 h over twice the spacing.
+        let slow = |smoothing: &str| {
+            of("iron-plate", &[("body.bar.velocity.1", "-20 m/s"), ("particles.smoothing", smoothing)]).notes
+        };
+        assert_eq!(slow("2.0"), [""; 0]);
+        assert!(slow("2.2").len() == 1 && slow("2.2")[0].contains("reaches over 4.4 spacings"), "{:?}", slow("2.2"));
         // What flies away from the wall strikes nothing.
         assert_eq!(of("iron-plate", &[("body.bar.velocity.1", "3000 m/s")]).notes, [""; 0]);
     }

@@ -80,7 +80,7 @@ pub fn add_outward(
 
 /// Length of an outward normal above which a particle of that spacing and smoothing length (m) is of the outermost layer, 1/m: between what the
 /// outermost layer of a flat surface has and the one behind it, the sum over the layers that are not there; less than midway, since a sheet of
-/// two layers with twice the usual smoothing has but seven tenths of that.
+/// two layers has but seven tenths of that where the cubic spline smooths over two spacings.
 pub fn exposed(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> f64 {
     let missing = |layer: f64| flat_body(kernel, dimension, spacing, h, layer * spacing);
     0.7 * 0.5 * (missing(1.0).slope + missing(2.0).slope)
@@ -233,20 +233,26 @@ mod tests {
         face.add([0.0, -1.0, 0.0], [0.0, -2.0, 0.0], 5.0);
         assert_eq!((face.arm(0.5), NearFace::default().arm(0.5)), ([0.0; 3], [0.0; 3]));
         // A row at the edge of a half plane is of the outermost layer, the next one is not.
-        let (kernel, dimension, h) = (Kernel::CubicSpline, Dimension::Two, 1.1);
-        let normal = |layer: i32| {
+        let (kernel, dimension) = (Kernel::CubicSpline, Dimension::Two);
+        // Of a row with so many rows above it and below.
+        let normal = |above: i32, below: i32, h: f64| {
             let mut outward = [0.0; 3];
-            for (x, y) in (-3..=3).flat_map(|x| (-3..=layer).map(move |y| (x, y))).filter(|place| *place != (0, 0)) {
+            let rows = |x| (-below..=above).map(move |y| (x, y));
+            for (x, y) in (-5..=5).flat_map(rows).filter(|place| *place != (0, 0)) {
                 add_outward(&mut outward, kernel, dimension, [f64::from(-x), f64::from(-y), 0.0], 1.0, h);
             }
             outward
         };
-        let exposed = exposed(kernel, dimension, 1.0, h);
-        let [outer, inner] = [0, 1].map(normal);
+        let exposed = |h: f64| exposed(kernel, dimension, 1.0, h);
+        let [outer, inner] = [normal(0, 5, 1.1), normal(1, 5, 1.1)];
         assert!(
-            outer[0].abs() < 1e-15 && outer[1] > 1.2 * exposed && inner[1] < 0.8 * exposed,
-            "{outer:?} {inner:?} {exposed}"
+            outer[0].abs() < 1e-15 && outer[1] > 1.2 * exposed(1.1) && inner[1] < 0.8 * exposed(1.1),
+            "{outer:?} {inner:?} {}",
+            exposed(1.1)
         );
+        // Over two spacings a sheet of two layers still has surfaces, and the layer behind that of a thick body still is none.
+        let [of_two, inner] = [normal(0, 1, 2.0), normal(1, 5, 2.0)].map(|outward| outward[1] / exposed(2.0));
+        assert!((1.0..1.05).contains(&of_two) && (0.9..1.0).contains(&inner), "{of_two} {inner}");
     }
 
     #[test]
