@@ -4,10 +4,11 @@ use sphorge_deck::{decks, load_text};
 use std::{error::Error, fs, path::PathBuf};
 
 /// Decks with all there is, and what to change in them.
-const DECKS: [(&str, &[(&str, &str)]); 3] = [
+const DECKS: [(&str, &[(&str, &str)]); 4] = [
     ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
     ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
     ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
+    ("oscillating-plate", &[]),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -6,7 +6,7 @@ use super::CpuEngine;
 use super::domain::Domain;
 use crate::RunFailure;
 use crate::lanes::PairScalar;
-use crate::model::{Model, MotionAxis};
+use crate::model::Model;
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::persist::Fixed;
@@ -25,23 +25,16 @@ impl Motions {
         Self { velocity: vec![[None; 3]; model.motions.len()] }
     }
 
-    /// Motion of every particle, by index plus one; of two that claim a particle the later in the deck holds.
+    /// Motion of every particle, by index plus one.
     pub(super) fn assign(model: &Model, particles: &Particles) -> Vec<u32> {
-        let of = |regions: &u32| {
-            let claims = |m: &crate::model::PrescribedMotion| regions >> m.region & 1 == 1;
-            model.motions.iter().rposition(claims).map_or(0, |k| k as u32 + 1)
-        };
-        particles.regions.iter().map(of).collect()
+        particles.regions.iter().map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1)).collect()
     }
 
     /// Evaluates the time tables.
     pub(super) fn set_time(&mut self, model: &Model, time: f64) {
         for (velocity, motion) in self.velocity.iter_mut().zip(&model.motions) {
             for (value, axis) in velocity.iter_mut().zip(&motion.axes) {
-                *value = match axis {
-                    MotionAxis::Free => None,
-                    MotionAxis::Velocity(table) => Some(table.at(time)),
-                };
+                *value = axis.velocity(time);
             }
         }
     }

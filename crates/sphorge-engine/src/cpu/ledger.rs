@@ -78,13 +78,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Acceleration a prescribed motion imposes now, m/s².
     fn prescribed_acceleration(&self, motion: usize) -> [Option<f64>; 3] {
-        use crate::model::MotionAxis;
-        let (t, dt) = (self.step.time, self.step.dt);
-        [0, 1, 2].map(|a| match &self.model.motions[motion].axes[a] {
-            MotionAxis::Free => None,
-            MotionAxis::Velocity(_) if dt == 0.0 => Some(0.0),
-            MotionAxis::Velocity(table) => Some((table.at(t) - table.at(t - dt)) / dt),
-        })
+        [0, 1, 2].map(|a| self.model.motions[motion].axes[a].acceleration(self.step.time, self.step.dt))
     }
 }
 

@@ -131,6 +131,25 @@ pub enum MotionAxis {
     Velocity(TimeTable),
 }
 
+impl MotionAxis {
+    /// Velocity at a time (s), m/s, where it is prescribed.
+    pub fn velocity(&self, time: f64) -> Option<f64> {
+        match self {
+            Self::Free => None,
+            Self::Velocity(table) => Some(table.at(time)),
+        }
+    }
+
+    /// Mean acceleration over the time `dt` (s) before a time (s), m/s², where the velocity is prescribed; zero over no time.
+    pub fn acceleration(&self, time: f64, dt: f64) -> Option<f64> {
+        match self {
+            Self::Free => None,
+            Self::Velocity(_) if dt == 0.0 => Some(0.0),
+            Self::Velocity(table) => Some((table.at(time) - table.at(time - dt)) / dt),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,6 +159,16 @@ mod tests {
         let ramp = TimeTable { points: vec![(1.0, 2.0), (3.0, 6.0)] };
         assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| ramp.at(t)), [2.0, 2.0, 4.0, 6.0, 6.0]);
         assert_eq!(TimeTable::constant(5.0).at(-1.0), 5.0);
+    }
+
+    #[test]
+    fn velocity_and_acceleration_of_a_motion_by_hand() {
+        let ramp = MotionAxis::Velocity(TimeTable { points: vec![(1.0, 2.0), (3.0, 6.0)] });
+        assert_eq!([ramp.velocity(2.0), MotionAxis::Free.velocity(2.0)], [Some(4.0), None]);
+        // 2 per second on the ramp, half of that where half of the time is before it.
+        let over = [(3.0, 1.0), (1.5, 1.0), (2.0, 0.0)].map(|(time, dt)| ramp.acceleration(time, dt));
+        assert_eq!(over, [Some(2.0), Some(1.0), Some(0.0)]);
+        assert_eq!(MotionAxis::Free.acceleration(3.0, 1.0), None);
     }
 
     #[test]

@@ -70,6 +70,11 @@ impl Model {
         (0..count).flat_map(|a| (a + first..count).map(move |b| (a, b))).collect()
     }
 
+    /// Prescribed motion of a particle of these regions; of two that claim it the later in the deck holds.
+    pub fn motion_of(&self, regions: u32) -> Option<usize> {
+        self.motions.iter().rposition(|motion| regions >> motion.region & 1 == 1)
+    }
+
     /// Whether bodies meet at faces that follow their deformation: in the total Lagrangian form, where there is something to meet.
     pub fn has_faces(&self) -> bool {
         matches!(self.formulation, Formulation::TotalLagrangian { .. }) && !self.contact_pairs().is_empty()

@@ -264,7 +264,7 @@ columns! {
         Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Contact, Stress], None;
     pub(crate) mu: f64 = 0.0, Step, Internal("m/s", "largest |mu| of the last force sum"), Unmirrored[], None;
     // Zero for none.
-    pub(crate) motion: u32 = 0, Step, Internal("", "index of the prescribed motion plus one"), Unmirrored[], None;
+    pub motion: u32 = 0, Step, Internal("", "index of the prescribed motion plus one"), Unmirrored[], None;
 
     pub(crate) correction: Tensor<f64> = UNDEFORMED, Correction, Internal("", "gradient correction B"), Unmirrored[], None;
 

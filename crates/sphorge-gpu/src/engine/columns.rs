@@ -82,6 +82,8 @@ pub(super) enum Group {
     /// Where the list of each particle starts, and the neighbours.
     ListStarts,
     List,
+    /// Prescribed motion of a particle, by its number and one; zero for none.
+    Motion,
     /// Numbers of the step: see [`super::step_numbers`].
     Step,
     /// Particles of a material.

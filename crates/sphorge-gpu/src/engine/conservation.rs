@@ -15,8 +15,10 @@ impl GpuEngine {
         for i in 0..p.len() {
             let bulk = p.pressure[i] / (p.density[i] * p.sound_speed[i]);
             let elastic = elastic_energy(p.deviator[i], snapshot.shear_modulus[i], p.density[i]) + 0.5 * bulk * bulk;
+            let driven = self.prescribed_acceleration(p.motion[i]);
+            let acceleration = [0, 1, 2].map(|a| driven[a].unwrap_or(p.acceleration[i][a]));
             let specific = Energies { kinetic: 0.0, internal: p.energy[i], elastic, plastic_work: p.plastic_work[i] };
-            bodies[p.body[i] as usize].add(p.mass[i], p.position[i], p.velocity[i], p.acceleration[i], specific);
+            bodies[p.body[i] as usize].add(p.mass[i], p.position[i], p.velocity[i], acceleration, specific);
         }
         let mut total = BodyLedger::total(&bodies);
         bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
@@ -42,8 +44,29 @@ impl GpuEngine {
             artificial_stress_energy,
             hourglass_energy,
             contacts,
+            motion_forces: self.motion_forces(snapshot),
             ..Ledger::default()
         })
+    }
+
+    /// Reaction of every prescribed motion on its particles, N: what the last step's accelerations lack.
+    fn motion_forces(&self, snapshot: &Snapshot) -> Vec<[f64; 3]> {
+        let p = &snapshot.particles;
+        let mut forces = vec![[0.0; 3]; self.model.motions.len()];
+        for i in 0..p.len() {
+            let Some(k) = (p.motion[i] as usize).checked_sub(1) else { continue };
+            let driven = self.prescribed_acceleration(p.motion[i]);
+            for a in 0..3 {
+                forces[k][a] += driven[a].map_or(0.0, |driven| p.mass[i] * (driven - p.acceleration[i][a]));
+            }
+        }
+        forces
+    }
+
+    /// Acceleration a prescribed motion, by its number and one, imposes now, m/s².
+    fn prescribed_acceleration(&self, motion: u32) -> [Option<f64>; 3] {
+        let Some(k) = (motion as usize).checked_sub(1) else { return [None; 3] };
+        [0, 1, 2].map(|a| self.model.motions[k].axes[a].acceleration(self.time, self.dt))
     }
 
     /// Force of a wall on the particles as they are now, N; the wall stands where forces were evaluated.

@@ -43,6 +43,18 @@ mod step_numbers {
     pub(super) const WALLS: u32 = 5;
     /// Displacement, m, and velocity, m/s, of a wall.
     pub(super) const WALL_LENGTH: u32 = 6;
+    /// Of a prescribed motion: one along each axis where it holds, velocities at the middle and at the end of the step, m/s.
+    pub(super) const MOTION_LENGTH: u32 = 9;
+
+    /// Where prescribed motions start: the first is none, which holds no axis.
+    pub(super) fn motions(model: &sphorge_engine::Model) -> u32 {
+        WALLS + WALL_LENGTH * model.walls.len() as u32
+    }
+
+    /// How many numbers there are.
+    pub(super) fn count(model: &sphorge_engine::Model) -> u32 {
+        motions(model) + MOTION_LENGTH * (1 + model.motions.len() as u32)
+    }
 }
 
 /// Kernels of a step, in groups that are launched together.

@@ -70,7 +70,7 @@ impl Plan {
         let (begin, finish) = match model.numerics.integrator {
             Integrator::Leapfrog => (leapfrog::begin(model, stride)?, leapfrog::finish(model, stride)?),
             Integrator::PredictorCorrector => {
-                (predictor_corrector::predict(stride)?, predictor_corrector::correct(model, stride)?)
+                (predictor_corrector::predict(model, stride)?, predictor_corrector::correct(model, stride)?)
             }
         };
         plan.begin.push(of_particles(begin));

@@ -2,6 +2,7 @@
 
 use super::columns::{Columns, Group};
 use super::kernels::{contact, limits, walls};
+use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model};
 use sphorge_engine::{Particles, RunFailure, WallLedger};
@@ -139,6 +140,7 @@ impl GpuEngine {
         let (weight, accounts, of_walls) =
             (self.group(Group::Weight)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
         let is_initial = walls::is_total_lagrangian(&self.model);
+        p.motion = motions(&self.model, &p);
         for i in 0..count {
             p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
             p.velocity[i] = [0, 1, 2].map(|a| velocity.double(a, 3 + a, i));
@@ -161,6 +163,9 @@ impl GpuEngine {
                 if is_initial { (u32::from(self.steps == 0), 0) } else { (1, self.steps) };
         }
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
+        // What accelerations do is booked with masses of single precision.
+        let heavier = |i: usize| p.mass[i] / f64::from(p.mass[i] as f32);
+        let account = |field: usize| (0..count).map(|i| heavier(i) * accounts.double(field, field + 1, i)).sum();
         let of_wall = |at: usize| {
             let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
             WallLedger { work, friction_work, damping_work }
@@ -175,7 +180,7 @@ impl GpuEngine {
         }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
-            accounts: [0, 2, 4, 6, 8, 10, 12, 14].map(|field| sum(&accounts, field)),
+            accounts: [0, 2, 4, 6, 8, 10, 12, 14].map(account),
             walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
             contact: contact.map(|of| contact::WORKS.map(|(work, _)| sum(&of, work))),

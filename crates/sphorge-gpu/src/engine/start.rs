@@ -88,6 +88,11 @@ fn part(number: f64, rest: bool) -> f64 {
     if rest { number - high } else { high }
 }
 
+/// Prescribed motion of every particle, by its number and one; zero for none.
+pub(super) fn motions(model: &Model, p: &Particles) -> Vec<u32> {
+    p.regions.iter().map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1)).collect()
+}
+
 fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid) -> Result<Columns, CardFault> {
     let mut columns = Columns::default();
     let count = p.len();
@@ -131,8 +136,8 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     let wall_fields = (walls::FIELDS * model.walls.len()).max(1);
     columns.insert(Group::Walls, card.zeros(wall_fields * stride)?);
     columns.insert(Group::Extremes, card.zeros(limits::FIELDS * stride / limits::CHUNK)?);
-    let step = super::step_numbers::WALLS as usize + super::step_numbers::WALL_LENGTH as usize * model.walls.len();
-    columns.insert(Group::Step, card.zeros(step)?);
+    columns.insert(Group::Step, card.zeros(super::step_numbers::count(model) as usize)?);
+    columns.insert(Group::Motion, card.indices(&motions(model, p))?);
     for k in 0..model.materials.len() {
         columns.insert(Group::Members(k), card.indices(&members(p, k))?);
     }

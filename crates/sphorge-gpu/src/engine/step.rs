@@ -3,7 +3,7 @@
 use super::columns::Group;
 use super::kernels::limits;
 use super::snapshot::{STATE, read};
-use super::{GpuEngine, failure};
+use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{Formulation, Integrator, Material, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
@@ -28,6 +28,12 @@ impl GpuEngine {
         for wall in &self.model.walls {
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
+        }
+        numbers.extend([0.0; step_numbers::MOTION_LENGTH as usize]);
+        for motion in &self.model.motions {
+            let at = |time: f64| motion.axes.iter().map(move |axis| axis.velocity(time).unwrap_or(0.0));
+            numbers.extend(motion.axes.iter().map(|axis| f64::from(u8::from(axis.velocity(0.0).is_some()))));
+            numbers.extend(at(self.time + 0.5 * self.dt).chain(at(self.time + self.dt)));
         }
         let numbers: Vec<f32> = numbers.into_iter().map(|number| number as f32).collect();
         let array = self.columns.array(Group::Step).ok_or_else(|| failure("no numbers of the step"))?;

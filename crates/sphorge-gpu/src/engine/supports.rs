@@ -37,7 +37,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             BY_CPU,
         ),
         (model.periodic.iter().any(Option::is_some), "periodic axes", BY_CPU),
-        (!model.motions.is_empty(), "prescribed motion", BY_CPU),
         (!model.sections.is_empty(), "forces through sections", BY_CPU),
         (
             model.walls.iter().any(|wall| !matches!(wall.surface, WallSurface::Plane { .. })),

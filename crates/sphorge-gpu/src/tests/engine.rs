@@ -326,10 +326,11 @@ pub(super) fn conserves_and_repeats_text(name: &str, text: &str, overrides: &[(&
     assert!(momentum < 2e-8, "{momentum:e}");
 }
 
-/// Total energy and momentum less what was there at first, over these.
+/// Total energy and momentum less what was there at first and came from outside, over these then or now, of which one may be at rest.
 pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
     let ledger = simulation.ledger().unwrap();
-    let drift = (ledger.total_energy() - first.total_energy() - ledger.external_work) / first.total_energy();
+    let change = ledger.total_energy() - first.total_energy() - ledger.external_work;
+    let drift = change / if first.total_energy() > 0.0 { first.total_energy() } else { ledger.total_energy() };
     // Planes of symmetry take momentum up.
     let planes = &simulation.model().symmetry;
     let momentum: f64 = (0..3)
@@ -337,7 +338,8 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
         .map(|a| ledger.total.momentum[a] - first.total.momentum[a] - ledger.external_impulse[a])
         .map(f64::abs)
         .sum();
-    (drift, momentum / first.total.momentum_scale)
+    let scales = [first.total.momentum_scale, ledger.total.momentum_scale];
+    (drift, momentum / if scales[0] > 0.0 { scales[0] } else { scales[1] })
 }
 
 #[test]

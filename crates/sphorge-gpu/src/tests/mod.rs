@@ -5,6 +5,8 @@ mod card;
 #[cfg(feature = "device")]
 mod engine;
 mod laws;
+#[cfg(feature = "device")]
+mod motion;
 mod pairs;
 #[cfg(feature = "device")]
 mod self_contact;

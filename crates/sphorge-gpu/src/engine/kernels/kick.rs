@@ -1,5 +1,6 @@
 //! What kicks book: energies, and the accounts of what is not a pair force.
 
+use super::motion::{Motions, When};
 use super::{contact, walls};
 use crate::engine::columns::{Binder, Fields, Group, Reading, Writing, added};
 use crate::record::{Index, Recorded};
@@ -18,12 +19,17 @@ pub(super) struct Kicks {
     walls: Option<(Writing, usize)>,
     contact: Option<Writing>,
     constants: Reading,
+    pub(super) step: Reading,
+    pub(super) motions: Option<Motions>,
 }
 
 impl Kicks {
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
         let count = model.walls.len();
+        let step = bind.read(Group::Step);
         Self {
+            motions: Motions::of(bind, model, step),
+            step,
             rates: bind.read(Group::Rates),
             external: bind.read(Group::External),
             energy: bind.write(Group::Energy),
@@ -35,25 +41,29 @@ impl Kicks {
     }
 
     /// A velocity along axis `a` after a kick over a time, and the axis of the account; `ahead` is what the velocity before is ahead of the one
-    /// that forces were evaluated with.
+    /// that forces were evaluated with. What is prescribed is as it will be then.
     pub(super) fn axis(
         self,
         a: usize,
         i: Index,
         before: [Recorded; 2],
         ahead: Recorded,
-        dt: Recorded,
+        (dt, when): (Recorded, When),
     ) -> ([Recorded; 2], KickAxis<Recorded>) {
         let (acceleration, pushed) = (self.rates.get(a, i), self.external.get(a, i));
-        let gained = dt * acceleration;
+        let pair = acceleration - pushed;
+        let (mut gained, mut beyond) = (dt * acceleration, dt * pushed);
+        let mut after = added(before, gained);
+        if let Some(motions) = self.motions {
+            let held = motions.of_particle(i);
+            let velocity = held.velocity(a, when);
+            let jump = (velocity - before[0]) - before[1];
+            gained = held.choose(a, jump, gained);
+            beyond = held.choose(a, jump - dt * pair, beyond);
+            after = [held.choose(a, velocity, after[0]), held.choose(a, Recorded::zero(), after[1])];
+        }
         let half_gained = Recorded::of(0.5) * gained;
-        let axis = KickAxis {
-            pair: acceleration - pushed,
-            mean: before[0] + half_gained,
-            ahead: ahead + half_gained,
-            beyond: dt * pushed,
-        };
-        (added(before, gained), axis)
+        (after, KickAxis { pair, mean: before[0] + half_gained, ahead: ahead + half_gained, beyond })
     }
 
     /// Books a kick over a time.

@@ -1,6 +1,7 @@
 //! How large the next step may be, and what the last has changed.
 
 use super::contact;
+use super::motion::Motions;
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -51,7 +52,8 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
             &gradient.tensor(0, i),
             (energy.get(0, i), energy.get(2, i)),
             constants.get(4, i),
-            &acceleration,
+            // What a driven particle is pushed with does not move it.
+            &Motions::of(bind, model, step).map_or(acceleration, |of| of.of_particle(i).undriven(acceleration)),
             h,
             step.get(0, Index::of(DT)),
         );

@@ -6,6 +6,7 @@ pub(super) mod images;
 mod kick;
 pub(super) mod leapfrog;
 pub(super) mod limits;
+mod motion;
 mod neighbors;
 pub(super) mod pairs;
 pub(super) mod predictor_corrector;

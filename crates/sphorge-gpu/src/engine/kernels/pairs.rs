@@ -1,6 +1,7 @@
 //! The pair sums: every particle goes through the cells around its own.
 
 use super::grid::Grid;
+use super::motion::Motions;
 use super::neighbors::over_cells;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
@@ -186,9 +187,15 @@ pub(in crate::engine) fn forces<const D: usize>(
             state
         });
         let factor = momentum_factor(form, near.1.get(0, i), weight_of(i));
+        let mut smoothed = [4, 5, 6].map(|k| sums[k] * Recorded::of(numerics.xsph));
+        if numerics.xsph != 0.0 {
+            // What is prescribed drifts with that alone.
+            let step = bind.read(Group::Step);
+            smoothed = Motions::of(bind, model, step).map_or(smoothed, |of| of.of_particle(i).free(smoothed));
+        }
         for a in 0..3 {
             rates.set(a, i, sums[a] * factor);
-            rates.set(3 + a, i, sums[4 + a] * Recorded::of(numerics.xsph));
+            rates.set(3 + a, i, smoothed[a]);
         }
         rates.set(6, i, sums[7]);
         let [viscous, repulsive] = [share_of_power(sums[8]), share_of_power(sums[9])];

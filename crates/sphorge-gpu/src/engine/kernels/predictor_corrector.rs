@@ -1,18 +1,21 @@
 //! Monaghan's predictor–corrector.
 
 use super::kick::Kicks;
+use super::motion::{Motions, When};
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
-use crate::record::{Index, KernelFault};
+use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
+use sphorge_physics::Real;
 
 /// The state at the middle of the step, predicted with the rates of the last one.
-pub(in crate::engine) fn predict(count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn predict(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("predict", count, |bind, i| {
         let (place, velocity) = (bind.write(Group::Place), bind.write(Group::Velocity));
         let (base_place, base_velocity) = (bind.write(Group::BasePlace), bind.write(Group::BaseVelocity));
         let (density, base_density) = (bind.read(Group::Density), bind.write(Group::BaseDensity));
         let (rates, evaluated, step) = (bind.read(Group::Rates), bind.write(Group::Evaluated), bind.read(Group::Step));
+        let held = Motions::of(bind, model, step).map(|motions| motions.of_particle(i));
         let half = step.get(0, Index::of(HALF));
         base_density.set_all(0, i, &density.double(0, 1, i));
         for a in 0..3 {
@@ -23,8 +26,13 @@ pub(in crate::engine) fn predict(count: usize) -> Result<Recording, KernelFault>
                 base_velocity.set(a + 3 * k, i, v[k]);
             }
             base_velocity.set(6 + a, i, acceleration);
-            let moved = added(x, half * (v[0] + xsph));
-            let kicked = added(v, half * acceleration);
+            let (mut drifts, mut kicked) = (v[0], added(v, half * acceleration));
+            if let Some(held) = held {
+                let velocity = held.velocity(a, When::Middle);
+                drifts = held.choose(a, velocity, drifts);
+                kicked = [held.choose(a, velocity, kicked[0]), held.choose(a, Recorded::zero(), kicked[1])];
+            }
+            let moved = added(x, half * (drifts + xsph));
             for k in 0..2 {
                 place.set(a + 3 * k, i, moved[k]);
                 velocity.set(a + 3 * k, i, kicked[k]);
@@ -41,12 +49,16 @@ pub(in crate::engine) fn correct(model: &Model, count: usize) -> Result<Recordin
         let kicks = Kicks::of(bind, model);
         let (place, velocity) = (bind.write(Group::Place), bind.write(Group::Velocity));
         let (base_place, base_velocity) = (bind.read(Group::BasePlace), bind.read(Group::BaseVelocity));
-        let step = bind.read(Group::Step);
-        let (dt, half) = (step.get(0, Index::of(DT)), step.get(0, Index::of(HALF)));
+        let (dt, half) = (kicks.step.get(0, Index::of(DT)), kicks.step.get(0, Index::of(HALF)));
+        let held = kicks.motions.map(|motions| motions.of_particle(i));
         let axes = [0, 1, 2].map(|a| {
-            // Evaluated was what the acceleration of the step before predicted.
-            let ahead = -(half * base_velocity.get(6 + a, i));
-            let (after, axis) = kicks.axis(a, i, base_velocity.double(a, 3 + a, i), ahead, dt);
+            // Evaluated was what the acceleration of the step before predicted, or what is prescribed.
+            let before = base_velocity.double(a, 3 + a, i);
+            let mut ahead = -(half * base_velocity.get(6 + a, i));
+            if let Some(held) = held {
+                ahead = held.choose(a, (before[0] - held.velocity(a, When::Middle)) + before[1], ahead);
+            }
+            let (after, axis) = kicks.axis(a, i, before, ahead, (dt, When::End));
             let moved = added(base_place.double(a, 3 + a, i), dt * (axis.mean + kicks.rates.get(3 + a, i)));
             for k in 0..2 {
                 velocity.set(a + 3 * k, i, after[k]);
