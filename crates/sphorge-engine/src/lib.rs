@@ -4,6 +4,7 @@
 //! the step, and a [`Simulation`] keeps the clock and chooses the step sizes.
 
 mod box_tree;
+mod contact_laws;
 mod cpu;
 mod engine;
 mod failure;
@@ -20,6 +21,7 @@ mod report;
 mod simulation;
 mod step;
 
+pub use contact_laws::ContactLaws;
 pub use cpu::{Cpu, check_change, start_part};
 pub use engine::{Engine, EngineKind, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;

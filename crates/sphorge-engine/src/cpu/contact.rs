@@ -6,7 +6,6 @@
 //! friction takes by their effusivities.
 
 use super::CpuEngine;
-use super::contact_laws::PairLaws;
 use super::contact_search::ContactSearch;
 use super::domain::Share;
 use super::faces::WholeDeformation;
@@ -18,22 +17,18 @@ use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, persist_each};
-use crate::{ContactLedger, RunFailure};
+use crate::{ContactLaws, ContactLedger, RunFailure};
 use rayon::prelude::*;
-use sphorge_physics::conduction::friction_share;
-use sphorge_physics::contact::{
-    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
-};
-use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
+use sphorge_physics::contact::{ContactPair, ContactStiffness, Overlap, contact_force, stopping};
 use sphorge_physics::surface::FaceShift;
-use sphorge_physics::{Dimension, Tensor, Vector, tensor::dot};
+use sphorge_physics::{Tensor, Vector, tensor::dot};
 
 /// Contact of all bodies with each other.
 pub(super) struct BodyContacts {
     pub(super) foreign: ForeignList,
     /// Where the neighbour list is not that of the present positions: a search of its own.
     pub(super) search: Option<ContactSearch>,
-    table: Table,
+    table: ContactLaws,
     /// Sums of each block.
     partial: Vec<BlockSums>,
     /// Largest stable step over the margin, by block, s.
@@ -44,22 +39,6 @@ pub(super) struct BodyContacts {
     works: Vec<Works>,
     /// What the contact does to particles that have neighbours in it, block by block.
     pushes: Vec<Vec<(usize, Push)>>,
-}
-
-/// Constants by body and by ordered pair of bodies.
-#[derive(Clone, Debug)]
-struct Table {
-    kernel: Kernel,
-    dimension: Dimension,
-    bodies: usize,
-    /// Place among the pairs of bodies that have a contact, of those that have one.
-    places: Vec<usize>,
-    /// `1/rho` at rest.
-    specific_volume: Vec<f64>,
-    smoothing_length: Vec<f64>,
-    laws: PairLaws,
-    /// Share of the heat of friction that the first takes up.
-    friction_shares: Vec<f64>,
 }
 
 /// Sums over the pairs of two bodies, the first with the lower index.
@@ -113,59 +92,6 @@ struct Works {
     stored: f64,
     friction: f64,
     damped: f64,
-}
-
-impl Table {
-    fn new(model: &Model, strength: sphorge_physics::contact::ContactStrength) -> Self {
-        let dimension = super::dimension(model);
-        let kernel = model.numerics.kernel;
-        let bodies: Vec<ContactBody> = model
-            .bodies
-            .iter()
-            .map(|body| {
-                let material = &model.materials[body.material];
-                let speed = material.equation_of_state.reference_sound_speed();
-                ContactBody {
-                    spacing: body.spacing,
-                    smoothing_length: body.smoothing_length,
-                    density: material.density,
-                    bulk_modulus: material.density * speed * speed,
-                }
-            })
-            .collect();
-        let effusivities: Vec<f64> = model.bodies.iter().map(|b| model.materials[b.material].effusivity()).collect();
-        let share = |a: usize, b: usize| {
-            let share = friction_share(effusivities[a.min(b)], effusivities[a.max(b)]);
-            // Both shares are one to the last digit.
-            if a <= b { share } else { 1.0 - share }
-        };
-        let count = bodies.len();
-        let mut places = vec![usize::MAX; count * count];
-        for (place, (a, b)) in model.contact_pairs().into_iter().enumerate() {
-            (places[a * count + b], places[b * count + a]) = (place, place);
-        }
-        let friction_shares = (0..count * count).map(|k| share(k / count, k % count)).collect();
-        Self {
-            kernel,
-            dimension,
-            bodies: count,
-            places,
-            specific_volume: bodies.iter().map(|b| 1.0 / b.density).collect(),
-            smoothing_length: bodies.iter().map(|b| b.smoothing_length).collect(),
-            laws: PairLaws::new(
-                &bodies,
-                |body| ContactLaw::with_itself(kernel, dimension, body, strength),
-                |a, b| ContactLaw::new(kernel, dimension, a, b, strength),
-            ),
-            friction_shares,
-        }
-    }
-
-    /// Kernel of two bodies' particles at a distance, m.
-    fn kernel(&self, a: usize, b: usize, r: f64) -> ContactKernel<f64> {
-        let h = pair_smoothing_length(self.smoothing_length[a], self.smoothing_length[b]);
-        ContactKernel::new(self.kernel, self.dimension, r, h)
-    }
 }
 
 /// How far the places are from the positions, and how that changes.
@@ -252,7 +178,7 @@ impl BodyContacts {
         if pairs == 0 {
             return None;
         }
-        let table = Table::new(model, strength);
+        let table = ContactLaws::new(model, strength);
         Some(Self {
             foreign: ForeignList::default(),
             search: halo.map(|halo| ContactSearch::new(model, halo, table.smoothing_length.clone())),
@@ -303,7 +229,7 @@ impl BodyContacts {
         particles: &mut Particles,
         share: Option<&Share>,
     ) -> Result<(), RunFailure> {
-        let Some(works) = self.works.get_mut(self.table.places[body * self.table.bodies + body]) else {
+        let Some(works) = self.works.get_mut(self.table.place(body, body)) else {
             return Ok(());
         };
         let held = std::mem::take(&mut works.stored);
@@ -456,7 +382,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         }
                         let x = places.apart(i, j);
                         let kernel = table.kernel(a, b, dot(x, x).sqrt());
-                        sum.add(table.laws.of(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
+                        sum.add(table.law(a, b), &kernel, x, volume, masses.at(j) * table.specific_volume[b]);
                     }
                     let k = i % BLOCK;
                     (overlaps[k], directions[k], weights[k]) = (sum.overlap, sum.away, sum.weight);
@@ -555,7 +481,7 @@ struct Push {
     limit: f64,
 }
 
-impl Table {
+impl ContactLaws {
     fn row(&self, i: usize, row: &[u32], points: &Points<'_>, dt: f64, sums: &mut BlockSums) -> Push {
         let a = points.body.at(i) as usize;
         let mass = points.mass.at(i);
@@ -570,7 +496,7 @@ impl Table {
                 continue;
             }
             let x = points.places.apart(i, j);
-            let law = self.laws.of(a, b);
+            let law = self.law(a, b);
             let (other, other_mass) = (points.overlap_of(j), points.mass.at(j));
             let kernel = self.kernel(a, b, dot(x, x).sqrt());
             let other_volume = other_mass * self.specific_volume[b];
@@ -585,14 +511,14 @@ impl Table {
             };
             let force = contact_force(law, &pair);
             push.approach = push.approach.max(force.approach);
-            let sum = sums.of(self.places[a * self.bodies + b]);
+            let sum = sums.of(self.place(a, b));
             for k in 0..3 {
                 push.force[k] += force.force[k];
                 if a < b {
                     sum.force[k] += force.force[k];
                 }
             }
-            let (heat, friction) = force.own_heat(self.friction_shares[a * self.bodies + b]);
+            let (heat, friction) = force.own_heat(self.friction_share(a, b));
             push.heat += heat;
             push.friction += friction;
             // The other half comes from the row of the other particle.

@@ -6,7 +6,6 @@ mod conduction;
 mod conduction_table;
 mod constitutive;
 mod contact;
-mod contact_laws;
 mod contact_search;
 mod domain;
 mod external;

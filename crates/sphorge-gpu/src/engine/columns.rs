@@ -46,8 +46,11 @@ pub(super) enum Group {
     /// What forces read of a neighbour: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound speed, m/s; in the total
     /// Lagrangian form the tensor whose sum is the force, stiffness and bound of the hourglass springs, Pa.
     Packed,
-    /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s, Young's modulus, Pa.
+    /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s, Young's modulus, Pa, and
+    /// volume of the mass at rest, m^d.
     Constants,
+    /// Body of a particle.
+    Body,
     /// Work of what pairs do not do, J, its impulse, N s, energy booked by the integrator, J, turned into heat by viscosity, J,
     /// work against the artificial stress and against the hourglass springs, J, each with its rest.
     Accounts,
@@ -68,17 +71,21 @@ pub(super) enum Group {
     Stretch,
     /// First Piola-Kirchhoff stress of the forces of walls and of the contact, which act on faces, Pa.
     FaceStress,
-    /// Particles of the surface of a body that meets itself.
+    /// Particles that the contact may press: those of the surface of a body that meets itself alone, or all of several bodies.
     Surface,
-    /// Of these: outward normal in the reference configuration, 1/m, and depth below the face times its unit normal, m.
+    /// Of these in the total Lagrangian form: outward normal in the reference configuration, 1/m, zero inside, and depth below the face times its
+    /// unit normal, m, zero far inside.
     Outward,
     /// Where they stand for the contact, m, the rest of it, how fast that departs from the particle, m/s, and the outward unit normal.
     Standing,
     /// Overlap, its gradient turned round, 1/m, and weight, m^(d-1).
     Overlap,
-    /// Force of the contact, N, its power that turns to heat of the particle, W, speed of approach, m/s, limit of the step, s; works so far, J, and
-    /// their rests: stored, of friction, damped; their powers, W.
+    /// Force of the contact, N, its power that turns to heat of the particle, W, speed of approach, m/s, limit of the step, s.
     Contact,
+    /// Of the contact with each body: force, N, powers that are stored, rubbed and damped, W, and these works so far, J, each with its rest.
+    Meetings,
+    /// Laws of the contact of each body with each.
+    ContactLaws,
     /// Where the list of each particle starts, and the neighbours.
     ListStarts,
     List,
@@ -155,6 +162,17 @@ impl Fields for Writing {
 impl Writing {
     pub(super) fn set(self, field: usize, i: Index, value: Recorded) {
         self.buffer.set(place(self.stride, field, i), value);
+    }
+
+    /// Where a number of one of several groups of `length` columns each is.
+    fn at(self, group: Index, length: usize, field: usize, i: Index) -> Index {
+        (group * Index::of(length as u32) + Index::of(field as u32)) * Index::of(self.stride) + i
+    }
+
+    /// Adds to a number of one of several groups of `length` columns each.
+    pub(super) fn add_in_group(self, (group, length): (Index, usize), field: usize, i: Index, value: Recorded) {
+        let at = self.at(group, length, field, i);
+        self.buffer.set(at, self.buffer.at(at) + value);
     }
 
     pub(super) fn set_all(self, field: usize, i: Index, values: &[Recorded]) {

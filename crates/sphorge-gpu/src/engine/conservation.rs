@@ -4,7 +4,7 @@ use super::GpuEngine;
 use super::kernels::walls::{AtWall, of_wall};
 use super::snapshot::Snapshot;
 use sphorge_engine::model::Wall;
-use sphorge_engine::{BodyLedger, ContactLedger, Energies, Ledger, RunFailure};
+use sphorge_engine::{BodyLedger, Energies, Ledger, RunFailure};
 use sphorge_physics::heat::elastic_energy;
 
 impl GpuEngine {
@@ -22,14 +22,6 @@ impl GpuEngine {
         }
         let mut total = BodyLedger::total(&bodies);
         bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
-        let account = |[stored_energy, friction_work, damping_work]: [f64; 3]| ContactLedger {
-            // On itself.
-            force: [0.0; 3],
-            stored_energy,
-            friction_work,
-            damping_work,
-        };
-        let contacts = snapshot.contact.map(account).into_iter().collect();
         let [external_work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy] =
             snapshot.accounts;
         Ok(Ledger {
@@ -43,7 +35,7 @@ impl GpuEngine {
             viscous_energy,
             artificial_stress_energy,
             hourglass_energy,
-            contacts,
+            contacts: snapshot.contacts.clone(),
             motion_forces: self.motion_forces(snapshot),
             ..Ledger::default()
         })

@@ -42,7 +42,7 @@ pub(super) fn make(
     columns.insert(Group::ListStarts, card.indices(&starts).map_err(failure)?);
     columns.insert(Group::List, card.zeros(total as usize).map_err(failure)?);
     card.launch(&bound(card, columns, &plan.fill_lists)?);
-    if model.has_self_contact() {
+    if model.has_faces() {
         let list: Vec<u32> = read(card, columns, Group::List)?.into_iter().map(f32::to_bits).collect();
         surfaces::find(card, columns, (model, p), stride, (&starts, &list))?;
     }

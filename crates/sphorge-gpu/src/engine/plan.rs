@@ -90,16 +90,18 @@ impl Plan {
             }
         }
         let is_alone = model.walls.is_empty() && model.gravity == [0.0; 3];
-        let meets_itself = model.has_self_contact();
-        if meets_itself {
-            plan.push.push(of_surface(contact::stand(stride)?));
-            plan.push.extend(sorting(grid, stride, Sorted::Surface, Threads::OfSurface)?);
+        let meets = contact::meets(model);
+        if meets {
+            if model.has_faces() {
+                plan.push.push(of_surface(contact::stand(stride)?));
+                plan.push.extend(sorting(grid, stride, Sorted::Surface, Threads::OfSurface)?);
+            }
             plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, stride)));
         }
-        if meets_itself || !is_alone {
+        if meets || !is_alone {
             plan.push.push(of_particles(walls::push(model, stride)?));
         }
-        if meets_itself {
+        if meets {
             plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, stride)));
         }
         for k in 0..model.materials.len() {
@@ -113,7 +115,7 @@ impl Plan {
                     plan.finish.extend(of_material(stress(StressOf::End)?));
                 }
             }
-            if model.materials[k].heats() && (meets_itself || model.walls.iter().any(Wall::rubs)) {
+            if model.materials[k].heats() && (meets || model.walls.iter().any(Wall::rubs)) {
                 plan.finish.extend(of_material(stress::warm(model, k, stride)?));
             }
         }
@@ -129,7 +131,7 @@ impl Plan {
                 }
             }
         }
-        if meets_itself {
+        if meets {
             plan.forces.push(of_surface(contact::add(stride)?));
         }
         if !is_alone {

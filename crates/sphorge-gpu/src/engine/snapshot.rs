@@ -5,21 +5,23 @@ use super::kernels::{contact, limits, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model};
-use sphorge_engine::{Particles, RunFailure, WallLedger};
+use sphorge_engine::{ContactLedger, Particles, RunFailure, WallLedger};
 use sphorge_physics::{SymmetricTensor, Tensor};
 
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
-    let meets_itself = model.has_self_contact();
+    let meets = contact::meets(model);
     let is_needed = move |group: &Group| match group {
         Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
         Group::Ahead => integrator == Integrator::Leapfrog,
         Group::Reference | Group::Correction | Group::Deformation | Group::Stretch | Group::FaceStress => is_initial,
-        Group::Standing | Group::Overlap | Group::Contact => meets_itself,
+        Group::Standing => meets && is_initial,
+        Group::Overlap | Group::Contact => meets,
         _ => true,
     };
-    FIELDS.iter().copied().filter(move |(group, _)| is_needed(group))
+    let of_bodies = meets.then(|| (Group::Meetings, contact::MEETING * model.bodies.len()));
+    FIELDS.iter().copied().filter(move |(group, _)| is_needed(group)).chain(of_bodies)
 }
 
 /// Columns of [`Group::Weight`]; the second is the number of neighbours.
@@ -44,7 +46,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Plastic, 6),
     (Group::Temperature, 2),
     (Group::Packed, 14),
-    (Group::Constants, 6),
+    (Group::Constants, 7),
     (Group::Accounts, 16),
     (Group::Limits, limits::FIELDS),
     (Group::Reference, 7),
@@ -54,7 +56,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::FaceStress, 9),
     (Group::Standing, 12),
     (Group::Overlap, 5),
-    (Group::Contact, 15),
+    (Group::Contact, 6),
 ];
 
 /// Groups whose numbers the steps to come depend on.
@@ -79,6 +81,7 @@ pub(super) const STATE: &[Group] = &[
     Group::Deformation,
     Group::Stretch,
     Group::Contact,
+    Group::Meetings,
 ];
 
 /// What a card holds after a step.
@@ -90,8 +93,8 @@ pub(super) struct Snapshot {
     pub(super) accounts: [f64; 8],
     /// What each wall has done.
     pub(super) walls: Vec<WallLedger>,
-    /// Works of the contact of a body with itself, where there is such, J: stored, of friction, damped.
-    pub(super) contact: Option<[f64; 3]>,
+    /// What the contact of each pair of bodies that have one does and has done.
+    pub(super) contacts: Vec<ContactLedger>,
     /// Velocities that forces were evaluated with, m/s.
     pub(super) evaluated: Vec<[f64; 3]>,
     /// Deformation gradients, where the form has such.
@@ -163,15 +166,31 @@ impl GpuEngine {
                 if is_initial { (u32::from(self.steps == 0), 0) } else { (1, self.steps) };
         }
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
-        // What accelerations do is booked with masses of single precision.
-        let heavier = |i: usize| p.mass[i] / f64::from(p.mass[i] as f32);
-        let account = |field: usize| (0..count).map(|i| heavier(i) * accounts.double(field, field + 1, i)).sum();
         let of_wall = |at: usize| {
             let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
             WallLedger { work, friction_work, damping_work }
         };
         let evaluated = self.group(Group::Evaluated)?;
-        let contact = self.model.has_self_contact().then(|| self.group(Group::Contact)).transpose()?;
+        let meetings = contact::meets(&self.model).then(|| self.group(Group::Meetings)).transpose()?;
+        let contact_of = |of: &Group64, (a, b): (usize, usize)| {
+            // Of a pair of particles each has a half of the works.
+            let halves = |one: usize, other: usize, field: usize| -> f64 {
+                let first = contact::MEETING * other + field;
+                let own = (0..count).filter(|i| p.body[*i] as usize == one);
+                own.map(|i| of.double(first, first + 1, i)).sum()
+            };
+            let work = |field| halves(a, b, field) + if a == b { 0.0 } else { halves(b, a, field) };
+            let force = |axis: usize| -> f64 {
+                let own = (0..count).filter(|i| a != b && p.body[*i] as usize == a);
+                own.map(|i| of.at(contact::MEETING * b + axis, i)).sum()
+            };
+            let [stored_energy, friction_work, damping_work] = contact::WORKS.map(|(field, _)| work(field));
+            // On the second.
+            ContactLedger { force: [0, 1, 2].map(|axis| 0.0 - force(axis)), stored_energy, friction_work, damping_work }
+        };
+        let contacts =
+            meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));
+        let contacts = contacts.map(|(of, pair)| contact_of(of, pair)).collect();
         let mut deformation = Vec::new();
         if is_initial {
             let f = self.group(Group::Deformation)?;
@@ -180,10 +199,10 @@ impl GpuEngine {
         }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
-            accounts: [0, 2, 4, 6, 8, 10, 12, 14].map(account),
+            accounts: [0, 2, 4, 6, 8, 10, 12, 14].map(|field| sum(&accounts, field)),
             walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
-            contact: contact.map(|of| contact::WORKS.map(|(work, _)| sum(&of, work))),
+            contacts,
             deformation,
             particles: p,
         })

@@ -25,7 +25,7 @@ const MARGIN: f64 = 1.0 + 1e-4;
 const SPARE: f64 = 1.5;
 
 impl GpuEngine {
-    pub(super) fn new(model: Arc<Model>, p: Particles, device: Option<&str>) -> Result<Self, RunFailure> {
+    pub(super) fn new(model: Arc<Model>, mut p: Particles, device: Option<&str>) -> Result<Self, RunFailure> {
         if p.len() >= MOST {
             let message = format!("{} particles: the engine for graphics cards takes up to {}", p.len(), MOST - 1);
             return Err(failure(message));
@@ -40,6 +40,8 @@ impl GpuEngine {
                 "the compiler of {name} drops what rounding leaves of sums: positions and energies would be good to six digits; run with `--engine cpu`"
             )));
         }
+        // Those that forces are divided by, so that sums over bodies of what they do close.
+        p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
         let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
         let grid = grid_of(&model, &p);
         let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
@@ -118,6 +120,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
                 coefficient(terms.epsilon, at_spacing, terms.exponent)
             }),
             (Group::Constants, 3) => of_body(i).spacing,
+            (Group::Constants, 6) => p.mass[i] / model.materials[p.material[i] as usize].density,
             (Group::Constants, 5) => model.materials[p.material[i] as usize].young_modulus(),
             (Group::Constants, _) => model.materials[p.material[i] as usize].equation_of_state.reference_sound_speed(),
             (Group::Packed, 12) => 1.0,
@@ -138,6 +141,13 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     columns.insert(Group::Extremes, card.zeros(limits::FIELDS * stride / limits::CHUNK)?);
     columns.insert(Group::Step, card.zeros(super::step_numbers::count(model) as usize)?);
     columns.insert(Group::Motion, card.indices(&motions(model, p))?);
+    columns.insert(Group::Body, card.indices(&p.body)?);
+    if let Some(laws) = contact::laws(model) {
+        columns.insert(Group::ContactLaws, card.numbers(&laws)?);
+        if !model.has_faces() {
+            columns.insert(Group::Surface, card.indices(&(0..count as u32).collect::<Vec<_>>())?);
+        }
+    }
     for k in 0..model.materials.len() {
         columns.insert(Group::Members(k), card.indices(&members(p, k))?);
     }

@@ -1,7 +1,7 @@
 //! The stages of the step.
 
 use super::columns::Group;
-use super::kernels::limits;
+use super::kernels::{contact, limits};
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{Formulation, Integrator, Material, WallContact};
@@ -151,7 +151,7 @@ impl Engine for GpuEngine {
         let [by_sound, by_acceleration, by_contact, ..] = self.extremes;
         let limit = |dt, reason| TimeStepLimit { dt, reason };
         let mut least = limit(by_sound, LimitReason::SoundSpeed).min(limit(by_acceleration, LimitReason::Acceleration));
-        if self.model.has_self_contact() {
+        if contact::meets(&self.model) {
             least = least.min(limit(self.model.time.courant * by_contact, LimitReason::Contact));
         }
         let rate = |b: &sphorge_engine::model::Body| {

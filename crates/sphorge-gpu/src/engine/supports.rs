@@ -1,9 +1,10 @@
 //! What the engine for cards can run so far; all else is refused before a run.
 
+use super::kernels::contact;
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{
-    BodyContact, Formulation, GradientCorrection, Integrator, Model, Precision, Search, SmoothingLength,
-    TemperatureSource, WallSurface,
+    Formulation, GradientCorrection, Integrator, Model, Precision, Search, SmoothingLength, TemperatureSource,
+    WallSurface,
 };
 
 const BY_CPU: &str = "run it with `--engine cpu`";
@@ -29,7 +30,11 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
         (numerics.temperature != TemperatureSource::PlasticWork, "temperature from the energy", BY_CPU),
         (numerics.smoothing_length != SmoothingLength::Constant, "a smoothing length that follows the density", BY_CPU),
         (model.audit.is_some(), "audits of the search", "its search is exact: leave `audit` out"),
-        ((is_total || model.contact != BodyContact::Sph) && model.bodies.len() > 1, "contact between bodies", BY_CPU),
+        (
+            contact::meets(model) && model.bodies.len() > contact::MOST_BODIES,
+            "contact between more than eight bodies",
+            BY_CPU,
+        ),
         (model.thermal.conduction || !model.thermal.boundaries.is_empty(), "conduction of heat", BY_CPU),
         (
             (0..3).any(|axis| model.symmetry.iter().filter(|plane| plane.axis == axis).count() > 1),

@@ -3,6 +3,8 @@
 #[cfg(feature = "device")]
 mod card;
 #[cfg(feature = "device")]
+mod contact;
+#[cfg(feature = "device")]
 mod engine;
 mod laws;
 #[cfg(feature = "device")]

@@ -57,6 +57,8 @@ fn compare(deck: &str, end: f64, near: f64) {
     let impulse = theirs.external_impulse.iter().map(|c| c.abs()).sum::<f64>();
     let reaction = theirs.motion_forces.as_flattened().iter().map(|c| c.abs()).sum::<f64>();
     for axis in 0..2 {
+        // Of what is driven with the acceleration that is prescribed, of the rest with that of its forces.
+        close("resultant", ours.total.force[axis], theirs.total.force[axis], 10.0 * reaction);
         close("impulse", ours.external_impulse[axis], theirs.external_impulse[axis], impulse);
         for (k, (ours, theirs)) in ours.motion_forces.iter().zip(&theirs.motion_forces).enumerate() {
             close(&format!("reaction {k}"), ours[axis], theirs[axis], 10.0 * reaction);

@@ -1,154 +1,196 @@
-//! The contact of a body with itself: particles of its surface that were no neighbours meet where their faces are.
+//! The contact of bodies with each other, and of a body with itself where particles of its surface that were no neighbours meet. In the total
+//! Lagrangian form particles meet where their faces are.
 
 use super::grid::Grid;
-use super::neighbors::{Pair, apart, over_cells, places};
+use super::neighbors::{Pair, apart, different, over_cells, places};
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, added, recording};
 use crate::engine::step_numbers::DT;
-use crate::record::{Index, KernelFault, Recorded};
+use crate::record::{Index, Indices, KernelFault, Recorded};
+use sphorge_engine::ContactLaws;
 use sphorge_engine::model::{BodyContact, Model};
-use sphorge_physics::conduction::friction_share;
 use sphorge_physics::contact::{
-    ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
+    ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
 use sphorge_physics::surface::{FaceShift, different_sides, sides_of_a_sheet, surface_normal};
+use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
 /// Place of the limit among the numbers of [`Group::Contact`].
 pub(in crate::engine) const LIMIT: usize = 5;
 
-/// Places of the works there, each before its rest, and of their powers.
-pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 12), (8, 13), (10, 14)];
+/// Columns of [`Group::Meetings`] for each body; places of the works among them, each before its rest, and of their powers.
+pub(in crate::engine) const MEETING: usize = 12;
+pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 3), (8, 4), (10, 5)];
 
-/// Constants of the one body there is.
-struct Meeting {
-    law: ContactLaw<f64>,
-    /// Reach of the contact, m, spacing, m, smoothing length, m.
-    reach: f64,
-    spacing: f64,
-    h: f64,
-    /// `1/rho` at rest, m³/kg.
-    specific_volume: f64,
-    friction_share: f64,
+/// Most bodies that meet in the contact: each has columns of its own.
+pub(in crate::engine) const MOST_BODIES: usize = 8;
+
+/// Numbers of the law of two bodies.
+const LAW: usize = 6;
+
+/// Whether there is a contact.
+pub(in crate::engine) fn meets(model: &Model) -> bool {
+    !model.contact_pairs().is_empty()
 }
 
-impl Meeting {
-    fn of(model: &Model) -> Option<Self> {
-        let (BodyContact::Penalty(strength), Some(body)) = (model.contact, model.bodies.first()) else { return None };
-        let (kernel, material) = (model.numerics.kernel, &model.materials[body.material]);
-        let speed = material.equation_of_state.reference_sound_speed();
-        let own = ContactBody {
-            spacing: body.spacing,
-            smoothing_length: body.smoothing_length,
-            density: material.density,
-            bulk_modulus: material.density * speed * speed,
-        };
-        Some(Self {
-            law: ContactLaw::with_itself(kernel, model.dimensions.into(), &own, strength),
-            reach: kernel.support() * body.smoothing_length,
-            spacing: body.spacing,
-            h: body.smoothing_length,
-            specific_volume: 1.0 / material.density,
-            friction_share: friction_share(material.effusivity(), material.effusivity()),
-        })
-    }
+/// The laws of every body with every one, where there is a contact.
+pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
+    let BodyContact::Penalty(strength) = model.contact else { return None };
+    let (laws, count) = (ContactLaws::new(model, strength), model.bodies.len());
+    let numbers = |a: usize, b: usize| {
+        let ContactLaw { inverse_sums, modulus, damping, friction } = *laws.law(a, b);
+        [inverse_sums.0, inverse_sums.1, modulus, damping, friction, laws.friction_share(a, b)]
+    };
+    let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+    meets(model).then(|| pairs.flat_map(|(a, b)| numbers(a, b)).map(|number| number as f32).collect())
 }
 
-/// Where particles of the surface stand for the contact.
+/// Where particles near faces stand for the contact.
 pub(in crate::engine) fn stand(count: usize) -> Result<Recording, KernelFault> {
     recording("stand", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let (place, outward, standing) =
             (bind.read(Group::Place), bind.read(Group::Outward), bind.write(Group::Standing));
         let (deformation, gradient) = (bind.read(Group::Deformation), bind.read(Group::Gradient));
-        let f = deformation.tensor(0, i);
-        let face = FaceShift::of(&f, outward.vector(3, i));
-        for (a, shift) in face.shift().into_iter().enumerate() {
-            let z = added(place.double(a, 3 + a, i), shift);
+        let (f, zero) = (deformation.tensor(0, i), Recorded::zero());
+        let (normal, arm) = (outward.vector(0, i), outward.vector(3, i));
+        let near = || {
+            let face = FaceShift::of(&f, arm);
+            let ([x, y, z], [u, v, w]) = (face.shift(), face.rate(&gradient.tensor(0, i)));
+            [x, y, z, u, v, w]
+        };
+        let face = Recorded::if_lt(zero, dot(arm, arm), near, || [zero; 6]);
+        for a in 0..3 {
+            let z = added(place.double(a, 3 + a, i), face[a]);
             standing.set(a, i, z[0]);
             standing.set(3 + a, i, z[1]);
         }
-        standing.set_all(6, i, &face.rate(&gradient.tensor(0, i)));
-        standing.set_all(9, i, &surface_normal(&f, outward.vector(0, i)));
+        standing.set_all(6, i, &face[3..]);
+        let normal = Recorded::if_lt(zero, dot(normal, normal), || surface_normal(&f, normal), || [zero; 3]);
+        standing.set_all(9, i, &normal);
     })
 }
 
 /// What tells who meets.
 #[derive(Clone, Copy)]
+struct Bodies {
+    /// Where particles are for the contact.
+    place: Reading,
+    constants: Reading,
+    body: Indices,
+    laws: Reading,
+    count: u32,
+    surfaces: Option<Surfaces>,
+    meets_itself: bool,
+}
+
+/// Surfaces of the total Lagrangian form.
+#[derive(Clone, Copy)]
 struct Surfaces {
     standing: Reading,
     reference: Reading,
     outward: Reading,
-    constants: Reading,
 }
 
-impl Surfaces {
-    fn of(bind: &mut Binder<'_>) -> Self {
-        Self {
+impl Bodies {
+    fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
+        let surfaces = model.has_faces().then(|| Surfaces {
             standing: bind.read(Group::Standing),
             reference: bind.read(Group::Reference),
             outward: bind.read(Group::Outward),
+        });
+        Self {
+            place: surfaces.map_or_else(|| bind.read(Group::Place), |of| of.standing),
+            surfaces,
             constants: bind.read(Group::Constants),
+            body: bind.indices(Group::Body),
+            laws: bind.read(Group::ContactLaws),
+            count: model.bodies.len() as u32,
+            meets_itself: model.has_self_contact(),
         }
     }
 
-    /// Takes a state through every particle that presses particle `i`: of another side of the surface, not its neighbour in the reference
-    /// configuration, nor behind it as the other side of a sheet is.
+    /// Takes a state through every particle that may press particle `i`: of another body; or of another side of the surface of the same, not its
+    /// neighbour in the reference configuration, nor behind it as the other side of a sheet is.
     fn over_pressing<S: Numbers<Recorded>, const D: usize>(
         self,
         bind: &mut Binder<'_>,
         model: &Model,
-        (grid, meeting): (&Grid, &Meeting),
+        grid: &Grid,
         i: Index,
         start: S,
         add: impl Fn(S, &Pair, Index) -> S,
     ) -> S {
-        let x_i = places(self.reference, i);
-        let (then_i, now_i) = (self.outward.vector(0, i), self.standing.vector(9, i));
-        over_cells::<_, D>(bind, model, grid, i, (self.standing, self.constants), start, |state, pair, j| {
-            let (zero, image) = (Recorded::zero(), &pair.image);
-            let x = apart::<D>(image, &x_i, &places(self.reference, j));
-            let mut r2 = zero;
-            for c in &x[..D] {
-                r2 = c.mul_add(*c, r2);
-            }
-            let then_j = image.vector(self.outward.vector(0, j));
-            let sheet = sides_of_a_sheet(x, then_i, then_j, Recorded::of(meeting.spacing));
-            let sides = different_sides(now_i, image.vector(self.standing.vector(9, j)));
-            let presses = Recorded::select_lt(sheet, Recorded::of(0.5), sides, zero);
-            let presses = Recorded::select_lt(r2, Recorded::of(meeting.reach * meeting.reach), zero, presses);
+        over_cells::<_, D>(bind, model, grid, i, (self.place, self.constants), start, |state, pair, j| {
+            let (zero, one) = (Recorded::zero(), Recorded::one());
+            let of_itself = || match self.surfaces.filter(|_| self.meets_itself) {
+                Some(surfaces) => surfaces.press::<D>(model, i, pair, j, self.constants),
+                None => zero,
+            };
+            let presses = match self.count {
+                1 => of_itself(),
+                _ => Recorded::if_lt(different(self.body, i, j), Recorded::of(0.5), of_itself, || one),
+            };
             Recorded::if_lt(zero, presses, || add(state, pair, j), || state)
         })
     }
 
-    fn volume(self, meeting: &Meeting, i: Index) -> Recorded {
-        self.constants.get(0, i) * Recorded::of(meeting.specific_volume)
+    fn volume(self, i: Index) -> Recorded {
+        self.constants.get(6, i)
+    }
+
+    /// The law of two particles, and the share of the heat of friction that the first takes up.
+    fn law(self, i: Index, j: Index) -> (ContactLaw<Recorded>, Recorded) {
+        let pair = self.body.at(i) * Index::of(self.count) + self.body.at(j);
+        let number = |k: usize| self.laws.get(0, pair * Index::of(LAW as u32) + Index::of(k as u32));
+        let inverse_sums = (number(0), number(1));
+        (ContactLaw { inverse_sums, modulus: number(2), damping: number(3), friction: number(4) }, number(5))
     }
 }
 
-fn kernel_of(model: &Model, meeting: &Meeting, pair: &Pair) -> ContactKernel<Recorded> {
-    ContactKernel::new(model.numerics.kernel, model.dimensions.into(), pair.r2.sqrt(), Recorded::of(meeting.h))
+impl Surfaces {
+    /// One where particles of one body press each other, else zero.
+    fn press<const D: usize>(self, model: &Model, i: Index, pair: &Pair, j: Index, constants: Reading) -> Recorded {
+        let (zero, image) = (Recorded::zero(), &pair.image);
+        let (then_i, now_i) = (self.outward.vector(0, i), self.standing.vector(9, i));
+        let x = apart::<D>(image, &places(self.reference, i), &places(self.reference, j));
+        let mut r2 = zero;
+        for c in &x[..D] {
+            r2 = c.mul_add(*c, r2);
+        }
+        let then_j = image.vector(self.outward.vector(0, j));
+        let sheet = sides_of_a_sheet(x, then_i, then_j, constants.get(3, i));
+        let sides = different_sides(now_i, image.vector(self.standing.vector(9, j)));
+        let presses = Recorded::select_lt(sheet, Recorded::of(0.5), sides, zero);
+        let reach = Recorded::of(model.numerics.kernel.support()) * constants.get(1, i);
+        let presses = Recorded::select_lt(r2, reach * reach, zero, presses);
+        // Inside there is no normal.
+        let exposed = dot(then_i, then_i).min(dot(then_j, then_j));
+        Recorded::select_lt(zero, exposed, presses, zero)
+    }
 }
 
-/// First pass: the overlap of every particle of the surface.
+fn kernel_of(model: &Model, pair: &Pair) -> ContactKernel<Recorded> {
+    ContactKernel::new(model.numerics.kernel, model.dimensions.into(), pair.r2.sqrt(), pair.scale.h)
+}
+
+/// First pass: the overlap of every particle that may meet others.
 pub(in crate::engine) fn overlap<const D: usize>(
     model: &Model,
     grid: &Grid,
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("overlap", count, |bind, thread| {
-        let Some(meeting) = Meeting::of(model) else { return };
         let i = bind.indices(Group::Surface).at(thread);
-        let surfaces = Surfaces::of(bind);
+        let bodies = Bodies::of(bind, model);
         let overlaps = bind.write(Group::Overlap);
-        let law = meeting.law.cast();
-        let volume = surfaces.volume(&meeting, i);
+        let volume = bodies.volume(i);
         let first = Overlap::before_the_first();
         let start = [first.overlap, first.away[0], first.away[1], first.away[2], first.weight];
-        let with = (grid, &meeting);
-        let sum = surfaces.over_pressing::<_, D>(bind, model, with, i, start, |state: [Recorded; 5], pair, j| {
+        let sum = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |state: [Recorded; 5], pair, j| {
             let [overlap, x, y, z, weight] = state;
             let mut sum = Overlap { overlap, away: [x, y, z], weight };
-            sum.add(&law, &kernel_of(model, &meeting, pair), pair.x, volume, surfaces.volume(&meeting, j));
+            sum.add(&bodies.law(i, j).0, &kernel_of(model, pair), pair.x, volume, bodies.volume(j));
             [sum.overlap, sum.away[0], sum.away[1], sum.away[2], sum.weight]
         });
         overlaps.set_all(0, i, &sum);
@@ -158,8 +200,8 @@ pub(in crate::engine) fn overlap<const D: usize>(
 /// Sums of a particle over what presses it.
 #[derive(Clone, Copy)]
 struct Pressed {
-    /// Force, N, heat of the particle, W, and friction's part, speed of approach, m/s, and of the pairs what is stored, rubbed, damped, W.
-    sums: [Recorded; 9],
+    /// Force, N, heat of the particle, W, and friction's part, speed of approach, m/s.
+    sums: [Recorded; 6],
     stiffness: ContactStiffness<Recorded>,
 }
 
@@ -181,74 +223,84 @@ pub(in crate::engine) fn press<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("press", count, |bind, thread| {
-        let Some(meeting) = Meeting::of(model) else { return };
         let i = bind.indices(Group::Surface).at(thread);
-        let surfaces = Surfaces::of(bind);
+        let bodies = Bodies::of(bind, model);
         let (overlaps, evaluated, step) =
             (bind.read(Group::Overlap), bind.read(Group::Evaluated), bind.read(Group::Step));
-        let law = meeting.law.cast();
+        let meetings = bind.write(Group::Meetings);
         let (dt, half, zero) = (step.get(0, Index::of(DT)), Recorded::of(0.5), Recorded::zero());
-        let (mass, volume) = (surfaces.constants.get(0, i), surfaces.volume(&meeting, i));
+        let (mass, volume) = (bodies.constants.get(0, i), bodies.volume(i));
         let own = overlap_of(overlaps, i);
-        let standing = surfaces.standing;
-        let (v_i, rate_i) = (evaluated.vector(0, i), standing.vector(6, i));
-        let start = Pressed { sums: [zero; 9], stiffness: ContactStiffness::none() };
-        let with = (grid, &meeting);
-        let all = surfaces.over_pressing::<_, D>(bind, model, with, i, start, |mut state: Pressed, pair, j| {
+        // How fast the face departs from the particle.
+        let rate = |of: Index| bodies.surfaces.map(|surfaces| surfaces.standing.vector(6, of));
+        let (v_i, rate_i) = (evaluated.vector(0, i), rate(i));
+        for body in 0..model.bodies.len() {
+            meetings.set_all(MEETING * body, i, &[zero; 6]);
+        }
+        let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
+        let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
             let image = &pair.image;
-            let (v_j, rate_j) = (image.vector(evaluated.vector(0, j)), image.vector(standing.vector(6, j)));
+            let v_j = image.vector(evaluated.vector(0, j));
+            let mut v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
+            if let Some((rate_i, rate_j)) = rate_i.zip(rate(j)) {
+                let rate_j = image.vector(rate_j);
+                v = [0, 1, 2].map(|a| v[a] + (rate_i[a] - rate_j[a]));
+            }
             let mut other = overlap_of(overlaps, j);
             other.away = image.vector(other.away);
-            let other_mass = surfaces.constants.get(0, j);
-            let kernel = kernel_of(model, &meeting, pair);
-            let other_volume = surfaces.volume(&meeting, j);
+            let (law, friction_share) = bodies.law(i, j);
+            let (kernel, other_volume) = (kernel_of(model, pair), bodies.volume(j));
             let weight = kernel.weight(volume, other_volume);
             let overlaps = (own.overlap, other.overlap);
+            let other_mass = bodies.constants.get(0, j);
             let force = contact_force(
                 &law,
                 &ContactPair {
                     x: pair.x,
-                    v: [0, 1, 2].map(|a| (v_i[a] - v_j[a]) + (rate_i[a] - rate_j[a])),
+                    v,
                     weight,
                     overlaps,
                     direction: [0, 1, 2].map(|a| own.away[a] - other.away[a]),
                     stopping: stopping(mass, other_mass, weight, (own.weight, other.weight), dt),
                 },
             );
-            let (heat, friction) = force.own_heat(Recorded::of(meeting.friction_share));
+            let (heat, friction) = force.own_heat(friction_share);
             let sums = &mut state.sums;
-            // The other half comes from the row of the other particle.
-            let halves = [force.stored, force.rubbed, force.damped].map(|power| half * power);
             for (sum, part) in sums[..5].iter_mut().zip(force.force.into_iter().chain([heat, friction])) {
                 *sum += part;
             }
             sums[5] = sums[5].max(force.approach);
-            for (sum, part) in sums[6..].iter_mut().zip(halves) {
-                *sum += part;
-            }
+            // The other half comes from the row of the other particle.
+            let halves = [force.stored, force.rubbed, force.damped].map(|power| half * power);
+            let body = (bodies.body.at(j), MEETING);
+            let book = || {
+                for (field, part) in force.force.into_iter().chain(halves).enumerate() {
+                    meetings.add_in_group(body, field, i, part);
+                }
+                [zero; 0]
+            };
+            Recorded::if_lt(zero, dot(force.force, force.force), book, || [zero; 0]);
             state.stiffness.add(&law, &kernel, overlaps, volume, other_volume);
             state
         });
-        let [x, y, z, heat, friction, approach, stored, rubbed, damped] = all.sums;
+        let [x, y, z, heat, friction, approach] = all.sums;
         let force: Vector<Recorded> = [x, y, z];
-        let (contact, external, face_stress) =
-            (bind.write(Group::Contact), bind.write(Group::External), bind.write(Group::FaceStress));
-        let (deformation, reference) = (bind.read(Group::Deformation), surfaces.reference);
+        let (contact, external) = (bind.write(Group::Contact), bind.write(Group::External));
         external.set(4, i, external.get(4, i) + friction / mass);
-        let f = deformation.tensor(0, i);
-        let moment = FaceShift::of(&f, surfaces.outward.vector(3, i)).stress(&f, force);
-        for (k, moment) in moment.into_iter().flatten().enumerate() {
-            face_stress.set(k, i, face_stress.get(k, i) + moment / reference.get(6, i));
-        }
         let mut along = zero;
-        for a in 0..3 {
-            along += force[a] * rate_i[a];
+        if let Some((surfaces, rate)) = bodies.surfaces.zip(rate_i) {
+            let (face_stress, deformation) = (bind.write(Group::FaceStress), bind.read(Group::Deformation));
+            let arm = surfaces.outward.vector(3, i);
+            let f = deformation.tensor(0, i);
+            let moment = || FaceShift::of(&f, arm).stress(&f, force);
+            let moment = Recorded::if_lt(zero, dot(arm, arm), moment, || [[zero; 3]; 3]);
+            for (k, moment) in moment.into_iter().flatten().enumerate() {
+                face_stress.set(k, i, face_stress.get(k, i) + moment / surfaces.reference.get(6, i));
+            }
+            along = dot(force, rate);
         }
         let limit = all.stiffness.limit(&own, volume, mass);
         contact.set_all(0, i, &[x, y, z, heat + along, approach, limit]);
-        for ((_, power), value) in WORKS.into_iter().zip([stored, rubbed, damped]) {
-            contact.set(power, i, value);
-        }
     })
 }
 

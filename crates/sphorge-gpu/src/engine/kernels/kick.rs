@@ -17,7 +17,7 @@ pub(super) struct Kicks {
     energy: Writing,
     accounts: Writing,
     walls: Option<(Writing, usize)>,
-    contact: Option<Writing>,
+    meetings: Option<(Writing, usize)>,
     constants: Reading,
     pub(super) step: Reading,
     pub(super) motions: Option<Motions>,
@@ -35,7 +35,7 @@ impl Kicks {
             energy: bind.write(Group::Energy),
             accounts: bind.write(Group::Accounts),
             walls: (count > 0).then(|| (bind.write(Group::Walls), count)),
-            contact: model.has_self_contact().then(|| bind.write(Group::Contact)),
+            meetings: contact::meets(model).then(|| (bind.write(Group::Meetings), model.bodies.len())),
             constants: bind.read(Group::Constants),
         }
     }
@@ -83,9 +83,11 @@ impl Kicks {
         for (part, account) in [(3, 10), (4, 12), (5, 14)] {
             self.accounts.add(account, account + 1, i, mass * dt * self.energy.get(part, i));
         }
-        if let Some(contact) = self.contact {
-            for (work, power) in contact::WORKS {
-                contact.add(work, work + 1, i, dt * contact.get(power, i));
+        if let Some((meetings, bodies)) = self.meetings {
+            for first in (0..bodies).map(|body| contact::MEETING * body) {
+                for (work, power) in contact::WORKS.map(|(work, power)| (first + work, first + power)) {
+                    meetings.add(work, work + 1, i, dt * meetings.get(power, i));
+                }
             }
         }
         if let Some((of_walls, count)) = self.walls {

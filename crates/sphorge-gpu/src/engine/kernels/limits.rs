@@ -70,7 +70,7 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         limits.set(0, i, sound_limit(shortest, speed, rates.get(6, i), courant));
         limits.set(1, i, by_acceleration);
         let mut by_contact = || bind.read(Group::Contact).get(contact::LIMIT, i);
-        limits.set(2, i, if model.has_self_contact() { by_contact() } else { Recorded::of(BEYOND) });
+        limits.set(2, i, if contact::meets(model) { by_contact() } else { Recorded::of(BEYOND) });
         limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
         limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
     })

@@ -1,9 +1,10 @@
 //! Who a particle sums over: those in the cells around its own, or those of a list.
 
+use super::contact::meets;
 use super::grid::Grid;
 use super::images::{Image, Mirrors};
 use crate::engine::columns::{Binder, Fields, Group, Reading};
-use crate::record::{Index, Recorded};
+use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
@@ -115,6 +116,28 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
         };
     }
     state
+}
+
+/// The same for those in the sums of the particle: bodies that meet in a contact are none of each other's.
+pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    grid: &Grid,
+    i: Index,
+    near: (Reading, Reading),
+    start: S,
+    add: impl Fn(S, &Pair, Index) -> S,
+) -> S {
+    let bodies = (meets(model) && model.bodies.len() > 1).then(|| bind.indices(Group::Body));
+    over_cells::<S, D>(bind, model, grid, i, near, start, |state, pair, j| match bodies {
+        None => add(state, pair, j),
+        Some(of) => Recorded::if_lt(different(of, i, j), Recorded::of(0.5), || add(state, pair, j), || state),
+    })
+}
+
+/// Zero where two particles are of one body, one and more where they are of different ones.
+pub(super) fn different(bodies: Indices, i: Index, j: Index) -> Recorded {
+    (bodies.at(j).number() - bodies.at(i).number()).abs()
 }
 
 /// Takes a state through the list of a particle, whose pairs are those of the reference configuration.

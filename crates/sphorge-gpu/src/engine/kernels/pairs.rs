@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::motion::Motions;
-use super::neighbors::over_cells;
+use super::neighbors::over_neighbors;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
@@ -52,7 +52,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
         let smoothed = |of: Index| rates.map_or([Recorded::zero(); 3], |rates| rates.vector(3, of));
         let own_smoothed = smoothed(i);
         let start = [Recorded::zero(); 10];
-        let sums = over_cells::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
             let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
             let (mut x, mut r2) = (pair.x, pair.r2);
@@ -127,7 +127,7 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (stress, repulsion) = (packed.symmetric(0, i), packed.symmetric(6, i));
         let (switch, sound_speed) = (packed.get(12, i), packed.get(13, i));
         let start = [Recorded::zero(); 10];
-        let sums = over_cells::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
             let other = pair.image.vector(evaluated.vector(0, j));
             let v = [0, 1, 2].map(|a| own[a] - other[a]);
             let mut v_dot_x = Recorded::zero();

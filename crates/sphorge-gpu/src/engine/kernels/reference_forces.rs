@@ -1,5 +1,6 @@
 //! Forces of the total Lagrangian form: the sum of the stress in the reference configuration, and the springs against hourglassing.
 
+use super::contact;
 use super::neighbors::{apart, over_list, places};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::record::{KernelFault, Recorded};
@@ -15,7 +16,7 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
         let (packed, deformation) = (bind.write(Group::Packed), bind.read(Group::Deformation));
         let correction = bind.read(Group::Correction);
         let f = deformation.tensor(0, i);
-        let face_stress = match model.walls.is_empty() && !model.has_self_contact() {
+        let face_stress = match model.walls.is_empty() && !contact::meets(model) {
             true => [[Recorded::zero(); 3]; 3],
             false => bind.read(Group::FaceStress).tensor(0, i),
         };

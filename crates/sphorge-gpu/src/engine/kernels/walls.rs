@@ -1,5 +1,6 @@
 //! Walls and gravity.
 
+use super::contact;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, GRAVITY, WALL_LENGTH, WALLS};
 use crate::record::{Index, KernelFault, Recorded};
@@ -21,7 +22,7 @@ pub(in crate::engine) fn push(model: &Model, count: usize) -> Result<Recording, 
         let external = bind.write(Group::External);
         let walls = (!model.walls.is_empty()).then(|| bind.write(Group::Walls));
         let is_deformed = is_total_lagrangian(model) && walls.is_some();
-        let has_faces = is_deformed || model.has_self_contact();
+        let has_faces = is_total_lagrangian(model) && (walls.is_some() || contact::meets(model));
         let deformed = is_deformed.then(|| {
             let (f, l) = (bind.read(Group::Deformation), bind.read(Group::Gradient));
             (f.tensor(0, i), l.tensor(0, i))

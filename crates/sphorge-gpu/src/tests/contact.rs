@@ -1,0 +1,147 @@
+//! Bodies that meet in the contact on a card, beside the processor's engine.
+
+use super::card::card;
+use super::engine::{conserves_and_repeats_text, count_steps, drifts, start_text};
+use crate::Gpu;
+use sphorge_deck::load_text;
+use sphorge_engine::{Cpu, EngineKind, Simulation};
+
+/// Blocks of copper, of iron and of copper again, of other spacings: the upper strikes the middle, 1 mm to the right, which strikes the lower.
+fn striking(more: &str) -> String {
+    let block = |name: &str, material: &str, spacing: &str, low: &str, high: &str, velocity: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"{material}\"\nspacing = \"{spacing} mm\"\n\
+             shape = {{ box = {{ min = {low}, max = {high} }} }}\nvelocity = {velocity}\n"
+        )
+    };
+    format!(
+        "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"0.5 mm\" }}\ntime = {{ end = \"60 us\" }}\n{more}\n{}{}{}",
+        block(
+            "upper",
+            "ofhc-copper",
+            "0.5",
+            "[\"-3 mm\", \"1 mm\"]",
+            "[\"5 mm\", \"5 mm\"]",
+            "[\"30 m/s\", \"-120 m/s\"]"
+        ),
+        block(
+            "middle",
+            "armco-iron",
+            "0.4",
+            "[\"-4 mm\", \"-3 mm\"]",
+            "[\"4 mm\", \"0.6 mm\"]",
+            "[\"0 m/s\", \"0 m/s\"]"
+        ),
+        block(
+            "lower",
+            "ofhc-copper",
+            "0.5",
+            "[\"-2 mm\", \"-7 mm\"]",
+            "[\"4 mm\", \"-3.4 mm\"]",
+            "[\"0 m/s\", \"60 m/s\"]"
+        ),
+    )
+}
+
+const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
+/// So stiff that the contact limits the step.
+const STIFF: &str = "contact = { penalty = { friction = 0.3, stiffness = 3.0 } }";
+const PRESENT: &str = "method = \"patino\"\nsearch = \"every-step\"";
+
+/// What is compared: energies and momenta of bodies, works and forces of contacts, extents, each with what it is a part of.
+fn numbers(simulation: &Simulation) -> Vec<(String, f64, f64)> {
+    let (p, ledger) = (simulation.particles().unwrap(), simulation.ledger().unwrap());
+    let energy = ledger.total_energy();
+    let mut numbers = Vec::new();
+    let mut note = |what: String, number: f64, scale: f64| numbers.push((what, number, scale));
+    for (k, body) in ledger.bodies.iter().enumerate() {
+        note(format!("kinetic energy of {k}"), body.energies.kinetic, energy);
+        note(format!("internal energy of {k}"), body.energies.internal, energy);
+        note(format!("plastic work of {k}"), body.energies.plastic_work, energy);
+        for axis in 0..2 {
+            note(format!("momentum of {k}"), body.momentum[axis], ledger.total.momentum_scale);
+        }
+    }
+    for (k, contact) in ledger.contacts.iter().enumerate() {
+        let pressed = contact.stored_energy.abs() + contact.damping_work + contact.friction_work;
+        note(format!("stored in {k}"), contact.stored_energy, pressed);
+        note(format!("damped in {k}"), contact.damping_work, pressed);
+        note(format!("rubbed in {k}"), contact.friction_work, pressed);
+        for axis in 0..2 {
+            note(
+                format!("force of {k}"),
+                contact.force[axis],
+                5.0 * contact.force.iter().map(|c| c.abs()).sum::<f64>(),
+            );
+        }
+    }
+    for axis in 0..2 {
+        let along = || p.position.iter().map(|x| x[axis]);
+        let extent = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
+        note("extent".to_owned(), extent, extent);
+    }
+    let hottest = p.temperature.iter().fold(0.0f64, |a, b| a.max(*b));
+    note("hottest".to_owned(), hottest, hottest);
+    numbers
+}
+
+/// Runs of both engines to a time, s, through the middle of it; how near they must be.
+fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
+    if card().is_none() {
+        return;
+    }
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let mut simulation = start_text(kind, "striking", deck, overrides);
+        let first = simulation.ledger().unwrap();
+        let states = [0.5 * end, end].map(|end| (count_steps(&mut simulation, end), numbers(&simulation)));
+        let (drift, momentum) = drifts(&simulation, &first);
+        assert!(drift.abs() < 2e-8 && momentum < 2e-7, "{}: {drift:e} {momentum:e}", kind.name());
+        let contacts = simulation.ledger().unwrap().contacts;
+        let meets = |k: &usize| contacts[*k].friction_work + contacts[*k].damping_work > 0.0;
+        assert!((0..contacts.len()).filter(meets).count() + 1 >= simulation.model().bodies.len(), "{contacts:?}");
+        states
+    });
+    for ((our_steps, ours), (steps, theirs)) in ours.iter().zip(&theirs) {
+        assert!(our_steps.abs_diff(*steps) <= 2, "{our_steps} steps on the card, {steps}");
+        for ((what, ours, _), (_, theirs, scale)) in ours.iter().zip(theirs) {
+            assert!((ours - theirs).abs() <= near * scale, "{what}: {ours} on the card, {theirs}; of {scale}");
+        }
+    }
+}
+
+#[test]
+fn bodies_that_meet_at_faces_are_those_of_the_processor() {
+    compare(&striking(RUBS), &[], 10e-6, 2e-4);
+    compare(&striking(STIFF), &[], 6e-6, 2e-4);
+}
+
+#[test]
+fn bodies_that_meet_in_the_present_configuration_are_those_of_the_processor() {
+    compare(&striking(&format!("{PRESENT}\n{RUBS}")), &[], 7e-6, 2e-4);
+    compare(&striking(&format!("{PRESENT}\n{RUBS}")), &[("numerics.integrator", "\"leapfrog\"")], 7e-6, 2e-4);
+}
+
+#[test]
+fn the_same_bits_come_again_where_bodies_are_pressed() {
+    conserves_and_repeats_text("striking", &striking(RUBS), &[], 4e-6);
+    conserves_and_repeats_text("striking", &striking(&format!("{PRESENT}\n{RUBS}")), &[], 4e-6);
+}
+
+#[test]
+fn a_ninth_body_in_the_contact_is_refused() {
+    let block = |k: u32| {
+        format!(
+            "[[body]]\nname = \"b{k}\"\nmaterial = \"ofhc-copper\"\n\
+             shape = {{ box = {{ min = [\"{} mm\", \"0 mm\"], max = [\"{} mm\", \"4 mm\"] }} }}\n",
+            10 * k,
+            10 * k + 4,
+        )
+    };
+    let head = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"60 us\" }\n";
+    for (count, refused) in [(8, false), (9, true)] {
+        let bodies: String = (0..count).map(block).collect();
+        let setup = load_text("blocks", &format!("{head}{bodies}"), &[]).unwrap();
+        let refusal = Gpu::default().supports(&setup.model).err();
+        assert_eq!(refusal.is_some_and(|refusal| refusal.what.contains("more than eight bodies")), refused);
+    }
+}
