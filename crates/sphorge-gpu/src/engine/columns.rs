@@ -89,6 +89,13 @@ pub(super) enum Group {
     /// Where the list of each particle starts, and the neighbours.
     ListStarts,
     List,
+    /// Lists that are kept, the first neighbour of every particle before the second of any; how long they are: see [`super::kernels::kept`].
+    Kept,
+    Rows,
+    /// Place at the last full search, m, and its rest.
+    SearchedAt,
+    /// Of each chunk of particles how far they are from there, and what was searched: see [`super::kernels::kept`].
+    Ways,
     /// Prescribed motion of a particle, by its number and one; zero for none.
     Motion,
     /// Numbers of the step: see [`super::step_numbers`].
@@ -233,6 +240,11 @@ impl Binder<'_> {
         Writing { buffer: self.scope.output(&format!("{group:?}")), stride: self.stride }
     }
 
+    /// Length of the columns.
+    pub(super) fn stride(&self) -> Index {
+        Index::of(self.stride)
+    }
+
     pub(super) fn indices(&mut self, group: Group) -> Indices {
         self.groups.push(group);
         self.scope.indices(&format!("{group:?}"))
@@ -287,8 +299,12 @@ pub(super) struct Columns {
 }
 
 impl Columns {
+    /// Adds a group, or takes another array for it.
     pub(super) fn insert(&mut self, group: Group, array: Array) {
-        self.arrays.push((group, array));
+        match self.arrays.iter_mut().find(|(of, _)| *of == group) {
+            Some((_, known)) => *known = array,
+            None => self.arrays.push((group, array)),
+        }
     }
 
     pub(super) fn array(&self, group: Group) -> Option<&Array> {

@@ -9,6 +9,7 @@ mod conservation;
 mod kernels;
 mod lists;
 mod plan;
+mod search;
 mod snapshot;
 mod start;
 mod step;
@@ -19,6 +20,8 @@ pub use start::{KernelText, kernel_texts};
 
 use crate::device::{Card, Launch};
 use columns::Columns;
+use plan::Plan;
+use search::Kept;
 use snapshot::Snapshot;
 use sphorge_engine::{Engine, EngineKind, Model, Particles, RunFailure, Unsupported};
 use std::cell::OnceCell;
@@ -39,8 +42,10 @@ mod step_numbers {
     pub(super) const HALF: u32 = 1;
     /// Gravity, m/s².
     pub(super) const GRAVITY: u32 = 2;
+    /// Neighbours that lists that are kept have room for.
+    pub(super) const ROOM: u32 = 5;
     /// The first wall.
-    pub(super) const WALLS: u32 = 5;
+    pub(super) const WALLS: u32 = 6;
     /// Displacement, m, and velocity, m/s, of a wall.
     pub(super) const WALL_LENGTH: u32 = 6;
     /// Of a prescribed motion: one along each axis where it holds, velocities at the middle and at the end of the step, m/s.
@@ -61,6 +66,9 @@ mod step_numbers {
 struct Stages {
     begin: Vec<Launch>,
     sorting: Vec<Launch>,
+    /// Where lists are kept: how far particles have moved, and the search.
+    ways: Vec<Launch>,
+    search: Vec<Launch>,
     gradients: Vec<Launch>,
     /// Walls and gravity.
     push: Vec<Launch>,
@@ -75,7 +83,9 @@ struct GpuEngine {
     model: Arc<Model>,
     card: Card,
     columns: Columns,
+    plan: Plan,
     stages: Stages,
+    kept: Kept,
     /// The particles as they came: ids, bodies, masses.
     initial: Particles,
     /// Particles, rounded up to whole chunks: the length of the columns.

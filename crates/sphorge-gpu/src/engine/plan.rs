@@ -3,11 +3,11 @@
 use super::columns::Recording;
 use super::kernels::stress::StressOf;
 use super::kernels::{
-    contact, grid, leapfrog, limits, pairs, predictor_corrector, reference, reference_forces, stress, walls,
+    contact, grid, kept, leapfrog, limits, pairs, predictor_corrector, reference, reference_forces, stress, walls,
 };
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
-use sphorge_engine::model::{Formulation, Integrator, Wall};
+use sphorge_engine::model::{Formulation, Integrator, Search, Wall};
 use sphorge_engine::{Model, Particles};
 use sphorge_physics::Dimension;
 
@@ -42,6 +42,9 @@ pub(super) struct Plan {
     pub(super) fill_lists: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
     pub(super) sorting: Vec<Planned>,
+    /// Where lists are kept: how far particles have moved, and the search.
+    pub(super) ways: Vec<Planned>,
+    pub(super) search: Vec<Planned>,
     pub(super) gradients: Vec<Planned>,
     pub(super) push: Vec<Planned>,
     pub(super) stress: Vec<Planned>,
@@ -78,6 +81,12 @@ impl Plan {
         match model.formulation {
             Formulation::UpdatedLagrangian => {
                 plan.sorting = sorted;
+                if keeps_lists(model) {
+                    let of_chunks = |kernel| Planned { kernel, threads: Threads::Of(stride / limits::CHUNK) };
+                    plan.ways.push(of_chunks(kept::ways(p.len(), stride)?));
+                    plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
+                    plan.search.push(of_chunks(kept::longest_rows(stride)?));
+                }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
                 plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, stride)));
             }
@@ -150,6 +159,8 @@ impl Plan {
             &self.fill_lists,
             &self.begin,
             &self.sorting,
+            &self.ways,
+            &self.search,
             &self.gradients,
             &self.push,
             &self.stress,
@@ -158,6 +169,11 @@ impl Plan {
         ];
         groups.into_iter().flatten().map(|planned| &planned.kernel)
     }
+}
+
+/// Whether lists of the present configuration are kept from one search to the next.
+pub(super) fn keeps_lists(model: &Model) -> bool {
+    model.formulation == Formulation::UpdatedLagrangian && model.search != Search::EveryStep
 }
 
 /// Particles of a material.

@@ -4,7 +4,7 @@ use super::columns::{Columns, Group};
 use super::kernels::{contact, limits, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
-use sphorge_engine::model::{Integrator, Model};
+use sphorge_engine::model::{Integrator, Model, Search};
 use sphorge_engine::{ContactLedger, Particles, RunFailure, WallLedger};
 use sphorge_physics::{SymmetricTensor, Tensor};
 
@@ -82,6 +82,9 @@ pub(super) const STATE: &[Group] = &[
     Group::Stretch,
     Group::Contact,
     Group::Meetings,
+    Group::Kept,
+    Group::Rows,
+    Group::SearchedAt,
 ];
 
 /// What a card holds after a step.
@@ -143,6 +146,10 @@ impl GpuEngine {
         let (weight, accounts, of_walls) =
             (self.group(Group::Weight)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
         let is_initial = walls::is_total_lagrangian(&self.model);
+        let last_searched = match self.model.search {
+            Search::EveryStep => self.steps,
+            Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
+        };
         p.motion = motions(&self.model, &p);
         for i in 0..count {
             p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
@@ -162,8 +169,7 @@ impl GpuEngine {
             p.yield_stress[i] = if plastic.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { plastic.at(3, i) };
             p.plastic_work[i] = plastic.double(4, 5, i);
             p.neighbors[i] = weight.at(1, i) as u32;
-            (p.adapted[i], p.last_searched[i]) =
-                if is_initial { (u32::from(self.steps == 0), 0) } else { (1, self.steps) };
+            (p.adapted[i], p.last_searched[i]) = (u32::from(self.steps == last_searched), last_searched);
         }
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
         let of_wall = |at: usize| {

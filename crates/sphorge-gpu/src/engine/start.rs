@@ -1,15 +1,16 @@
 //! Particles brought to the card, and kernels compiled for it.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
-use super::kernels::{contact, grid, limits, walls};
+use super::kernels::{contact, grid, kept, limits, walls};
 use super::lists::{self, bound};
-use super::plan::{Plan, members};
+use super::plan::{Plan, keeps_lists, members};
+use super::search::Kept;
 use super::snapshot::fields;
 use super::{GpuEngine, Stages, failure};
 use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
-use sphorge_engine::model::Dimensions;
+use sphorge_engine::model::{Dimensions, Search};
 use sphorge_engine::{Model, Particles, RunFailure};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
@@ -50,13 +51,24 @@ impl GpuEngine {
         let stages = stages(&card, &columns, &plan)?;
         let extremes = [0.0; limits::FIELDS];
         let snapshot = OnceCell::new();
-        Ok(Self { model, card, columns, stages, initial: p, stride, steps: 0, time: 0.0, dt: 0.0, extremes, snapshot })
+        let kept = Kept::default();
+        let (steps, time, dt) = (0, 0.0, 0.0);
+        Ok(Self { model, card, columns, plan, stages, kept, initial: p, stride, steps, time, dt, extremes, snapshot })
+    }
+}
+
+/// What lists have beyond the kernel support, as a share of it.
+pub(super) fn skin(model: &Model) -> f64 {
+    match model.search {
+        Search::Skin { fraction } if keeps_lists(model) => fraction,
+        Search::Skin { .. } | Search::EveryStep | Search::Adaptive(_) | Search::Initial => 0.0,
     }
 }
 
 fn grid_of(model: &Model, p: &Particles) -> Grid {
     let largest = p.smoothing_length.iter().fold(0.0f64, |a, h| a.max(*h));
-    let edge = MARGIN * model.numerics.kernel.support() * largest;
+    let reach = model.numerics.kernel.support() * (1.0 + skin(model));
+    let edge = MARGIN * reach * largest;
     let axes = match model.dimensions {
         Dimensions::One => 1,
         Dimensions::PlaneStrain => 2,
@@ -70,7 +82,7 @@ fn grid_of(model: &Model, p: &Particles) -> Grid {
         // Never fewer than three around a cell and one more, so that none is met twice.
         counts[axis] = ((SPARE * (high - low) / edge).ceil() as u32 + 1).next_power_of_two().max(4);
     }
-    Grid { origin, edge, counts }
+    Grid { origin, reach, edge, counts }
 }
 
 /// Numbers of a group, field by field.
@@ -158,6 +170,13 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
         columns.insert(group, card.zeros(count)?);
     }
+    if keeps_lists(model) {
+        // Room is made when it is known how much.
+        columns.insert(Group::Kept, card.zeros(0)?);
+        columns.insert(Group::Rows, card.zeros(kept::ROWS * stride)?);
+        columns.insert(Group::SearchedAt, card.zeros(6 * stride)?);
+        columns.insert(Group::Ways, card.zeros(kept::WAYS * stride / limits::CHUNK)?);
+    }
     columns.insert(Group::Around, card.indices(&grid.around())?);
     Ok(columns)
 }
@@ -188,11 +207,13 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     Ok(plan.all().map(text).collect())
 }
 
-fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stages, RunFailure> {
+pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stages, RunFailure> {
     let bound = |planned| bound(card, columns, planned);
     Ok(Stages {
         begin: bound(&plan.begin)?,
         sorting: bound(&plan.sorting)?,
+        ways: bound(&plan.ways)?,
+        search: bound(&plan.search)?,
         gradients: bound(&plan.gradients)?,
         push: bound(&plan.push)?,
         stress: bound(&plan.stress)?,

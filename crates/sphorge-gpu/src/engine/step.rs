@@ -2,6 +2,7 @@
 
 use super::columns::Group;
 use super::kernels::{contact, limits};
+use super::plan::keeps_lists;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{Formulation, Integrator, Material, WallContact};
@@ -21,10 +22,11 @@ impl GpuEngine {
     }
 
     /// The numbers of a step that goes from `time` on; walls stand where they are when forces are evaluated.
-    fn set_step(&self) -> Result<(), RunFailure> {
+    pub(super) fn set_step(&self) -> Result<(), RunFailure> {
         let then = self.time + self.dt_to_evaluation();
         let mut numbers = vec![self.dt, 0.5 * self.dt];
         numbers.extend(self.model.gravity);
+        numbers.push(f64::from(self.kept.room));
         for wall in &self.model.walls {
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
@@ -98,6 +100,9 @@ impl Engine for GpuEngine {
                 "a body is stretched beyond {bound} and has come apart; the engine for graphics cards does not renew the reference configuration: \
                  run with `--engine cpu`, or keep the initial one with `search.total-lagrangian.renewal = 0`"
             )));
+        }
+        if keeps_lists(&self.model) {
+            return self.refresh_kept();
         }
         self.card.launch(&self.stages.sorting);
         let searches = self.steps == 0 || !self.stages.sorting.is_empty();
@@ -196,6 +201,7 @@ impl Engine for GpuEngine {
         let mut extremes = self.extremes.to_vec();
         extremes.persist("extremes", archive)?;
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
+        self.persist_kept(archive)?;
         for group in STATE {
             let name = format!("{group:?}").to_lowercase();
             let Some(array) = self.columns.array(*group) else { continue };

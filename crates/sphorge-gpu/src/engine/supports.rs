@@ -20,9 +20,9 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "set `numerics.integrator = \"leapfrog\"`",
         ),
         (
-            !is_total && model.search != Search::EveryStep,
-            "neighbour lists that are kept",
-            "search anew: `search = \"every-step\"`",
+            !is_total && !matches!(model.search, Search::EveryStep | Search::Skin { .. }),
+            "adaptive search",
+            "search anew where particles have moved: `search = \"skin\"`",
         ),
         (numerics.precision == Precision::Double, "pair sums in double precision", "leave `numerics.precision` out"),
         (!is_total && numerics.gradient_correction != GradientCorrection::None, "corrected gradients", BY_CPU),

@@ -6,6 +6,8 @@ mod card;
 mod contact;
 #[cfg(feature = "device")]
 mod engine;
+#[cfg(feature = "device")]
+mod kept;
 mod laws;
 #[cfg(feature = "device")]
 mod motion;

@@ -15,7 +15,9 @@ pub(in crate::engine) const CHUNK: usize = 256;
 pub(in crate::engine) struct Grid {
     /// Corner of cell zero, m.
     pub(in crate::engine) origin: Vector<f64>,
-    /// Edge of a cell, m: that of the kernel support, and a little more.
+    /// How far particles are searched, in smoothing lengths.
+    pub(in crate::engine) reach: f64,
+    /// Edge of a cell, m: as far as particles are searched, and a little more.
     pub(in crate::engine) edge: f64,
     /// Cells along each axis until they repeat, powers of two.
     pub(in crate::engine) counts: [u32; 3],

@@ -3,6 +3,7 @@
 pub(super) mod contact;
 pub(super) mod grid;
 pub(super) mod images;
+pub(super) mod kept;
 mod kick;
 pub(super) mod leapfrog;
 pub(super) mod limits;

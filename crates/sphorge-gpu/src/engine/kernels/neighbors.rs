@@ -3,9 +3,10 @@
 use super::contact::meets;
 use super::grid::Grid;
 use super::images::{Image, Mirrors};
+use super::kept::LENGTH;
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::record::{Index, Indices, Recorded};
-use sphorge_engine::model::Model;
+use sphorge_engine::model::{Model, Search};
 use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
@@ -56,7 +57,7 @@ pub(super) fn places(of: Reading, i: Index) -> Vector<[Recorded; 2]> {
     [0, 1, 2].map(|a| of.double(a, 3 + a, i))
 }
 
-/// Takes a state through every neighbour within the kernel support, the particle itself left out, images in planes of symmetry among them.
+/// Takes a state through every neighbour that cells are made for, the particle itself left out, images in planes of symmetry among them.
 pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -68,7 +69,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
 ) -> S {
     let (starts, sorted, around) =
         (bind.indices(Group::CellStarts), bind.indices(Group::Sorted), bind.indices(Group::Around));
-    let support = Recorded::of(model.numerics.kernel.support());
+    let support = Recorded::of(grid.reach);
     let mirrors = Mirrors::of(model);
     let own = places(place, i);
     let h = constants.get(1, i);
@@ -118,8 +119,47 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     state
 }
 
-/// The same for those in the sums of the particle: bodies that meet in a contact are none of each other's.
+/// The same for those in the sums of the particle, where lists are not kept.
 pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    grid: &Grid,
+    i: Index,
+    near: (Reading, Reading),
+    start: S,
+    add: impl Fn(S, &Pair, Index) -> S,
+) -> S {
+    match model.search {
+        Search::EveryStep => over_own_body::<S, D>(bind, model, grid, i, near, start, add),
+        Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => {
+            over_kept::<S, D>(bind, model, i, near, start, add)
+        }
+    }
+}
+
+/// Takes a state through the kept list of a particle, and those of it that are within the kernel support now.
+fn over_kept<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    i: Index,
+    (place, constants): (Reading, Reading),
+    start: S,
+    add: impl Fn(S, &Pair, Index) -> S,
+) -> S {
+    let (rows, kept, stride) = (bind.read(Group::Rows), bind.indices(Group::Kept), bind.stride());
+    let (mirrors, support) = (Mirrors::of(model), Recorded::of(model.numerics.kernel.support()));
+    let (own, h) = (places(place, i), constants.get(1, i));
+    let end = Index::floor(rows.get(LENGTH, i));
+    bind.scope.fold(Index::of(0), end, start, |_, state, k| {
+        let (j, image) = mirrors.entry(kept.at(k * stride + i));
+        let pair = Pair::of::<D>(model, (image, 0), &own, &places(place, j), (h, constants.get(1, j)));
+        let reach = support * pair.scale.h;
+        Recorded::if_lt(pair.r2, reach * reach, || add(state, &pair, j), || state)
+    })
+}
+
+/// The same as [`over_cells`] for those of its body where bodies meet in a contact, and are none of each other's neighbours in the sums.
+pub(super) fn over_own_body<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     grid: &Grid,

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::images::Mirrors;
-use super::neighbors::{over_list, over_neighbors};
+use super::neighbors::{over_list, over_own_body};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, KernelFault, Recorded};
@@ -23,7 +23,7 @@ pub(in crate::engine) fn count<const D: usize>(
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let weight = bind.write(Group::Weight);
         let zero = Recorded::zero();
-        let sum = over_neighbors::<_, D>(bind, model, grid, i, near, zero, |sum: Recorded, _, _| sum + Recorded::one());
+        let sum = over_own_body::<_, D>(bind, model, grid, i, near, zero, |sum: Recorded, _, _| sum + Recorded::one());
         weight.set(1, i, sum);
     })
 }
@@ -38,7 +38,7 @@ pub(in crate::engine) fn list<const D: usize>(
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let (starts, list) = (bind.indices(Group::ListStarts), bind.index_output(Group::List));
         let first = starts.at(i);
-        over_neighbors::<_, D>(bind, model, grid, i, near, Recorded::zero(), |before: Recorded, pair, j| {
+        over_own_body::<_, D>(bind, model, grid, i, near, Recorded::zero(), |before: Recorded, pair, j| {
             list.set(first + Index::floor(before), Mirrors::entry_of(pair.bits, j));
             before + Recorded::one()
         });

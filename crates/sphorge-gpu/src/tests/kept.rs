@@ -1,0 +1,70 @@
+//! Neighbour lists that are kept on a card, beside the processor's engine.
+
+use super::card::card;
+use super::engine::{conserves_and_repeats, start};
+use crate::Gpu;
+use sphorge_engine::{Cpu, EngineKind, Simulation};
+
+/// The bullet of the paper, coarse, through the middle of the plate.
+const BULLET: [(&str, &str); 3] = [
+    ("particles.spacing", "\"12 mm\""),
+    ("body.bullet.spacing", "\"12 mm\""),
+    (
+        "body.plate.shape",
+        "{ box = { min = [\"-102 mm\", \"-102 mm\", \"-30 mm\"], max = [\"102 mm\", \"102 mm\", \"0 mm\"] } }",
+    ),
+];
+
+/// Mean velocity of a body along an axis, m/s.
+fn speed(simulation: &Simulation, body: usize, axis: usize) -> f64 {
+    let ledger = simulation.ledger().unwrap();
+    ledger.bodies[body].momentum[axis] / ledger.bodies[body].mass
+}
+
+/// Runs of both engines: the share that is searched of each of the first steps, and of all to a time, s, and how fast a body is along an axis at
+/// the end, which is to be as near as that.
+fn compare(
+    deck: &str,
+    overrides: &[(&str, &str)],
+    (steps, end): (usize, f64),
+    (body, axis, near): (usize, usize, f64),
+) {
+    if card().is_none() {
+        return;
+    }
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let mut simulation = start(kind, deck, overrides);
+        let mut fractions = Vec::new();
+        while simulation.time() < end {
+            fractions.push(simulation.step(Some(end)).unwrap().searched_fraction);
+            if fractions.len() == steps {
+                let p = simulation.particles().unwrap();
+                let adapted: u32 = p.adapted.iter().sum();
+                assert_eq!(f64::from(adapted) / p.len() as f64, fractions[steps - 1], "{}", kind.name());
+                assert!(p.last_searched.iter().all(|last| *last <= steps as u32));
+            }
+        }
+        let mean = fractions.iter().sum::<f64>() / fractions.len() as f64;
+        (fractions, mean, speed(&simulation, body, axis), simulation.ledger().unwrap())
+    });
+    assert!(theirs.0[..steps].iter().any(|share| *share > 0.0) && theirs.1 < 0.9, "{}", theirs.1);
+    assert_eq!(ours.0[..steps], theirs.0[..steps]);
+    assert!((ours.1 - theirs.1).abs() < 0.02 * theirs.1, "searched {} on the card, {}", ours.1, theirs.1);
+    let (ours, theirs) = (ours.2, theirs.2);
+    assert!((ours - theirs).abs() < near * theirs.abs(), "{ours} m/s on the card, {theirs}");
+}
+
+#[test]
+fn a_skin_is_searched_anew_when_it_is_on_the_processor() {
+    compare("taylor-plate", &[("particles.spacing", "\"0.6 mm\""), ("search", "\"skin\"")], (100, 8e-6), (0, 1, 1e-3));
+}
+
+#[test]
+fn the_bullet_of_the_paper_is_that_of_the_processor_with_its_skin() {
+    compare("bullet", &BULLET, (100, 0.2e-3), (1, 2, 5e-3));
+}
+
+#[test]
+fn the_same_bits_come_again_from_kept_lists() {
+    conserves_and_repeats("bullet", &BULLET, 40e-6);
+}
