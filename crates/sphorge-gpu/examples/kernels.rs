@@ -4,7 +4,7 @@ use sphorge_deck::{decks, load_text};
 use std::{error::Error, fs, path::PathBuf};
 
 /// Decks with all there is, and what to change in them.
-const DECKS: [(&str, &[(&str, &str)]); 7] = [
+const DECKS: [(&str, &[(&str, &str)]); 9] = [
     ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
     ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
     ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
@@ -12,15 +12,17 @@ const DECKS: [(&str, &[(&str, &str)]); 7] = [
     ("tensile", &[]),
     ("rubber-rings", &[]),
     ("bullet", &[("search", "\"every-step\""), ("contact", "\"penalty\""), ("particles.spacing", "\"15 mm\"")]),
+    ("bullet", &[("search", "\"adaptive\""), ("particles.spacing", "\"15 mm\"")]),
+    ("bullet", &[("search", "{ adaptive = { guard = \"none\" } }"), ("particles.spacing", "\"15 mm\"")]),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("name a folder")?);
-    for (name, overrides) in DECKS {
+    for (k, (name, overrides)) in DECKS.into_iter().enumerate() {
         let deck = decks::find(name).ok_or(name)?;
         let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let setup = load_text(deck.name, deck.text, &overrides)?;
-        let folder = folder.join(name);
+        let folder = folder.join(format!("{k}-{name}"));
         fs::create_dir_all(&folder)?;
         for kernel in sphorge_gpu::kernel_texts(&setup.model, &setup.particles)? {
             fs::write(folder.join(format!("{}.wgsl", kernel.name)), kernel.wgsl)?;

@@ -40,6 +40,7 @@ mod walls;
 pub(crate) use domain::Relocation;
 pub use domain::start_part;
 pub use guard::check_change;
+pub use search::{ContactCandidates, SearchedMaterial};
 
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{FieldSet, Halo, Images};

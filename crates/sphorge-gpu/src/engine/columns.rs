@@ -92,8 +92,17 @@ pub(super) enum Group {
     /// Lists that are kept, the first neighbour of every particle before the second of any; how long they are: see [`super::kernels::kept`].
     Kept,
     Rows,
+    /// Distances of their pairs at the last search, m, three for each, where sums are taken with those.
+    Stored,
     /// Place at the last full search, m, and its rest.
     SearchedAt,
+    /// The same when contact candidates were found, and one for each of them.
+    FoundAt,
+    Candidates,
+    /// Rows whose neighbours were searched, and which have gained or lost one.
+    Patched,
+    /// Gradient correction of the strain that the guard of adaptive search counts, and that of the last step.
+    StrainCorrection,
     /// Of each chunk of particles how far they are from there, and what was searched: see [`super::kernels::kept`].
     Ways,
     /// Prescribed motion of a particle, by its number and one; zero for none.
@@ -160,6 +169,13 @@ impl Fields for Reading {
     }
 }
 
+impl Reading {
+    /// A number by its place among all of the group.
+    pub(super) fn get_at(self, at: Index) -> Recorded {
+        self.buffer.at(at)
+    }
+}
+
 impl Fields for Writing {
     fn get(self, field: usize, i: Index) -> Recorded {
         self.buffer.at(place(self.stride, field, i))
@@ -182,6 +198,11 @@ impl Writing {
         self.buffer.set(at, self.buffer.at(at) + value);
     }
 
+    /// A number by its place among all of the group.
+    pub(super) fn set_at(self, at: Index, value: Recorded) {
+        self.buffer.set(at, value);
+    }
+
     pub(super) fn set_all(self, field: usize, i: Index, values: &[Recorded]) {
         for (k, value) in values.iter().enumerate() {
             self.set(field + k, i, *value);
@@ -195,6 +216,9 @@ impl Writing {
         self.set(rest, i, sum[1]);
     }
 }
+
+/// What a branch or a loop yields that stores alone.
+pub(super) const NOTHING: [Recorded; 0] = [];
 
 /// A number and its rest after another was added: what rounding takes away is kept (Knuth's sum of two).
 pub(super) fn added([high, low]: [Recorded; 2], value: Recorded) -> [Recorded; 2] {

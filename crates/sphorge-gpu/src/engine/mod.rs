@@ -44,8 +44,10 @@ mod step_numbers {
     pub(super) const GRAVITY: u32 = 2;
     /// Neighbours that lists that are kept have room for.
     pub(super) const ROOM: u32 = 5;
+    /// Number of the step.
+    pub(super) const NUMBER: u32 = 6;
     /// The first wall.
-    pub(super) const WALLS: u32 = 6;
+    pub(super) const WALLS: u32 = 7;
     /// Displacement, m, and velocity, m/s, of a wall.
     pub(super) const WALL_LENGTH: u32 = 6;
     /// Of a prescribed motion: one along each axis where it holds, velocities at the middle and at the end of the step, m/s.
@@ -69,7 +71,12 @@ struct Stages {
     /// Where lists are kept: how far particles have moved, and the search.
     ways: Vec<Launch>,
     search: Vec<Launch>,
+    /// In adaptive search: who is searched, and their search.
+    mark: Vec<Launch>,
+    search_marked: Vec<Launch>,
     gradients: Vec<Launch>,
+    /// The same with the corrections of the strain that the guard counts, where these are due now and then.
+    corrected_gradients: Vec<Launch>,
     /// Walls and gravity.
     push: Vec<Launch>,
     stress: Vec<Launch>,

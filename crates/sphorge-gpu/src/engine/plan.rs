@@ -1,6 +1,6 @@
 //! Which kernels the step of a model is made of.
 
-use super::columns::Recording;
+use super::columns::{Group, Recording};
 use super::kernels::stress::StressOf;
 use super::kernels::{
     contact, grid, kept, leapfrog, limits, pairs, predictor_corrector, reference, reference_forces, stress, walls,
@@ -45,7 +45,12 @@ pub(super) struct Plan {
     /// Where lists are kept: how far particles have moved, and the search.
     pub(super) ways: Vec<Planned>,
     pub(super) search: Vec<Planned>,
+    /// In adaptive search: who is searched, and their search.
+    pub(super) mark: Vec<Planned>,
+    pub(super) search_marked: Vec<Planned>,
     pub(super) gradients: Vec<Planned>,
+    /// The same with the corrections of the strain that the guard of adaptive search counts.
+    pub(super) corrected_gradients: Vec<Planned>,
     pub(super) push: Vec<Planned>,
     pub(super) stress: Vec<Planned>,
     pub(super) forces: Vec<Planned>,
@@ -83,12 +88,37 @@ impl Plan {
                 plan.sorting = sorted;
                 if keeps_lists(model) {
                     let of_chunks = |kernel| Planned { kernel, threads: Threads::Of(stride / limits::CHUNK) };
-                    plan.ways.push(of_chunks(kept::ways(p.len(), stride)?));
+                    let rule = kept::adaptive(model);
+                    let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
+                    let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
+                    plan.ways.push(of_chunks(kept::ways(since, p.len(), stride)?));
+                    if let Some(rule) = rule {
+                        plan.mark.push(of_particles(kept::mark(rule, stride)?));
+                        plan.mark.push(of_chunks(kept::count_marked(stride)?));
+                        let marked = &mut plan.search_marked;
+                        marked.push(of_particles(in_dimension!(
+                            model,
+                            kept::search_marked,
+                            model,
+                            grid,
+                            is_guarded,
+                            stride
+                        )));
+                        if is_guarded {
+                            marked.push(of_particles(in_dimension!(model, kept::patch, model, grid, stride)));
+                        }
+                        marked.push(of_chunks(kept::longest_rows(stride)?));
+                    }
+                    if is_guarded {
+                        let due = &mut plan.corrected_gradients;
+                        due.push(of_particles(pairs::weigh(model, stride)?));
+                        due.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, true, stride)));
+                    }
                     plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
                     plan.search.push(of_chunks(kept::longest_rows(stride)?));
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
-                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, stride)));
+                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, false, stride)));
             }
             Formulation::TotalLagrangian { renewal, .. } => {
                 plan.count_lists = sorted;
@@ -161,7 +191,10 @@ impl Plan {
             &self.sorting,
             &self.ways,
             &self.search,
+            &self.mark,
+            &self.search_marked,
             &self.gradients,
+            &self.corrected_gradients,
             &self.push,
             &self.stress,
             &self.forces,

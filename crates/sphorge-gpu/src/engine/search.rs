@@ -1,14 +1,17 @@
 //! When lists that are kept are searched again.
 
 use super::columns::Group;
-use super::kernels::kept::{HIGH, LONGEST, LONGEST_ROW, LOW};
+use super::kernels::images::Mirrors;
+use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, keeps_distances};
 use super::kernels::limits::CHUNK;
 use super::snapshot::read;
 use super::start::stages;
 use super::{GpuEngine, failure};
-use sphorge_engine::model::Search;
+use sphorge_engine::model::{AdaptiveSearch, Search};
+use sphorge_engine::neighbors::{BLOCK, NeighborList};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
-use sphorge_engine::{RunFailure, SearchReport};
+use sphorge_engine::{ContactCandidates, RunFailure, SearchReport, SearchedMaterial};
+use sphorge_physics::Vector;
 
 /// Room beyond the longest list there was, as a share of it.
 const SPARE: f64 = 0.25;
@@ -22,6 +25,8 @@ pub(super) struct Kept {
     is_made: bool,
     /// Number of the step of the last full search.
     pub(super) last_searched: u32,
+    /// Whether contact candidates were found at all.
+    has_candidates: bool,
 }
 
 /// The ways of all particles since the last full search.
@@ -37,7 +42,8 @@ impl GpuEngine {
     pub(super) fn refresh_kept(&mut self) -> Result<SearchReport, RunFailure> {
         let due = match self.model.search {
             Search::Skin { fraction } => !self.kept.is_made || self.moved_beyond_skin(fraction)?,
-            Search::EveryStep | Search::Adaptive(_) | Search::Initial => true,
+            Search::Adaptive(rule) if self.kept.is_made => return self.search_adaptively(rule),
+            Search::EveryStep | Search::Adaptive(_) | Search::Initial => !self.kept.is_made,
         };
         if due {
             self.search_all()?;
@@ -56,6 +62,87 @@ impl GpuEngine {
         let ways = self.ways()?;
         let has_images = !self.model.symmetry.is_empty();
         Ok(ways.longest > 0.25 * skin * skin && (has_images || ways.diagonal > skin * skin))
+    }
+
+    /// Searches those that flow; with the guard those that strain and contact candidates, too.
+    fn search_adaptively(&mut self, rule: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
+        if rule.guard.is_some() {
+            self.refresh_candidates()?;
+        }
+        self.card.launch(&self.stages.mark);
+        let marked = self.of_chunks()?(MARKED_ROWS).sum::<f64>();
+        let share = marked / self.initial.len() as f64;
+        if rule.guard.is_some() && share > AdaptiveSearch::ALL_ABOVE {
+            self.search_all()?;
+            return Ok(SearchReport { searched_fraction: 1.0 });
+        }
+        if marked > 0.0 || !self.model.contact_pairs().is_empty() {
+            self.card.launch(&self.stages.sorting);
+        }
+        if marked > 0.0 {
+            self.card.launch(&self.stages.search_marked);
+            if self.longest_row()? > f64::from(self.kept.room) {
+                // What there was no room for is lost.
+                self.search_all()?;
+                return Ok(SearchReport { searched_fraction: 1.0 });
+            }
+        }
+        Ok(SearchReport { searched_fraction: share })
+    }
+
+    /// Finds contact candidates, as the processor's engine does and on the processor, where particles have moved so far that they have to be found
+    /// again: a few times in the flight through a plate.
+    fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
+        let largest = self.initial.smoothing_length.iter().copied().fold(0.0, f64::max);
+        let support = self.model.numerics.kernel.support();
+        let reach = support * largest;
+        if self.kept.has_candidates && self.ways()?.longest <= ContactCandidates::lasts(reach).powi(2) {
+            return Ok(());
+        }
+        let count = self.initial.len();
+        let place = read(&self.card, &self.columns, Group::Place)?;
+        let places = |numbers: &[f32]| -> Vec<Vector<f64>> {
+            let at = |field: usize, i: usize| f64::from(numbers[field * self.stride + i]);
+            (0..count).map(|i| [0, 1, 2].map(|a| at(a, i) + at(3 + a, i))).collect()
+        };
+        let material = SearchedMaterial {
+            position: &places(&place),
+            origin: &self.initial.position,
+            searched_at: &places(&read(&self.card, &self.columns, Group::SearchedAt)?),
+            body: &self.initial.body,
+            smoothing_length: &self.initial.smoothing_length,
+        };
+        let mut candidates = ContactCandidates::default();
+        candidates.find(&material, &self.lists()?, reach, support);
+        let flags: Vec<f32> = (0..count).map(|i| if candidates.is_candidate(i) { 1.0 } else { 0.0 }).collect();
+        for (group, numbers) in [(Group::Candidates, &flags), (Group::FoundAt, &place)] {
+            let array = self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")))?;
+            self.card.write(array, numbers);
+        }
+        self.kept.has_candidates = true;
+        Ok(())
+    }
+
+    /// The lists of the card, without images.
+    fn lists(&self) -> Result<NeighborList, RunFailure> {
+        let rows = read(&self.card, &self.columns, Group::Rows)?;
+        let kept = read(&self.card, &self.columns, Group::Kept)?;
+        let count = self.initial.len();
+        let mut list = NeighborList::default();
+        list.resize(count);
+        for (b, block) in list.blocks_mut().iter_mut().enumerate() {
+            block.clear();
+            for i in b * BLOCK..((b + 1) * BLOCK).min(count) {
+                let entries = (0..rows[LENGTH * self.stride + i] as usize).map(|k| kept[k * self.stride + i].to_bits());
+                entries.map(Mirrors::split).filter(|(_, image)| *image == 0).for_each(|(j, _)| block.push(j as u32));
+                block.end_row(i as u32);
+            }
+        }
+        Ok(list)
+    }
+
+    fn longest_row(&self) -> Result<f64, RunFailure> {
+        Ok(self.of_chunks()?(LONGEST_ROW).fold(0.0, f64::max))
     }
 
     fn ways(&self) -> Result<Ways, RunFailure> {
@@ -81,7 +168,7 @@ impl GpuEngine {
     fn search_all(&mut self) -> Result<(), RunFailure> {
         self.card.launch(&self.stages.sorting);
         self.card.launch(&self.stages.search);
-        let longest = self.of_chunks()?(LONGEST_ROW).fold(0.0, f64::max);
+        let longest = self.longest_row()?;
         if longest > f64::from(self.kept.room) {
             self.make_room(((1.0 + SPARE) * longest) as u32 + 1)?;
             self.set_step()?;
@@ -96,6 +183,10 @@ impl GpuEngine {
     fn make_room(&mut self, room: u32) -> Result<(), RunFailure> {
         let kept = self.card.zeros(room as usize * self.stride).map_err(failure)?;
         self.columns.insert(Group::Kept, kept);
+        if keeps_distances(&self.model) {
+            let stored = self.card.zeros(3 * room as usize * self.stride).map_err(failure)?;
+            self.columns.insert(Group::Stored, stored);
+        }
         self.kept.room = room;
         self.stages = stages(&self.card, &self.columns, &self.plan)?;
         Ok(())
@@ -106,6 +197,7 @@ impl GpuEngine {
         let mut room = self.kept.room;
         room.persist("kept.room", archive)?;
         self.kept.is_made.persist("kept.is_made", archive)?;
+        self.kept.has_candidates.persist("kept.has_candidates", archive)?;
         self.kept.last_searched.persist("kept.last_searched", archive)?;
         if room != self.kept.room {
             self.make_room(room).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;

@@ -1,7 +1,7 @@
 //! What a card holds, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::{contact, limits, walls};
+use super::kernels::{contact, kept, limits, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model, Search};
@@ -85,6 +85,10 @@ pub(super) const STATE: &[Group] = &[
     Group::Kept,
     Group::Rows,
     Group::SearchedAt,
+    Group::Stored,
+    Group::FoundAt,
+    Group::Candidates,
+    Group::StrainCorrection,
 ];
 
 /// What a card holds after a step.
@@ -150,6 +154,7 @@ impl GpuEngine {
             Search::EveryStep => self.steps,
             Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
         };
+        let rows = kept::adaptive(&self.model).map(|_| self.group(Group::Rows)).transpose()?;
         p.motion = motions(&self.model, &p);
         for i in 0..count {
             p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
@@ -169,7 +174,10 @@ impl GpuEngine {
             p.yield_stress[i] = if plastic.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { plastic.at(3, i) };
             p.plastic_work[i] = plastic.double(4, 5, i);
             p.neighbors[i] = weight.at(1, i) as u32;
-            (p.adapted[i], p.last_searched[i]) = (u32::from(self.steps == last_searched), last_searched);
+            (p.adapted[i], p.last_searched[i]) = match &rows {
+                None => (u32::from(self.steps == last_searched), last_searched),
+                Some(rows) => (rows.at(kept::MARKED, i) as u32, rows.at(kept::LAST, i) as u32),
+            };
         }
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
         let of_wall = |at: usize| {

@@ -175,6 +175,15 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
         columns.insert(Group::Kept, card.zeros(0)?);
         columns.insert(Group::Rows, card.zeros(kept::ROWS * stride)?);
         columns.insert(Group::SearchedAt, card.zeros(6 * stride)?);
+        if kept::keeps_distances(model) {
+            columns.insert(Group::Stored, card.zeros(0)?);
+        }
+        if kept::adaptive(model).is_some() {
+            columns.insert(Group::Patched, card.zeros(stride)?);
+            columns.insert(Group::FoundAt, card.zeros(6 * stride)?);
+            columns.insert(Group::Candidates, card.zeros(stride)?);
+            columns.insert(Group::StrainCorrection, card.zeros((kept::STRAINED + 1) * stride)?);
+        }
         columns.insert(Group::Ways, card.zeros(kept::WAYS * stride / limits::CHUNK)?);
     }
     columns.insert(Group::Around, card.indices(&grid.around())?);
@@ -214,6 +223,9 @@ pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stag
         sorting: bound(&plan.sorting)?,
         ways: bound(&plan.ways)?,
         search: bound(&plan.search)?,
+        mark: bound(&plan.mark)?,
+        search_marked: bound(&plan.search_marked)?,
+        corrected_gradients: bound(&plan.corrected_gradients)?,
         gradients: bound(&plan.gradients)?,
         push: bound(&plan.push)?,
         stress: bound(&plan.stress)?,

@@ -5,7 +5,7 @@ use super::kernels::{contact, limits};
 use super::plan::keeps_lists;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure, step_numbers};
-use sphorge_engine::model::{Formulation, Integrator, Material, WallContact};
+use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
@@ -26,7 +26,7 @@ impl GpuEngine {
         let then = self.time + self.dt_to_evaluation();
         let mut numbers = vec![self.dt, 0.5 * self.dt];
         numbers.extend(self.model.gravity);
-        numbers.push(f64::from(self.kept.room));
+        numbers.extend([self.kept.room, self.steps].map(f64::from));
         for wall in &self.model.walls {
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
@@ -110,7 +110,10 @@ impl Engine for GpuEngine {
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
-        self.card.launch(&self.stages.gradients);
+        let corrects = !self.stages.corrected_gradients.is_empty()
+            && u64::from(self.steps).is_multiple_of(AdaptiveSearch::STRAIN_CORRECTION_STEPS);
+        let due = if corrects { &self.stages.corrected_gradients } else { &self.stages.gradients };
+        self.card.launch(due);
         Ok(())
     }
 

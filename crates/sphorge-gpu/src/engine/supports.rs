@@ -3,8 +3,7 @@
 use super::kernels::contact;
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{
-    Formulation, GradientCorrection, Integrator, Model, Precision, Search, SmoothingLength, TemperatureSource,
-    WallSurface,
+    Formulation, GradientCorrection, Integrator, Model, Precision, SmoothingLength, TemperatureSource, WallSurface,
 };
 
 const BY_CPU: &str = "run it with `--engine cpu`";
@@ -18,11 +17,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             is_total && numerics.integrator != Integrator::Leapfrog,
             "sums in the initial configuration without the leapfrog",
             "set `numerics.integrator = \"leapfrog\"`",
-        ),
-        (
-            !is_total && !matches!(model.search, Search::EveryStep | Search::Skin { .. }),
-            "adaptive search",
-            "search anew where particles have moved: `search = \"skin\"`",
         ),
         (numerics.precision == Precision::Double, "pair sums in double precision", "leave `numerics.precision` out"),
         (!is_total && numerics.gradient_correction != GradientCorrection::None, "corrected gradients", BY_CPU),

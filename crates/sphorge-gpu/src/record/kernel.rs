@@ -159,6 +159,11 @@ impl Output {
 }
 
 impl IndexOutput {
+    /// An element as it is now.
+    pub fn at(self, index: Index) -> Index {
+        Index(with(|recorder| recorder.load_now(self.0, index.0)))
+    }
+
     /// Makes an element a whole number.
     pub fn set(self, index: Index, whole: Index) {
         with(|recorder| recorder.push(Statement::Store { buffer: self.0, at: index.0, value: whole.0 }));

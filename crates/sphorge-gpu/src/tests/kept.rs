@@ -34,29 +34,34 @@ fn compare(
     }
     let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
         let mut simulation = start(kind, deck, overrides);
-        let mut fractions = Vec::new();
+        let (mut fractions, mut searched) = (Vec::new(), (Vec::new(), Vec::new()));
         while simulation.time() < end {
             fractions.push(simulation.step(Some(end)).unwrap().searched_fraction);
             if fractions.len() == steps {
                 let p = simulation.particles().unwrap();
                 let adapted: u32 = p.adapted.iter().sum();
                 assert_eq!(f64::from(adapted) / p.len() as f64, fractions[steps - 1], "{}", kind.name());
-                assert!(p.last_searched.iter().all(|last| *last <= steps as u32));
+                searched = (p.adapted, p.last_searched);
             }
         }
         let mean = fractions.iter().sum::<f64>() / fractions.len() as f64;
-        (fractions, mean, speed(&simulation, body, axis), simulation.ledger().unwrap())
+        (fractions, mean, speed(&simulation, body, axis), searched)
     });
     assert!(theirs.0[..steps].iter().any(|share| *share > 0.0) && theirs.1 < 0.9, "{}", theirs.1);
     assert_eq!(ours.0[..steps], theirs.0[..steps]);
     assert!((ours.1 - theirs.1).abs() < 0.02 * theirs.1, "searched {} on the card, {}", ours.1, theirs.1);
+    assert_eq!(ours.3, theirs.3);
     let (ours, theirs) = (ours.2, theirs.2);
     assert!((ours - theirs).abs() < near * theirs.abs(), "{ours} m/s on the card, {theirs}");
 }
 
 #[test]
 fn a_skin_is_searched_anew_when_it_is_on_the_processor() {
-    compare("taylor-plate", &[("particles.spacing", "\"0.6 mm\""), ("search", "\"skin\"")], (100, 8e-6), (0, 1, 1e-3));
+    let plate = [("particles.spacing", "\"0.6 mm\""), ("search", "\"skin\"")];
+    compare("taylor-plate", &plate, (100, 8e-6), (0, 1, 1e-3));
+    // In flight no two close in.
+    let far = ("wall.0.plane", "{ point = [\"0 mm\", \"-0.6 mm\"], normal = [0, 1] }");
+    compare("taylor-plate", &[&plate[..], &[far]].concat(), (150, 8e-6), (0, 1, 1e-3));
 }
 
 #[test]
@@ -67,4 +72,25 @@ fn the_bullet_of_the_paper_is_that_of_the_processor_with_its_skin() {
 #[test]
 fn the_same_bits_come_again_from_kept_lists() {
     conserves_and_repeats("bullet", &BULLET, 40e-6);
+}
+
+/// The bullet searched by a rule, through a plate so large that most of it is not.
+fn bullet(rule: &'static str) -> Vec<(&'static str, &'static str)> {
+    let plate = "{ box = { min = [\"-222 mm\", \"-222 mm\", \"-30 mm\"], max = [\"222 mm\", \"222 mm\", \"0 mm\"] } }";
+    [&BULLET[..2], &[("body.plate.shape", plate), ("search", rule)]].concat()
+}
+
+#[test]
+fn the_guarded_adaptive_search_is_that_of_the_processor() {
+    compare("bullet", &bullet("\"adaptive\""), (60, 0.1e-3), (1, 2, 5e-3));
+}
+
+#[test]
+fn the_adaptive_search_as_published_is_that_of_the_processor() {
+    compare("bullet", &bullet("{ adaptive = { guard = \"none\", accumulate = true } }"), (60, 0.1e-3), (1, 2, 5e-3));
+}
+
+#[test]
+fn the_same_bits_come_again_and_momentum_stays_with_rows_that_are_patched() {
+    conserves_and_repeats("bullet", &bullet("\"adaptive\""), 25e-6);
 }

@@ -14,10 +14,6 @@ use sphorge_physics::gradient_correction::{self, LARGEST_COMPONENT};
 use sphorge_physics::viscosity::ViscosityParameters;
 use sphorge_physics::{SymmetricTensor, Tensor, Vector, kick, pair, stress, tensor};
 
-/// Steps from one sum of the moments to the next where the guard of adaptive search alone needs them. Waves go five smoothing lengths in them,
-/// and a neighbourhood that strains by the guard's bound changes its moments by as much, half a per cent.
-const STRAIN_CORRECTION_STEPS: u64 = 16;
-
 pub(super) struct UpdatedLagrangian;
 
 impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
@@ -96,7 +92,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         } else if guarded {
             // The strain the guard counts is the corrected one: on a free face plain sums see as little as half of it. Moments change no more
             // than the material strains, and are summed now and then.
-            let is_due = engine.step.count.is_multiple_of(STRAIN_CORRECTION_STEPS);
+            let is_due = engine.step.count.is_multiple_of(AdaptiveSearch::STRAIN_CORRECTION_STEPS);
             (
                 columns.0,
                 columns.1,

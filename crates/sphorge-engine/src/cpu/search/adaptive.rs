@@ -24,9 +24,6 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// Ghosts are made for particles this much farther away than the kernel reaches, as a share of the reach.
 pub(super) const GHOST_MARGIN: f64 = 0.5;
 
-/// Above this share a full search costs less than one of some and their neighbours.
-const ALL_ABOVE: f64 = 0.5;
-
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
         if self.lists.stale || self.ghosts_used_up() {
@@ -41,7 +38,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let marked = self.mark(adaptive);
         let count = self.particles.len();
-        if adaptive.guard.is_some() && marked as f64 > ALL_ABOVE * count as f64 {
+        if adaptive.guard.is_some() && marked as f64 > AdaptiveSearch::ALL_ABOVE * count as f64 {
             return self.search_all();
         }
         self.step.any_adapted = marked > 0;

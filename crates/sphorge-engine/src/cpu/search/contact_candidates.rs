@@ -29,9 +29,31 @@ const EXPOSED: f64 = 0.15;
 /// Cosine of the angle of the normals of two surfaces, below which they face each other; those of a corner of the material do not.
 const FACING: f64 = -0.3;
 
+/// Material that candidates are found in, by particle.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchedMaterial<'a> {
+    /// Where particles are, m.
+    pub position: &'a [Vector<f64>],
+    /// Where they were at the start, m.
+    pub origin: &'a [Vector<f64>],
+    /// Where they were at the last full search, m.
+    pub searched_at: &'a [Vector<f64>],
+    /// Their bodies.
+    pub body: &'a [u32],
+    /// Their smoothing lengths, m.
+    pub smoothing_length: &'a [f64],
+}
+
+impl<'a> SearchedMaterial<'a> {
+    fn of(particles: &'a Particles) -> Self {
+        let Particles { position, origin, searched_at, body, smoothing_length, .. } = particles;
+        Self { position, origin, searched_at, body, smoothing_length }
+    }
+}
+
 /// Cells, and what is in them.
 #[derive(Debug, Default)]
-pub(super) struct ContactCandidates {
+pub struct ContactCandidates {
     cells: CellGrid,
     /// Positions when particles were sorted into cells, m, and the displacement bound then, m.
     sorted_at: Vec<Vector<f64>>,
@@ -85,17 +107,29 @@ impl ContactCandidates {
         reach: f64,
         support: f64,
     ) {
-        let allowed = 0.5 * (CELL_WIDTH - 1.0) * reach;
+        let allowed = Self::lasts(reach);
         if self.sorted_at.len() == particles.len()
             && (displacement.is_within(self.displacement_at_sort, allowed)
                 || !super::moved_beyond(&particles.position, &self.sorted_at, allowed))
         {
             return;
         }
-        self.sorted_at.clone_from(&particles.position);
+        self.find(&SearchedMaterial::of(particles), list, reach, support);
         self.displacement_at_sort = displacement;
+    }
+
+    /// How far a particle may move, m, before they have to be found again.
+    pub fn lasts(reach: f64) -> f64 {
+        0.5 * (CELL_WIDTH - 1.0) * reach
+    }
+
+    /// Finds who is among contact candidates, in lists that know all neighbours of one piece; `reach` is that of the lists, m, `support` that of the
+    /// kernel in smoothing lengths.
+    pub fn find(&mut self, particles: &SearchedMaterial<'_>, list: &NeighborList, reach: f64, support: f64) {
+        self.sorted_at.clear();
+        self.sorted_at.extend_from_slice(particles.position);
         let size = CELL_WIDTH * reach;
-        self.cells.sort(&particles.position, size);
+        self.cells.sort(particles.position, size);
         self.fragments.find(particles, list, support);
 
         let (cells, fragments) = (&self.cells, &self.fragments.of);
@@ -109,7 +143,7 @@ impl ContactCandidates {
         });
         self.find_normals(particles, list, support);
         // As far apart as particles may be that come within reach before they are sorted again.
-        self.find_faces(&particles.position, size);
+        self.find_faces(particles.position, size);
         let (cells, contents, faces_near) = (&self.cells, &self.contents, &self.faces_near);
         self.candidates_near.resize(cells.cells(), false);
         self.candidates_near.par_iter_mut().enumerate().for_each(|(c, has_candidates)| {
@@ -120,14 +154,14 @@ impl ContactCandidates {
             };
         });
         self.is_candidate.clear();
-        self.is_candidate.extend((0..particles.len()).map(|i| self.candidates_near[cells.cell_of(i)]));
+        self.is_candidate.extend((0..particles.position.len()).map(|i| self.candidates_near[cells.cell_of(i)]));
     }
 
     /// Normals of free surfaces: away from the neighbours of the same body, of which those that were farther apart at the start do not
     /// count, so that a slot that has closed still has its surfaces.
-    fn find_normals(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
-        let Particles { position, body, smoothing_length, origin, .. } = particles;
-        self.normals.resize(particles.len(), [0.0; 3]);
+    fn find_normals(&mut self, particles: &SearchedMaterial<'_>, list: &NeighborList, support: f64) {
+        let SearchedMaterial { position, body, smoothing_length, origin, .. } = *particles;
+        self.normals.resize(position.len(), [0.0; 3]);
         self.normals.par_iter_mut().enumerate().for_each(|(i, normal)| {
             let (mut sum, mut count) = ([0.0; 3], 0.0);
             for &j in list.row(i) {
@@ -185,7 +219,7 @@ impl ContactCandidates {
     }
 
     /// Whether the particle may have contact candidates within reach.
-    pub(super) fn is_candidate(&self, i: usize) -> bool {
+    pub fn is_candidate(&self, i: usize) -> bool {
         self.is_candidate[i]
     }
 
@@ -229,11 +263,11 @@ struct Fragments {
 impl Fragments {
     /// Joins particles of one body that are in the list, within the kernel support of each other, and were not much farther apart at
     /// the start: fragments that meet stay fragments.
-    fn find(&mut self, particles: &Particles, list: &NeighborList, support: f64) {
+    fn find(&mut self, particles: &SearchedMaterial<'_>, list: &NeighborList, support: f64) {
         self.of.clear();
-        self.of.extend(0..particles.len() as u32);
-        let Particles { position, body, smoothing_length, origin, .. } = particles;
-        for i in 0..particles.len() {
+        let SearchedMaterial { position, body, smoothing_length, origin, .. } = *particles;
+        self.of.extend(0..position.len() as u32);
+        for i in 0..position.len() {
             for &j in list.row(i) {
                 let j = j as usize;
                 // Those already joined, as most are, need no second look.

@@ -17,7 +17,7 @@ use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
-use contact_candidates::ContactCandidates;
+pub use contact_candidates::{ContactCandidates, SearchedMaterial};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::AtomicU8;

@@ -3,7 +3,7 @@
 
 use super::grid::Grid;
 use super::neighbors::{Pair, apart, different, over_cells, places};
-use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, added, recording};
+use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, added, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::ContactLaws;
@@ -277,9 +277,9 @@ pub(in crate::engine) fn press<const D: usize>(
                 for (field, part) in force.force.into_iter().chain(halves).enumerate() {
                     meetings.add_in_group(body, field, i, part);
                 }
-                [zero; 0]
+                NOTHING
             };
-            Recorded::if_lt(zero, dot(force.force, force.force), book, || [zero; 0]);
+            Recorded::if_lt(zero, dot(force.force, force.force), book, || NOTHING);
             state.stiffness.add(&law, &kernel, overlaps, volume, other_volume);
             state
         });

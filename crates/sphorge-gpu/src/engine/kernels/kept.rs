@@ -3,28 +3,116 @@
 use super::grid::Grid;
 use super::images::Mirrors;
 use super::limits::CHUNK;
-use super::neighbors::over_own_body;
-use crate::engine::columns::{Fields, Group, Recording, recording};
-use crate::engine::step_numbers::ROOM;
-use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::Model;
+use super::neighbors::{Pair, over_own_body};
+use super::walls::is_total_lagrangian;
+use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
+use crate::engine::step_numbers::{NUMBER, ROOM};
+use crate::record::{Index, IndexOutput, KernelFault, Recorded};
+use sphorge_engine::model::{AdaptiveSearch, Model, Search};
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Real};
 
 /// Place of the length of a list among the numbers of [`Group::Rows`].
 pub(in crate::engine) const LENGTH: usize = 0;
+/// Of adaptive search: one where the particle was searched in this step, strain and plastic strain since its last search, and the step of that.
+pub(in crate::engine) const MARKED: usize = 1;
+pub(in crate::engine) const STRAIN: usize = 2;
+pub(in crate::engine) const PLASTIC: usize = 3;
+pub(in crate::engine) const LAST: usize = 4;
 /// Numbers of a particle there.
-pub(in crate::engine) const ROWS: usize = 1;
+pub(in crate::engine) const ROWS: usize = 5;
 
-/// Numbers of a chunk in [`Group::Ways`]: square of the longest way, m², the box of all ways, m, and the longest list.
+/// Place of the strain of the last step among the numbers of [`Group::StrainCorrection`], behind the correction.
+pub(in crate::engine) const STRAINED: usize = 9;
+
+/// Numbers of a chunk in [`Group::Ways`]: square of the longest way, m², the box of all ways, m, the longest list, and how many
+/// particles are searched.
 pub(in crate::engine) const LONGEST: usize = 0;
 pub(in crate::engine) const LOW: usize = 1;
 pub(in crate::engine) const HIGH: usize = 4;
 pub(in crate::engine) const LONGEST_ROW: usize = 7;
-pub(in crate::engine) const WAYS: usize = 8;
+pub(in crate::engine) const MARKED_ROWS: usize = 8;
+pub(in crate::engine) const WAYS: usize = 9;
 
 /// Farther than anything moves, m.
 const BEYOND: f64 = 1e30;
+
+/// The rule of adaptive search, where a model has it.
+pub(in crate::engine) fn adaptive(model: &Model) -> Option<AdaptiveSearch> {
+    match model.search {
+        Search::Adaptive(rule) => Some(rule),
+        Search::EveryStep | Search::Skin { .. } | Search::Initial => None,
+    }
+}
+
+/// Whether sums are taken with the distances of the last search.
+pub(in crate::engine) fn keeps_distances(model: &Model) -> bool {
+    let is_kept = match model.search {
+        Search::EveryStep | Search::Skin { .. } => false,
+        Search::Adaptive(rule) => rule.guard.is_none(),
+        Search::Initial => true,
+    };
+    is_kept && !is_total_lagrangian(model)
+}
+
+/// Lists that are written.
+#[derive(Clone, Copy)]
+struct Rows {
+    rows: Writing,
+    kept: IndexOutput,
+    stored: Option<Writing>,
+    stride: Index,
+    room: Recorded,
+    step: Reading,
+}
+
+impl Rows {
+    fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
+        let step = bind.read(Group::Step);
+        Self {
+            rows: bind.write(Group::Rows),
+            kept: bind.index_output(Group::Kept),
+            stored: keeps_distances(model).then(|| bind.write(Group::Stored)),
+            stride: bind.stride(),
+            room: step.get(0, Index::of(ROOM)),
+            step,
+        }
+    }
+
+    /// Where neighbour `k` of a particle is.
+    fn place(self, k: Index, i: Index) -> Index {
+        k * self.stride + i
+    }
+
+    /// Takes a pair as neighbour `k` of a particle, if there is room; the number of the next.
+    fn keep(self, i: Index, k: Recorded, pair: &Pair, j: Index) -> Recorded {
+        let keep = || {
+            let at = Index::floor(k);
+            self.kept.set(self.place(at, i), Mirrors::entry_of(pair.bits, j));
+            if let Some(stored) = self.stored {
+                for (a, x) in pair.x.into_iter().enumerate() {
+                    stored.set_at(stored_place(at, a, self.stride, i), x);
+                }
+            }
+            NOTHING
+        };
+        Recorded::if_lt(k, self.room, keep, || NOTHING);
+        k + Recorded::one()
+    }
+
+    fn is_marked(self, i: Index) -> Recorded {
+        self.rows.get(MARKED, i)
+    }
+
+    fn set_length(self, i: Index, length: Recorded) {
+        self.rows.set(LENGTH, i, length);
+    }
+}
+
+/// Where the distance of neighbour `k` along an axis is among those of [`Group::Stored`].
+pub(super) fn stored_place(k: Index, axis: usize, stride: Index, i: Index) -> Index {
+    (k * Index::of(3) + Index::of(axis as u32)) * stride + i
+}
 
 /// The list of every particle, as far as there is room, and where it was searched.
 pub(in crate::engine) fn search<const D: usize>(
@@ -34,42 +122,143 @@ pub(in crate::engine) fn search<const D: usize>(
 ) -> Result<Recording, KernelFault> {
     recording("search", count, |bind, i| {
         let near = (bind.read(Group::Place), bind.read(Group::Constants));
-        let (rows, kept, step) = (bind.write(Group::Rows), bind.index_output(Group::Kept), bind.read(Group::Step));
-        let searched_at = bind.write(Group::SearchedAt);
-        let (stride, room, zero) = (bind.stride(), step.get(0, Index::of(ROOM)), Recorded::zero());
-        let length = over_own_body::<_, D>(bind, model, grid, i, near, zero, |before: Recorded, pair, j| {
-            let keep = || {
-                kept.set(Index::floor(before) * stride + i, Mirrors::entry_of(pair.bits, j));
-                [zero; 0]
-            };
-            Recorded::if_lt(before, room, keep, || [zero; 0]);
-            before + Recorded::one()
-        });
-        rows.set(LENGTH, i, length);
+        let (rows, searched_at) = (Rows::of(bind, model), bind.write(Group::SearchedAt));
+        let (zero, one) = (Recorded::zero(), Recorded::one());
+        let length =
+            over_own_body::<_, D>(bind, model, grid, i, near, zero, |k: Recorded, pair, j| rows.keep(i, k, pair, j));
+        rows.set_length(i, length);
         for k in 0..6 {
             searched_at.set(k, i, near.0.get(k, i));
         }
+        if adaptive(model).is_some() {
+            rows.rows.set_all(MARKED, i, &[one, zero, zero, rows.step.get(0, Index::of(NUMBER))]);
+        }
+    })
+}
+
+/// Who is searched by the rule: what flows, and with the guard what strains and contact candidates.
+pub(in crate::engine) fn mark(rule: AdaptiveSearch, count: usize) -> Result<Recording, KernelFault> {
+    recording("mark", count, |bind, i| {
+        let (rows, plastic) = (bind.write(Group::Rows), bind.read(Group::Plastic));
+        let (step, patched) = (bind.read(Group::Step), bind.index_output(Group::Patched));
+        let (zero, one) = (Recorded::zero(), Recorded::one());
+        let increment = plastic.get(2, i);
+        let (mut strain, since) = (rows.get(STRAIN, i), rows.get(PLASTIC, i) + increment);
+        let flow = if rule.accumulate { since } else { increment };
+        let mut marked = Recorded::select_lt(Recorded::of(rule.plastic_strain_threshold), flow, one, zero);
+        if let Some(bound) = rule.guard {
+            strain += bind.read(Group::StrainCorrection).get(STRAINED, i);
+            let strained = Recorded::select_lt(Recorded::of(bound), strain, one, zero);
+            marked = marked.max(strained).max(bind.read(Group::Candidates).get(0, i));
+        }
+        let reset = |is: Recorded, not: Recorded| Recorded::select_lt(zero, marked, is, not);
+        let last = reset(step.get(0, Index::of(NUMBER)), rows.get(LAST, i));
+        rows.set_all(MARKED, i, &[marked, reset(zero, strain), reset(zero, since), last]);
+        patched.set(i, Index::of(0));
+    })
+}
+
+/// How many particles of each chunk are searched.
+pub(in crate::engine) fn count_marked(count: usize) -> Result<Recording, KernelFault> {
+    of_chunks("count_marked", count, MARKED_ROWS, |rows, marked, i| marked + rows.get(MARKED, i))
+}
+
+/// The lists of the particles that are searched; with the guard, rows of neighbours they lose and gain are to be patched.
+pub(in crate::engine) fn search_marked<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    is_guarded: bool,
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    recording("search_marked", count, |bind, i| {
+        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let rows = Rows::of(bind, model);
+        let patched = is_guarded.then(|| bind.index_output(Group::Patched));
+        let patch = |j: Index| {
+            if let Some(patched) = patched {
+                patched.set(j, Index::of(1));
+            }
+        };
+        let (zero, mirrors) = (Recorded::zero(), Mirrors::of(model));
+        let is_marked = rows.is_marked(i);
+        let again = || {
+            if is_guarded {
+                let end = Index::floor(rows.rows.get(LENGTH, i));
+                bind.scope.fold(Index::of(0), end, NOTHING, |_, none, k| {
+                    patch(mirrors.entry(rows.kept.at(rows.place(k, i))).0);
+                    none
+                });
+            }
+            let length = over_own_body::<_, D>(bind, model, grid, i, near, zero, |k: Recorded, pair, j| {
+                patch(j);
+                rows.keep(i, k, pair, j)
+            });
+            rows.set_length(i, length);
+            NOTHING
+        };
+        Recorded::if_lt(zero, is_marked, again, || NOTHING);
+    })
+}
+
+/// Rows of particles that are not searched, whose neighbours are: of these they have those that are near, the others stay.
+pub(in crate::engine) fn patch<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    recording("patch_rows", count, |bind, i| {
+        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let (rows, patched) = (Rows::of(bind, model), bind.indices(Group::Patched));
+        let (zero, one, mirrors) = (Recorded::zero(), Recorded::one(), Mirrors::of(model));
+        let is_due = patched.at(i).number() - rows.is_marked(i);
+        let again = || {
+            let end = Index::floor(rows.rows.get(LENGTH, i));
+            let staying = bind.scope.fold(Index::of(0), end, zero, |_, k: Recorded, old| {
+                let entry = rows.kept.at(rows.place(old, i));
+                let stays = || {
+                    rows.kept.set(rows.place(Index::floor(k), i), entry);
+                    k + one
+                };
+                Recorded::if_lt(zero, rows.is_marked(mirrors.entry(entry).0), || k, stays)
+            });
+            let length = over_own_body::<_, D>(bind, model, grid, i, near, staying, |k: Recorded, pair, j| {
+                Recorded::if_lt(zero, rows.is_marked(j), || rows.keep(i, k, pair, j), || k)
+            });
+            rows.set_length(i, length);
+            NOTHING
+        };
+        Recorded::if_lt(zero, is_due, again, || NOTHING);
     })
 }
 
 /// The longest list of each chunk of particles.
 pub(in crate::engine) fn longest_rows(count: usize) -> Result<Recording, KernelFault> {
+    of_chunks("longest_rows", count, LONGEST_ROW, |rows, longest, i| longest.max(rows.get(LENGTH, i)))
+}
+
+/// Takes zero through the rows of each chunk of particles, to a number of [`Group::Ways`].
+fn of_chunks(
+    name: &str,
+    count: usize,
+    to: usize,
+    add: impl Fn(Reading, Recorded, Index) -> Recorded,
+) -> Result<Recording, KernelFault> {
     let chunks = count.div_ceil(CHUNK);
-    recording("longest_rows", count, |bind, chunk| {
+    recording(name, count, |bind, chunk| {
         let (rows, ways) = (bind.read(Group::Rows), bind.write(Group::Ways));
         let first = chunk * Index::of(CHUNK as u32);
         let end = first + Index::of(CHUNK as u32);
-        let longest =
-            bind.scope.fold(first, end, Recorded::zero(), |_, longest: Recorded, i| longest.max(rows.get(LENGTH, i)));
-        ways.set(0, Index::of((LONGEST_ROW * chunks) as u32) + chunk, longest);
+        let all = bind.scope.fold(first, end, Recorded::zero(), |_, all, i| add(rows, all, i));
+        ways.set(0, Index::of((to * chunks) as u32) + chunk, all);
     })
 }
 
-/// How far the particles of each chunk are from where they were at the last full search; there are `particles` of them.
-pub(in crate::engine) fn ways(particles: usize, count: usize) -> Result<Recording, KernelFault> {
+/// How far the particles of each chunk are from where they were at the last full search, or when contact candidates were found; there are
+/// `particles` of them.
+pub(in crate::engine) fn ways(since: Group, particles: usize, count: usize) -> Result<Recording, KernelFault> {
     let chunks = count.div_ceil(CHUNK);
     recording("ways", count, |bind, chunk| {
-        let (place, searched_at) = (bind.read(Group::Place), bind.read(Group::SearchedAt));
+        let (place, searched_at) = (bind.read(Group::Place), bind.read(since));
         let ways = bind.write(Group::Ways);
         let first = chunk * Index::of(CHUNK as u32);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));

@@ -3,7 +3,7 @@
 use super::contact::meets;
 use super::grid::Grid;
 use super::images::{Image, Mirrors};
-use super::kept::LENGTH;
+use super::kept::{LENGTH, keeps_distances, stored_place};
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::{Model, Search};
@@ -150,9 +150,17 @@ fn over_kept<S: Numbers<Recorded>, const D: usize>(
     let (mirrors, support) = (Mirrors::of(model), Recorded::of(model.numerics.kernel.support()));
     let (own, h) = (places(place, i), constants.get(1, i));
     let end = Index::floor(rows.get(LENGTH, i));
+    let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
     bind.scope.fold(Index::of(0), end, start, |_, state, k| {
         let (j, image) = mirrors.entry(kept.at(k * stride + i));
-        let pair = Pair::of::<D>(model, (image, 0), &own, &places(place, j), (h, constants.get(1, j)));
+        let mut pair = Pair::of::<D>(model, (image, 0), &own, &places(place, j), (h, constants.get(1, j)));
+        if let Some(stored) = stored {
+            pair.r2 = Recorded::zero();
+            for a in 0..D {
+                pair.x[a] = stored.get_at(stored_place(k, a, stride, i));
+                pair.r2 = pair.x[a].mul_add(pair.x[a], pair.r2);
+            }
+        }
         let reach = support * pair.scale.h;
         Recorded::if_lt(pair.r2, reach * reach, || add(state, &pair, j), || state)
     })

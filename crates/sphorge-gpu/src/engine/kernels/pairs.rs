@@ -1,21 +1,23 @@
 //! The pair sums: every particle goes through the cells around its own.
 
 use super::grid::Grid;
+use super::kept;
 use super::motion::Motions;
 use super::neighbors::over_neighbors;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::{Integrator, Model};
+use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::kick::earlier;
 use sphorge_physics::pair::{
     ForceSums, GradientSums, PairForce, PairForm, closing_power, gradient_factor, gradient_weight,
     inverse_density_mean, mean, momentum_factor, momentum_weight, scaled_pressure, share_of_power, stress_vector,
 };
-use sphorge_physics::stress::{density_after, predicted_density};
+use sphorge_physics::stress::{density_after, predicted_density, strain_rate};
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
-use sphorge_physics::{Real, Tensor, artificial_stress};
+use sphorge_physics::{Numbers, Real, Tensor, artificial_stress};
 
 /// The weight of every particle in the gradient sum, of the density half a step ahead.
 pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording, KernelFault> {
@@ -31,16 +33,36 @@ pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording,
     })
 }
 
+/// Sums of a particle: velocity gradient, moment of the gradient correction where that is asked for, and neighbours within the support.
+#[derive(Clone, Copy)]
+struct Gradients {
+    gradient: Tensor<Recorded>,
+    moment: Option<Tensor<Recorded>>,
+    inside: Recorded,
+}
+
+impl Numbers<Recorded> for Gradients {
+    fn each(&mut self, visit: &mut dyn FnMut(&mut Recorded)) {
+        self.gradient.as_flattened_mut().iter_mut().for_each(&mut *visit);
+        if let Some(moment) = &mut self.moment {
+            moment.as_flattened_mut().iter_mut().for_each(&mut *visit);
+        }
+        visit(&mut self.inside);
+    }
+}
+
 /// Velocity gradient and density. With leapfrog the gradient is that of the positions of mid-step, where its velocities are, over the pairs
 /// at its end.
 pub(in crate::engine) fn gradients<const D: usize>(
     model: &Model,
     grid: &Grid,
+    corrects_strain: bool,
     count: usize,
 ) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let kernel = numerics.kernel;
-    recording("gradients", count, |bind, i| {
+    let is_guarded = kept::adaptive(model).is_some_and(|rule| rule.guard.is_some());
+    recording(if corrects_strain { "gradients_and_moments" } else { "gradients" }, count, |bind, i| {
         let near = (bind.read(Group::Place), bind.read(Group::Constants));
         let (velocity, weight) = (bind.read(Group::Velocity), bind.write(Group::Weight));
         let (gradient, density, step) =
@@ -51,12 +73,14 @@ pub(in crate::engine) fn gradients<const D: usize>(
         // What drifts beside the velocity.
         let smoothed = |of: Index| rates.map_or([Recorded::zero(); 3], |rates| rates.vector(3, of));
         let own_smoothed = smoothed(i);
-        let start = [Recorded::zero(); 10];
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+        let zero = Recorded::zero();
+        let start =
+            Gradients { gradient: [[zero; 3]; 3], moment: corrects_strain.then_some([[zero; 3]; 3]), inside: zero };
+        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: Gradients, pair, j| {
             let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
             let (mut x, mut r2) = (pair.x, pair.r2);
-            if numerics.integrator == Integrator::Leapfrog {
+            if numerics.integrator == Integrator::Leapfrog && !kept::keeps_distances(model) {
                 let other_smoothed = pair.image.vector(smoothed(j));
                 r2 = Recorded::zero();
                 for a in 0..D {
@@ -66,18 +90,39 @@ pub(in crate::engine) fn gradients<const D: usize>(
             }
             let (q, inverse_q) = pair.scale.reduced_distance(r2);
             let f = pair.scale.weighted(weight.get(0, j)).f(kernel.dw_over_q_by(q, inverse_q));
-            let mut sums = GradientSums::zero();
-            sums.gradient = [0, 1, 2].map(|a| [state[3 * a], state[3 * a + 1], state[3 * a + 2]]);
-            sums.add::<D, false>(&x, &v, f);
-            state[..9].copy_from_slice(sums.gradient.as_flattened());
+            let mut sums = GradientSums { gradient: state.gradient, ..GradientSums::zero() };
+            match &mut state.moment {
+                None => sums.add::<D, false>(&x, &v, f),
+                Some(moment) => {
+                    sums.moment = *moment;
+                    sums.add::<D, true>(&x, &v, f);
+                    *moment = sums.moment;
+                }
+            }
+            state.gradient = sums.gradient;
             let support = Recorded::of(kernel.support());
-            state[9] += Recorded::select_lt(q, support, Recorded::one(), Recorded::zero());
+            state.inside += Recorded::select_lt(q, support, Recorded::one(), zero);
             state
         });
         let factor = weight.get(2, i);
-        let l = [0, 1, 2].map(|a| [0, 1, 2].map(|b| sums[3 * a + b] * factor));
+        let scaled = |t: Tensor<Recorded>| t.map(|row| row.map(|c| c * factor));
+        let l = scaled(sums.gradient);
         gradient.set_all(0, i, l.as_flattened());
-        weight.set(1, i, sums[9]);
+        weight.set(1, i, sums.inside);
+        if is_guarded {
+            // The guard counts the corrected strain: on a free face plain sums see as little as half of it.
+            let correction = bind.write(Group::StrainCorrection);
+            let b = match sums.moment {
+                None => correction.tensor(0, i),
+                Some(moment) => {
+                    let largest = Recorded::of(LARGEST_COMPONENT);
+                    let b = gradient_correction(&scaled(moment), model.dimensions.into(), largest);
+                    correction.set_all(0, i, b.as_flattened());
+                    b
+                }
+            };
+            correction.set(kept::STRAINED, i, step.get(0, Index::of(DT)) * strain_rate(&corrected(&l, &b)));
+        }
         match numerics.integrator {
             // The end of the step, for good.
             Integrator::Leapfrog => {
