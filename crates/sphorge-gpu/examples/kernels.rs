@@ -4,11 +4,12 @@ use sphorge_deck::{decks, load_text};
 use std::{error::Error, fs, path::PathBuf};
 
 /// Decks with all there is, and what to change in them.
-const DECKS: [(&str, &[(&str, &str)]); 9] = [
+const DECKS: [(&str, &[(&str, &str)]); 10] = [
     ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
     ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
     ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
     ("oscillating-plate", &[]),
+    ("high-shear", &[]),
     ("tensile", &[]),
     ("rubber-rings", &[]),
     ("bullet", &[("search", "\"every-step\""), ("contact", "\"penalty\""), ("particles.spacing", "\"15 mm\"")]),

@@ -5,7 +5,7 @@
 //! surfaces. Patiño et al. 3.2 names the method without equations.
 
 use crate::tensor::{determinant, dot, inverse};
-use crate::{Dimension, Real, Scalar, SymmetricTensor, Vector};
+use crate::{Dimension, Elementary, Real, Scalar, SymmetricTensor, Vector};
 
 /// The moments `A` of a particle's neighbourhood (itself included), gathered pair by pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,47 +57,56 @@ impl<T: Real> Moments<T> {
 }
 
 impl<T: Scalar> Moments<T> {
-    /// Solves `A beta = (1, 0, 0, 0)`; `None` where the neighbours do not span the space, and the density is to be left
+    /// [`Self::coefficients`]; `None` where there are none.
+    pub fn solve(&self, h: T, dimension: Dimension) -> Option<Coefficients<T>> {
+        let [constant, x, y, z, is_one] = self.coefficients(h, dimension);
+        (is_one > T::zero()).then_some(Coefficients { constant, linear: [x, y, z] })
+    }
+}
+
+impl<T: Elementary> Moments<T> {
+    /// Solves `A beta = (1, 0, 0, 0)`: `beta` and a one; zeros where the neighbours do not span the space, and the density is to be left
     /// alone. `h` (m) is the scale the spread of neighbours is judged by.
     ///
     /// With the mean `a` and covariance `C` of `x_ij` under the weights: `beta = -C^-1 a / A_0`,
     /// `beta_0 = (1 + a . C^-1 a) / A_0`.
-    pub fn solve(&self, h: T, dimension: Dimension) -> Option<Coefficients<T>> {
-        let mut solution = None;
+    pub fn coefficients(&self, h: T, dimension: Dimension) -> [T; 5] {
+        let none = || [T::zero(); 5];
+        T::if_lt(T::zero(), self.zeroth, || self.coefficients_of_some(h, dimension), none)
+    }
+
+    fn coefficients_of_some(&self, h: T, dimension: Dimension) -> [T; 5] {
         let count = dimension.count();
-        if self.zeroth > T::zero() {
-            let second = self.second.to_tensor();
-            let mut mean = [T::zero(); 3];
-            for a in 0..count {
-                mean[a] = self.first[a] / self.zeroth;
-            }
-            let mut trace = T::zero();
-            for a in 0..count {
-                trace += second[a][a] / self.zeroth - mean[a] * mean[a];
-            }
-            let variance = trace / T::of(count as f64);
-            if variance > T::of(SMALLEST_VARIANCE) * h * h {
-                // Scaled to trace `count`, with a unit on the axes not computed in.
-                let mut covariance = crate::tensor::identity();
-                for a in 0..count {
-                    for b in 0..count {
-                        covariance[a][b] = (second[a][b] / self.zeroth - mean[a] * mean[b]) / variance;
-                    }
-                }
-                if determinant(&covariance) > T::of(SMALLEST_DETERMINANT) {
-                    let inverse = inverse(&covariance);
-                    let mut slope = [T::zero(); 3];
-                    for a in 0..3 {
-                        slope[a] = dot(inverse[a], mean) / variance;
-                    }
-                    solution = Some(Coefficients {
-                        constant: (T::one() + dot(mean, slope)) / self.zeroth,
-                        linear: [-slope[0] / self.zeroth, -slope[1] / self.zeroth, -slope[2] / self.zeroth],
-                    });
-                }
-            }
+        let second = self.second.to_tensor();
+        let mut mean = [T::zero(); 3];
+        for a in 0..count {
+            mean[a] = self.first[a] / self.zeroth;
         }
-        solution
+        let mut trace = T::zero();
+        for a in 0..count {
+            trace += second[a][a] / self.zeroth - mean[a] * mean[a];
+        }
+        let variance = trace / T::of(count as f64);
+        let spread = || {
+            // Scaled to trace `count`, with a unit on the axes not computed in.
+            let mut covariance = crate::tensor::identity();
+            for a in 0..count {
+                for b in 0..count {
+                    covariance[a][b] = (second[a][b] / self.zeroth - mean[a] * mean[b]) / variance;
+                }
+            }
+            let solution = || {
+                let inverse = inverse(&covariance);
+                let mut slope = [T::zero(); 3];
+                for a in 0..3 {
+                    slope[a] = dot(inverse[a], mean) / variance;
+                }
+                let [x, y, z] = slope.map(|c| -c / self.zeroth);
+                [(T::one() + dot(mean, slope)) / self.zeroth, x, y, z, T::one()]
+            };
+            T::if_lt(T::of(SMALLEST_DETERMINANT), determinant(&covariance), solution, || [T::zero(); 5])
+        };
+        T::if_lt(T::of(SMALLEST_VARIANCE) * h * h, variance, spread, || [T::zero(); 5])
     }
 }
 

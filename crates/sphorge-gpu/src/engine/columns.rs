@@ -23,6 +23,8 @@ pub(super) enum Group {
     Density,
     /// The same at the start of the step.
     BaseDensity,
+    /// Density by moving least squares, kg/m³.
+    Restored,
     /// Velocity gradient, 1/s.
     Gradient,
     /// Weight of the particle in the sums of its neighbours, and their number.
@@ -52,7 +54,8 @@ pub(super) enum Group {
     /// Body of a particle.
     Body,
     /// Work of what pairs do not do, J, its impulse, N s, energy booked by the integrator, J, turned into heat by viscosity, J,
-    /// work against the artificial stress and against the hourglass springs, J, each with its rest.
+    /// work against the artificial stress and against the hourglass springs, J, and what moving least squares add to the pressure field, J, each
+    /// with its rest.
     Accounts,
     /// Work of each wall, J, its rest, and the power of the last forces, W.
     Walls,

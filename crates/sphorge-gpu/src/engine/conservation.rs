@@ -22,12 +22,12 @@ impl GpuEngine {
         }
         let mut total = BodyLedger::total(&bodies);
         bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
-        let [external_work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy] =
+        let [work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy, mls_energy] =
             snapshot.accounts;
         Ok(Ledger {
             bodies,
             total,
-            external_work,
+            external_work: work,
             external_impulse: [x, y, z],
             walls: snapshot.walls.clone(),
             wall_forces: self.model.walls.iter().map(|wall| self.wall_force(snapshot, wall)).collect(),
@@ -35,6 +35,7 @@ impl GpuEngine {
             viscous_energy,
             artificial_stress_energy,
             hourglass_energy,
+            mls_energy,
             contacts: snapshot.contacts.clone(),
             motion_forces: self.motion_forces(snapshot),
             ..Ledger::default()

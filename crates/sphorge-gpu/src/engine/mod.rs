@@ -77,6 +77,8 @@ struct Stages {
     gradients: Vec<Launch>,
     /// The same with the corrections of the strain that the guard counts, where these are due now and then.
     corrected_gradients: Vec<Launch>,
+    /// Moving least squares, where they are due now and then.
+    restore: Vec<Launch>,
     /// Walls and gravity.
     push: Vec<Launch>,
     stress: Vec<Launch>,

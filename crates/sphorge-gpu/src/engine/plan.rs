@@ -3,7 +3,8 @@
 use super::columns::{Group, Recording};
 use super::kernels::stress::StressOf;
 use super::kernels::{
-    contact, grid, kept, leapfrog, limits, pairs, predictor_corrector, reference, reference_forces, stress, walls,
+    contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
+    reference_forces, stress, walls,
 };
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
@@ -51,6 +52,8 @@ pub(super) struct Plan {
     pub(super) gradients: Vec<Planned>,
     /// The same with the corrections of the strain that the guard of adaptive search counts.
     pub(super) corrected_gradients: Vec<Planned>,
+    /// Moving least squares.
+    pub(super) restore: Vec<Planned>,
     pub(super) push: Vec<Planned>,
     pub(super) stress: Vec<Planned>,
     pub(super) forces: Vec<Planned>,
@@ -119,6 +122,11 @@ impl Plan {
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
                 plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, false, stride)));
+                if model.numerics.mls_interval.is_some() {
+                    let estimate = in_dimension!(model, moving_least_squares::estimate, model, grid, stride);
+                    plan.restore.push(of_particles(estimate));
+                    plan.restore.push(of_particles(moving_least_squares::restore(model, stride)?));
+                }
             }
             Formulation::TotalLagrangian { renewal, .. } => {
                 plan.count_lists = sorted;
@@ -195,6 +203,7 @@ impl Plan {
             &self.search_marked,
             &self.gradients,
             &self.corrected_gradients,
+            &self.restore,
             &self.push,
             &self.stress,
             &self.forces,

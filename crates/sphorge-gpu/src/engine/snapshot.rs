@@ -47,7 +47,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Temperature, 2),
     (Group::Packed, 14),
     (Group::Constants, 7),
-    (Group::Accounts, 16),
+    (Group::Accounts, 18),
     (Group::Limits, limits::FIELDS),
     (Group::Reference, 7),
     (Group::Correction, 9),
@@ -96,8 +96,9 @@ pub(super) struct Snapshot {
     pub(super) particles: Particles,
     /// Pa.
     pub(super) shear_modulus: Vec<f64>,
-    /// Work of what pairs do not do, J, its impulse, N s, booked energy, J, and those of viscosity, artificial stress and springs, J.
-    pub(super) accounts: [f64; 8],
+    /// Work of what pairs do not do, J, its impulse, N s, booked energy, J, and those of viscosity, artificial stress, springs
+    /// and moving least squares, J.
+    pub(super) accounts: [f64; 9],
     /// What each wall has done.
     pub(super) walls: Vec<WallLedger>,
     /// What the contact of each pair of bodies that have one does and has done.
@@ -213,7 +214,7 @@ impl GpuEngine {
         }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
-            accounts: [0, 2, 4, 6, 8, 10, 12, 14].map(|field| sum(&accounts, field)),
+            accounts: [0, 2, 4, 6, 8, 10, 12, 14, 16].map(|field| sum(&accounts, field)),
             walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
             contacts,

@@ -170,6 +170,9 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
         columns.insert(group, card.zeros(count)?);
     }
+    if numerics.mls_interval.is_some() {
+        columns.insert(Group::Restored, card.zeros(stride)?);
+    }
     if keeps_lists(model) {
         // Room is made when it is known how much.
         columns.insert(Group::Kept, card.zeros(0)?);
@@ -226,6 +229,7 @@ pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stag
         mark: bound(&plan.mark)?,
         search_marked: bound(&plan.search_marked)?,
         corrected_gradients: bound(&plan.corrected_gradients)?,
+        restore: bound(&plan.restore)?,
         gradients: bound(&plan.gradients)?,
         push: bound(&plan.push)?,
         stress: bound(&plan.stress)?,

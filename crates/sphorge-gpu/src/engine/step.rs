@@ -117,6 +117,14 @@ impl Engine for GpuEngine {
         Ok(())
     }
 
+    fn restore_density(&mut self) -> Result<(), RunFailure> {
+        let due = |n: u64| self.dt > 0.0 && u64::from(self.steps).is_multiple_of(n);
+        if self.model.numerics.mls_interval.is_some_and(due) {
+            self.card.launch(&self.stages.restore);
+        }
+        Ok(())
+    }
+
     fn push_faces(&mut self) -> Result<(), RunFailure> {
         self.card.launch(&self.stages.push);
         Ok(())

@@ -1,6 +1,6 @@
 //! What the engine for cards can run so far; all else is refused before a run.
 
-use super::kernels::contact;
+use super::kernels::{contact, kept};
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{
     Formulation, GradientCorrection, Integrator, Model, Precision, SmoothingLength, TemperatureSource, WallSurface,
@@ -20,7 +20,11 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
         ),
         (numerics.precision == Precision::Double, "pair sums in double precision", "leave `numerics.precision` out"),
         (!is_total && numerics.gradient_correction != GradientCorrection::None, "corrected gradients", BY_CPU),
-        (numerics.mls_interval.is_some(), "density by moving least squares", BY_CPU),
+        (
+            numerics.mls_interval.is_some() && (is_total || kept::keeps_distances(model)),
+            "density by moving least squares with distances that are kept",
+            BY_CPU,
+        ),
         (numerics.temperature != TemperatureSource::PlasticWork, "temperature from the energy", BY_CPU),
         (numerics.smoothing_length != SmoothingLength::Constant, "a smoothing length that follows the density", BY_CPU),
         (model.audit.is_some(), "audits of the search", "its search is exact: leave `audit` out"),

@@ -6,6 +6,7 @@ use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
 use sphorge_physics::hourglass::{Misfit, Spring};
 use sphorge_physics::kernel::{Kernel, PairScale};
 use sphorge_physics::kick::{KickAccount, KickAxis, earlier};
+use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::return_mapping::{ReturnRule, return_mapping_near};
 use sphorge_physics::tensor::transpose;
 use sphorge_physics::total_lagrangian::MeetingPoint;
@@ -85,6 +86,11 @@ fn flow(key: &str, values: &[f64]) -> FlowLaw<f64> {
 fn pressure(key: &str, values: &[f64]) -> EquationOfState<f64> {
     let entry = EQUATIONS_OF_STATE.iter().find(|entry| entry.key == key).unwrap_or_else(|| panic!("no law `{key}`"));
     (entry.build)(values)
+}
+
+fn coefficients<T: Elementary>(x: &[T], dimension: Dimension) -> Vec<T> {
+    let moments = Moments { zeroth: x[0], first: [x[1], x[2], x[3]], second: symmetric(&x[4..]) };
+    moments.coefficients(T::one(), dimension).to_vec()
 }
 
 fn yield_stress<T: Elementary>(law: &FlowLaw<f64>, x: &[T]) -> Vec<T> {
@@ -196,6 +202,15 @@ pub(super) fn laws() -> Vec<Law> {
     let l = (-3e5, 3e5);
     let s = (-8e8, 8e8);
     let f = (-0.4, 1.2);
+    for dimension in [Dimension::One, Dimension::Two, Dimension::Three] {
+        let ranges = [&[(-0.1, 1.0)][..], &[(-0.3, 0.3); 3], &[(0.0, 0.4); 3], &[(-0.1, 0.1); 3]].concat();
+        let name = format!("moving least squares, {}", dimension.count());
+        let direct: Call<f32> = Box::new(move |x| coefficients(x, dimension));
+        let recorded: Call<Recorded> = Box::new(move |x| coefficients(x, dimension));
+        // On a line there is no determinant to be small.
+        let never = usize::from(dimension == Dimension::One);
+        laws.push(Law { name, ranges, direct, recorded, never });
+    }
     law!(laws, "trial deviator", [s, s, s, s, s, s, l, l, l, l, l, l, l, l, l], 0, |x: &[T]| {
         stress::trial_deviator(symmetric(x), &tensor(&x[6..]), T::of(48e9), T::of(1e-7)).to_array().to_vec()
     });

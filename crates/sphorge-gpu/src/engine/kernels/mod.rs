@@ -8,6 +8,7 @@ mod kick;
 pub(super) mod leapfrog;
 pub(super) mod limits;
 mod motion;
+pub(super) mod moving_least_squares;
 mod neighbors;
 pub(super) mod pairs;
 pub(super) mod predictor_corrector;

@@ -1,0 +1,90 @@
+//! Densities that are put right by moving least squares now and then.
+
+use super::grid::Grid;
+use super::neighbors::{different, over_neighbors};
+use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::step_numbers::HALF;
+use crate::record::{Index, KernelFault, Recorded};
+use sphorge_engine::model::{Integrator, Model};
+use sphorge_physics::kernel::PairScale;
+use sphorge_physics::moving_least_squares::{Coefficients, Moments};
+use sphorge_physics::stress::density_after;
+use sphorge_physics::{Elementary, Real, SymmetricTensor, Vector};
+
+/// Place of the energy that it adds to the pressure field among [`Group::Accounts`].
+pub(in crate::engine) const ENERGY: usize = 16;
+
+/// The moments of a neighbourhood as a state.
+fn state(moments: &Moments<Recorded>) -> [Recorded; 10] {
+    let Moments { zeroth, first: [x, y, z], second } = *moments;
+    let [xx, yy, zz, xy, yz, xz] = second.to_array();
+    [zeroth, x, y, z, xx, yy, zz, xy, yz, xz]
+}
+
+fn moments([zeroth, x, y, z, xx, yy, zz, xy, yz, xz]: [Recorded; 10]) -> Moments<Recorded> {
+    Moments { zeroth, first: [x, y, z], second: SymmetricTensor::from_array([xx, yy, zz, xy, yz, xz]) }
+}
+
+/// The density of every particle that its neighbours of the same body make out; its own where they do not span the space.
+pub(in crate::engine) fn estimate<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    let (kernel, dimension) = (model.numerics.kernel, model.dimensions.into());
+    recording("estimate_density", count, |bind, i| {
+        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let (density, restored) = (bind.read(Group::Density), bind.write(Group::Restored));
+        let bodies = (model.bodies.len() > 1).then(|| bind.indices(Group::Body));
+        let (zero, half) = (Recorded::zero(), Recorded::of(0.5));
+        // Itself counts as of its own body.
+        let other = |j: Index| bodies.map_or(zero, |of| different(of, i, j));
+        let value = |scale: PairScale<Recorded>, r2: Recorded| scale.value(kernel.w(scale.reduced_distance(r2).0));
+        let volume = |j: Index| near.1.get(0, j) / density.get(0, j);
+        let sigma = Recorded::of(kernel.normalisation(dimension));
+        let (h, origin): (_, Vector<Recorded>) = (near.1.get(1, i), [zero; 3]);
+        let itself = value(PairScale::new::<D>(sigma, h), zero);
+        let mut start = Moments::default();
+        start.add(origin, volume(i) * itself);
+        let all = over_neighbors::<_, D>(bind, model, grid, i, near, state(&start), |sums: [Recorded; 10], pair, j| {
+            let add = || {
+                let mut sums = moments(sums);
+                sums.add(pair.x, volume(j) * value(pair.scale, pair.r2));
+                state(&sums)
+            };
+            Recorded::if_lt(other(j), half, add, || sums)
+        });
+        let [constant, x, y, z, is_one] = moments(all).coefficients(h, dimension);
+        let beta = Coefficients { constant, linear: [x, y, z] };
+        let start = near.1.get(0, i) * beta.factor(origin) * itself;
+        let sum = over_neighbors::<_, D>(bind, model, grid, i, near, start, |sum: Recorded, pair, j| {
+            let mass = near.1.get(0, j);
+            let add = || sum + mass * beta.factor(pair.x) * value(pair.scale, pair.r2);
+            Recorded::if_lt(other(j), half, add, || sum)
+        });
+        let own = density.get(0, i);
+        let estimate = Recorded::select_lt(zero, sum, sum, own);
+        restored.set(0, i, Recorded::select_lt(half, is_one, estimate, own));
+    })
+}
+
+/// Takes the densities over.
+pub(in crate::engine) fn restore(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    recording("restore_density", count, |bind, i| {
+        let (density, restored) = (bind.write(Group::Density), bind.read(Group::Restored));
+        let (pressure, constants) = (bind.read(Group::Pressure), bind.read(Group::Constants));
+        let accounts = bind.write(Group::Accounts);
+        let (old, rho) = (density.double(0, 1, i), restored.get(0, i));
+        let gained = (rho - old[0]) - old[1];
+        // The work of the volume change it would have taken.
+        let energy = constants.get(0, i) * pressure.get(0, i) * gained / (rho * old[0]);
+        accounts.add(ENERGY, ENERGY + 1, i, energy);
+        density.set_all(0, i, &[rho, Recorded::zero()]);
+        if model.numerics.integrator == Integrator::PredictorCorrector {
+            // The corrector starts from the beginning of the step.
+            let (gradient, step) = (bind.read(Group::Gradient), bind.read(Group::Step));
+            let before = density_after(rho, &gradient.tensor(0, i), -step.get(0, Index::of(HALF)));
+            bind.write(Group::BaseDensity).set_all(0, i, &[before, Recorded::zero()]);
+        }
+    })
+}
