@@ -307,7 +307,7 @@ columns! {
     pub(crate) reference_position: Vector<f64> = [0.0; 3], Reference, Internal("m", "initial position X"), Point[Search], None;
     // m² in plane strain, m in one dimension.
     pub(crate) reference_volume: f64 = 0.0, Reference, Internal("m^3", "initial volume"), Same[Search], None;
-    pub(crate) deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Contact, Stress], None;
+    pub deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Contact, Stress], None;
     pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls and contacts, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,

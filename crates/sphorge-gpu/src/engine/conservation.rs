@@ -73,7 +73,7 @@ impl GpuEngine {
             let body = &self.model.bodies[p.body[i] as usize];
             let sound_speed = self.model.materials[body.material].equation_of_state.reference_sound_speed();
             let x = [0, 1, 2].map(|a| p.position[i][a] - shift[a]);
-            let deformed = snapshot.deformation.get(i).map(|f| (*f, p.velocity_gradient[i]));
+            let deformed = p.deformation.get(i).map(|f| (*f, p.velocity_gradient[i]));
             let own = AtWall { h: body.smoothing_length, spacing: body.spacing, sound_speed, deformed };
             let push = of_wall(wall, &own, x, snapshot.evaluated[i], moving, self.dt);
             for a in 0..3 {

@@ -6,7 +6,7 @@ use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model, Search};
 use sphorge_engine::{ContactLedger, Particles, RunFailure, WallLedger};
-use sphorge_physics::{SymmetricTensor, Tensor};
+use sphorge_physics::SymmetricTensor;
 
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
@@ -105,8 +105,6 @@ pub(super) struct Snapshot {
     pub(super) contacts: Vec<ContactLedger>,
     /// Velocities that forces were evaluated with, m/s.
     pub(super) evaluated: Vec<[f64; 3]>,
-    /// Deformation gradients, where the form has such.
-    pub(super) deformation: Vec<Tensor<f64>>,
 }
 
 /// A group read back.
@@ -206,11 +204,10 @@ impl GpuEngine {
         let contacts =
             meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));
         let contacts = contacts.map(|(of, pair)| contact_of(of, pair)).collect();
-        let mut deformation = Vec::new();
         if is_initial {
             let f = self.group(Group::Deformation)?;
             let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| f.double(3 * a + b, 9 + 3 * a + b, i)));
-            deformation.extend((0..count).map(at));
+            p.deformation = (0..count).map(at).collect();
         }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
@@ -218,7 +215,6 @@ impl GpuEngine {
             walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
             contacts,
-            deformation,
             particles: p,
         })
     }

@@ -3,9 +3,10 @@
 use super::card::card;
 use crate::Gpu;
 use sphorge_deck::{decks, load_text};
+use sphorge_engine::model::ParticleSelection;
 use sphorge_engine::particles::FIELDS;
 use sphorge_engine::persist::MemoryArchive;
-use sphorge_engine::{Column, Cpu, EngineKind, FieldSource, Ledger, Particles, Simulation};
+use sphorge_engine::{Column, Cpu, EngineKind, FieldSource, Ledger, ParticleSource, Particles, Reduction, Simulation};
 
 /// A shipped deck with overrides, on an engine.
 pub(super) fn start(kind: &dyn EngineKind, deck: &str, overrides: &[(&str, &str)]) -> Simulation {
@@ -198,6 +199,28 @@ fn the_default_method_is_that_of_the_processor() {
     let falls = ("gravity", "[\"2e6 m/s^2\", \"-3e6 m/s^2\"]");
     compare(IRON.0, &[spacing, wall, rubs, moves, falls], 5e-6, 1e-4);
     compare("taylor-bar", &[("method", "\"total-lagrangian\""), ("particles.spacing", "\"1.2 mm\"")], 8e-6, 1e-4);
+}
+
+#[test]
+fn measures_are_taken_at_deformed_faces() {
+    if card().is_none() {
+        return;
+    }
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let mut simulation = start(kind, IRON.0, IRON.1);
+        run(&mut simulation, 10e-6);
+        let of = ParticleSelection::default();
+        let extents = [0, 1].map(|axis| Reduction::Extent { of: &of, axis });
+        let measure = |reduction: &Reduction<'_>| simulation.reduce(reduction).unwrap()[0];
+        let [diameter, undeformed] =
+            [measure(&Reduction::Diameter { of: &of, axis: 1 }), extent(&simulation.particles().unwrap(), 1)];
+        ([measure(&extents[0]), measure(&extents[1]), diameter], undeformed)
+    });
+    let spacing = 0.6365e-3;
+    assert!((theirs.0[1] - theirs.1 - spacing).abs() > 0.02 * spacing, "{theirs:?}");
+    for (ours, theirs) in ours.0.into_iter().zip(theirs.0) {
+        assert!((ours - theirs).abs() < 1e-3 * spacing, "{ours} on the card, {theirs}");
+    }
 }
 
 #[test]
