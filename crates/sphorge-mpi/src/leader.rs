@@ -2,7 +2,6 @@
 
 use crate::follower::go_on;
 use crate::protocol::Command;
-use crate::supports;
 use sphorge_engine::halo::FieldSet;
 use sphorge_engine::persist::{Archive, ArchiveError, require};
 use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
@@ -49,8 +48,9 @@ impl EngineKind for Leader {
         Cpu.name()
     }
 
-    fn supports(&self, model: &Model) -> Result<(), Unsupported> {
-        supports::supports(model)
+    /// Ranks share whatever one process runs.
+    fn supports(&self, _: &Model) -> Result<(), Unsupported> {
+        Ok(())
     }
 
     fn take_deck(&self, name: &str, deck: &str) {

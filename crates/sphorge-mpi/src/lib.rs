@@ -9,14 +9,12 @@ mod leader;
 #[cfg(feature = "mpi")]
 mod process;
 mod protocol;
-mod supports;
 mod threads;
 
 pub use follower::{Loaded, follow};
 pub use leader::Leader;
 #[cfg(feature = "mpi")]
 pub use process::{Processes, ranks_on_this_machine};
-pub use supports::supports;
 pub use threads::threads;
 
 /// Name of the engine of ranks, in checkpoints and summaries.

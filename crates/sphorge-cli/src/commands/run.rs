@@ -80,7 +80,6 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
         checkpoints: arguments.checkpoints.plan()?,
     };
     let setup = deck.load()?;
-    role.check(&setup.model)?;
     let setup = match role.launch(setup, &directory, &mut display, &stop) {
         Ok(setup) => setup,
         Err(ending) => return ending,

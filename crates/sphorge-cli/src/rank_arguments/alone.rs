@@ -6,7 +6,7 @@ use crate::{
     progress::ProgressDisplay,
     signals::StopFlag,
 };
-use sphorge::engine::{EngineKind, Model};
+use sphorge::engine::EngineKind;
 use std::{path::Path, sync::Arc};
 
 /// What this process is among the ranks of a run: the only one.
@@ -36,10 +36,6 @@ impl Role {
 
     pub(crate) fn engines(&self, alone: Vec<Arc<dyn EngineKind>>) -> Vec<Arc<dyn EngineKind>> {
         alone
-    }
-
-    pub(crate) fn check(&self, _: &Model) -> Result<(), Failure> {
-        Ok(())
     }
 
     pub(crate) fn launch<S>(&self, setup: S, _: &Path, _: &mut ProgressDisplay, _: &StopFlag) -> Result<S, Ending> {

@@ -2,7 +2,6 @@
 
 use super::RankArguments;
 use crate::{
-    commands::run::failure,
     failure::{Ending, Failure, Outcome},
     memory,
     progress::ProgressDisplay,
@@ -13,9 +12,8 @@ use crate::{
 use miette::{IntoDiagnostic, WrapErr, miette};
 use sphorge::{
     deck::load_text_within,
-    engine::{Cpu, EngineKind, Model},
+    engine::{Cpu, EngineKind},
     output::RunDirectory,
-    run::RunError,
 };
 use sphorge_mpi::{Leader, Processes, follow, ranks_on_this_machine};
 use std::{
@@ -111,15 +109,6 @@ impl Role {
         match self {
             Self::First(leader) => vec![leader.clone()],
             Self::Alone | Self::Launcher(_) => alone,
-        }
-    }
-
-    /// Whether ranks can share a model, where this process is to start them: one of them tells of what they cannot do.
-    pub(crate) fn check(&self, model: &Model) -> Result<(), Failure> {
-        match self {
-            Self::Launcher(_) => sphorge_mpi::supports(model)
-                .map_err(|unsupported| failure(RunError::Unsupported { engine: sphorge_mpi::NAME, unsupported })),
-            Self::Alone | Self::First(_) => Ok(()),
         }
     }
 

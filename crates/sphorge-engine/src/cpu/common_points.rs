@@ -16,7 +16,7 @@ const UNREAD: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct CommonPoints {
     images: Images,
-    /// Scratch: numbers of the points on this rank, particles first, then ghosts.
+    /// Numbers of the points on this rank, particles first, then ghosts.
     numbers: Vec<u32>,
     /// The ghosts among all points, in their order on this rank.
     ghosts: Vec<u32>,
@@ -86,6 +86,11 @@ impl CommonPoints {
     /// Number on this rank of a point that rows name.
     pub(super) fn number(&self, point: u32) -> u32 {
         self.numbers[point as usize]
+    }
+
+    /// Whether a point is one of this rank, its own or a ghost.
+    pub(super) fn is_here(&self, point: u32) -> bool {
+        self.numbers[point as usize] != UNREAD
     }
 
     /// The points that points of this rank, its own and its ghosts, are, by their numbers on it.

@@ -7,7 +7,7 @@
 
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
-use super::domain::Share;
+use super::domain::{Domain, Share};
 use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
@@ -199,10 +199,15 @@ impl BodyContacts {
         self.pushes.resize(blocks, Vec::new());
     }
 
-    /// Whether particle `i` has `j` for a neighbour in another body.
-    pub(super) fn has_pair(&self, i: usize, j: u32) -> bool {
+    /// Whether particle `i` of this rank has a point, of all ranks where there are others, for a neighbour in another body.
+    pub(super) fn has_pair(&self, i: usize, point: u32, domain: Option<&Domain>) -> bool {
+        let of_all = |j: u32| match (domain, &self.search) {
+            (None, _) => j,
+            (Some(domain), None) => domain.point(j),
+            (Some(domain), Some(search)) => search.point(domain, j),
+        };
         let mut rows = self.foreign.blocks()[i / BLOCK].rows();
-        rows.any(|(own, row)| own == i && row.contains(&j))
+        rows.any(|(own, row)| own == i && row.iter().any(|&j| of_all(j) == point))
     }
 
     /// Takes the pairs of different bodies out of a list that was just rebuilt.

@@ -13,7 +13,7 @@ use crate::engine::{Engine, Part, TimeStepLimit};
 use crate::halo::{Images, Remote};
 use crate::lanes::PairScalar;
 use crate::model::{Model, Precision};
-use crate::neighbors::{BLOCK, DisplacementBound, Reach, range_of};
+use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, range_of};
 use crate::particles::{COLUMNS, Column, Particles};
 use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Communicator, Ranks};
@@ -36,13 +36,16 @@ pub(super) struct Share {
 pub(super) struct Domain {
     pub(super) share: Share,
     points: CommonPoints,
+    /// Smoothing lengths of all points, m, where searches of some particles know them.
+    smoothing_length: Vec<f64>,
     /// Most work of a rank over the mean of all, in counted pairs of the last step.
     pub(super) imbalance: f64,
 }
 
 impl Domain {
     fn new(share: Share, model: &Model) -> Self {
-        Self { share, points: CommonPoints::new(Images::new(model)), imbalance: 1.0 }
+        let points = CommonPoints::new(Images::new(model));
+        Self { share, points, smoothing_length: Vec::new(), imbalance: 1.0 }
     }
 
     /// Adds up the pairs of all ranks, and notes how unlike their works are.
@@ -60,7 +63,81 @@ impl Domain {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.points.bytes()
+        self.points.bytes() + 8 * self.smoothing_length.capacity()
+    }
+
+    /// Positions, m, of the particles of all ranks and their images; makes [`Self::smoothing_lengths`] known.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn gather_points(&mut self, particles: &Particles) -> Result<Vec<Vector<f64>>, RunFailure> {
+        let mut points = self.gather(&particles.position)?;
+        self.points.extend(&mut points, |image, x| image.position(&x));
+        if self.smoothing_length.len() != points.len() {
+            self.smoothing_length = self.gather(&particles.smoothing_length)?;
+            self.points.extend(&mut self.smoothing_length, |_, h| h);
+        }
+        Ok(points)
+    }
+
+    /// Smoothing lengths of these points, m, where they are constant.
+    pub(super) fn smoothing_lengths(&self) -> &[f64] {
+        &self.smoothing_length
+    }
+
+    /// Makes the next search of some particles ask for them: particles are others, or in another order.
+    pub(super) fn forget_smoothing_lengths(&mut self) {
+        self.smoothing_length.clear();
+    }
+
+    /// Makes ghosts of what rows name, which number points by their places in the common order, and numbers these as they are on this rank.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn adopt(&mut self, list: &mut NeighborList) -> Result<Remote, RunFailure> {
+        let named = list.blocks().iter().flat_map(|block| block.entries()).copied();
+        let halo = self.points.adopt(&self.share, named)?;
+        for block in list.blocks_mut() {
+            block.entries_mut().iter_mut().for_each(|j| *j = self.points.number(*j));
+        }
+        Ok(halo)
+    }
+
+    /// Positions and smoothing lengths, m, of the particles of all ranks as they are, and of their images.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn gather_present(&self, particles: &Particles) -> Result<(Vec<Vector<f64>>, Vec<f64>), RunFailure> {
+        let (mut points, mut smoothing_length) =
+            (self.gather(&particles.position)?, self.gather(&particles.smoothing_length)?);
+        self.points.extend(&mut points, |image, x| image.position(&x));
+        self.points.extend(&mut smoothing_length, |_, h| h);
+        Ok((points, smoothing_length))
+    }
+
+    /// Ghosts for what reads other points than rows of the lists do, and how these are numbered.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn also_here(&self, named: impl Iterator<Item = u32>) -> Result<(CommonPoints, Remote), RunFailure> {
+        let mut points = self.points.clone();
+        let halo = points.adopt(&self.share, named)?;
+        Ok((points, halo))
+    }
+
+    /// The point that a particle or ghost of this rank is, by its number.
+    pub(super) fn point(&self, number: u32) -> u32 {
+        self.points.point(self.own(), number)
+    }
+
+    /// Number on this rank of a point that is one of its particles or ghosts.
+    pub(super) fn number(&self, point: u32) -> u32 {
+        self.points.number(point)
+    }
+
+    /// Whether a point is a particle or a ghost of this rank.
+    pub(super) fn is_here(&self, point: u32) -> bool {
+        self.points.is_here(point)
     }
 
     /// Points that are searched: particles of all ranks and their images.
@@ -305,12 +382,8 @@ impl<T: PairScalar> CpuEngine<T> {
         domain.points.extend(&mut smoothing_length, |_, h| h);
         let reach = Reach { smoothing_length: &smoothing_length, factor, range };
         lists.searcher.search_rows(&points, domain.own(), &reach, displacement, self.instructions, &mut lists.list);
-        let named = lists.list.blocks().iter().flat_map(|block| block.entries()).copied();
-        let halo = domain.points.adopt(&domain.share, named)?;
-        for block in lists.list.blocks_mut() {
-            block.entries_mut().iter_mut().for_each(|j| *j = domain.points.number(*j));
-        }
-        self.ghosts.halo = Box::new(halo);
+        self.ghosts.halo = Box::new(domain.adopt(&mut lists.list)?);
+        domain.forget_smoothing_lengths();
         Ok(())
     }
 

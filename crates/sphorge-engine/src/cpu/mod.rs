@@ -259,7 +259,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
         let due = self.audit_is_due();
-        Ok(due.then(|| self.audit_lists()))
+        due.then(|| self.audit_lists()).transpose()
     }
 
     fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {

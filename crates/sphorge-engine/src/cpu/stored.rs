@@ -3,7 +3,7 @@
 
 use crate::lanes::{Lanes, PairScalar};
 use crate::neighbors::{BLOCK, Block, NeighborList, PAD};
-use crate::persist::{Archive, ArchiveError, Persist, persist_all};
+use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none, require};
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 
@@ -35,17 +35,6 @@ impl<T: PairScalar> StoredPairs<T> {
                 stored.rebuild(block, first, points, &searched);
             }
         });
-    }
-
-    /// The first block whose distances are not those of the pairs of a list; for distances that were loaded.
-    pub(super) fn first_unfit(&self, list: &NeighborList) -> Option<usize> {
-        let fits = |stored: &StoredBlock<T>, block: &Block| {
-            stored.starts.len() == block.len() + 1
-                && stored.starts.iter().enumerate().all(|(k, &start)| start as usize == block.start(k))
-                && stored.x.len() == 3 * block.padded_len()
-        };
-        let of_both = |b: usize| self.blocks.get(b).zip(list.blocks().get(b)).is_some_and(|(s, block)| fits(s, block));
-        (0..self.blocks.len().max(list.blocks().len())).find(|&b| !of_both(b))
     }
 
     /// Distances of a block.
@@ -112,19 +101,42 @@ impl<T: PairScalar> StoredBlock<T> {
     }
 }
 
-impl<T: PairScalar> Persist for StoredPairs<T> {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        persist_all(&mut self.blocks, name, archive)
-    }
-}
-
-impl<T: PairScalar> Persist for StoredBlock<T> {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.starts.persist(&format!("{name}.starts"), archive)?;
+impl<T: PairScalar> StoredPairs<T> {
+    /// Saves or loads the distances of the pairs of a list, where they are kept.
+    ///
+    /// # Errors
+    /// See [`ArchiveError`].
+    pub(super) fn persist(
+        kept: &mut Option<Self>,
+        list: &NeighborList,
+        name: &str,
+        archive: &mut dyn Archive,
+    ) -> Result<(), ArchiveError> {
+        let mut is_there = kept.is_some();
+        is_there.persist(&format!("{name}.is_there"), archive)?;
+        if !is_there {
+            *kept = None;
+            return Ok(());
+        }
+        let name = format!("{name}.distances");
+        let blocks = &mut kept.get_or_insert_default().blocks;
         // Single precision widens to double and back without a change.
-        let mut distances: Vec<f64> = self.x.iter().map(|x| x.to_f64()).collect();
-        distances.persist(&format!("{name}.distances"), archive)?;
-        self.x = distances.into_iter().map(T::of).collect();
+        let saved = blocks.iter().flat_map(|block| &block.x).filter(|_| archive.is_saving());
+        let mut distances: Vec<f64> = saved.map(|x| x.to_f64()).collect();
+        let all: usize = list.blocks().iter().map(|block| 3 * block.padded_len()).sum();
+        persist_pieces_or_none(&mut distances, all, &name, archive)?;
+        require(distances.len() == all, &name)?;
+        if archive.is_saving() {
+            return Ok(());
+        }
+        let mut rest = &distances[..];
+        blocks.clear();
+        for block in list.blocks() {
+            let (own, behind) = rest.split_at(3 * block.padded_len());
+            let x = own.iter().copied().map(T::of).collect();
+            blocks.push(StoredBlock { starts: (0..=block.len()).map(|k| block.start(k) as u32).collect(), x });
+            rest = behind;
+        }
         Ok(())
     }
 }

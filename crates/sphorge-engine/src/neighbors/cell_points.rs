@@ -183,8 +183,8 @@ impl CellPoints {
             });
     }
 
-    /// Notes whose rows are rebuilt, and that the coordinates around these points are needed.
-    pub(super) fn note_rebuilt(&mut self, rebuilt: &[u32]) {
+    /// Notes whose rows are rebuilt, and that the coordinates around those of these points that are `wanted` are needed.
+    pub(super) fn note_rebuilt(&mut self, rebuilt: &[u32], wanted: impl Fn(u32) -> bool) {
         // One word more than needed: SIMD vectors may start anywhere.
         self.rebuilt.resize(self.order.len() / 64 + 2, 0);
         self.rebuilt.fill(0);
@@ -196,12 +196,19 @@ impl CellPoints {
             self.rebuilt[k / 64] |= 1 << (k % 64);
             let cell = self.grid.cell_of(i as usize);
             // Points of one cell come one after the other.
-            if last != Some(cell) {
+            if last != Some(cell) && wanted(i) {
                 last = Some(cell);
                 for (first, last) in self.grid.runs_around_cell(cell) {
                     self.want(first..last);
                 }
             }
+        }
+    }
+
+    /// Asks for the coordinates of all points around one.
+    pub(super) fn want_around(&self, i: usize) {
+        for (first, last) in self.grid.runs_around_cell(self.grid.cell_of(i)) {
+            self.want(first..last);
         }
     }
 

@@ -5,7 +5,7 @@
 //! own index: a pair of a particle with itself has zero distance and zero velocity difference, so every antisymmetric or
 //! difference sum ignores it and sweeps need no masks.
 
-use crate::persist::{Archive, ArchiveError, Persist, persist_all};
+use crate::persist::{Archive, ArchiveError, persist_pieces_or_none, require};
 
 /// Rows in a block.
 pub const BLOCK: usize = 128;
@@ -164,6 +164,11 @@ impl Block {
         &mut self.indices[..self.used]
     }
 
+    /// The row of particle `k` with its padding, to be renumbered.
+    pub(crate) fn row_entries_mut(&mut self, k: usize) -> &mut [u32] {
+        &mut self.indices[self.starts[k] as usize..self.starts[k + 1] as usize]
+    }
+
     /// Rows written.
     pub fn len(&self) -> usize {
         self.lengths.len()
@@ -213,11 +218,12 @@ impl Block {
 }
 
 impl NeighborList {
-    /// The first block that is not as a search of `rows` particles among `points` leaves it; for lists that were loaded.
-    pub(crate) fn first_unfit(&self, rows: usize, points: usize) -> Option<usize> {
+    /// The first block that is not as a search of `rows` particles, the first of which has the number `first`, among `points` leaves it; for lists that
+    /// were loaded.
+    pub(crate) fn first_unfit(&self, first: usize, rows: usize, points: usize) -> Option<usize> {
         let blocks = rows.div_ceil(BLOCK);
         let fits = |b: usize| {
-            self.blocks.get(b).is_some_and(|block| block.fits(b * BLOCK, BLOCK.min(rows - b * BLOCK), points))
+            self.blocks.get(b).is_some_and(|block| block.fits(first + b * BLOCK, BLOCK.min(rows - b * BLOCK), points))
         };
         (0..blocks.max(self.blocks.len())).find(|&b| b >= blocks || !fits(b))
     }
@@ -244,20 +250,53 @@ impl Block {
     }
 }
 
-impl Persist for NeighborList {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        persist_all(&mut self.blocks, name, archive)
-    }
-}
-
-impl Persist for Block {
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.starts.persist(&format!("{name}.starts"), archive)?;
-        self.lengths.persist(&format!("{name}.lengths"), archive)?;
-        // What lies behind the rows is room: it holds leftovers of other rows, whose they are is chance.
-        self.indices.truncate(self.used);
-        self.indices.persist(&format!("{name}.indices"), archive)?;
-        self.used = self.indices.len();
+impl NeighborList {
+    /// Saves or loads the rows of `count` particles, or none at all: the room that each row has, its length, and all entries, padding included, as `number`
+    /// says they are to be saved. Those that are loaded are numbered as they were saved.
+    ///
+    /// # Errors
+    /// See [`ArchiveError`].
+    pub(crate) fn persist(
+        &mut self,
+        count: usize,
+        number: impl Fn(u32) -> u32,
+        name: &str,
+        archive: &mut dyn Archive,
+    ) -> Result<(), ArchiveError> {
+        let of = |field: &str| format!("{name}.{field}");
+        let blocks = &self.blocks;
+        let mut rooms: Vec<u32> = blocks.iter().flat_map(|b| b.starts.windows(2).map(|row| row[1] - row[0])).collect();
+        let mut lengths: Vec<u32> = blocks.iter().flat_map(|b| &b.lengths).copied().collect();
+        // What was loaded before and not completed has other numbers.
+        let entries = blocks.iter().flat_map(Block::entries).filter(|_| archive.is_saving());
+        let mut indices: Vec<u32> = entries.map(|&j| number(j)).collect();
+        persist_pieces_or_none(&mut rooms, count, &of("rooms"), archive)?;
+        persist_pieces_or_none(&mut lengths, rooms.len(), &of("lengths"), archive)?;
+        require(lengths.len() == rooms.len(), &of("lengths"))?;
+        let all: usize = rooms.iter().map(|&room| room as usize).sum();
+        persist_pieces_or_none(&mut indices, all, &of("indices"), archive)?;
+        require(indices.len() == all, &of("indices"))?;
+        // Starts of rows are counted in 32 bits.
+        let block_rooms = || rooms.chunks(BLOCK).map(|rooms| rooms.iter().map(|&room| u64::from(room)).sum::<u64>());
+        require(block_rooms().all(|room| room <= u64::from(u32::MAX)), &of("rooms"))?;
+        if archive.is_saving() {
+            return Ok(());
+        }
+        self.resize(rooms.len());
+        let mut rest = &indices[..];
+        for ((block, rooms), lengths) in self.blocks.iter_mut().zip(rooms.chunks(BLOCK)).zip(lengths.chunks(BLOCK)) {
+            block.clear();
+            for room in rooms {
+                block.starts.push(block.starts[block.lengths.len()] + room);
+                block.lengths.push(0);
+            }
+            block.lengths.copy_from_slice(lengths);
+            block.used = block.starts[rooms.len()] as usize;
+            let (own, behind) = rest.split_at(block.used);
+            block.indices.clear();
+            block.indices.extend_from_slice(own);
+            rest = behind;
+        }
         Ok(())
     }
 }

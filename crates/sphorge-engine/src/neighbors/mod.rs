@@ -14,6 +14,7 @@ mod rows;
 mod search;
 
 pub use brute_force::brute_force;
+pub(crate) use brute_force::brute_force_rows;
 pub use cells::CellGrid;
 pub(crate) use cells::{are_places, bounds, is_place};
 pub(crate) use displacement_bound::DisplacementBound;
@@ -22,4 +23,4 @@ pub(crate) use frame::Frame;
 pub use list::{BLOCK, Block, NeighborList, PAD};
 pub use reach::Reach;
 pub(crate) use reach::range_of;
-pub(crate) use search::Searcher;
+pub(crate) use search::{PartialSearch, Searcher};

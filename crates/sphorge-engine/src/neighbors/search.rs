@@ -29,6 +29,48 @@ struct Scratch {
     candidates: Candidates,
 }
 
+/// What a partial search looks at.
+pub(crate) struct PartialSearch<'a> {
+    /// Particles, and behind them ghosts.
+    pub(crate) points: &'a [Vector<f64>],
+    /// Particles that the ghosts are images of. A ghost is rebuilt if its source is.
+    pub(crate) sources: &'a [u32],
+    /// Particles whose rows are in the list, whole blocks that lie one behind the other.
+    pub(crate) rows: std::ops::Range<usize>,
+    pub(crate) reach: Reach<'a>,
+    /// How far the points have moved at most.
+    pub(crate) displacement: DisplacementBound,
+    /// Of each point: [`mark::REBUILD`] for those whose rows are rebuilt, [`mark::KEEP`] for the others; rows to be patched get [`mark::PATCH`].
+    pub(crate) marks: &'a [AtomicU8],
+}
+
+impl PartialSearch<'_> {
+    fn count(&self) -> usize {
+        self.points.len() - self.sources.len()
+    }
+
+    /// Whether the rows of all particles are in the list.
+    fn is_whole(&self) -> bool {
+        self.rows.len() == self.count()
+    }
+
+    /// The particle that a point is or is an image of.
+    fn source(&self, j: u32) -> usize {
+        let ghost = (j as usize).checked_sub(self.count());
+        ghost.map_or(j as usize, |ghost| self.sources[ghost] as usize)
+    }
+
+    fn mark_of(&self, i: usize) -> u8 {
+        self.marks[i].load(Ordering::Relaxed)
+    }
+
+    /// Particles of a block of the list that have a mark.
+    fn rows_of_block(&self, b: usize, mark: u8) -> impl Iterator<Item = usize> {
+        let first = self.rows.start + b * BLOCK;
+        (first..(first + BLOCK).min(self.rows.end)).filter(move |&i| self.mark_of(i) == mark)
+    }
+}
+
 impl Searcher {
     /// Fills `list` with the neighbours of the first `count` of `points`. Rows come in the order of the cells, which depends on
     /// positions alone, never on threads. `displacement` bounds how far the points have moved.
@@ -70,41 +112,45 @@ impl Searcher {
     }
 
     /// Rebuilds the rows of the points `rebuilt`. Where a row gains or loses a neighbour, that neighbour's row is patched, so
-    /// that a symmetric list stays so: a pair is in both rows or in none. A ghost (a point from `count` on, image of
-    /// `source[ghost]`) is in `rebuilt` if its source is. `marks` holds [`mark::REBUILD`] for these points and [`mark::KEEP`] for
-    /// the others; rows to be patched get [`mark::PATCH`]. With `one_sided` nothing is patched.
+    /// that a symmetric list stays so: a pair is in both rows or in none. With `one_sided` nothing is patched.
     pub(crate) fn rebuild_rows(
         &mut self,
-        points: &[Vector<f64>],
-        sources: &[u32],
-        reach: &Reach<'_>,
-        displacement: DisplacementBound,
+        partial: &PartialSearch<'_>,
         instructions: Instructions,
         list: &mut NeighborList,
         rebuilt: &[u32],
-        marks: &[AtomicU8],
         one_sided: bool,
     ) {
-        let count = points.len() - sources.len();
+        self.rebuild_marked(partial, instructions, list, rebuilt, one_sided);
+        if !one_sided {
+            self.patch_marked(partial, instructions, list);
+        }
+    }
+
+    /// The first half of [`Self::rebuild_rows`]: rows are rebuilt, and unless it is `one_sided` those to be patched are marked, be they in the list or not.
+    pub(crate) fn rebuild_marked(
+        &mut self,
+        partial: &PartialSearch<'_>,
+        instructions: Instructions,
+        list: &mut NeighborList,
+        rebuilt: &[u32],
+        one_sided: bool,
+    ) {
+        let &PartialSearch { points, ref reach, displacement, .. } = partial;
         self.prepare_scratch();
         self.points.prepare(points, reach, displacement);
-        self.points.note_rebuilt(rebuilt);
+        self.points.note_rebuilt(rebuilt, |i| partial.is_whole() || partial.rows.contains(&(i as usize)));
         self.points.encode_wanted(points, reach);
-        let mark_of = |i: usize| marks[i].load(Ordering::Relaxed);
-        let source = |j: u32| if (j as usize) < count { j as usize } else { sources[j as usize - count] as usize };
         let patch = |j: u32| {
-            if mark_of(source(j)) == mark::KEEP {
+            let row = partial.source(j);
+            if partial.mark_of(row) == mark::KEEP {
                 // Every thread writes the same value.
-                marks[source(j)].store(mark::PATCH, Ordering::Relaxed);
+                partial.marks[row].store(mark::PATCH, Ordering::Relaxed);
             }
         };
-        let rows = |b: usize, what: u8| {
-            (b * BLOCK..((b + 1) * BLOCK).min(count)).filter(move |&i| marks[i].load(Ordering::Relaxed) == what)
-        };
-
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
-            let mut to_rebuild = rows(b, mark::REBUILD).peekable();
+            let mut to_rebuild = partial.rows_of_block(b, mark::REBUILD).peekable();
             if to_rebuild.peek().is_none() {
                 return;
             }
@@ -119,17 +165,22 @@ impl Searcher {
                 block.set_row(i % BLOCK, i as u32, row.row(0), spare);
             }
         });
-        if one_sided {
-            return;
-        }
+    }
+
+    /// The second half: rows that are marked to be patched are.
+    pub(crate) fn patch_marked(
+        &mut self,
+        partial: &PartialSearch<'_>,
+        instructions: Instructions,
+        list: &mut NeighborList,
+    ) {
         // A former neighbour may be anywhere.
-        (0..list.blocks().len())
-            .into_par_iter()
-            .for_each(|b| rows(b, mark::PATCH).for_each(|i| this.points.want_cell_of(i)));
-        self.points.encode_wanted(points, reach);
+        let want = |i| if partial.is_whole() { self.points.want_cell_of(i) } else { self.points.want_around(i) };
+        (0..list.blocks().len()).into_par_iter().for_each(|b| partial.rows_of_block(b, mark::PATCH).for_each(want));
+        self.points.encode_wanted(partial.points, &partial.reach);
         let this = &*self;
         list.blocks_mut().par_iter_mut().enumerate().for_each(|(b, block)| {
-            let mut to_patch = rows(b, mark::PATCH).peekable();
+            let mut to_patch = partial.rows_of_block(b, mark::PATCH).peekable();
             if to_patch.peek().is_none() {
                 return;
             }
@@ -137,7 +188,7 @@ impl Searcher {
             candidates.clear();
             for i in to_patch {
                 row.clear();
-                for &j in block.row(i % BLOCK).iter().filter(|&&j| mark_of(j as usize) != mark::REBUILD) {
+                for &j in block.row(i % BLOCK).iter().filter(|&&j| partial.mark_of(j as usize) != mark::REBUILD) {
                     row.push(j);
                 }
                 run(instructions, PatchJob { points: &this.points, row: i, candidates, block: row });

@@ -113,7 +113,7 @@ impl GpuEngine {
             smoothing_length: &self.initial.smoothing_length,
         };
         let mut candidates = ContactCandidates::default();
-        candidates.find(&material, &self.lists()?, reach, support);
+        candidates.find(&material, &self.lists()?, reach, support)?;
         let flags: Vec<f32> = (0..count).map(|i| if candidates.is_candidate(i) { 1.0 } else { 0.0 }).collect();
         for (group, numbers) in [(Group::Candidates, &flags), (Group::FoundAt, &place)] {
             let array = self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")))?;

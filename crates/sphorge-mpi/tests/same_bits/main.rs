@@ -1,5 +1,7 @@
 //! A run on ranks writes what a run without them writes, bit by bit.
 
+mod adaptive;
+mod audits;
 mod balance;
 mod contact;
 mod heat;
@@ -36,6 +38,15 @@ fn results(directory: &Path) -> Files {
     files
 }
 
+/// A column of the history by how its name begins; what is empty is no number.
+fn column(files: &Files, name: &str) -> Vec<f64> {
+    let text = String::from_utf8(files["history.csv"].clone()).unwrap();
+    let lines: Vec<Vec<&str>> =
+        text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect();
+    let place = lines[0].iter().position(|column| column.starts_with(name)).unwrap();
+    lines[1..].iter().map(|line| line[place].parse().unwrap_or(f64::NAN)).collect()
+}
+
 /// The files of a run, or how it failed.
 fn try_run(kind: &dyn EngineKind, setup: Setup, threads: usize) -> Result<Files, String> {
     let folder = tempfile::tempdir().unwrap();
@@ -67,8 +78,8 @@ fn led<T>(ranks: usize, threads_each: usize, lead: impl FnOnce(&Leader) -> T) ->
     })
 }
 
-/// Compares a run on each number of ranks with one without ranks.
-fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) {
+/// Compares a run on each number of ranks with one without ranks, whose files it returns.
+fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) -> Files {
     let expected = try_run(&Cpu, setup(deck, changes), 1).unwrap();
     assert!(expected.len() > 2, "{:?}", expected.keys());
     let rows = expected["history.csv"].iter().filter(|&&byte| byte == b'\n').count();
@@ -80,6 +91,7 @@ fn compare(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) {
             assert!(*bytes == expected[name], "`{name}` of `{deck:.60}` on {ranks} ranks differs");
         }
     }
+    expected
 }
 
 #[test]
@@ -203,16 +215,17 @@ fn a_failure_is_that_of_one_rank_whichever_has_the_particle() {
 }
 
 #[test]
-fn what_ranks_do_not_do_is_refused_by_name() {
-    let refused = |deck: &str, changes: &[(&str, &str)]| {
-        try_run_on_ranks(deck, changes, 2, 1).map(|files| files.len()).expect_err(deck)
-    };
-    for (deck, changes, name) in
-        [("bullet", &[("search", "\"adaptive\"")][..], "`search`"), ("taylor-plate", &[("audit", "10")], "`audit`")]
-    {
-        let message = refused(deck, changes);
-        assert!(message.contains(name) && message.contains("does not run this deck"), "{deck}: {message}");
-    }
-    let message = refused("taylor-plate", &[("particles.spacing", "\"2 mm\"")]);
+fn too_few_particles_for_the_ranks_are_refused() {
+    let message = try_run_on_ranks("taylor-plate", &[("particles.spacing", "\"2 mm\"")], 2, 1)
+        .map(|files| files.len())
+        .unwrap_err();
     assert!(message.contains("are too few for 2 ranks") && message.contains("take `--ranks 1`"), "{message}");
+}
+
+#[test]
+fn kernel_values_of_the_start() {
+    let frozen = ("search", "{ total-lagrangian = { form = \"frozen\" } }");
+    let short = [("particles.spacing", "\"0.4 mm\""), ("time.end", "\"6 us\""), ("output.frames", "2"), frozen];
+    compare("taylor-plate", &short, &[1, 2, 3, 4, 7]);
+    compare(symmetry::CORNER, &[frozen], &[3]);
 }

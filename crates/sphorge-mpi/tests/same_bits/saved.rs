@@ -1,5 +1,6 @@
 //! States that are saved: by any number of ranks to be loaded by any other, or by one process without ranks.
 
+use super::adaptive::{COARSE, GUARDED, PUBLISHED};
 use super::contact::CLAMP;
 use super::symmetry::CORNER;
 use super::{IN_THE_INITIAL_CONFIGURATION, led, setup};
@@ -19,7 +20,7 @@ const FAST: [(&str, &str); 4] = [
     ("motion.0.velocity", "[\"free\", \"-600 m/s\"]"),
 ];
 
-const DECKS: [Worked<'static>; 6] = [
+const DECKS: [Worked<'static>; 9] = [
     ("taylor-plate", &[("particles.spacing", "\"0.4 mm\"")], |l| vec![l.viscous_energy, l.artificial_stress_energy]),
     (IN_THE_INITIAL_CONFIGURATION, &[("time.step-control.stretch", "0.5")], |l| {
         vec![l.viscous_energy, l.hourglass_energy]
@@ -37,6 +38,9 @@ const DECKS: [Worked<'static>; 6] = [
         ],
         |l| vec![l.contacts[0].damping_work],
     ),
+    (CORNER, &[GUARDED, ("contact", "\"penalty\"")], |l| vec![l.contacts[0].damping_work]),
+    ("bullet", &[COARSE[0], COARSE[1], PUBLISHED, ("audit", "11")], |l| vec![l.viscous_energy]),
+    (CORNER, &[("search", "{ total-lagrangian = { form = \"frozen\" } }")], |l| vec![l.viscous_energy]),
 ];
 
 /// A state in memory whose values can be seen.

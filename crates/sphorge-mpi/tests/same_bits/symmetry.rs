@@ -105,7 +105,7 @@ fn a_slot_that_closes_on_its_image() {
 }
 
 /// A cell, periodic along both axes, with material of two speeds that goes round.
-const CELL: &str = r#"
+pub(super) const CELL: &str = r#"
 dimensions = "plane-strain"
 method = "updated-lagrangian"
 search = "skin"

@@ -16,7 +16,7 @@ use crate::RunFailure;
 use crate::engine::SearchReport;
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, Search};
-use crate::neighbors::{Reach, mark};
+use crate::neighbors::{PartialSearch, Reach, mark};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -26,18 +26,21 @@ pub(super) const GHOST_MARGIN: f64 = 0.5;
 
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
-        if self.lists.stale || self.ghosts_used_up() {
+        if self.lists.stale || self.ghosts_used_up()? {
             return self.search_all();
         }
         self.follow_frame()?;
         if adaptive.guard.is_some() {
             let reach = self.largest_reach();
             let factor = self.model.numerics.kernel.support();
-            let lists = &mut self.lists;
-            lists.candidates.refresh(&self.particles, &lists.list, lists.displacement, reach, factor);
+            let (domain, lists) = (self.domain.as_ref(), &mut self.lists);
+            lists.candidates.refresh(&self.particles, domain, &lists.list, lists.displacement, reach, factor)?;
         }
-        let marked = self.mark(adaptive);
-        let count = self.particles.len();
+        let own = self.mark(adaptive);
+        let (marked, count) = match &self.domain {
+            None => (own, self.particles.len()),
+            Some(domain) => (domain.ranks.gather_one(own)?.into_iter().sum(), domain.count()),
+        };
         if adaptive.guard.is_some() && marked as f64 > AdaptiveSearch::ALL_ABOVE * count as f64 {
             return self.search_all();
         }
@@ -45,37 +48,46 @@ impl<T: PairScalar> CpuEngine<T> {
         if marked == 0 {
             return Ok(SearchReport { searched_fraction: 0.0 });
         }
-        if self.ghosts.count() > 0 {
-            self.place_points();
-        }
-        let factor = self.reach_factor();
         let one_sided = adaptive.guard.is_none();
-        let (displacement, range) = (self.lists.displacement, self.lists.smoothing_lengths);
-        let super::Lists { list, searcher, points, smoothing_length, marks, to_search, stored, .. } = &mut self.lists;
-        let rows = self.ghosts.halo.sources();
-        // Without ghosts the particles are all there is.
-        let (points, smoothing_length) = if rows.is_empty() {
-            (&self.particles.position, &self.particles.smoothing_length)
+        if self.domain.is_some() {
+            self.search_marked_among_ranks(one_sided)?;
         } else {
-            (&*points, &*smoothing_length)
-        };
-        marks.truncate(count);
-        for (k, &row) in rows.iter().enumerate() {
-            let mark = marks[row as usize].load(Ordering::Relaxed);
-            marks.push(AtomicU8::new(mark));
-            if mark == mark::REBUILD {
-                to_search.push((count + k) as u32);
-            }
+            self.search_marked(one_sided);
         }
-        let reach = Reach { smoothing_length, factor, range };
-        searcher.rebuild_rows(points, rows, &reach, displacement, self.instructions, list, to_search, marks, one_sided);
+        let super::Lists { list, points, marks, stored, .. } = &mut self.lists;
         if let Some(stored) = stored {
-            let searched = |i: usize| marks[i].load(Ordering::Relaxed) == mark::REBUILD;
+            // Without ghosts the particles are all there is.
+            let points = if self.ghosts.count() == 0 { &self.particles.position } else { &*points };
+            let first = self.domain.as_ref().map_or(0, |domain| domain.own().start);
+            let searched = |i: usize| marks[first + i].load(Ordering::Relaxed) == mark::REBUILD;
             stored.rebuild(list, points, searched);
         }
         // Every particle that can touch another body is among contact candidates and was searched: all pairs of bodies are in the rows.
         self.take_contacts();
         Ok(SearchReport { searched_fraction: marked as f64 / count as f64 })
+    }
+
+    /// Makes the rows of the marked particles anew, and patches others.
+    fn search_marked(&mut self, one_sided: bool) {
+        let count = self.particles.len();
+        if self.ghosts.count() > 0 {
+            self.place_points();
+        }
+        let factor = self.reach_factor();
+        let (displacement, range) = (self.lists.displacement, self.lists.smoothing_lengths);
+        let super::Lists { list, searcher, points, smoothing_length, marks, to_search, .. } = &mut self.lists;
+        let sources = self.ghosts.halo.sources();
+        // Without ghosts the particles are all there is.
+        let (points, smoothing_length) = if sources.is_empty() {
+            (&self.particles.position, &self.particles.smoothing_length)
+        } else {
+            (&*points, &*smoothing_length)
+        };
+        marks.truncate(count);
+        mark_images(marks, to_search, sources);
+        let reach = Reach { smoothing_length, factor, range };
+        let partial = PartialSearch { points, sources, rows: 0..count, reach, displacement, marks };
+        searcher.rebuild_rows(&partial, self.instructions, list, to_search, one_sided);
     }
 
     /// Notes a full search for what is measured from it.
@@ -103,14 +115,18 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Whether a particle may have come near a symmetry plane or a periodic end without a ghost.
-    fn ghosts_used_up(&self) -> bool {
+    fn ghosts_used_up(&self) -> Result<bool, RunFailure> {
         let allowed = GHOST_MARGIN * self.largest_reach();
-        !self.ghosts.halo.is_empty()
-            && !self.lists.displacement.is_within(self.lists.displacement_at_search, allowed)
-            && moved_beyond(&self.particles.position, &self.particles.searched_at, allowed)
+        if !self.ghosts.halo.has_images()
+            || self.lists.displacement.is_within(self.lists.displacement_at_search, allowed)
+        {
+            return Ok(false);
+        }
+        let moved = moved_beyond(&self.particles.position, &self.particles.searched_at, allowed);
+        self.domain.as_ref().map_or(Ok(moved), |domain| domain.any(moved))
     }
 
-    /// Marks the particles to be searched, returns how many.
+    /// Marks the particles of this rank to be searched, returns how many.
     fn mark(&mut self, adaptive: AdaptiveSearch) -> usize {
         let count = self.particles.len();
         let super::Lists { marks, to_search, candidates, .. } = &mut self.lists;
@@ -149,5 +165,16 @@ impl<T: PairScalar> CpuEngine<T> {
         let marked = |i: &u32| *marks[*i as usize].get_mut() == mark::REBUILD;
         to_search.extend((0..count as u32).filter(marked));
         to_search.len()
+    }
+}
+
+/// Marks images as what they are images of is marked, and adds them to what is searched; `marks` are those of all particles.
+pub(super) fn mark_images(marks: &mut Vec<AtomicU8>, to_search: &mut Vec<u32>, sources: &[u32]) {
+    for &source in sources {
+        let mark = marks[source as usize].load(Ordering::Relaxed);
+        if mark == mark::REBUILD {
+            to_search.push(marks.len() as u32);
+        }
+        marks.push(AtomicU8::new(mark));
     }
 }

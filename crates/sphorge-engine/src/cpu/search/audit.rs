@@ -1,15 +1,21 @@
 //! What the lists miss: a comparison with an exact full search.
 
 use super::super::CpuEngine;
-use super::super::ghosts::WithGhosts;
+use super::super::common_points::CommonPoints;
+use super::super::domain::Domain;
+use super::super::ghosts::{Ghosts, WithGhosts};
 use super::super::stored::StoredBlock;
 use super::place;
-use crate::Audit;
+use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
-use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, Searcher, brute_force};
+use crate::neighbors::{BLOCK, Block, DisplacementBound, NeighborList, Reach, Searcher, brute_force_rows};
+use crate::particles::Particles;
+use crate::{Audit, RunFailure};
 use rayon::prelude::*;
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::{SymmetricTensor, Vector, tensor::dot};
+use std::borrow::Cow;
+use std::ops::Range;
 
 /// Up to this many points every pair is tested; beyond, a cell search of its own finds the pairs.
 const EVERY_PAIR_UP_TO: usize = 2000;
@@ -27,86 +33,171 @@ struct Sums {
     stale: u64,
 }
 
+/// What is summed over all particles.
+#[derive(Clone, Copy, Default)]
+struct Totals {
+    divergence_error: f64,
+    divergence: f64,
+    force_error: f64,
+    force: f64,
+    scale: f64,
+    momentum: Vector<f64>,
+}
+
+impl Totals {
+    fn add(&mut self, mass: f64, ours: &Sums, theirs: &Sums) {
+        self.divergence_error += (ours.divergence - theirs.divergence).powi(2);
+        self.divergence += theirs.divergence.powi(2);
+        let difference = [0, 1, 2].map(|a| mass * (ours.acceleration[a] - theirs.acceleration[a]));
+        self.force_error += dot(difference, difference);
+        self.force += mass * mass * dot(theirs.acceleration, theirs.acceleration);
+        self.scale += mass * dot(ours.internal, ours.internal).sqrt();
+        for a in 0..3 {
+            self.momentum[a] += mass * ours.internal[a];
+        }
+    }
+
+    fn to_array(self) -> [f64; 8] {
+        let [x, y, z] = self.momentum;
+        [self.divergence_error, self.divergence, self.force_error, self.force, self.scale, x, y, z]
+    }
+
+    fn from_array([divergence_error, divergence, force_error, force, scale, x, y, z]: [f64; 8]) -> Self {
+        Self { divergence_error, divergence, force_error, force, scale, momentum: [x, y, z] }
+    }
+}
+
+/// The points of all ranks, by their places in the common order and images behind them, and the columns of those that rows name.
+struct Sight<'a> {
+    points: &'a [Vector<f64>],
+    reach: Reach<'a>,
+    /// Particles of all ranks.
+    count: usize,
+    /// Place of the first particle of this rank.
+    first: usize,
+    ghosts: &'a Particles,
+    /// Which ghosts these are, where there are other ranks.
+    common: Option<&'a CommonPoints>,
+}
+
+impl Sight<'_> {
+    /// Where columns, with those of the ghosts behind them, have a point.
+    fn number(&self, point: u32) -> usize {
+        self.common.map_or(point, |common| common.number(point)) as usize
+    }
+}
+
 impl<T: PairScalar> CpuEngine<T> {
     /// Compares the lists, at the positions as they are, with an exact search: pairs within the kernel support that are
     /// missing, pairs beyond it, and what both do to density rate and force.
-    pub(in super::super) fn audit_lists(&mut self) -> Audit {
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(in super::super) fn audit_lists(&mut self) -> Result<Audit, RunFailure> {
         // Those of the lists may be older.
         let (mut points, mut smoothing_length) = (Vec::new(), Vec::new());
-        place(&self.particles, &self.ghosts, false, &mut points, &mut smoothing_length);
-        let count = self.particles.len();
-        let factor = self.model.numerics.kernel.support();
-        let lists = &self.lists;
-        let reach = Reach::new(&smoothing_length, factor);
-        let exact = if points.len() <= EVERY_PAIR_UP_TO {
-            brute_force(&points, count, &reach)
-        } else {
-            let mut exact = NeighborList::default();
-            // A hair more than the support: the distance decides below.
-            let reach = Reach { factor: factor * (1.0 + 1e-5), ..reach };
-            Searcher::default().search(
-                &points,
-                count,
-                &reach,
-                DisplacementBound::default(),
-                self.instructions,
-                &mut exact,
-            );
-            exact
+        match &self.domain {
+            None => place(&self.particles, &self.ghosts, false, &mut points, &mut smoothing_length),
+            Some(domain) => (points, smoothing_length) = domain.gather_present(&self.particles)?,
+        }
+        let own = self.domain.as_ref().map_or(0..self.particles.len(), |domain| domain.own());
+        let exact = self.exact_rows(&points, own.clone(), &smoothing_length);
+        let ours = |i: usize| -> Cow<'_, [u32]> {
+            let row = self.lists.list.row(i);
+            let of_all = |domain: &Domain| row.iter().map(|&j| domain.point(j)).collect();
+            self.domain.as_ref().map_or(Cow::Borrowed(row), |domain| Cow::Owned(of_all(domain)))
         };
-        let (ours, theirs): (Vec<Sums>, Vec<Sums>) = (0..count)
+        let on_ranks = match &self.domain {
+            None => None,
+            Some(domain) => {
+                let named = exact.blocks().iter().flat_map(Block::entries).copied();
+                let (common, halo) =
+                    domain.also_here(named.chain((0..own.len()).flat_map(|i| ours(i).into_owned())))?;
+                let mut ghosts = Ghosts::new(Box::new(halo));
+                ghosts.exchange(FieldSet::Search, &self.particles);
+                ghosts.exchange(FieldSet::Audit, &self.particles);
+                domain.ranks.check_lost()?;
+                Some((common, ghosts))
+            }
+        };
+        let sight = Sight {
+            points: &points,
+            reach: Reach::new(&smoothing_length, self.model.numerics.kernel.support()),
+            count: self.domain.as_ref().map_or(own.len(), |domain| domain.count()),
+            first: own.start,
+            ghosts: &on_ranks.as_ref().map_or(&self.ghosts, |(_, ghosts)| ghosts).columns,
+            common: on_ranks.as_ref().map(|(common, _)| common),
+        };
+        let sums: Vec<(Sums, Sums)> = (0..own.len())
             .into_par_iter()
             .map(|i| {
-                let ours = self.audit_row(i, &reach, &points, &lists.list, true, &exact);
-                (ours, self.audit_row(i, &reach, &points, &exact, false, &lists.list))
+                let (ours, theirs) = (ours(i), exact.row(i));
+                (self.audit_row(i, &sight, &ours, true, theirs), self.audit_row(i, &sight, theirs, false, &ours))
             })
-            .unzip();
-
-        let mass = &self.particles.mass;
-        let mut audit = Audit::default();
-        let [mut divergence_error, mut divergence, mut force_error, mut force, mut scale] = [0.0; 5];
-        let mut momentum = [0.0; 3];
-        for (i, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
-            audit.pairs += theirs.pairs;
-            audit.missed_pairs += theirs.missed;
-            audit.missed_foreign_pairs += theirs.missed_foreign;
-            audit.stale_pairs += ours.stale;
-            divergence_error += (ours.divergence - theirs.divergence).powi(2);
-            divergence += theirs.divergence.powi(2);
-            let difference = [0, 1, 2].map(|a| mass[i] * (ours.acceleration[a] - theirs.acceleration[a]));
-            force_error += dot(difference, difference);
-            force += mass[i] * mass[i] * dot(theirs.acceleration, theirs.acceleration);
-            scale += mass[i] * dot(ours.internal, ours.internal).sqrt();
-            for a in 0..3 {
-                momentum[a] += mass[i] * ours.internal[a];
-            }
-        }
-        let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-        audit.density_rate_error = ratio(divergence_error, divergence).sqrt();
-        audit.force_error = ratio(force_error, force).sqrt();
-        audit.momentum_residual = ratio(dot(momentum, momentum).sqrt(), scale);
-        audit
+            .collect();
+        self.sum_audit(&sums)
     }
 
-    /// Sums of particle `i` of the given points over its row in `list`; pairs that `other` lacks are missed there. With `kept`, distances are those
-    /// of the last search where the strategy keeps them.
-    fn audit_row(
-        &self,
-        i: usize,
-        reach: &Reach<'_>,
-        points: &[Vector<f64>],
-        list: &NeighborList,
-        kept: bool,
-        other: &NeighborList,
-    ) -> Sums {
-        let particles = &self.particles;
-        let count = particles.len();
+    /// Rows of some of the points, with all their neighbours.
+    fn exact_rows(&self, points: &[Vector<f64>], rows: Range<usize>, smoothing_length: &[f64]) -> NeighborList {
+        let reach = Reach::new(smoothing_length, self.model.numerics.kernel.support());
+        if points.len() <= EVERY_PAIR_UP_TO {
+            return brute_force_rows(points, rows, &reach);
+        }
+        let mut exact = NeighborList::default();
+        // A hair more than the support: the distance decides later.
+        let reach = Reach { factor: reach.factor * (1.0 + 1e-5), ..reach };
+        let nowhere = DisplacementBound::default();
+        Searcher::default().search_rows(points, rows, &reach, nowhere, self.instructions, &mut exact);
+        exact
+    }
+
+    /// What all ranks make of the sums of their particles over rows of the lists and exact ones.
+    fn sum_audit(&self, sums: &[(Sums, Sums)]) -> Result<Audit, RunFailure> {
+        let mass = &self.particles.mass;
+        let add_all = |totals: &mut [[f64; 8]]| {
+            let mut of_all = Totals::from_array(totals[0]);
+            sums.iter().zip(mass).for_each(|((ours, theirs), &mass)| of_all.add(mass, ours, theirs));
+            totals[0] = of_all.to_array();
+        };
+        let mut totals = [Totals::default().to_array()];
+        let mut counts = [0u64; 4];
+        for (ours, theirs) in sums {
+            let own = [theirs.pairs, theirs.missed, theirs.missed_foreign, ours.stale];
+            counts.iter_mut().zip(own).for_each(|(count, own)| *count += own);
+        }
+        match &self.domain {
+            None => add_all(&mut totals),
+            Some(domain) => {
+                domain.ranks.sum_in_turn(&mut totals, add_all)?;
+                let of_ranks = domain.ranks.gather_one(counts)?;
+                counts = [0, 1, 2, 3].map(|k| of_ranks.iter().map(|counts| counts[k]).sum());
+            }
+        }
+        let [pairs, missed_pairs, missed_foreign_pairs, stale_pairs] = counts;
+        let all = Totals::from_array(totals[0]);
+        let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        Ok(Audit {
+            pairs,
+            missed_pairs,
+            missed_foreign_pairs,
+            stale_pairs,
+            density_rate_error: ratio(all.divergence_error, all.divergence).sqrt(),
+            force_error: ratio(all.force_error, all.force).sqrt(),
+            momentum_residual: ratio(dot(all.momentum, all.momentum).sqrt(), all.scale),
+        })
+    }
+
+    /// Sums of particle `i` of this rank over a row of points; pairs that are not `known` are missed. With `kept`, distances are those of the last search
+    /// where the strategy keeps them.
+    fn audit_row(&self, i: usize, sight: &Sight<'_>, row: &[u32], kept: bool, known: &[u32]) -> Sums {
+        let (particles, points, reach) = (&self.particles, sight.points, &sight.reach);
         let lists = &self.lists;
         let kernel = self.model.numerics.kernel;
         let dimension = super::super::dimension(&self.model);
         let (b, k) = (i / BLOCK, i % BLOCK);
         let stored: Option<&StoredBlock<T>> = lists.stored.as_ref().filter(|_| kept).map(|s| s.block(b));
-        let ghosts = &self.ghosts.columns;
+        let ghosts = sight.ghosts;
         let (deviators, pressures) = (
             WithGhosts::new(&particles.deviator, &ghosts.deviator),
             WithGhosts::new(&particles.pressure, &ghosts.pressure),
@@ -117,26 +208,26 @@ impl<T: PairScalar> CpuEngine<T> {
         let bodies = WithGhosts::new(&particles.body, &ghosts.body);
         let stress = |j: usize| deviators.at(j) - SymmetricTensor::isotropic(pressures.at(j));
         let mut sums = Sums::default();
-        let row_start = list.blocks()[b].start(k);
-        let known = other.row(i);
-        for (n, &j) in list.row(i).iter().enumerate() {
-            let j = j as usize;
-            let now = [0, 1, 2].map(|a| points[i][a] - points[j][a]);
-            let h = pair_smoothing_length(reach.smoothing_length[i], reach.smoothing_length[j]);
+        let place = sight.first + i;
+        for (n, &point) in row.iter().enumerate() {
+            let other = point as usize;
+            let now = [0, 1, 2].map(|a| points[place][a] - points[other][a]);
+            let h = pair_smoothing_length(reach.smoothing_length[place], reach.smoothing_length[other]);
             let inside = dot(now, now).sqrt() < kernel.support() * h;
             sums.stale += u64::from(kept && !inside);
+            let j = sight.number(point);
             if !kept {
                 if !inside {
                     continue;
                 }
                 sums.pairs += 1;
-                let in_contact = || self.contacts.as_ref().is_some_and(|c| c.has_pair(i, j as u32));
-                if !known.contains(&(j as u32)) && !in_contact() {
+                let in_contact = || self.contacts.as_ref().is_some_and(|c| c.has_pair(i, point, self.domain.as_ref()));
+                if !known.contains(&point) && !in_contact() {
                     sums.missed += 1;
                     sums.missed_foreign += u64::from(bodies.at(i) != bodies.at(j));
                 }
             }
-            let x = stored.map_or(now, |s| s.distance(row_start + n));
+            let x = stored.map_or(now, |s| s.distance(lists.list.blocks()[b].start(k) + n));
             let f = -kernel.slope(dimension, dot(x, x).sqrt(), h);
             let volume = masses.at(j) / densities.at(j);
             let (v_i, v_j) = (velocities.at(i), velocities.at(j));
@@ -146,7 +237,7 @@ impl<T: PairScalar> CpuEngine<T> {
             for a in 0..3 {
                 let acceleration = volume / particles.density[i] * f * traction[a];
                 sums.acceleration[a] += acceleration;
-                if j < count {
+                if other < sight.count {
                     sums.internal[a] += acceleration;
                 }
             }

@@ -6,9 +6,12 @@
 //! fragment of its own body, material that came from farther apart than such cells can hold, or free surfaces that face each other, as those
 //! of a slot do before it closes.
 
+use super::super::domain::Domain;
+use super::surroundings::Surroundings;
+use crate::RunFailure;
 use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
 use crate::particles::Particles;
-use crate::persist::{Archive, ArchiveError, Persist};
+use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none};
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,13 +45,6 @@ pub struct SearchedMaterial<'a> {
     pub body: &'a [u32],
     /// Their smoothing lengths, m.
     pub smoothing_length: &'a [f64],
-}
-
-impl<'a> SearchedMaterial<'a> {
-    fn of(particles: &'a Particles) -> Self {
-        let Particles { position, origin, searched_at, body, smoothing_length, .. } = particles;
-        Self { position, origin, searched_at, body, smoothing_length }
-    }
 }
 
 /// Cells, and what is in them.
@@ -98,24 +94,30 @@ impl Content {
 }
 
 impl ContactCandidates {
-    /// Finds who is among contact candidates, if particles have moved far enough since it was last found.
+    /// Finds who is among contact candidates, if particles, of any rank, have moved far enough since it was last found.
     pub(super) fn refresh(
         &mut self,
         particles: &Particles,
+        domain: Option<&Domain>,
         list: &NeighborList,
         displacement: DisplacementBound,
         reach: f64,
         support: f64,
-    ) {
+    ) -> Result<(), RunFailure> {
         let allowed = Self::lasts(reach);
-        if self.sorted_at.len() == particles.len()
-            && (displacement.is_within(self.displacement_at_sort, allowed)
-                || !super::moved_beyond(&particles.position, &self.sorted_at, allowed))
-        {
-            return;
+        if self.sorted_at.len() == particles.len() {
+            if displacement.is_within(self.displacement_at_sort, allowed) {
+                return Ok(());
+            }
+            let moved = super::moved_beyond(&particles.position, &self.sorted_at, allowed);
+            if !domain.map_or(Ok(moved), |domain| domain.any(moved))? {
+                return Ok(());
+            }
         }
-        self.find(&SearchedMaterial::of(particles), list, reach, support);
         self.displacement_at_sort = displacement;
+        let seen = Surroundings::new(particles, domain)?;
+        self.sorted_at.clone_from(&particles.position);
+        self.find_in(&seen, list, reach, support)
     }
 
     /// How far a particle may move, m, before they have to be found again.
@@ -125,25 +127,42 @@ impl ContactCandidates {
 
     /// Finds who is among contact candidates, in lists that know all neighbours of one piece; `reach` is that of the lists, m, `support` that of the
     /// kernel in smoothing lengths.
-    pub fn find(&mut self, particles: &SearchedMaterial<'_>, list: &NeighborList, reach: f64, support: f64) {
-        self.sorted_at.clear();
-        self.sorted_at.extend_from_slice(particles.position);
+    ///
+    /// # Errors
+    /// None: there are no other ranks to lose.
+    pub fn find(
+        &mut self,
+        material: &SearchedMaterial<'_>,
+        list: &NeighborList,
+        reach: f64,
+        support: f64,
+    ) -> Result<(), RunFailure> {
+        self.find_in(&Surroundings::of_one(material), list, reach, support)
+    }
+
+    fn find_in(
+        &mut self,
+        seen: &Surroundings<'_>,
+        list: &NeighborList,
+        reach: f64,
+        support: f64,
+    ) -> Result<(), RunFailure> {
         let size = CELL_WIDTH * reach;
-        self.cells.sort(particles.position, size);
-        self.fragments.find(particles, list, support);
+        self.cells.sort(&seen.position, size);
+        self.fragments.find(seen, list, support)?;
 
         let (cells, fragments) = (&self.cells, &self.fragments.of);
         self.contents.resize(cells.cells(), Content::NOTHING);
         self.contents.par_iter_mut().enumerate().for_each(|(c, content)| {
             *content = Content::NOTHING;
             for &i in cells.members(c) {
-                let (fragment, at) = (fragments[i as usize], particles.searched_at[i as usize]);
+                let (fragment, at) = (fragments[i as usize], seen.searched_at[i as usize]);
                 content.add(&Content { fragments: (fragment, fragment), low: at, high: at });
             }
         });
-        self.find_normals(particles, list, support);
+        self.find_normals(seen, list, support)?;
         // As far apart as particles may be that come within reach before they are sorted again.
-        self.find_faces(particles.position, size);
+        self.find_faces(&seen.position, size);
         let (cells, contents, faces_near) = (&self.cells, &self.contents, &self.faces_near);
         self.candidates_near.resize(cells.cells(), false);
         self.candidates_near.par_iter_mut().enumerate().for_each(|(c, has_candidates)| {
@@ -154,18 +173,21 @@ impl ContactCandidates {
             };
         });
         self.is_candidate.clear();
-        self.is_candidate.extend((0..particles.position.len()).map(|i| self.candidates_near[cells.cell_of(i)]));
+        self.is_candidate.extend(seen.own().map(|i| self.candidates_near[cells.cell_of(i)]));
+        Ok(())
     }
 
     /// Normals of free surfaces: away from the neighbours of the same body, of which those that were farther apart at the start do not
     /// count, so that a slot that has closed still has its surfaces.
-    fn find_normals(&mut self, particles: &SearchedMaterial<'_>, list: &NeighborList, support: f64) {
-        let SearchedMaterial { position, body, smoothing_length, origin, .. } = *particles;
-        self.normals.resize(position.len(), [0.0; 3]);
-        self.normals.par_iter_mut().enumerate().for_each(|(i, normal)| {
+    fn find_normals(&mut self, seen: &Surroundings<'_>, list: &NeighborList, support: f64) -> Result<(), RunFailure> {
+        let Surroundings { position, body, smoothing_length, origin, .. } = seen;
+        let own = seen.own();
+        self.normals.resize(own.len(), [0.0; 3]);
+        self.normals.par_iter_mut().enumerate().for_each(|(k, normal)| {
             let (mut sum, mut count) = ([0.0; 3], 0.0);
-            for &j in list.row(i) {
-                let j = j as usize;
+            let i = own.start + k;
+            for &j in list.row(k) {
+                let j = seen.point(j);
                 if j >= position.len() || body[i] != body[j] {
                     continue;
                 }
@@ -182,6 +204,10 @@ impl ContactCandidates {
             let length = dot(sum, sum).sqrt();
             *normal = if length > EXPOSED * count { sum.map(|c| c / length) } else { [0.0; 3] };
         });
+        if let Some(domain) = seen.domain {
+            self.normals = domain.gather(&self.normals)?;
+        }
+        Ok(())
     }
 
     /// Finds for each cell whether free surfaces in the cells around it that are nearer than a distance, m, face each other.
@@ -226,6 +252,8 @@ impl ContactCandidates {
     /// Makes the next [`Self::refresh`] search again.
     pub(super) fn forget(&mut self) {
         self.sorted_at.clear();
+        // Of other particles, and as many as this rank had then.
+        self.is_candidate.clear();
     }
 
     /// Whether what was loaded is of `count` particles.
@@ -263,13 +291,13 @@ struct Fragments {
 impl Fragments {
     /// Joins particles of one body that are in the list, within the kernel support of each other, and were not much farther apart at
     /// the start: fragments that meet stay fragments.
-    fn find(&mut self, particles: &SearchedMaterial<'_>, list: &NeighborList, support: f64) {
+    fn find(&mut self, seen: &Surroundings<'_>, list: &NeighborList, support: f64) -> Result<(), RunFailure> {
+        let Surroundings { position, body, smoothing_length, origin, .. } = seen;
         self.of.clear();
-        let SearchedMaterial { position, body, smoothing_length, origin, .. } = *particles;
         self.of.extend(0..position.len() as u32);
-        for i in 0..position.len() {
-            for &j in list.row(i) {
-                let j = j as usize;
+        for (k, i) in seen.own().enumerate() {
+            for &j in list.row(k) {
+                let j = seen.point(j);
                 // Those already joined, as most are, need no second look.
                 if j < i && self.of[i] != self.of[j] && body[i] == body[j] {
                     let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
@@ -281,9 +309,27 @@ impl Fragments {
                 }
             }
         }
+        self.join_among_ranks(seen.domain)?;
         for i in 0..self.of.len() as u32 {
             self.of[i as usize] = self.root(i);
         }
+        Ok(())
+    }
+
+    /// Joins what the rows of other ranks hold together: fragments span ranks. The smallest index of each does not depend on who has joined what.
+    fn join_among_ranks(&mut self, domain: Option<&Domain>) -> Result<(), RunFailure> {
+        let Some(domain) = domain else { return Ok(()) };
+        let mut own = Vec::new();
+        for i in 0..self.of.len() as u32 {
+            let root = self.root(i);
+            if root != i {
+                own.push([i, root]);
+            }
+        }
+        for [i, root] in domain.ranks.gather_all(&own)? {
+            self.join(i, root);
+        }
+        Ok(())
     }
 
     fn root(&mut self, mut i: u32) -> u32 {
@@ -302,12 +348,13 @@ impl Fragments {
     }
 }
 
-impl Persist for ContactCandidates {
-    /// Cells, fragments and what is in them are found again whenever particles are sorted; who is a candidate holds until then.
-    fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.sorted_at.persist(&format!("{name}.sorted_at"), archive)?;
+impl ContactCandidates {
+    /// Saves or loads what is known of `count` particles. Cells, fragments and what is in them are found again whenever particles are sorted; who is a
+    /// candidate holds until then.
+    pub(super) fn persist(&mut self, count: usize, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        persist_pieces_or_none(&mut self.sorted_at, count, &format!("{name}.sorted_at"), archive)?;
         self.displacement_at_sort.persist(&format!("{name}.displacement_at_sort"), archive)?;
-        self.is_candidate.persist(&format!("{name}.is_candidate"), archive)
+        persist_pieces_or_none(&mut self.is_candidate, count, &format!("{name}.is_candidate"), archive)
     }
 }
 
@@ -336,7 +383,7 @@ mod tests {
         let mut particles = particles.clone();
         particles.searched_at = searched_at.to_vec();
         particles.origin = searched_at.to_vec();
-        candidates.refresh(&particles, &list, DisplacementBound::default(), 1.2, 2.0);
+        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.2, 2.0).unwrap();
         (0..10).map(|i| candidates.is_candidate(i)).collect()
     }
 
@@ -378,7 +425,7 @@ mod tests {
         particles.smoothing_length.fill(0.6);
         let list = brute_force(&points, points.len(), &Reach::new(&particles.smoothing_length, 2.0));
         let mut candidates = ContactCandidates::default();
-        candidates.refresh(&particles, &list, DisplacementBound::default(), 1.6, 2.0);
+        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.6, 2.0).unwrap();
         for (i, [x, y, _]) in points.into_iter().enumerate() {
             let in_slot = x > 35.0 && (y == 4.0 || y == 7.0);
             assert!(!in_slot || candidates.is_candidate(i), "{x} {y}");

@@ -3,7 +3,9 @@
 mod adaptive;
 mod audit;
 mod contact_candidates;
+mod partial_on_ranks;
 mod saved;
+mod surroundings;
 
 use super::CpuEngine;
 use super::domain::Share;

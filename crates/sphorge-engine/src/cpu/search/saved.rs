@@ -11,7 +11,7 @@ use crate::halo::{FieldSet, GhostColumn};
 use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{are_places, is_place};
-use crate::persist::{Archive, ArchiveError, Persist, persist_option, persist_pieces_or_none, require};
+use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none, require};
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether rows are those of the last full search.
@@ -24,6 +24,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let of = |field: &str| format!("{name}.{field}");
         let (count, is_searched_whole) = (self.particles.len(), self.is_searched_whole());
         let Lists { list, stored, searcher, points, smoothing_length, candidates, .. } = &mut self.lists;
+        let domain = self.domain.as_ref();
         if is_searched_whole {
             // Those of ghosts follow.
             points.truncate(count);
@@ -31,11 +32,10 @@ impl<T: PairScalar> CpuEngine<T> {
             persist_pieces_or_none(points, count, &of("points"), archive)?;
             persist_pieces_or_none(smoothing_length, count, &of("smoothing_length"), archive)?;
         } else {
-            list.persist(&of("list"), archive)?;
-            persist_option(stored, &of("stored"), archive)?;
-            points.persist(&of("points"), archive)?;
-            smoothing_length.persist(&of("smoothing_length"), archive)?;
-            candidates.persist(&of("candidates"), archive)?;
+            let number = |j| domain.map_or(j, |domain| domain.point(j));
+            list.persist(count, number, &of("list"), archive)?;
+            StoredPairs::persist(stored, list, &of("stored"), archive)?;
+            candidates.persist(count, &of("candidates"), archive)?;
         }
         searcher.persist(&of("searcher"), archive)?;
         let lists = &mut self.lists;
@@ -77,21 +77,19 @@ impl<T: PairScalar> CpuEngine<T> {
             let named = search.points(count, self.domain.as_deref());
             in_place("foreign", contacts.foreign().first_unfit(count, named))?;
         }
-        let in_list = if self.is_searched_whole() {
+        if self.is_searched_whole() {
             let is_length = |&h: &f64| h > 0.0 && is_place(h);
             require(are_places(points), &format!("{name}.points"))?;
             require(smoothing_length.iter().all(is_length), &format!("{name}.smoothing_length"))?;
             let (smallest, largest) = self.lists.smoothing_lengths_at_search;
             let fits = smallest > 0.0 && is_place(largest) && smallest <= largest;
             require(fits, &format!("{name}.smoothing_lengths_at_search"))?;
-            count
+            require(points.len() == count, &format!("{name}.points"))?;
+            require(smoothing_length.len() == count, &format!("{name}.smoothing_length"))
         } else {
-            in_place("list", list.first_unfit(count, all))?;
-            in_place("stored", stored.as_ref().and_then(|stored: &StoredPairs<T>| stored.first_unfit(list)))?;
-            all
-        };
-        require(points.len() == in_list, &format!("{name}.points"))?;
-        require(smoothing_length.len() == in_list, &format!("{name}.smoothing_length"))
+            let first = self.domain.as_ref().map_or(0, |domain| domain.own().start);
+            in_place("list", list.first_unfit(first, count, all))
+        }
     }
 
     /// Completes a state that was loaded, once all ranks have loaded theirs.
@@ -109,6 +107,13 @@ impl<T: PairScalar> CpuEngine<T> {
             let reach = (self.reach_factor(), self.lists.smoothing_lengths_at_search);
             self.search_common((points, smoothing_length), reach, self.lists.displacement_at_search)?;
         }
+        if !self.is_searched_whole()
+            && !self.lists.stale
+            && let Some(domain) = &mut self.domain
+        {
+            self.ghosts.halo = Box::new(domain.adopt(&mut self.lists.list)?);
+            domain.forget_smoothing_lengths();
+        }
         // Ghosts take what does not change between searches with each search, and the next one may be far.
         self.ghosts.exchange(FieldSet::Search, &self.particles);
         if is_again {
@@ -121,6 +126,8 @@ impl<T: PairScalar> CpuEngine<T> {
                 searcher.search(points, count, &reach, displacement, self.instructions, list);
             }
             self.keep_own_bodies();
+        }
+        if !self.lists.stale {
             self.take_foreign_pairs();
         }
         self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())

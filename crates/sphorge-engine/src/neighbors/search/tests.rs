@@ -57,6 +57,11 @@ fn lost() -> DisplacementBound {
     displacement
 }
 
+/// A partial search of all points, which may be anywhere.
+fn partial<'a>(points: &'a [Vector<f64>], reach: Reach<'a>, marks: &'a [AtomicU8]) -> PartialSearch<'a> {
+    PartialSearch { points, sources: &[], rows: 0..points.len(), reach, displacement: lost(), marks }
+}
+
 fn rebuilt(marks: &[AtomicU8]) -> Vec<u32> {
     (0..marks.len() as u32).filter(|&i| marks[i as usize].load(Ordering::Relaxed) == mark::REBUILD).collect()
 }
@@ -69,7 +74,7 @@ fn a_partial_search_of_all_that_moved_is_a_full_search() {
         let reach = Reach::new(&smoothing, 2.0);
         let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
         searcher.search(&before, 600, &reach, DisplacementBound::default(), instructions, &mut list);
-        searcher.rebuild_rows(&after, &[], &reach, lost(), instructions, &mut list, &rebuilt(&marks), &marks, false);
+        searcher.rebuild_rows(&partial(&after, reach, &marks), instructions, &mut list, &rebuilt(&marks), false);
         list.blocks_mut().iter_mut().for_each(Block::sort_rows);
         let oracle = brute_force(&after, 600, &reach);
         for i in 0..600 {
@@ -89,7 +94,7 @@ fn a_partial_search_of_some_stays_symmetric_and_a_one_sided_one_does_not() {
         let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
         searcher.search(&before, 600, &reach, DisplacementBound::default(), Instructions::best(), &mut list);
         let all = rebuilt(&marks);
-        searcher.rebuild_rows(&after, &[], &reach, lost(), Instructions::best(), &mut list, &all, &marks, one_sided);
+        searcher.rebuild_rows(&partial(&after, reach, &marks), Instructions::best(), &mut list, &all, one_sided);
         let lonely = (0..600)
             .flat_map(|i| list.row(i).iter().map(move |&j| (i, j as usize)))
             .filter(|&(i, j)| !list.row(j).contains(&(i as u32)))

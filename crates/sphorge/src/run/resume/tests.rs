@@ -153,10 +153,10 @@ fn forged_lists_of_an_adaptive_search_are_passed_over() {
     let folder = tempfile::tempdir().unwrap();
     let run = run_with(folder.path(), &[("method", "\"updated-lagrangian\""), ("search", "\"adaptive\"")]);
     let forgeries: [Change<'_>; 2] = [
-        ("state/lists.list.count", Box::new(set_count(MANY)), "lists.list"),
+        ("state/lists.list.rooms", Box::new(set_count(MANY)), "lists.list"),
         // The padding behind a row of two is not the particle itself.
         (
-            "state/lists.list.0.indices",
+            "state/lists.list.indices",
             Box::new(|bytes| bytes[12..16].copy_from_slice(&7u32.to_le_bytes())),
             "lists.list",
         ),

@@ -1,0 +1,100 @@
+//! Searches of some particles, whose neighbours other ranks may have.
+
+use super::symmetry::{CELL, CORNER};
+use super::{Files, column, compare};
+
+/// Searches particles that flow a little or strain a little.
+pub(super) const GUARDED: (&str, &str) =
+    ("search", "{ adaptive = { plastic-strain-threshold = 1e-5, strain-bound = 5e-4 } }");
+
+/// Fraser's rule, with kept distances.
+pub(super) const PUBLISHED: (&str, &str) =
+    ("search", "{ adaptive = { plastic-strain-threshold = 1e-5, guard = \"none\" } }");
+
+/// The bullet and its plate, coarse.
+pub(super) const COARSE: [(&str, &str); 2] = [("particles.spacing", "\"24 mm\""), ("body.1.spacing", "\"12 mm\"")];
+
+/// Rows of the history in which some particles were searched, and not all.
+fn partial_searches(files: &Files) -> usize {
+    // The first row, before any step, has none.
+    column(files, "searched_fraction")[1..].iter().filter(|fraction| (1e-9..0.999).contains(*fraction)).count()
+}
+
+/// Compares runs of a deck of which some steps search some particles.
+fn compare_partial(deck: &str, changes: &[(&str, &str)], ranks: &[usize]) {
+    let partial = partial_searches(&compare(deck, changes, ranks));
+    assert!(partial > 3, "{partial} partial searches of `{deck:.60}` {changes:?}");
+}
+
+#[test]
+fn a_bullet_in_a_plate() {
+    let short = [("time.end", "\"250 us\""), ("output.frames", "2"), ("output.history-interval", "\"5 us\""), GUARDED];
+    compare_partial("bullet", &[&COARSE[..], &short].concat(), &[1, 2, 3, 4, 7]);
+}
+
+/// Three pieces of one elastic body, each of which several ranks have: the first is whole, spins and has a slot, the others meet.
+const PIECES: &str = r#"
+dimensions = "plane-strain"
+method = "updated-lagrangian"
+search = { adaptive = { plastic-strain-threshold = 1e-5 } }
+particles = { spacing = "0.5 mm" }
+numerics = { precision = "double", gradient-correction = "linear" }
+
+[time]
+end = "30 us"
+
+[output]
+frames = 4
+history-interval = "0.3 us"
+
+[material.tough]
+base = "armco-iron"
+strength = "elastic"
+
+[[body]]
+name = "pieces"
+material = "tough"
+shape.union = [
+    { difference = [
+        { box = { min = ["0 mm", "0 mm"], max = ["30 mm", "6 mm"] } },
+        { box = { min = ["20 mm", "2.5 mm"], max = ["31 mm", "3.5 mm"] } },
+    ] },
+    { box = { min = ["0 mm", "10 mm"], max = ["30 mm", "14 mm"] } },
+    { box = { min = ["0 mm", "16.5 mm"], max = ["30 mm", "20 mm"] } },
+]
+velocity-profile = { along = "y", amplitude = ["0 m/s", "60 m/s"], rows = [["0 mm", 0], ["15 mm", 0], ["16 mm", -1], ["20 mm", -1]] }
+
+[[measure]]
+name = "height"
+extent = { body = "pieces", axis = "y" }
+"#;
+
+#[test]
+fn pieces_of_a_body_that_span_ranks() {
+    compare_partial(PIECES, &[], &[2, 3, 4, 7]);
+    let soft = PIECES.replace("armco-iron", "ofhc-copper").replace("strength = \"elastic\"", "");
+    let accumulating = [("search", "{ adaptive = { plastic-strain-threshold = 1e-3, accumulate = true } }")];
+    compare_partial(&soft, &accumulating, &[3]);
+}
+
+#[test]
+fn the_rule_as_published_with_images_of_images() {
+    compare_partial(CORNER, &[PUBLISHED], &[1, 2, 4]);
+}
+
+#[test]
+fn images_and_a_contact_between_bodies() {
+    // So long a corner that its end does not feel the blow.
+    let long = [
+        ("body.0.shape.box.max", "[\"40 mm\", \"4 mm\"]"),
+        ("body.1.shape.box.min", "[\"0 mm\", \"4.4 mm\"]"),
+        ("body.0.velocity", "[\"0 m/s\", \"0 m/s\"]"),
+        ("time.end", "\"8 us\""),
+        ("output.history-interval", "\"0.2 us\""),
+        ("contact", "\"penalty\""),
+    ];
+    compare_partial(CORNER, &[&long[..], &[GUARDED]].concat(), &[2, 3, 4]);
+    let calm =
+        [("body.0.velocity-profile.amplitude", "[\"100 m/s\", \"0 m/s\"]"), ("output.history-interval", "\"0.2 us\"")];
+    compare_partial(CELL, &[&calm[..], &[("search", "\"adaptive\"")]].concat(), &[2, 4]);
+}
