@@ -7,6 +7,7 @@ mod contact;
 mod heat;
 mod saved;
 mod sections;
+mod shipped;
 mod symmetry;
 
 use sphorge::deck::{Setup, load_text};

@@ -1,0 +1,51 @@
+//! Every shipped deck, coarse and for some steps, on ranks and threads.
+
+use super::{setup, try_run, try_run_on_ranks};
+use sphorge::engine::Cpu;
+
+/// Decks with what makes them small, and as large as seven ranks need.
+const COARSE: [(&str, &[(&str, &str)]); 22] = [
+    ("block", &[("particles.spacing", "\"4 mm\"")]),
+    ("bullet", &[("particles.spacing", "\"24 mm\""), ("body.1.spacing", "\"12 mm\"")]),
+    ("convecting-block", &[]),
+    ("copper-bar", &[("particles.spacing", "\"0.635 mm\"")]),
+    ("disc-on-plate", &[]),
+    ("elastic-bar", &[]),
+    ("elastic-plastic-piston", &[("particles.spacing", "\"0.04 mm\"")]),
+    ("heat-slab", &[("particles.spacing", "\"0.08 mm\"")]),
+    ("high-shear", &[]),
+    ("homogeneous", &[]),
+    ("iron-plate", &[]),
+    ("oscillating-plate", &[]),
+    ("penetration", &[]),
+    ("plate-impact", &[("particles.spacing", "\"0.06 mm\"")]),
+    ("pulled", &[]),
+    ("rotating-rod", &[("particles.spacing", "\"1.25 mm\"")]),
+    ("rubber-rings", &[("particles.spacing", "\"1.5 mm\"")]),
+    ("taylor-bar", &[("particles.spacing", "\"1 mm\"")]),
+    ("taylor-bar-42crmo4", &[("particles.spacing", "\"0.6 mm\"")]),
+    ("taylor-plate", &[]),
+    ("tensile", &[("particles.spacing", "\"12 mm\"")]),
+    ("two-materials", &[("particles.spacing", "\"0.15 mm\"")]),
+];
+
+/// Compares a deck on 1, 2, 3, 4 and 7 ranks of one and of two threads with one process.
+fn compare_for_some_steps(deck: &str, changes: &[(&str, &str)]) {
+    let changes = [changes, &[("time.max-steps", "12")]].concat();
+    let expected = try_run(&Cpu, setup(deck, &changes), 1).unwrap();
+    assert!(expected.len() > 2, "{deck}: {:?}", expected.keys());
+    for ranks in [1, 2, 3, 4, 7] {
+        for threads in [1, 2] {
+            let found = try_run_on_ranks(deck, &changes, ranks, threads).unwrap();
+            assert!(found == expected, "`{deck}` on {ranks} ranks of {threads} threads differs");
+        }
+    }
+}
+
+#[test]
+fn every_shipped_deck_has_the_bits_of_one_process() {
+    let mut names: Vec<&str> = sphorge::decks::DECKS.iter().map(|deck| deck.name).collect();
+    names.sort_unstable();
+    assert!(names.iter().eq(COARSE.iter().map(|(name, _)| name)), "{names:?}");
+    COARSE.iter().for_each(|(deck, changes)| compare_for_some_steps(deck, changes));
+}
