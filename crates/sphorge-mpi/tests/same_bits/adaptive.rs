@@ -98,3 +98,18 @@ fn images_and_a_contact_between_bodies() {
         [("body.0.velocity-profile.amplitude", "[\"100 m/s\", \"0 m/s\"]"), ("output.history-interval", "\"0.2 us\"")];
     compare_partial(CELL, &[&calm[..], &[("search", "\"adaptive\"")]].concat(), &[2, 4]);
 }
+
+#[test]
+fn neighbours_that_are_not_searched_themselves() {
+    // Each particle is searched when it has strained by a few hundredths, its neighbours at other times: their rows, of other ranks and of images, are patched.
+    let at_times = ("search", "{ adaptive = { plastic-strain-threshold = 1.0, strain-bound = 0.05 } }");
+    let often = ("output.history-interval", "\"0.1 us\"");
+    compare_partial(CELL, &[at_times, often], &[2, 3, 5]);
+    let heavy = [
+        ("body.0.velocity", "[\"0 m/s\", \"0 m/s\"]"),
+        ("body.1.material", "\"ofhc-copper\""),
+        ("numerics.mls-interval", "5"),
+        ("output.frame-interval", "\"1 us\""),
+    ];
+    compare_partial(CORNER, &[&heavy[..], &[at_times, often]].concat(), &[2, 3]);
+}
