@@ -113,3 +113,16 @@ fn neighbours_that_are_not_searched_themselves() {
     ];
     compare_partial(CORNER, &[&heavy[..], &[at_times, often]].concat(), &[2, 3]);
 }
+
+#[test]
+fn neighbours_that_were_no_ghosts() {
+    // The upper half of a block slides along the lower one, past the borders of ranks, and is never searched whole.
+    let open = CELL.replace("periodic = { x = [\"0 mm\", \"16 mm\"], y = [\"0 mm\", \"10 mm\"] }", "");
+    let sliding = [
+        ("body.0.velocity-profile.amplitude", "[\"400 m/s\", \"0 m/s\"]"),
+        ("body.0.velocity-profile.rows", "[[\"0 mm\", 0.0], [\"4.2 mm\", 0.0], [\"5.8 mm\", 1.0], [\"10 mm\", 1.0]]"),
+        ("search", "{ adaptive = { plastic-strain-threshold = 1.0, strain-bound = 0.02 } }"),
+        ("output.history-interval", "\"0.1 us\""),
+    ];
+    compare_partial(&open, &sliding, &[2, 3, 5]);
+}

@@ -53,15 +53,17 @@ impl<T: PairScalar> CpuEngine<T> {
         let names_new = (0..own.len())
             .into_par_iter()
             .any(|k| is_made(own.start + k) && list.row(k).iter().any(|&j| !domain.is_here(j)));
-        if domain.any(names_new)? {
+        let are_new = domain.any(names_new)?;
+        if are_new {
             renumber(list, own, |i| !is_made(i), |j| domain.point(j));
             self.ghosts.halo = Box::new(domain.adopt(list)?);
-            self.ghosts.exchange(FieldSet::Search, &self.particles);
         } else {
             renumber(list, own, is_made, |j| domain.number(j));
         }
         if stored.is_some() {
             self.place_points();
+        } else if are_new {
+            self.ghosts.exchange(FieldSet::Search, &self.particles);
         }
         Ok(())
     }
