@@ -91,7 +91,7 @@ words! {
         "frozen" => false, "lists and kernel values of the start in the sums of the other strategies (Fraser, Table 1)";
     }
     MethodWord, "method", Method {
-        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture until a body is stretched sixteenfold; bodies meet walls, each other and themselves in penalty contacts; leapfrog";
+        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture until a body is stretched sixteenfold, fourfold where it is liquid; bodies meet walls, each other and themselves in penalty contacts; leapfrog";
         "updated-lagrangian" => Method::UpdatedLagrangian, "sums over the present neighbours, lists with a skin; bodies meet in kernel sums, walls push by Monaghan & Kos; leapfrog. For debris that meets again";
         "patino" => Method::Patino, "that of Patiño et al.: the present neighbours, searched every step; artificial stress 0.3 with exponent 4, XSPH 0.5, predictor-corrector";
         "fraser" => Method::Fraser, "that of Fraser et al.: the present neighbours, adaptive search with its guard; artificial stress 0.3 with exponent 6, XSPH 0.5, leapfrog";

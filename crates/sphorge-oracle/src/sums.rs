@@ -43,12 +43,25 @@ impl Oracle {
     /// whenever one is stretched or pressed by a factor of two. Whether there was one.
     pub(crate) fn renew(&mut self) -> bool {
         let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else { return false };
-        let too_far = |body: usize, f: &Tensor<f64>| match self.has_come_apart[body] {
-            true => is_stretched(f, 2.0) || smallest_stretch(f) < 0.5,
-            false => is_stretched(f, bound),
-        };
         let body = |i: usize| self.p.body[i] as usize;
-        let due = |b: usize| (0..self.p.len()).any(|i| body(i) == b && too_far(b, &self.deformation[i]));
+        let too_far = |i: usize| {
+            let (f, m) = (&self.deformation[i], &self.model.materials[self.model.bodies[body(i)].material]);
+            if self.has_come_apart[body(i)] {
+                return is_stretched(f, 2.0) || smallest_stretch(f) < 0.5;
+            }
+            // A liquid comes apart at a stretch of four.
+            let (rho, cp, t0) = (self.p.density[i], m.specific_heat, m.reference_temperature);
+            let elastic = heat::elastic_energy(self.p.deviator[i], m.shear_modulus, rho);
+            let stored = (1.0 - m.taylor_quinney) * self.p.plastic_work[i];
+            let of_energy =
+                heat::temperature_from_energy(t0, self.p.energy[i], m.cold_energy(rho), elastic, stored, cp);
+            let is_liquid = match m.flow_law.melting_temperature() {
+                Some(melting) => self.p.temperature[i].max(if m.heats() { of_energy } else { t0 }) >= melting,
+                None => !m.flow_law.has_shear(),
+            };
+            is_stretched(f, if is_liquid { bound.min(4.0) } else { bound })
+        };
+        let due = |b: usize| (0..self.p.len()).any(|i| body(i) == b && too_far(i));
         let due: Vec<bool> = (0..self.has_come_apart.len()).map(due).collect();
         if due.contains(&true) {
             self.wrap();

@@ -5,7 +5,7 @@ use super::prefetch::prefetch_behind;
 use super::records::{extra, force, kinematic};
 use super::stress_columns::{ElasticInputs, PackStress, StressColumns, StressForm};
 use crate::lanes::{Instructions, PairScalar, run};
-use crate::model::{Integrator, Material, Model, TemperatureSource};
+use crate::model::{EnergyState, Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -169,11 +169,9 @@ impl<'a> FlowColumns<'a> {
                 self.temperature[k] += heat::temperature_rise_from_plastic_work(beta, update.plastic_work, density, cp);
             }
             TemperatureSource::Energy => {
-                let (t0, cp) = (material.reference_temperature, material.specific_heat);
-                let cold = material.cold_energy(density);
-                let elastic = heat::elastic_energy(update.deviator, shear_modulus, density);
-                let stored = (1.0 - material.taylor_quinney) * self.plastic_work[k];
-                self.temperature[k] = heat::temperature_from_energy(t0, energy, cold, elastic, stored, cp);
+                let (deviator, plastic_work) = (update.deviator, self.plastic_work[k]);
+                let state = EnergyState { energy, density, deviator, plastic_work };
+                self.temperature[k] = material.temperature_of_energy(&state, shear_modulus);
             }
         }
     }

@@ -1,14 +1,14 @@
 //! Renewal of the reference configuration: what the total Lagrangian form does about material that comes apart.
 //!
 //! Sums over the initial neighbours keep together what was together, and are right for a foot that is pressed flat. Where a body is
-//! stretched beyond a bound it has come apart, and from then on its present configuration takes the place of the reference one again and
+//! stretched beyond a bound, a smaller one where it is liquid, it has come apart, and from then on its present configuration takes the place of the reference one again and
 //! again: positions, volumes and neighbours are those of now, deformation gradients begin at one. State is not touched: stress, density,
 //! energy and plastic strain belong to the particle, and forces stay pairwise. Parts with no neighbours in common are pieces then.
 
 use super::CpuEngine;
 use crate::RunFailure;
 use crate::lanes::PairScalar;
-use crate::model::Formulation;
+use crate::model::{EnergyState, Formulation, Material};
 use crate::neighbors::BLOCK;
 use crate::particles::Owner;
 use rayon::prelude::*;
@@ -21,6 +21,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// anew takes energy.
 const AGAIN: f64 = 2.0;
 
+/// Principal stretch at which a body comes apart where it is liquid, if the bound of the model is not smaller: what bears no shear keeps
+/// its initial neighbours for no reason. With the bound of a solid, 16, the sheets of liquid metal in `penetration` fling their joint out.
+const OF_A_LIQUID: f64 = 4.0;
+
 impl<T: PairScalar> CpuEngine<T> {
     /// Makes the present configuration of the bodies that are deformed too far their reference. The lists are stale then. Returns whether
     /// there was one.
@@ -31,10 +35,21 @@ impl<T: PairScalar> CpuEngine<T> {
         let p = &mut self.particles;
         let has_come_apart = &mut self.has_come_apart;
         let is_due: Vec<AtomicBool> = has_come_apart.iter().map(|_| AtomicBool::new(false)).collect();
-        let columns = (&p.deformation, &p.smallest_stretch, &p.body).into_par_iter();
-        columns.with_min_len(BLOCK).for_each(|(f, smallest, &body)| {
-            let apart = has_come_apart[body as usize];
-            if is_stretched(f, if apart { AGAIN } else { bound }) || apart && smallest * AGAIN < 1.0 {
+        let materials: Vec<&Material> = self.model.bodies.iter().map(|b| &self.model.materials[b.material]).collect();
+        let solid = (&p.deformation, &p.smallest_stretch, &p.body);
+        let liquid = (&p.temperature, &p.energy, &p.density, &p.deviator, &p.plastic_work);
+        let columns = (solid.into_par_iter(), liquid.into_par_iter()).into_par_iter();
+        columns.with_min_len(BLOCK).for_each(|((f, smallest, &body), liquid)| {
+            let is_liquid = || {
+                let (&temperature, &energy, &density, &deviator, &plastic_work) = liquid;
+                let state = EnergyState { energy, density, deviator, plastic_work };
+                materials[body as usize].is_liquid(temperature, &state)
+            };
+            let too_far = match has_come_apart[body as usize] {
+                true => is_stretched(f, AGAIN) || smallest * AGAIN < 1.0,
+                false => is_stretched(f, bound) || bound > OF_A_LIQUID && is_stretched(f, OF_A_LIQUID) && is_liquid(),
+            };
+            if too_far {
                 is_due[body as usize].store(true, Ordering::Relaxed);
             }
         });

@@ -3,8 +3,9 @@
 use sphorge_physics::conduction::effusivity;
 use sphorge_physics::eos::{BoundedPressure, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
+use sphorge_physics::heat::{elastic_energy, temperature_from_energy};
 use sphorge_physics::total_lagrangian::young_modulus;
-use sphorge_physics::{Real, return_mapping::ReturnRule};
+use sphorge_physics::{Real, SymmetricTensor, return_mapping::ReturnRule};
 
 /// A material, all constants in SI.
 #[derive(Clone, Debug)]
@@ -34,6 +35,19 @@ pub struct Material {
     pub spall_pressure: f64,
     /// Temperature at which the internal energy is zero, and at which bodies start unless they say otherwise, K.
     pub reference_temperature: f64,
+}
+
+/// What the temperature of an internal energy depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyState {
+    /// Specific internal energy without the work of forces that are no stress of the material, J/kg.
+    pub energy: f64,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Deviatoric stress, Pa.
+    pub deviator: SymmetricTensor<f64>,
+    /// Plastic work so far, J/kg.
+    pub plastic_work: f64,
 }
 
 /// Specific heat of a material that gives none: plastic work and energy do not change its temperature.
@@ -81,6 +95,24 @@ impl Material {
         self.bounded_pressure().cold_energy(density, self.reference_temperature, self.specific_heat)
     }
 
+    /// Temperature of the internal energy in a state, K, with the energy of shape change of a shear modulus (Pa).
+    pub fn temperature_of_energy(&self, state: &EnergyState, shear_modulus: f64) -> f64 {
+        let EnergyState { energy, density, deviator, plastic_work } = *state;
+        let cold = self.cold_energy(density);
+        let elastic = elastic_energy(deviator, shear_modulus, density);
+        let stored = (1.0 - self.taylor_quinney) * plastic_work;
+        temperature_from_energy(self.reference_temperature, energy, cold, elastic, stored, self.specific_heat)
+    }
+
+    /// Whether a particle bears no shear: its material never does, or has melted at the temperature (K) it has or at that of its energy. A
+    /// temperature from plastic work does not know what a shock heats, the energy does.
+    pub fn is_liquid(&self, temperature: f64, state: &EnergyState) -> bool {
+        let Some(melting) = self.flow_law.melting_temperature() else {
+            return !self.flow_law.has_shear();
+        };
+        temperature >= melting || self.heats() && self.temperature_of_energy(state, self.shear_modulus) >= melting
+    }
+
     /// Young's modulus at rest, Pa.
     pub fn young_modulus(&self) -> f64 {
         let c = self.equation_of_state.pressure(self.density, 0.0).sound_speed;
@@ -93,23 +125,45 @@ mod tests {
     use super::*;
     use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS};
 
-    #[test]
-    fn the_flow_law_sees_compression_against_the_density_at_rest() {
-        let law = |key: &str| FLOW_LAWS.iter().find(|entry| entry.key == key).unwrap();
-        let material = Material {
+    fn material(flow_law: &str, constants: &[f64], specific_heat: f64) -> Material {
+        let law = FLOW_LAWS.iter().find(|entry| entry.key == flow_law).unwrap();
+        Material {
             name: String::new(),
             reference: String::new(),
             density: 8000.0,
             shear_modulus: 80e9,
             equation_of_state: (EQUATIONS_OF_STATE[0].build)(&[8000.0, 4000.0]),
-            flow_law: (law("elastic").build)(&[]),
+            flow_law: (law.build)(constants),
             return_rule: ReturnRule::RadialReturn,
-            specific_heat: NO_HEATING,
+            specific_heat,
             conductivity: 0.0,
             taylor_quinney: 0.9,
             spall_pressure: f64::INFINITY,
             reference_temperature: 293.15,
-        };
+        }
+    }
+
+    #[test]
+    fn a_metal_is_liquid_at_its_melting_temperature_or_with_the_energy_of_it() {
+        // Melts at 1000 K; 400 J/(kg K). Constants in the order of the law: A, B, n, C, m, reference rate, T_0, T_m.
+        let metal = material("johnson-cook", &[3e8, 4e8, 0.3, 0.01, 1.0, 1.0, 293.15, 1000.0], 400.0);
+        let shear = |tau: f64| SymmetricTensor { xy: tau, ..SymmetricTensor::zero() };
+        let state = |energy: f64| EnergyState { energy, density: 8000.0, deviator: shear(4e8), plastic_work: 50e3 };
+        assert!(!metal.is_liquid(999.9, &state(0.0)) && metal.is_liquid(1000.0, &state(0.0)));
+        // 400 (1000 - 293.15) + 0.1 50e3 + 4e8^2/(2 80e9 8000) = 282 740 + 5000 + 125 J/kg.
+        assert!((metal.temperature_of_energy(&state(287_865.0), 80e9) - 1000.0).abs() < 1e-9);
+        assert!(!metal.is_liquid(300.0, &state(287_864.0)) && metal.is_liquid(300.0, &state(287_866.0)));
+        // Without a specific heat energy says nothing of temperature.
+        let cold = Material { specific_heat: NO_HEATING, ..metal };
+        assert!(!cold.is_liquid(300.0, &state(1e9)) && cold.is_liquid(1000.0, &state(0.0)));
+        // What never melts is liquid if it bears no shear.
+        assert!(!material("elastic", &[], 400.0).is_liquid(1e4, &state(1e9)));
+        assert!(material("none", &[], 400.0).is_liquid(300.0, &state(0.0)));
+    }
+
+    #[test]
+    fn the_flow_law_sees_compression_against_the_density_at_rest() {
+        let material = material("elastic", &[], NO_HEATING);
         for (strain, temperature, density, pressure, compression) in
             [(0.2, 400.0, 8800.0, 1.28e10, 1.1), (0.0, 300.0, 7200.0, -1.28e10, 0.9)]
         {

@@ -22,7 +22,7 @@ pub use body::{
 pub use boundary::{MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface};
 pub use contact::BodyContact;
 pub use dimensions::Dimensions;
-pub use material::{Material, NO_HEATING};
+pub use material::{EnergyState, Material, NO_HEATING};
 pub use measure::{CloudExtent, CraterEdge, Extremum, Measure, MeasureKind, ParticleSelection, Perforation};
 pub use numerics::{
     AdaptiveSearch, ArtificialStress, Formulation, GradientCorrection, Integrator, Numerics, OutputControl, Precision,

@@ -56,6 +56,8 @@ pub enum ReferenceKind {
     Published,
     /// The finite elements of `reference/finite-elements`, written for these checks alone.
     FiniteElements,
+    /// The grid at rest of `reference/eulerian`, written for these checks alone.
+    Eulerian,
     /// Measured.
     Experiment,
     /// Another run of ours.
@@ -69,6 +71,7 @@ impl ReferenceKind {
             Self::Exact => "exact",
             Self::Published => "published",
             Self::FiniteElements => "our elements",
+            Self::Eulerian => "our grid",
             Self::Experiment => "experiment",
             Self::OtherRun => "ours",
         }

@@ -89,3 +89,25 @@ fn a_strip_comes_apart_where_its_reference_is_renewed_and_does_not_without() {
     println!("kept {kept}, renewed {renewed}");
     assert!(kept > 3e5 && renewed.abs() < 0.1 * kept, "kept {kept}, renewed {renewed}");
 }
+
+#[test]
+fn a_liquid_comes_apart_at_a_stretch_a_solid_bears() {
+    // Sheared too fast for stress to matter: by 4.6 at 11.5 us, a principal stretch of 4.8.
+    let is_renewed = |changes: &[(&str, &str)]| {
+        let rates = ("body.strip.velocity-gradient.rows", r#"[["0 1/s", "400000 1/s"], ["0 1/s", "0 1/s"]]"#);
+        let free = [("motion", "[]"), ("region", "[]"), ("numerics.viscosity", "false"), rates];
+        let mut simulation = simulation(PULLED, &free.iter().chain(changes).copied().collect::<Vec<_>>());
+        // The lists of the start are made anew where the reference is.
+        let mut searches = 0;
+        while simulation.time() < 11.5e-6 {
+            searches += u32::from(simulation.step(Some(11.5e-6)).unwrap().searched_fraction > 0.0);
+        }
+        searches > 0
+    };
+    let hot = ("body.strip.temperature", "1400 K");
+    let fluid = ("material.ofhc-copper.strength", "none");
+    assert!(!is_renewed(&[]), "a solid");
+    assert!(is_renewed(&[hot]), "a melt");
+    assert!(is_renewed(&[fluid]), "a fluid");
+    assert!(!is_renewed(&[hot, ("search", "{ total-lagrangian = { renewal = 0 } }")]), "never");
+}

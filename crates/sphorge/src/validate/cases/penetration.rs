@@ -11,10 +11,15 @@ use super::super::{
 const SPACING: &str = "spacing";
 const CHOICES: &str = "choices";
 const DEFAULT: &str = "default method";
+const FLUID: &str = "default method, no strength";
 
 /// Diameter of the crater in m and length over width of the cloud of three codes (Patiño et al., Table 6).
 const PUBLISHED: [(&str, f64, f64); 3] =
     [("Patiño et al.", 0.032, 1.388), ("Liu et al.", 0.0335, 1.33), ("Hiermaier et al.", 0.035, 1.11)];
+
+/// Diameter of the crater in m and length over width of the cloud of the metal as a fluid, on a grid at rest of 0.2 mm
+/// (`reference/eulerian/perforation.py`); with 0.4 mm 39.2 mm and 1.252.
+const ON_A_GRID: (f64, f64) = (0.0404, 1.234);
 
 pub(super) const CASE: Case = Case {
     name: "penetration",
@@ -79,6 +84,9 @@ fn variants(effort: Effort) -> Vec<Variant> {
         variants.push(choice("0.4 mm, temperature from plastic work", "numerics.temperature", "plastic-work"));
         variants.push(by_default("0.4 mm"));
         variants.push(by_default("0.2 mm"));
+        let mut fluid = by_default("0.2 mm").set("material.aluminium-patino.strength", "none");
+        fluid.label = format!("0.2 mm, {FLUID}");
+        variants.push(fluid);
     }
     variants
 }
@@ -102,24 +110,40 @@ fn slenderness(run: &Run) -> Option<f64> {
 
 fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING).chain(runs.series(CHOICES)) {
-        let at_the_papers = run.label().starts_with("0.2 mm");
+        let is_fluid = run.label().ends_with(FLUID);
+        let at_the_papers = run.label().starts_with("0.2 mm") && !is_fluid;
         let beside = |finding: Finding, of: fn(&(&str, f64, f64)) -> f64| {
             PUBLISHED.iter().fold(finding, |f, row| f.beside(ReferenceKind::Published, row.0, of(row)))
         };
         let crater = Finding::new("crater diameter", Unit::CENTIMETRE, run.label(), run.measure("crater_diameter"))
             .beside(ReferenceKind::Experiment, "experiment, least", 0.0275)
             .beside(ReferenceKind::Experiment, "experiment, most", 0.0345);
+        let on_a_grid = |finding: Finding, value: f64| {
+            if is_fluid { finding.beside(ReferenceKind::Eulerian, "a fluid on a grid at rest", value) } else { finding }
+        };
+        let crater = on_a_grid(crater, ON_A_GRID.0);
         findings.add(if at_the_papers {
             crater.must(Bounds::InRange, "inside the experiments")
         } else {
             beside(crater, |row| row.1)
         });
         let cloud = Finding::new("length over width of the cloud", Unit::NONE, run.label(), slenderness(run));
-        let cloud = beside(cloud.beside(ReferenceKind::Experiment, "experiment", 1.39), |row| row.2);
-        findings.add(if run.label() == "0.2 mm" {
-            cloud.must(Bounds::Relative(0.137), "1.2 to 1.58: the experiment, and what another measuring rule changes")
-        } else {
-            cloud
+        let cloud = on_a_grid(cloud, ON_A_GRID.1);
+        findings.add(match run.label() {
+            label if label.ends_with(FLUID) => {
+                cloud.must(Bounds::Relative(0.05), "the grid changes by 1.5 % from 0.4 to 0.2 mm, and bears no tension")
+            }
+            label => {
+                let cloud = beside(cloud.beside(ReferenceKind::Experiment, "experiment", 1.39), |row| row.2);
+                match label {
+                    "0.2 mm" => cloud.must(
+                        Bounds::Relative(0.137),
+                        "1.2 to 1.58: the experiment, and what another measuring rule changes",
+                    ),
+                    _ if at_the_papers => cloud.must(Bounds::InRange, "among those that are published"),
+                    _ => cloud,
+                }
+            }
         });
         let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
         let rounding = "pair sums in single precision: some thousand steps of their rounding";
@@ -133,6 +157,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     };
     findings.study(trend("crater diameter", Unit::CENTIMETRE, &|run| run.measure("crater_diameter")));
     findings.study(trend("length over width of the cloud", Unit::NONE, &slenderness));
+    findings.note(
+        "The metal as a fluid that bears no tension has a cloud of 1.23 on a grid at rest (`reference/eulerian`), whose program gives the \
+         exact pressure of a plate impact at this speed; the default method agrees with it. The method of the paper gives what the paper \
+         gives: at 0.4 mm 1.53, of which its artificial stress is 0.13 and XSPH 0.04; what else makes its cloud slender was not traced.",
+    );
     findings.note(
         "Temperatures of single particles in the cloud are not to be trusted: the material has no tensile strength of its own \
          here, and a fragment stretched far below its density at rest has a cold energy that no metal has.",
