@@ -29,23 +29,23 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Run a deck: write fields, history and summary to a folder
     Run(run::RunArguments),
-    /// Go on with a run that was stopped or killed, to the same bits
+    /// Resume a run that was stopped or killed; results are bit-identical to an unbroken run
     Resume(resume::ResumeArguments),
-    /// Say what a deck would do: particles, mass, time step, memory, run time
+    /// Preview a deck's size and cost: particles, mass, time step, memory, run time
     Check(check::CheckArguments),
     /// List the shipped decks, or print one
     Decks(decks::DecksArguments),
     /// List the materials of the catalogue, or print one with its constants and reference
     Materials(materials::MaterialsArguments),
-    /// Draw the particles before and after, and the history curves, of runs
+    /// Plot particles before and after, and history curves, of runs
     Plot(plot::PlotArguments),
-    /// Set runs side by side: time, speed, conservation, measures
+    /// Compare runs side by side: time, speed, conservation, measures
     Compare(compare::CompareArguments),
-    /// Run the cases with known answers and set our numbers beside them
+    /// Run the cases with known answers and compare results with the references
     Validate(validate::ValidateArguments),
     /// List the graphics cards that `--engine gpu` can run on
     Devices(devices::DevicesArguments),
-    /// Measure the speed of this program on this machine
+    /// Benchmark this program on this machine
     Bench(bench::BenchArguments),
     /// Print the JSON schema of decks, for completion in an editor
     Schema,

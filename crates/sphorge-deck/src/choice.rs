@@ -79,7 +79,7 @@ words! {
     SearchWord, "search strategy", Strategy {
         "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
         "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";
-        "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser), and all a guard finds";
+        "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser), and those that the guard adds";
         "total-lagrangian" => Strategy::total(defaults::HOURGLASS, defaults::RENEWAL, true), "none after the start: sums over the initial neighbours, until a body comes apart";
     }
     GuardWord, "guard of the adaptive search", Option<f64> {

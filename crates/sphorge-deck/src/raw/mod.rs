@@ -137,7 +137,7 @@ tables! {
         frame_interval: Option<Given<Time>>, example "1 us", otherwise "end / frames";
         /// Time between rows of `history.csv`. A row is that of the first step past its time: steps are not cut for it.
         history_interval: Option<Given<Time>>, example "0.1 us", otherwise "end / 500";
-        /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: who was searched in the last step.
+        /// Fields to write to frames. An adaptive search adds `adapted` to the usual ones: particles that were searched in the last step.
         fields: Option<Vec<Choice<FieldWord>>>, example ["velocity", "plastic_strain"], otherwise "the usual ones";
         /// How values of frames are compressed.
         compression: Option<Choice<CompressionWord>>, example "none", default "zlib";

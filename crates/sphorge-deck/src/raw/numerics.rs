@@ -69,7 +69,7 @@ tables! {
     RawSearch {
         /// Neighbour lists with a skin, renewed when two particles may have closed in by it.
         skin: Option<RawSkin>;
-        /// Particles whose plastic strain grows are searched again (Fraser), and all a guard finds.
+        /// Particles whose plastic strain grows are searched again (Fraser), and those that the guard adds.
         adaptive: Option<RawAdaptive>;
         /// No search after the start: sums over the initial neighbours.
         total_lagrangian: Option<RawTotalLagrangian>;

@@ -179,7 +179,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let audit = run.summary().and_then(|s| s.audit);
         let number = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
         let missed = number("missed pairs of different bodies", audit.map(|a| a.missed_foreign_pairs as f64));
-        findings.add(missed.must(Bounds::AtMost(0.0), "every stranger is searched for in every step"));
+        findings.add(missed.must(Bounds::AtMost(0.0), "foreign particles are searched for in every step"));
         let momentum = number("residual of momentum", audit.map(|a| a.momentum_residual));
         findings.add(momentum.must(Bounds::AtMost(1e-13), "both rows of a pair or none: rounding"));
     }
