@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks with VTK, which ParaView is built on, that the frames of a run open and hold what the run says.
 
-usage: check_vtk.py RUN_DIRECTORY...        needs: pip install vtk
+usage: check_vtk.py RUN_DIRECTORY...                needs: pip install vtk
+       check_vtk.py --same RUN_DIRECTORY...         the runs hold the same particles and values, in whatever order and files
 """
 
 import csv
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkDataArray
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPPolyDataReader
 
 import numpy
 
@@ -34,7 +35,7 @@ def require(condition, complaint):
 def read(path):
     """The polydata of a frame; a warning of VTK is an error here."""
     complaints = []
-    reader = vtkXMLPolyDataReader()
+    reader = vtkXMLPPolyDataReader() if path.suffix == ".pvtp" else vtkXMLPolyDataReader()
     for event in ("ErrorEvent", "WarningEvent"):
         reader.AddObserver(event, lambda caller, name: complaints.append(name))
     require(reader.CanReadFile(str(path)), f"{path}: VTK does not take it for polydata")
@@ -117,11 +118,51 @@ def check_history(run, summary):
     return len(rows)
 
 
-def check(run):
-    summary = json.loads((run / "summary.json").read_text())
+def frames_of(run):
+    """Times and files of the frames, as the collection lists them."""
     series = ElementTree.parse(run / "fields.pvd").getroot()
     require(series.get("type") == "Collection", "fields.pvd: not a collection")
-    entries = [(float(entry.get("timestep")), entry.get("file")) for entry in series.iter("DataSet")]
+    return [(float(entry.get("timestep")), entry.get("file")) for entry in series.iter("DataSet")]
+
+
+def files_of(run, frame):
+    """A frame and the pieces it names, if it does."""
+    if not frame.endswith(".pvtp"):
+        return {frame}
+    folder = Path(frame).parent
+    pieces = ElementTree.parse(run / frame).getroot().iter("Piece")
+    return {frame} | {str(folder / piece.get("Source")) for piece in pieces}
+
+
+def by_id(run, file):
+    """Every array of a frame, in the order of the particles' id."""
+    frame = read(run / file)
+    fields = frame.GetPointData()
+    arrays = {fields.GetArray(k).GetName(): vtk_to_numpy(fields.GetArray(k)) for k in range(fields.GetNumberOfArrays())}
+    arrays["Points"] = vtk_to_numpy(frame.GetPoints().GetData())
+    order = numpy.argsort(arrays["id"])
+    require((arrays["id"][order] == numpy.arange(len(order))).all(), f"{run / file}: not each particle once")
+    return {name: values[order] for name, values in arrays.items()}
+
+
+def check_same(runs):
+    first, *others = runs
+    expected = frames_of(first)
+    for run in others:
+        frames = frames_of(run)
+        require([time for time, _ in frames] == [time for time, _ in expected], f"{run}: frames at other times")
+        for (_, file), (_, of_first) in zip(frames, expected):
+            found, wanted = by_id(run, file), by_id(first, of_first)
+            require(found.keys() == wanted.keys(), f"{run / file}: other fields")
+            for name, values in found.items():
+                require(values.tobytes() == wanted[name].tobytes(), f"{run / file}: another {name}")
+        pieces = max(len(files_of(run, file)) - 1 for _, file in frames)
+        print(f"{run}: {len(frames)} frames, {pieces} pieces, hold what those of {first} do")
+
+
+def check(run):
+    summary = json.loads((run / "summary.json").read_text())
+    entries = frames_of(run)
     require(entries, "fields.pvd: no frame")
     require(all(a < b for (a, _), (b, _) in zip(entries, entries[1:])), "fields.pvd: times do not grow")
     require(entries[0][0] == 0.0, "fields.pvd: the first frame is not at time zero")
@@ -129,8 +170,8 @@ def check(run):
         summary["status"] == "failed" or entries[-1][0] == summary["simulated_time"],
         "fields.pvd: the last frame is not at the end",
     )
-    listed = {file for _, file in entries}
-    present = {f"fields/{path.name}" for path in (run / "fields").glob("*.vtp")}
+    listed = set().union(*(files_of(run, file) for _, file in entries))
+    present = {str(path.relative_to(run)) for path in (run / "fields").rglob("*vtp")}
     require(listed == present, f"fields.pvd lists other files than there are: {sorted(listed ^ present)}")
     bodies = [body["name"] for body in summary["bodies"]]
     names = {tuple(check_frame(run / file, time, summary["particles"], bodies)) for time, file in entries}
@@ -143,6 +184,12 @@ def main():
     runs = [Path(argument) for argument in sys.argv[1:]]
     if not runs:
         sys.exit(__doc__)
+    if str(runs[0]) == "--same":
+        try:
+            check_same(runs[1:])
+        except (Complaint, OSError, KeyError, ValueError, ElementTree.ParseError) as trouble:
+            sys.exit(f"{type(trouble).__name__}: {trouble}")
+        return
     for run in runs:
         try:
             check(run)

@@ -76,6 +76,10 @@ words! {
         "zlib" => true, "by zlib, as every reader of VTK files reads it";
         "none" => false, "values as they are: longer files, for programs that read them without zlib";
     }
+    PiecesWord, "files of a frame", bool {
+        "each-rank" => true, "each rank writes its particles, and a `.pvtp` file that ParaView opens as one names them all";
+        "one" => false, "the first rank gathers all particles and writes one file, that of a process alone";
+    }
     SearchWord, "search strategy", Strategy {
         "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
         "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";

@@ -6,7 +6,7 @@
 
 use crate::halo::FieldSet;
 use crate::persist::{Archive, ArchiveError};
-use crate::reduction::Reduction;
+use crate::reduction::{FieldSource, Reduction};
 use crate::{Audit, Column, Ledger, LimitReason, Model, Particles, RunFailure};
 use std::sync::Arc;
 
@@ -50,6 +50,11 @@ pub trait EngineKind: Send + Sync + std::fmt::Debug {
     /// What it cannot do.
     fn supports(&self, model: &Model) -> Result<(), Unsupported>;
 
+    /// Processes that share what is started.
+    fn ranks(&self) -> usize {
+        1
+    }
+
     /// Takes note of the deck, with its name, that what is started next is of; for engines whose other processes read it themselves.
     fn take_deck(&self, name: &str, deck: &str) {
         let _ = (name, deck);
@@ -92,6 +97,24 @@ pub trait Part: Engine {
     fn complete(&mut self) -> Result<(), RunFailure>;
     /// Particles of all ranks; [`Engine::count`] are those of this one.
     fn total(&self) -> usize;
+    /// The particles of this rank, in the order it has them in.
+    fn own(&self) -> &dyn FieldSource;
+}
+
+/// Processes that write together what they share, each its own particles.
+pub trait InPieces {
+    /// Number of the processes.
+    fn pieces(&self) -> usize;
+    /// Has each process write its particles: `request` tells the others what to do, `write` does it for this one, the first. The inner error is
+    /// what one of them could not do.
+    ///
+    /// # Errors
+    /// A process is lost.
+    fn write(
+        &self,
+        request: &str,
+        write: &mut dyn FnMut(&dyn FieldSource) -> Result<(), String>,
+    ) -> Result<Result<(), String>, RunFailure>;
 }
 
 /// The stages of a step, and what can be asked between steps. Every stage can fail: a card can be lost, a rank can die.
@@ -174,6 +197,10 @@ pub trait Engine: Send {
     /// # Errors
     /// As above, or there is no such field.
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure>;
+    /// The processes that share the particles, where each can write its own.
+    fn in_pieces(&self) -> Option<&dyn InPieces> {
+        None
+    }
     /// Saves everything that the steps to come depend on, or loads it into an engine that was started with the same model.
     ///
     /// # Errors

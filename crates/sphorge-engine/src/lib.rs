@@ -23,7 +23,7 @@ mod step;
 
 pub use contact_laws::ContactLaws;
 pub use cpu::{ContactCandidates, Cpu, SearchedMaterial, check_change, start_part};
-pub use engine::{Engine, EngineKind, Part, SearchReport, TimeStepLimit, Unsupported};
+pub use engine::{Engine, EngineKind, InPieces, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use model::Model;
 pub use particles::{Column, Particles};

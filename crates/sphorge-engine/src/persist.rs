@@ -17,6 +17,15 @@ pub enum Split {
     Pieces(usize),
 }
 
+/// Where each rank of a run keeps its own part of an archive.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// In its memory, in place of the part it kept there before.
+    Memory,
+    /// In a file, which these words of the program name to it.
+    Files(String),
+}
+
 /// Named values, to be written or to be read.
 pub trait Archive {
     /// Whether values go into the archive; otherwise they come out of it.
@@ -32,6 +41,10 @@ pub trait Archive {
     fn split(&mut self, split: Split) {
         let _ = split;
     }
+    /// Where other ranks keep their parts of the archive, if this one holds a part alone: that of the first rank.
+    fn parts(&self) -> Option<Parts> {
+        None
+    }
 }
 
 /// Why an archive cannot be loaded.
@@ -46,6 +59,9 @@ pub enum ArchiveError {
     /// The engine keeps its state to itself.
     #[error("{0}")]
     Unsupported(String),
+    /// A rank cannot write its part, or read it.
+    #[error("{0}")]
+    Part(String),
 }
 
 /// State that can be saved and loaded.
@@ -349,12 +365,18 @@ pub fn persist_option<P: Persist + Default>(
 pub struct MemoryArchive {
     values: BTreeMap<String, Vec<u8>>,
     is_loading: bool,
+    is_part: bool,
 }
 
 impl MemoryArchive {
     /// An empty archive to save to.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// An empty archive for what the first rank has; others keep theirs in their own memory, each the last one alone.
+    pub fn in_parts() -> Self {
+        Self { is_part: true, ..Self::default() }
     }
 
     /// The same values, to load from.
@@ -371,12 +393,12 @@ impl MemoryArchive {
 
     /// The same values, to load from as often as is wanted.
     pub fn reader(&self) -> impl Archive + '_ {
-        Reader(&self.values)
+        Reader(self)
     }
 }
 
 /// Reads an archive in memory and leaves it as it is.
-struct Reader<'a>(&'a BTreeMap<String, Vec<u8>>);
+struct Reader<'a>(&'a MemoryArchive);
 
 impl Archive for Reader<'_> {
     fn is_saving(&self) -> bool {
@@ -384,7 +406,10 @@ impl Archive for Reader<'_> {
     }
     fn save(&mut self, _: &str, _: Vec<u8>) {}
     fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
-        self.0.get(name).cloned().ok_or_else(|| ArchiveError::Missing(name.to_owned()))
+        self.0.values.get(name).cloned().ok_or_else(|| ArchiveError::Missing(name.to_owned()))
+    }
+    fn parts(&self) -> Option<Parts> {
+        self.0.parts()
     }
 }
 
@@ -417,6 +442,9 @@ impl Archive for MemoryArchive {
     }
     fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
         self.values.remove(name).ok_or_else(|| ArchiveError::Missing(name.to_owned()))
+    }
+    fn parts(&self) -> Option<Parts> {
+        self.is_part.then_some(Parts::Memory)
     }
 }
 

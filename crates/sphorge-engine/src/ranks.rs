@@ -3,11 +3,14 @@
 //! A [`Communicator`] carries bytes between them. Every call is collective: all ranks make it, in the same order.
 
 mod archive;
+mod files;
 
 pub use archive::SharedArchive;
+pub use files::{Loaded, RankFiles};
 
 use crate::RunFailure;
 use crate::persist::Fixed;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// What carries bytes between ranks. A rank sends nothing to itself.
@@ -173,19 +176,40 @@ impl Ranks {
         Ok(from)
     }
 
-    /// Gives every rank its own of the bytes that the first one has for each.
+    /// Shares bytes of which rank `r` has `lengths[r]`, one behind the other, so that rank `r` has `wanted[r]` of them, as many in all.
     ///
     /// # Errors
     /// See [`Self::exchange`].
-    pub fn scatter_bytes(&self, mut parts: Vec<Vec<u8>>) -> Result<Vec<u8>, RunFailure> {
+    pub fn share_anew(&self, own: &[u8], lengths: &[usize], wanted: &[usize]) -> Result<Vec<u8>, RunFailure> {
         let rank = self.rank();
-        parts.resize(self.size(), Vec::new());
-        let lengths: Vec<usize> = parts.iter().map(Vec::len).collect();
-        let table = decoded::<usize>(&self.broadcast(&encoded(&lengths), self.size() * usize::SIZE)?)?;
-        let own = std::mem::take(&mut parts[rank]);
-        let expected = self.lengths(&vec![table[rank]; self.size()], 1, |r| r == 0);
-        let mut from = self.exchange(&parts, &expected)?;
-        Ok(if rank == 0 { own } else { std::mem::take(&mut from[0]) })
+        let (before, after) = (places(lengths), places(wanted));
+        let common = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start)..a.end.min(b.end);
+        let sent = |to: &Range<usize>| {
+            let Range { start, end } = common(&before[rank], to);
+            let first = before[rank].start;
+            if start < end { own[start - first..end - first].to_vec() } else { Vec::new() }
+        };
+        let mut to: Vec<Vec<u8>> = after.iter().map(|_| Vec::new()).collect();
+        for (other, place) in after.iter().enumerate().filter(|(other, place)| *other != rank && !place.is_empty()) {
+            to[other] = sent(place);
+        }
+        let length =
+            |(other, place): (usize, &Range<usize>)| if other == rank { 0 } else { common(place, &after[rank]).len() };
+        let mut from = self.exchange(&to, &before.iter().enumerate().map(length).collect::<Vec<_>>())?;
+        from[rank] = sent(&after[rank]);
+        Ok(from.concat())
+    }
+
+    /// On all ranks what the first of them that has failed says, if one has.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn first_failure(&self, own: Result<(), String>) -> Result<Result<(), String>, RunFailure> {
+        let Some(failed) = self.gather_one(own.is_err())?.into_iter().position(|failed| failed) else {
+            return Ok(Ok(()));
+        };
+        let told = self.broadcast_from(failed, own.err().unwrap_or_default().as_bytes())?;
+        Ok(Err(format!("rank {failed}: {}", String::from_utf8_lossy(&told))))
     }
 
     /// Sums over all particles in their order, to the bit those of one rank: each rank adds its particles to what those before it have
@@ -248,6 +272,15 @@ impl Ranks {
         }
         Ok(all)
     }
+}
+
+/// Places of pieces that lie one behind the other.
+fn places(lengths: &[usize]) -> Vec<Range<usize>> {
+    let ends = lengths.iter().scan(0, |end, length| {
+        *end += length;
+        Some(*end)
+    });
+    ends.zip(lengths).map(|(end, length)| end - length..end).collect()
 }
 
 fn lost(reason: String) -> RunFailure {

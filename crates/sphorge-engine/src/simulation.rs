@@ -1,6 +1,6 @@
 //! A run in progress: an engine, its clock and the choice of steps.
 
-use crate::engine::{Engine, EngineKind, TimeStepLimit};
+use crate::engine::{Engine, EngineKind, InPieces, TimeStepLimit};
 use crate::model::Model;
 use crate::particles::{Column, FIELDS, History, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count, require};
@@ -179,6 +179,11 @@ impl Simulation {
     /// Processes that share the particles.
     pub fn ranks(&self) -> usize {
         self.engine.ranks()
+    }
+
+    /// The processes that share the particles, where each can write its own.
+    pub fn in_pieces(&self) -> Option<&dyn InPieces> {
+        self.engine.in_pieces()
     }
 
     /// A copy of every field a user can name, in the order of `id`.

@@ -1,45 +1,39 @@
 //! Every rank but the first: does what the first one tells.
 
 use crate::protocol::Command;
-use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
-use sphorge_engine::{Engine, Model, Part, Particles, RunFailure, StageSeconds, advance, start_part};
+use sphorge_engine::persist::{Archive, MemoryArchive, Parts};
+use sphorge_engine::ranks::{Communicator, Loaded, RankFiles, Ranks, SharedArchive};
+use sphorge_engine::{Engine, Model, Part, RunFailure, StageSeconds, advance, start_part};
 use std::sync::Arc;
 
-/// A model and its particles as every rank has them at the start.
-pub type Loaded = (Arc<Model>, Particles);
-
-/// Follows the first rank until it ends, on as many threads, all of the machine if none are given. `load` makes a model and its particles of a
-/// deck, given with its name, that the first rank has found in order.
+/// Follows the first rank until it ends, on as many threads, all of the machine if none are given. `files` reads and writes what this rank has to.
 ///
 /// # Errors
 /// The first rank is lost, or there are no threads.
 pub fn follow(
     communicator: Arc<dyn Communicator>,
     threads: Option<usize>,
-    load: impl Fn(&str, &str) -> Option<Loaded> + Sync,
+    files: &dyn RankFiles,
 ) -> Result<(), RunFailure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     let pool = pool.map_err(|error| RunFailure::of_engine(format!("there are no threads: {error}")))?;
-    pool.install(|| receive_commands(&communicator, &load))
+    pool.install(|| receive_commands(&communicator, files))
 }
 
-fn receive_commands(
-    communicator: &Arc<dyn Communicator>,
-    load: &dyn Fn(&str, &str) -> Option<Loaded>,
-) -> Result<(), RunFailure> {
+fn receive_commands(communicator: &Arc<dyn Communicator>, files: &dyn RankFiles) -> Result<(), RunFailure> {
     let ranks = Ranks::new(communicator.clone());
-    let mut part = None;
+    let mut following = None;
     loop {
         match Command::receive(&ranks)? {
             Command::Start { name, deck } => {
                 // A former part goes before there is another one.
-                drop(part.take());
-                part = start(&ranks, communicator, load(&name, &deck))?;
+                drop(following.take());
+                following = start(&ranks, communicator, files.load(&name, &deck))?;
             }
             Command::End => return Ok(()),
             command => {
-                let Some(part) = part.as_deref_mut() else { continue };
-                execute(&command, part, &ranks)?;
+                let Some(following) = &mut following else { continue };
+                following.execute(command, &ranks, files)?;
             }
         }
     }
@@ -50,50 +44,96 @@ fn start(
     ranks: &Ranks,
     communicator: &Arc<dyn Communicator>,
     loaded: Option<Loaded>,
-) -> Result<Option<Box<dyn Part>>, RunFailure> {
+) -> Result<Option<Following>, RunFailure> {
     let everyone = !ranks.gather_one(loaded.is_some())?.contains(&false);
-    Ok(loaded
-        .filter(|_| everyone)
-        .and_then(|(model, particles)| start_part(model, particles, communicator.clone()).ok()))
+    let Some((model, particles)) = loaded.filter(|_| everyone) else { return Ok(None) };
+    let part = start_part(model.clone(), particles, communicator.clone()).ok();
+    Ok(part.map(|part| Following { model, part, kept: None }))
 }
 
-/// Does what all ranks do. What goes wrong with a step goes wrong on all of them, and the first one tells of it.
-fn execute(command: &Command, part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
-    match command {
-        Command::Start { .. } | Command::End => {}
-        Command::Step(dt) => {
-            let _ = advance(part as &mut dyn Engine, *dt, &mut StageSeconds::default());
+/// What this rank has of a run.
+struct Following {
+    model: Arc<Model>,
+    part: Box<dyn Part>,
+    /// The part of a state that is kept in memory.
+    kept: Option<MemoryArchive>,
+}
+
+impl Following {
+    /// Does what all ranks do. What goes wrong with a step goes wrong on all of them, and the first one tells of it.
+    fn execute(&mut self, command: Command, ranks: &Ranks, files: &dyn RankFiles) -> Result<(), RunFailure> {
+        let part = self.part.as_mut();
+        match command {
+            Command::Start { .. } | Command::End => {}
+            Command::Step(dt) => {
+                let _ = advance(part as &mut dyn Engine, dt, &mut StageSeconds::default());
+            }
+            Command::Ledger => {
+                part.ledger()?;
+            }
+            Command::Collect(field) => {
+                let _ = part.collect(&field);
+            }
+            Command::Section(section) => {
+                part.section_force(section)?;
+            }
+            Command::Write(request) => {
+                let written = files.write(&request, ranks.rank(), &self.model, part.own());
+                let _ = ranks.first_failure(written)?;
+            }
+            Command::Save => {
+                let mut archive = SharedArchive::to_save(ranks, None);
+                // The first rank says what it cannot save.
+                let _ = part.persist(&mut archive);
+                archive.end()?;
+            }
+            Command::SaveParts(parts) => {
+                let saved = self.save_part(parts, ranks, files);
+                let _ = ranks.first_failure(saved)?;
+            }
+            Command::Load => load(part, ranks, None)?,
+            Command::LoadParts(Parts::Memory) => {
+                let is_kept = self.kept.as_ref().map(drop).ok_or_else(|| "no state was kept".to_owned());
+                if ranks.first_failure(is_kept)?.is_ok() {
+                    let mut reader = self.kept.as_ref().map(MemoryArchive::reader);
+                    load(part, ranks, reader.as_mut().map(|reader| reader as &mut dyn Archive))?;
+                }
+            }
+            Command::LoadParts(Parts::Files(request)) => {
+                let opened = files.open(&request, ranks.rank(), ranks.size());
+                let (mut archive, opened) = match opened {
+                    Ok(archive) => (Some(archive), Ok(())),
+                    Err(why) => (None, Err(why)),
+                };
+                if ranks.first_failure(opened)?.is_ok() {
+                    load(part, ranks, archive.as_mut().map(|archive| archive.as_mut() as &mut dyn Archive))?;
+                }
+            }
         }
-        Command::Ledger => {
-            part.ledger()?;
-        }
-        Command::Collect(field) => {
-            let _ = part.collect(field);
-        }
-        Command::Section(section) => {
-            part.section_force(*section)?;
-        }
-        Command::Save => {
-            save(part, ranks)?;
-        }
-        Command::Load => {
-            load(part, ranks)?;
+        Ok(())
+    }
+
+    /// Saves what this rank has of the state.
+    fn save_part(&mut self, parts: Parts, ranks: &Ranks, files: &dyn RankFiles) -> Result<(), String> {
+        let part = self.part.as_mut();
+        let mut save = |archive: &mut dyn Archive| part.persist(&mut SharedArchive::to_save_part(ranks, archive));
+        match parts {
+            Parts::Files(request) => files.save(&request, ranks.rank(), &mut save),
+            Parts::Memory => {
+                // Before there is another one: there may be no room for two.
+                self.kept = None;
+                let mut kept = MemoryArchive::new();
+                save(&mut kept).map_err(|error| error.to_string())?;
+                self.kept = Some(kept);
+                Ok(())
+            }
         }
     }
-    Ok(())
-}
-
-/// Saves what this rank has of the state.
-fn save(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
-    let mut archive = SharedArchive::to_save(ranks, None);
-    // The first rank says what it cannot save.
-    let _ = part.persist(&mut archive);
-    archive.end()
 }
 
 /// Loads its share of the state.
-fn load(part: &mut dyn Part, ranks: &Ranks) -> Result<(), RunFailure> {
-    let mut archive = SharedArchive::to_load(ranks, None);
+fn load<'a>(part: &mut dyn Part, ranks: &'a Ranks, own: Option<&'a mut dyn Archive>) -> Result<(), RunFailure> {
+    let mut archive = SharedArchive::to_load(ranks, own);
     let loaded = part.persist(&mut archive);
     archive.end()?;
     go_on(part, ranks, loaded.is_ok()).map(|_| ())

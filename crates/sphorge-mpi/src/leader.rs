@@ -3,12 +3,12 @@
 use crate::follower::go_on;
 use crate::protocol::Command;
 use sphorge_engine::halo::FieldSet;
-use sphorge_engine::persist::{Archive, ArchiveError, require};
+use sphorge_engine::persist::{Archive, ArchiveError, Parts, require};
 use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{
-    Audit, Column, Cpu, Engine, EngineKind, FieldSource, Ledger, Model, Part, Particles, RunFailure, SearchReport,
-    TimeStepLimit, Unsupported, start_part,
+    Audit, Column, Cpu, Engine, EngineKind, FieldSource, InPieces, Ledger, Model, Part, Particles, RunFailure,
+    SearchReport, TimeStepLimit, Unsupported, start_part,
 };
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -46,6 +46,10 @@ impl EngineKind for Leader {
 
     fn saved_as(&self) -> &'static str {
         Cpu.name()
+    }
+
+    fn ranks(&self) -> usize {
+        self.ranks.size()
     }
 
     /// Ranks share whatever one process runs.
@@ -93,6 +97,9 @@ impl LeadingEngine {
 
     /// Saves the state of all ranks as one process would.
     fn save(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        if let Some(parts) = archive.parts() {
+            return self.save_parts(parts, archive);
+        }
         Command::Save.broadcast(&self.ranks).map_err(lost)?;
         let mut shared = SharedArchive::to_save(&self.ranks, Some(archive));
         let saved = self.part.persist(&mut shared);
@@ -100,10 +107,25 @@ impl LeadingEngine {
         saved
     }
 
+    /// The same, each rank its part.
+    fn save_parts(&mut self, parts: Parts, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        Command::SaveParts(parts).broadcast(&self.ranks).map_err(lost)?;
+        let saved = self.part.persist(&mut SharedArchive::to_save_part(&self.ranks, archive));
+        // Others have an error of their own as well, or none.
+        let of_others = self.ranks.first_failure(Ok(())).map_err(lost)?;
+        saved.and(of_others.map_err(ArchiveError::Part))
+    }
+
     /// Loads a state that any number of ranks, or one process without them, has saved.
     fn load(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.collected.borrow_mut().clear();
-        Command::Load.broadcast(&self.ranks).map_err(lost)?;
+        match archive.parts() {
+            None => Command::Load.broadcast(&self.ranks).map_err(lost)?,
+            Some(parts) => {
+                Command::LoadParts(parts).broadcast(&self.ranks).map_err(lost)?;
+                self.ranks.first_failure(Ok(())).map_err(lost)?.map_err(ArchiveError::Part)?;
+            }
+        }
         let mut shared = SharedArchive::to_load(&self.ranks, Some(archive));
         let loaded = self.part.persist(&mut shared);
         shared.end().map_err(lost)?;
@@ -123,6 +145,20 @@ impl FieldSource for LeadingEngine {
     }
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         self.collect(field)
+    }
+}
+
+impl InPieces for LeadingEngine {
+    fn pieces(&self) -> usize {
+        self.ranks.size()
+    }
+    fn write(
+        &self,
+        request: &str,
+        write: &mut dyn FnMut(&dyn FieldSource) -> Result<(), String>,
+    ) -> Result<Result<(), String>, RunFailure> {
+        Command::Write(request.to_owned()).broadcast(&self.ranks)?;
+        self.ranks.first_failure(write(self.part.own()))
     }
 }
 
@@ -212,6 +248,9 @@ impl Engine for LeadingEngine {
     }
     fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         if archive.is_saving() { self.save(archive) } else { self.load(archive) }
+    }
+    fn in_pieces(&self) -> Option<&dyn InPieces> {
+        (self.ranks.size() > 1).then_some(self)
     }
     /// Of this rank.
     fn memory_bytes(&self) -> u64 {

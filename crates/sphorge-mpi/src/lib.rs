@@ -11,7 +11,7 @@ mod process;
 mod protocol;
 mod threads;
 
-pub use follower::{Loaded, follow};
+pub use follower::follow;
 pub use leader::Leader;
 #[cfg(feature = "mpi")]
 pub use process::{Processes, ranks_on_this_machine};

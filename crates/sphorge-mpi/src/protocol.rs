@@ -1,7 +1,7 @@
 //! What the first rank tells the others to do.
 
 use sphorge_engine::RunFailure;
-use sphorge_engine::persist::Fixed;
+use sphorge_engine::persist::{Fixed, Parts};
 use sphorge_engine::ranks::Ranks;
 
 /// What all ranks do next, together.
@@ -24,8 +24,14 @@ pub(crate) enum Command {
     Section(usize),
     /// Bring the state to the first rank.
     Save,
+    /// Save the state, each its part.
+    SaveParts(Parts),
     /// Take the state back from the first rank.
     Load,
+    /// Load the state from what each has of it.
+    LoadParts(Parts),
+    /// Write the particles, each its own, as these words ask for.
+    Write(String),
     /// There is nothing more to do.
     End,
 }
@@ -46,6 +52,11 @@ impl Command {
             Self::End => (6, 0.0, ["", ""]),
             // Exact: there are not so many.
             Self::Section(section) => (7, *section as f64, ["", ""]),
+            Self::SaveParts(Parts::Memory) => (8, 0.0, ["", ""]),
+            Self::SaveParts(Parts::Files(files)) => (9, 0.0, [files, ""]),
+            Self::LoadParts(Parts::Memory) => (10, 0.0, ["", ""]),
+            Self::LoadParts(Parts::Files(files)) => (11, 0.0, [files, ""]),
+            Self::Write(request) => (12, 0.0, [request, ""]),
         }
     }
 
@@ -59,6 +70,11 @@ impl Command {
             5 => Self::Load,
             6 => Self::End,
             7 => Self::Section(number as usize),
+            8 => Self::SaveParts(Parts::Memory),
+            9 => Self::SaveParts(Parts::Files(first)),
+            10 => Self::LoadParts(Parts::Memory),
+            11 => Self::LoadParts(Parts::Files(first)),
+            12 => Self::Write(first),
             _ => return None,
         })
     }
@@ -106,6 +122,11 @@ mod tests {
             Command::Collect("density".to_owned()),
             Command::Section(3),
             Command::Save,
+            Command::SaveParts(Parts::Memory),
+            Command::SaveParts(Parts::Files("there".to_owned())),
+            Command::LoadParts(Parts::Memory),
+            Command::LoadParts(Parts::Files("here".to_owned())),
+            Command::Write("a frame".to_owned()),
             Command::End,
         ];
         let [first, second]: [Ranks; 2] =

@@ -91,9 +91,20 @@ mod tests {
                         assert_eq!(ranks.gather_all(&of_rank(rank)), Ok(all), "{rank} of {size}");
                         let told = if rank == 0 { vec![7, 8, 9] } else { Vec::new() };
                         assert_eq!(ranks.broadcast(&told, 3), Ok(vec![7, 8, 9]), "{rank} of {size}");
-                        let parts = (0..size).map(|other| vec![other as u8; other]).collect::<Vec<_>>();
-                        let parts = if rank == 0 { parts } else { Vec::new() };
-                        assert_eq!(ranks.scatter_bytes(parts), Ok(vec![rank as u8; rank]));
+                        // All bytes are with the second rank, if there is one; then each has one more than the one before it.
+                        let wanted: Vec<usize> = (0..size).collect();
+                        let (count, holder) = (wanted.iter().sum::<usize>(), 1.min(size - 1));
+                        let of_holder = |number: usize| if number == holder { count } else { 0 };
+                        let lengths: Vec<usize> = (0..size).map(of_holder).collect();
+                        let bytes: Vec<u8> = (0..of_holder(rank) as u8).collect();
+                        let own = ranks.share_anew(&bytes, &lengths, &wanted).unwrap();
+                        let first = wanted[..rank].iter().sum::<usize>() as u8;
+                        assert_eq!(own, (first..first + rank as u8).collect::<Vec<_>>());
+                        assert_eq!(ranks.share_anew(&own, &wanted, &lengths), Ok(bytes));
+                        let failed = if rank * 2 > size { Err(format!("of {rank}")) } else { Ok(()) };
+                        let first = size / 2 + 1;
+                        let expected = if first < size { Err(format!("rank {first}: of {first}")) } else { Ok(()) };
+                        assert_eq!(ranks.first_failure(failed), Ok(expected));
                     });
                 }
             });

@@ -11,9 +11,9 @@ use crate::{
 };
 use miette::{IntoDiagnostic, WrapErr, miette};
 use sphorge::{
-    deck::load_text_within,
     engine::{Cpu, EngineKind},
     output::RunDirectory,
+    run::FilesOfRank,
 };
 use sphorge_mpi::{Leader, Processes, follow, ranks_on_this_machine};
 use std::{
@@ -57,11 +57,8 @@ impl RankArguments {
             return Ok(Some(Role::First(Arc::new(Leader::new(communicator)))));
         }
         signals::leave_to_the_first_rank().into_diagnostic().map_err(Failure::Failed)?;
-        let load = |name: &str, deck: &str| {
-            let setup = load_text_within(name, deck, &[], memory::particle_limit()).ok()?;
-            Some((Arc::new(setup.model), setup.particles))
-        };
-        let followed = follow(communicator, threads_of_a_rank(threads), load);
+        let files = FilesOfRank::new(memory::particle_limit());
+        let followed = follow(communicator, threads_of_a_rank(threads), &files);
         followed.map(|()| None).map_err(|failure| Failure::Failed(miette!("{failure}")))
     }
 }

@@ -346,6 +346,7 @@ pub(crate) fn output(
         Some(words) => super::observed::listed_fields(words, problems),
     };
     let is_compressed = or_default!(raw.compression, true, |k: &Choice<_>| k.get(problems));
+    let in_pieces = or_default!(raw.pieces, true, |k: &Choice<_>| k.get(problems));
     let end = end?;
     let frame_interval = frame_interval?.unwrap_or(end / frames? as f64);
     let history_interval = history_interval?.unwrap_or(end / defaults::HISTORY_ROWS as f64);
@@ -361,5 +362,11 @@ pub(crate) fn output(
             problems.push(Fault::new("out-of-range", message, at, "here").help("choose a longer interval"));
         }
     }
-    Some(OutputControl { frame_interval, history_interval, fields: fields?, is_compressed: is_compressed? })
+    Some(OutputControl {
+        frame_interval,
+        history_interval,
+        fields: fields?,
+        is_compressed: is_compressed?,
+        in_pieces: in_pieces?,
+    })
 }

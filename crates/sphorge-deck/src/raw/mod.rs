@@ -141,5 +141,7 @@ tables! {
         fields: Option<Vec<Choice<FieldWord>>>, example ["velocity", "plastic_strain"], otherwise "the usual ones";
         /// How values of frames are compressed.
         compression: Option<Choice<CompressionWord>>, example "none", default "zlib";
+        /// Files of a frame of a run on ranks; a process alone writes one.
+        pieces: Option<Choice<PiecesWord>>, example "one", default "each-rank";
     }
 }

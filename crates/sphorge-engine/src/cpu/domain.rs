@@ -17,7 +17,7 @@ use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, range_of};
 use crate::particles::{COLUMNS, Column, Particles};
 use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Communicator, Ranks};
-use crate::reduction::Reduction;
+use crate::reduction::{FieldSource, Reduction};
 use crate::{LimitReason, RunFailure};
 use sphorge_physics::Vector;
 use sphorge_physics::flow::FLOW_LAWS;
@@ -427,6 +427,10 @@ impl<T: PairScalar> Part for CpuEngine<T> {
 
     fn total(&self) -> usize {
         self.domain.as_ref().map_or(self.particles.len(), |domain| domain.count())
+    }
+
+    fn own(&self) -> &dyn FieldSource {
+        &self.particles
     }
 }
 

@@ -196,4 +196,6 @@ pub struct OutputControl {
     pub fields: Vec<String>,
     /// Whether values of frames are compressed.
     pub is_compressed: bool,
+    /// Whether each of the processes that share a run writes its own piece of a frame.
+    pub in_pieces: bool,
 }

@@ -1,20 +1,33 @@
 //! One archive for all ranks: it holds what one process would save, whoever saves and whoever loads it.
+//!
+//! The first rank has all of it, or each rank a part: its own pieces and, on the first, what is the same on all.
 
 use super::Ranks;
 use crate::RunFailure;
 use crate::persist::{Archive, ArchiveError, Fixed, Split};
 
-/// An archive as each rank sees it; the first one has it. Values that are the same on all ranks are those of the first, pieces lie one behind the
+/// An archive as each rank sees it. Values that are the same on all ranks are those of the first, pieces lie one behind the
 /// other in the order of the ranks. All ranks save or load the same names in the same order. A rank that cannot load a value may stop: the others
 /// go on with it once it is dropped, or the first one tells them.
 pub struct SharedArchive<'a> {
     ranks: &'a Ranks,
-    /// On the first rank.
-    whole: Option<&'a mut dyn Archive>,
-    is_saving: bool,
+    /// What this rank saves to or loads from: on the first rank always something.
+    own: Option<&'a mut dyn Archive>,
+    way: Way,
     split: Split,
     lost: Option<RunFailure>,
     has_ended: bool,
+}
+
+/// Which way values go.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// Into the archive of the first rank.
+    ToFirst,
+    /// Into the archive of each rank.
+    ToEach,
+    /// Out of whatever the ranks have.
+    Out,
 }
 
 /// What the first rank says comes next.
@@ -40,12 +53,17 @@ type Header = (u8, usize);
 impl<'a> SharedArchive<'a> {
     /// To save to; the first rank gives the archive.
     pub fn to_save(ranks: &'a Ranks, whole: Option<&'a mut dyn Archive>) -> Self {
-        Self { ranks, whole, is_saving: true, split: Split::Same, lost: None, has_ended: false }
+        Self { ranks, own: whole, way: Way::ToFirst, split: Split::Same, lost: None, has_ended: false }
     }
 
-    /// To load from; the first rank gives the archive.
-    pub fn to_load(ranks: &'a Ranks, whole: Option<&'a mut dyn Archive>) -> Self {
-        Self { is_saving: false, ..Self::to_save(ranks, whole) }
+    /// To save to in parts, of which this is that of this rank. Nothing is sent.
+    pub fn to_save_part(ranks: &'a Ranks, part: &'a mut dyn Archive) -> Self {
+        Self { way: Way::ToEach, ..Self::to_save(ranks, Some(part)) }
+    }
+
+    /// To load from: the first rank gives an archive, of other ranks who has one. Parts may be of another number of ranks, or one the whole.
+    pub fn to_load(ranks: &'a Ranks, part: Option<&'a mut dyn Archive>) -> Self {
+        Self { way: Way::Out, ..Self::to_save(ranks, part) }
     }
 
     /// Ends what all ranks have loaded, some of them not all of it.
@@ -53,7 +71,7 @@ impl<'a> SharedArchive<'a> {
     /// # Errors
     /// A rank was lost.
     pub fn end(mut self) -> Result<(), RunFailure> {
-        if self.lost.is_none() && !self.is_saving && !self.has_ended {
+        if self.lost.is_none() && self.way == Way::Out && !self.has_ended {
             if self.ranks.rank() == 0 {
                 self.ranks.broadcast(&header(Next::End, 0), Header::SIZE)?;
             } else {
@@ -83,16 +101,22 @@ impl<'a> SharedArchive<'a> {
 
     /// Joins the pieces of all ranks on the first one.
     fn send(&mut self, name: &str, bytes: Vec<u8>) {
-        let own = bytes.len();
         let of_all = match self.split {
             Split::Same => Ok(vec![bytes]),
             Split::Pieces(_) => self.ranks.gather_bytes(bytes),
         };
         if let Ok(pieces) = self.or_lost(of_all)
-            && let Some(whole) = &mut self.whole
+            && let Some(whole) = &mut self.own
         {
-            debug_assert!(pieces.first().is_none_or(|piece| piece.len() == own));
             whole.save(name, pieces.concat());
+        }
+    }
+
+    /// Keeps what this rank has to keep.
+    fn keep(&mut self, name: &str, bytes: Vec<u8>) {
+        let is_kept = self.ranks.rank() == 0 || self.split != Split::Same;
+        if let Some(part) = self.own.as_mut().filter(|_| is_kept) {
+            part.save(name, bytes);
         }
     }
 
@@ -109,12 +133,13 @@ impl<'a> SharedArchive<'a> {
     }
 
     fn take(&mut self, name: &str) -> Result<Result<Vec<u8>, ArchiveError>, RunFailure> {
-        let loaded = self.whole.as_mut().map(|whole| whole.load(name));
+        let is_first = self.ranks.rank() == 0;
+        let loaded = if is_first { self.load_own(name) } else { Ok(Vec::new()) };
         let next = match (&loaded, self.split) {
-            (Some(Err(_)), _) => header(Next::Fault, 0),
-            (Some(Ok(bytes)), Split::Same) => header(Next::Same, bytes.len()),
-            (Some(Ok(bytes)), Split::Pieces(_)) => header(Next::Pieces, bytes.len()),
-            (None, _) => Vec::new(),
+            _ if !is_first => Vec::new(),
+            (Err(_), _) => header(Next::Fault, 0),
+            (Ok(bytes), Split::Same) => header(Next::Same, bytes.len()),
+            (Ok(_), Split::Pieces(_)) => header(Next::Pieces, 0),
         };
         let next = self.ranks.broadcast(&next, Header::SIZE)?;
         let (next, length) = Header::read(&next).unwrap_or_default();
@@ -123,29 +148,42 @@ impl<'a> SharedArchive<'a> {
                 self.has_ended = true;
                 Ok(Err(ArchiveError::Missing(name.to_owned())))
             }
-            Next::Fault => Ok(loaded.unwrap_or_else(|| Err(ArchiveError::Missing(name.to_owned())))),
-            Next::Same => {
-                let own = loaded.and_then(Result::ok).unwrap_or_default();
-                self.ranks.broadcast(&own, length).map(Ok)
-            }
+            Next::Fault => Ok(loaded.and(Err(ArchiveError::Missing(name.to_owned())))),
+            Next::Same => self.ranks.broadcast(&loaded.unwrap_or_default(), length).map(Ok),
             Next::Pieces => {
-                let count = if let Split::Pieces(count) = self.split { count } else { 0 };
-                let counts = self.ranks.gather_one(count)?;
-                let all: usize = counts.iter().sum();
-                // As many bytes of each value, or none that could be told apart.
-                let width = length.checked_div(all).unwrap_or(0);
-                let fits = width * all == length;
-                let bytes = loaded.and_then(Result::ok).unwrap_or_default();
-                let mut rest = &bytes[..];
-                let pieces = counts.iter().map(|count| {
-                    let (piece, behind) = rest.split_at((count * width).min(rest.len()));
-                    rest = behind;
-                    piece.to_vec()
-                });
-                let own = self.ranks.scatter_bytes(pieces.collect())?;
-                Ok(if fits { Ok(own) } else { Err(ArchiveError::Mismatch(name.to_owned())) })
+                let loaded = if is_first { loaded } else { self.load_own(name) };
+                self.share_pieces(name, loaded)
             }
         }
+    }
+
+    /// A value of the part of this rank; nothing where it has none.
+    fn load_own(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
+        self.own.as_mut().map_or(Ok(Vec::new()), |part| part.load(name))
+    }
+
+    /// The piece of this rank, of those that all ranks have loaded.
+    fn share_pieces(
+        &self,
+        name: &str,
+        loaded: Result<Vec<u8>, ArchiveError>,
+    ) -> Result<Result<Vec<u8>, ArchiveError>, RunFailure> {
+        let count = if let Split::Pieces(count) = self.split { count } else { 0 };
+        let is_there = loaded.is_ok();
+        let bytes = loaded.unwrap_or_default();
+        let of_all = self.ranks.gather_one((is_there, (bytes.len(), count)))?;
+        if of_all.iter().any(|(is_there, _)| !is_there) {
+            return Ok(Err(ArchiveError::Missing(name.to_owned())));
+        }
+        let (lengths, counts): (Vec<usize>, Vec<usize>) = of_all.into_iter().map(|(_, of_rank)| of_rank).unzip();
+        let (length, all) = (lengths.iter().sum::<usize>(), counts.iter().sum::<usize>());
+        // As many bytes of each value, or none that could be told apart.
+        let width = length.checked_div(all).unwrap_or(0);
+        if width * all != length {
+            return Ok(Err(ArchiveError::Mismatch(name.to_owned())));
+        }
+        let wanted: Vec<usize> = counts.iter().map(|count| count * width).collect();
+        self.ranks.share_anew(&bytes, &lengths, &wanted).map(Ok)
     }
 }
 
@@ -157,12 +195,14 @@ fn header(next: Next, length: usize) -> Vec<u8> {
 
 impl Archive for SharedArchive<'_> {
     fn is_saving(&self) -> bool {
-        self.is_saving
+        self.way != Way::Out
     }
 
     fn save(&mut self, name: &str, bytes: Vec<u8>) {
-        if self.lost.is_none() {
-            self.send(name, bytes);
+        match self.way {
+            Way::ToEach => self.keep(name, bytes),
+            Way::ToFirst if self.lost.is_none() => self.send(name, bytes),
+            Way::ToFirst | Way::Out => {}
         }
     }
 

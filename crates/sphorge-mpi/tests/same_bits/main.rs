@@ -5,6 +5,8 @@ mod audits;
 mod balance;
 mod contact;
 mod heat;
+mod parts;
+mod pieces;
 mod saved;
 mod sections;
 mod shipped;
@@ -12,11 +14,12 @@ mod symmetry;
 
 use sphorge::deck::{Setup, load_text};
 use sphorge::engine::{Cpu, EngineKind};
-use sphorge::run::{RunOptions, Silent, execute};
+use sphorge::output::{FrameFile, RunDirectory, read_series};
+use sphorge::run::{FilesOfRank, RunOptions, Silent, execute};
 use sphorge_mpi::{Leader, follow, threads};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::atomic::AtomicBool;
 use std::{fs, thread};
 
 /// Names and contents of the files of a run that hold results.
@@ -29,14 +32,26 @@ fn setup(deck: &str, changes: &[(&str, &str)]) -> Setup {
     load_text("a-deck", text, &changes).unwrap_or_else(|report| panic!("{report:?}"))
 }
 
+/// The history, and what frames hold, in one file or in pieces.
 fn results(directory: &Path) -> Files {
     let mut files = Files::new();
     files.insert("history.csv".to_owned(), fs::read(directory.join("history.csv")).unwrap());
-    for entry in fs::read_dir(directory.join("fields")).unwrap() {
-        let path = entry.unwrap().path();
-        files.insert(path.file_name().unwrap().to_string_lossy().into_owned(), fs::read(path).unwrap());
+    for (time, path) in read_series(&RunDirectory::open(directory).unwrap()).unwrap() {
+        files.insert(path.file_stem().unwrap().to_string_lossy().into_owned(), content(time, &path));
     }
     files
+}
+
+/// All that a frame holds, to the bit; whole numbers are those of few particles.
+fn content(time: f64, path: &Path) -> Vec<u8> {
+    let mut frame = FrameFile::open(path).unwrap();
+    let mut bytes = format!("{time:e} {:?} {:?} {:?}", frame.header, frame.bodies, frame.arrays()).into_bytes();
+    bytes.extend(frame.positions().unwrap().iter().flatten().flat_map(|x| x.to_le_bytes()));
+    let names: Vec<String> = frame.arrays().iter().map(|array| array.name.clone()).collect();
+    for name in names {
+        bytes.extend(frame.column(&name).unwrap().unwrap().values.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    bytes
 }
 
 /// A column of the history by how its name begins; what is empty is no number.
@@ -68,11 +83,7 @@ fn led<T>(ranks: usize, threads_each: usize, lead: impl FnOnce(&Leader) -> T) ->
     thread::scope(|scope| {
         for communicator in communicators.split_off(1) {
             scope.spawn(move || {
-                let load = |name: &str, deck: &str| {
-                    let setup = load_text(name, deck, &[]).ok()?;
-                    Some((Arc::new(setup.model), setup.particles))
-                };
-                follow(communicator, Some(threads_each), load).unwrap();
+                follow(communicator, Some(threads_each), &FilesOfRank::new(1e9)).unwrap();
             });
         }
         lead(&Leader::new(communicators.remove(0)))

@@ -4,14 +4,18 @@
 //! entry is one value of [`crate::engine::persist`] under its name, in little-endian bytes. Entries have CRC-32 sums, and the directory
 //! of a ZIP file stands at its end, so that what is torn, cut short or changed is recognised before anything is loaded. Like every file
 //! of a run it is written aside and renamed into place.
+//!
+//! Of a run on many processes it holds what the first one has, and names the files of the others ([`super::checkpoint_parts`]), which are there
+//! before it is.
 
 use super::{
     RunDirectory,
-    atomic::{Durability, write_file},
+    atomic::{Durability, Sink, write_file},
+    checkpoint_parts::{PartSet, remove_parts_of_none},
     error::{AtPath, OutputError},
     regular_file,
 };
-use crate::engine::persist::{Archive, ArchiveError};
+use crate::engine::persist::{Archive, ArchiveError, Parts};
 use serde::{Deserialize, Serialize};
 use std::{
     fs::{self, File},
@@ -22,13 +26,15 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions, wr
 
 /// Version of the format of checkpoints; that of the values in it is the program's.
 const FORMAT: u32 = 1;
+/// The same of those in parts.
+const FORMAT_IN_PARTS: u32 = 2;
 /// Checkpoints that are kept.
 const KEPT: usize = 2;
 
 const ABOUT: &str = "checkpoint.json";
 const DECK: &str = "deck.toml";
 const STATE: &str = "state/";
-const PREFIX: &str = "checkpoint-";
+pub(super) const PREFIX: &str = "checkpoint-";
 const SUFFIX: &str = ".zip";
 
 /// What a checkpoint says of itself.
@@ -47,38 +53,58 @@ pub(crate) struct About {
     /// The deck of the folder it was written to, where that was still to become its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) changed_from: Option<String>,
+    /// Where the parts of other processes are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    parts: Option<PartsRecord>,
+}
+
+/// The parts of a checkpoint, the first of which is the checkpoint itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct PartsRecord {
+    /// Folder beside the checkpoint.
+    pub(super) folder: String,
+    pub(super) count: usize,
 }
 
 impl About {
     pub(crate) fn new(engine: &str, deck_name: &str, step: u64, time: f64) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let (engine, deck_name) = (engine.to_owned(), deck_name.to_owned());
-        Self { format: FORMAT, version, engine, deck_name, step, time, changed_from: None }
+        Self { format: FORMAT, version, engine, deck_name, step, time, changed_from: None, parts: None }
     }
 }
 
-/// Writes a checkpoint, of which `state` saves all values. `None` where the engine keeps its state to itself.
+/// Writes a checkpoint, of which `state` saves all values, in parts where so many processes share the run. `None` where the engine keeps its state
+/// to itself.
 pub(crate) fn write_checkpoint(
     directory: &RunDirectory,
     about: &About,
     deck: &str,
+    processes: usize,
     state: impl FnOnce(&mut dyn Archive) -> Result<(), ArchiveError>,
 ) -> Result<Option<PathBuf>, OutputError> {
     let path = directory.path().join(format!("{PREFIX}{:012}{SUFFIX}", about.step));
+    let parts = if processes > 1 { Some(PartSet::create(directory.path(), about.step, processes)?) } else { None };
+    let about = match &parts {
+        Some(parts) => About { format: FORMAT_IN_PARTS, parts: Some(parts.record()), ..about.clone() },
+        None => about.clone(),
+    };
     let mut unsupported = false;
     let written = write_file(&path, Durability::Disk, |out| {
-        let mut writer = Writer { zip: ZipWriter::new_stream(out), failure: None };
-        writer.add(ABOUT, &serde_json::to_vec_pretty(about)?);
+        let mut writer = Writer::new(out);
+        writer.parts = parts.as_ref().map(PartSet::request);
+        writer.add(ABOUT, &serde_json::to_vec_pretty(&about)?);
         writer.add(DECK, deck.as_bytes());
         if let Err(error) = state(&mut writer) {
-            unsupported = true;
+            unsupported = matches!(error, ArchiveError::Unsupported(_));
             return Err(io::Error::other(error));
         }
-        match writer.failure {
-            Some(error) => Err(error),
-            None => writer.zip.finish().map(drop).map_err(io::Error::other),
-        }
+        writer.finish()
     });
+    if let Some(parts) = parts.filter(|_| written.is_err()) {
+        // What went wrong with the checkpoint is told; parts of none are removed with the next one, too.
+        let _ = parts.remove();
+    }
     if unsupported {
         return Ok(None);
     }
@@ -86,12 +112,22 @@ pub(crate) fn write_checkpoint(
     Ok(Some(path))
 }
 
-/// Removes the checkpoints before the last two.
+/// Removes the checkpoints before the last two, and parts that are of none.
 pub(crate) fn remove_former_checkpoints(folder: &Path) -> Result<(), OutputError> {
     for (_, former) in checkpoints(folder)?.into_iter().skip(KEPT) {
         fs::remove_file(&former).writing(&former)?;
     }
-    Ok(())
+    remove_parts_of_none(folder)
+}
+
+/// The parts of the checkpoint in a file; an error where it cannot be understood.
+pub(super) fn parts_of(path: &Path) -> Result<Option<PartsRecord>, OutputError> {
+    let damaged = |error: &dyn std::fmt::Display| OutputError::damaged(path, error.to_string());
+    let file = BufReader::new(regular_file::open(path).reading(path)?);
+    let about = read(&mut ZipArchive::new(file).map_err(|error| damaged(&error))?, ABOUT);
+    let about: About =
+        serde_json::from_slice(&about.map_err(|error| damaged(&error))?).map_err(|error| damaged(&error))?;
+    Ok(about.parts)
 }
 
 impl Checkpoint {
@@ -125,19 +161,32 @@ pub(crate) fn is_checkpoint(name: &str) -> bool {
     step_of(name).is_some()
 }
 
-struct Writer<'a> {
-    zip: ZipWriter<StreamWriter<&'a mut dyn Write>>,
+/// Writes values into a file.
+pub(super) struct Writer<'a> {
+    zip: ZipWriter<StreamWriter<&'a mut dyn Sink>>,
     failure: Option<io::Error>,
+    parts: Option<Parts>,
 }
 
-impl Writer<'_> {
-    fn add(&mut self, name: &str, bytes: &[u8]) {
+impl<'a> Writer<'a> {
+    pub(super) fn new(out: &'a mut dyn Sink) -> Self {
+        Self { zip: ZipWriter::new_stream(out), failure: None, parts: None }
+    }
+
+    pub(super) fn add(&mut self, name: &str, bytes: &[u8]) {
         if self.failure.is_none() {
             let options = SimpleFileOptions::default()
                 .compression_method(CompressionMethod::Stored)
                 .large_file(bytes.len() as u64 >= u64::from(u32::MAX));
             let started = self.zip.start_file(name, options).map_err(io::Error::other);
             self.failure = started.and_then(|()| self.zip.write_all(bytes)).err();
+        }
+    }
+
+    pub(super) fn finish(self) -> io::Result<()> {
+        match self.failure {
+            Some(error) => Err(error),
+            None => self.zip.finish().map(drop).map_err(io::Error::other),
         }
     }
 }
@@ -152,21 +201,17 @@ impl Archive for Writer<'_> {
     fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
         Err(ArchiveError::Missing(name.to_owned()))
     }
+    fn parts(&self) -> Option<Parts> {
+        self.parts.clone()
+    }
 }
 
-/// A checkpoint that is whole.
-pub(crate) struct Checkpoint {
-    zip: ZipArchive<BufReader<File>>,
-    pub(crate) about: About,
-    pub(crate) deck: String,
-}
+/// A file of values that is whole.
+pub(super) struct Values(ZipArchive<BufReader<File>>);
 
-impl Checkpoint {
-    /// Opens a checkpoint and reads it through, so that what is not whole is found before any of it is used.
-    ///
-    /// # Errors
-    /// It cannot be read, is damaged, or of another version of the format.
-    pub(crate) fn open(path: &Path) -> Result<Self, OutputError> {
+impl Values {
+    /// Opens a file and reads it through, so that what is not whole is found before any of it is used.
+    pub(super) fn open(path: &Path) -> Result<Self, OutputError> {
         let damaged = |error: &dyn std::fmt::Display| OutputError::damaged(path, error.to_string());
         let file = BufReader::with_capacity(1 << 17, regular_file::open(path).reading(path)?);
         let file_bytes = file.get_ref().metadata().reading(path)?.len();
@@ -176,14 +221,69 @@ impl Checkpoint {
             let mut entry = zip.by_index(index).map_err(|error| damaged(&error))?;
             io::copy(&mut entry, &mut io::sink()).map_err(|error| damaged(&error))?;
         }
-        let about = read(&mut zip, ABOUT).map_err(|error| damaged(&error))?;
+        Ok(Self(zip))
+    }
+
+    /// The bytes of an entry.
+    pub(super) fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        read(&mut self.0, name)
+    }
+
+    /// A value of the state, behind what is there already.
+    pub(super) fn append(&mut self, name: &str, bytes: &mut Vec<u8>) -> Result<(), ArchiveError> {
+        let missing = |_| ArchiveError::Missing(name.to_owned());
+        let mut entry = self.0.by_name(&format!("{STATE}{name}")).map_err(missing)?;
+        entry.read_to_end(bytes).map(drop).map_err(|_| ArchiveError::Missing(name.to_owned()))
+    }
+
+    /// Whether the state has a value of this name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.0.index_for_name(&format!("{STATE}{name}")).is_some()
+    }
+}
+
+/// A checkpoint that is whole.
+pub(crate) struct Checkpoint {
+    values: Values,
+    pub(crate) about: About,
+    pub(crate) deck: String,
+    parts: Option<PartSet>,
+    /// Those that this process reads beside the first.
+    others: Vec<Values>,
+}
+
+impl Checkpoint {
+    /// Opens a checkpoint that is whole, but for its parts.
+    ///
+    /// # Errors
+    /// It cannot be read, is damaged, or of another version of the format.
+    pub(crate) fn open(path: &Path) -> Result<Self, OutputError> {
+        let damaged = |error: &dyn std::fmt::Display| OutputError::damaged(path, error.to_string());
+        let mut values = Values::open(path)?;
+        let about = values.read(ABOUT).map_err(|error| damaged(&error))?;
         let about: About = serde_json::from_slice(&about).map_err(|error| damaged(&error))?;
-        if about.format != FORMAT {
-            return Err(damaged(&format!("its format is {}, this program reads {FORMAT}", about.format)));
+        let known = if about.parts.is_some() { FORMAT_IN_PARTS } else { FORMAT };
+        if about.format != known {
+            return Err(damaged(&format!("its format is {}, this program reads {known}", about.format)));
         }
-        let deck = read(&mut zip, DECK).map_err(|error| damaged(&error))?;
+        let parts = match &about.parts {
+            Some(record) => Some(PartSet::named(path, record).map_err(|reason| damaged(&reason))?),
+            None => None,
+        };
+        let deck = values.read(DECK).map_err(|error| damaged(&error))?;
         let deck = String::from_utf8(deck).map_err(|error| damaged(&error))?;
-        Ok(Self { zip, about, deck })
+        Ok(Self { values, about, deck, parts, others: Vec::new() })
+    }
+
+    /// Opens the parts that the first of so many processes is to read: all, if it is the only one.
+    ///
+    /// # Errors
+    /// One of them is not there, not whole, or of another checkpoint.
+    pub(crate) fn open_parts(&mut self, processes: usize) -> Result<(), OutputError> {
+        if let Some(parts) = &self.parts {
+            self.others = parts.open(0, processes)?;
+        }
+        Ok(())
     }
 }
 
@@ -217,7 +317,17 @@ impl Archive for Checkpoint {
     }
     fn save(&mut self, _: &str, _: Vec<u8>) {}
     fn load(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
-        read(&mut self.zip, &format!("{STATE}{name}")).map_err(|_| ArchiveError::Missing(name.to_owned()))
+        let mut bytes = Vec::new();
+        self.values.append(name, &mut bytes)?;
+        // What is the same on all ranks is in the first part alone, pieces are in all.
+        let others = self.others.iter_mut().filter(|part| part.has(name));
+        for part in others {
+            part.append(name, &mut bytes)?;
+        }
+        Ok(bytes)
+    }
+    fn parts(&self) -> Option<Parts> {
+        self.parts.as_ref().map(PartSet::request)
     }
 }
 
@@ -238,7 +348,7 @@ mod tests {
             column().persist("column", archive)?;
             step.persist("clock.steps", archive)
         };
-        write_checkpoint(&directory, &about, "title = \"A bar\"\n", state).unwrap().unwrap()
+        write_checkpoint(&directory, &about, "title = \"A bar\"\n", 1, state).unwrap().unwrap()
     }
 
     #[test]
@@ -338,10 +448,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let directory = RunDirectory::open(folder.path()).unwrap();
         let about = About { format: FORMAT + 1, ..About::new("cpu", "bar", 3, 0.0) };
-        let path = write_checkpoint(&directory, &about, "", |_| Ok(())).unwrap().unwrap();
+        let path = write_checkpoint(&directory, &about, "", 1, |_| Ok(())).unwrap().unwrap();
         let Err(OutputError::Damaged { reason, .. }) = Checkpoint::open(&path) else { panic!("it is opened") };
         assert!(reason.contains("format is 2"), "{reason}");
-        let none = write_checkpoint(&directory, &About::new("cpu", "bar", 4, 0.0), "", |_| {
+        let none = write_checkpoint(&directory, &About::new("cpu", "bar", 4, 0.0), "", 1, |_| {
             Err(ArchiveError::Unsupported("no state".into()))
         });
         assert_eq!((none.unwrap(), checkpoints(folder.path()).unwrap().len()), (None, 1));

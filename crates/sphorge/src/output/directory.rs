@@ -3,7 +3,9 @@
 use super::{
     atomic::{UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
     checkpoint::is_checkpoint,
+    checkpoint_parts::remove_all_parts,
     error::{AtPath, OutputError},
+    pieces::remove_pieces,
     regular_file,
 };
 use crate::particles::FIELDS as FIELD_TABLE;
@@ -21,10 +23,12 @@ use std::{
 /// | `deck.toml` | the deck as run |
 /// | `fields.pvd` | list of frames with their times; ParaView opens it |
 /// | `fields/NNNNNN.vtp` | one frame |
+/// | `fields/NNNNNN.pvtp`, `fields/NNNNNN/` | in its place, of a run on many processes: the frame, and the pieces that they have written |
 /// | `history.csv` | one row per history time |
 /// | `history-columns.json` | name, unit and meaning of each column |
 /// | `summary.json` | how the run ended; written last |
 /// | `checkpoint-*.zip` | what the run can be resumed from, the last two |
+/// | `checkpoint-*-parts-*/` | the parts of one that other processes have written |
 /// | `plots/*.png`, `plots/*.svg` | pictures, when asked for |
 ///
 /// Every file is written aside and renamed into place, so a reader sees a complete file or none.
@@ -40,6 +44,9 @@ pub struct RunDirectory {
 const MARKS: [&str; 4] = ["fields.pvd", "history.csv", "history-columns.json", "summary.json"];
 const DECK: &str = "deck.toml";
 const FIELDS: &str = "fields";
+/// How frames end that are one file, and those that name pieces.
+const IN_ONE: &str = ".vtp";
+const IN_PIECES: &str = ".pvtp";
 const PLOTS: &str = "plots";
 
 impl RunDirectory {
@@ -119,7 +126,11 @@ impl RunDirectory {
         }
         fs::create_dir_all(&fields).writing(&fields)?;
         remove_matching(&self.path, is_unfinished).writing(&self.path)?;
-        remove_matching(&fields, is_unfinished).writing(&fields)
+        remove_matching(&fields, is_unfinished).writing(&fields)?;
+        for folder in folders_of_pieces(&fields).writing(&fields)? {
+            remove_matching(&folder, is_unfinished).writing(&folder)?;
+        }
+        Ok(())
     }
 
     /// Whether there is a state the run can go on from.
@@ -131,10 +142,8 @@ impl RunDirectory {
 
     /// Removes frames from this number on.
     pub(crate) fn remove_frames(&self, from: usize) -> Result<(), OutputError> {
-        let is_later = |name: &str| {
-            is_frame(name) && name.trim_end_matches(".vtp").parse().is_ok_and(|index: usize| index >= from)
-        };
-        remove_matching(&self.path.join(FIELDS), is_later).writing(&self.path.join(FIELDS))
+        let fields = self.path.join(FIELDS);
+        remove_frames(&fields, |index| index >= from).writing(&fields)
     }
 
     /// The folder.
@@ -149,9 +158,14 @@ impl RunDirectory {
     pub fn series(&self) -> PathBuf {
         self.path.join("fields.pvd")
     }
-    /// Frame `index`, relative to the folder, with `/` as in the collection.
-    pub fn frame_name(index: usize) -> String {
-        format!("{FIELDS}/{index:06}.vtp")
+    /// Frame `index`, one file or in pieces, relative to the folder, with `/` as in the collection.
+    pub fn frame_name(index: usize, in_pieces: bool) -> String {
+        let ending = if in_pieces { IN_PIECES } else { IN_ONE };
+        format!("{FIELDS}/{index:06}{ending}")
+    }
+    /// Whether frame `index` was written in pieces.
+    pub(crate) fn has_pieces(&self, index: usize) -> bool {
+        self.path.join(Self::frame_name(index, true)).is_file()
     }
     /// The history.
     pub fn history(&self) -> PathBuf {
@@ -179,7 +193,9 @@ impl RunDirectory {
             }
         }
         remove_matching(&self.path, |name| is_unfinished(name) || is_checkpoint(name))?;
-        remove_matching(&self.path.join(FIELDS), |name| is_frame(name) || is_unfinished(name))?;
+        remove_all_parts(&self.path)?;
+        remove_frames(&self.path.join(FIELDS), |_| true)?;
+        remove_matching(&self.path.join(FIELDS), is_unfinished)?;
         remove_matching(&self.path.join(PLOTS), |name| is_picture(name) || is_unfinished(name))
     }
 }
@@ -224,8 +240,41 @@ fn is_of_no_run_yet(entry: &fs::DirEntry) -> bool {
     }
 }
 
-fn is_frame(name: &str) -> bool {
-    name.strip_suffix(".vtp").is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|b| b.is_ascii_digit()))
+/// Number of the frame that a file is, or a folder holds the pieces of.
+fn frame_of(name: &str) -> Option<usize> {
+    let stem = name.strip_suffix(IN_PIECES).or_else(|| name.strip_suffix(IN_ONE)).unwrap_or(name);
+    (stem.len() >= 6 && stem.bytes().all(|b| b.is_ascii_digit())).then(|| stem.parse().ok())?
+}
+
+/// Removes the frames of some numbers: their files first, so that none names pieces that there are no more.
+fn remove_frames(fields: &Path, are_removed: impl Fn(usize) -> bool) -> io::Result<()> {
+    let is_removed = |name: &str| frame_of(name).is_some_and(&are_removed);
+    remove_matching(fields, |name| name.ends_with("vtp") && is_removed(name))?;
+    for folder in folders_of_pieces(fields)?.into_iter().filter(|folder| is_removed(&name_of(folder))) {
+        remove_pieces(&folder)?;
+    }
+    Ok(())
+}
+
+/// Folders that hold pieces of frames.
+fn folders_of_pieces(fields: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = match fs::read_dir(fields) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other?,
+    };
+    let mut folders = Vec::new();
+    for entry in entries {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() && frame_of(&name_of(&entry.path())).is_some() {
+            folders.push(entry.path());
+        }
+    }
+    Ok(folders)
+}
+
+/// The last part of a path.
+pub(super) fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// A picture under a name that plotting gives: the field or the kind of history first.
@@ -235,11 +284,11 @@ fn is_picture(name: &str) -> bool {
         && (ours("history") || FIELD_TABLE.iter().any(|field| ours(field.name)))
 }
 
-fn is_unfinished(name: &str) -> bool {
+pub(super) fn is_unfinished(name: &str) -> bool {
     name.starts_with(UNFINISHED_PREFIX) && name.ends_with(UNFINISHED_SUFFIX)
 }
 
-fn remove_matching(folder: &Path, ours: impl Fn(&str) -> bool) -> io::Result<()> {
+pub(super) fn remove_matching(folder: &Path, ours: impl Fn(&str) -> bool) -> io::Result<()> {
     let entries = match fs::read_dir(folder) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
         other => other?,

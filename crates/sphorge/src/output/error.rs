@@ -89,6 +89,13 @@ pub enum OutputError {
 }
 
 impl OutputError {
+    /// What went wrong, with what caused it.
+    pub(crate) fn chain(&self) -> String {
+        fn of(error: &dyn std::error::Error) -> String {
+            error.source().map_or_else(|| error.to_string(), |source| format!("{error}: {}", of(source)))
+        }
+        of(self)
+    }
     pub(crate) fn damaged(path: &std::path::Path, reason: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), reason: reason.into() }
     }

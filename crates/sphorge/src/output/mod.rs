@@ -2,10 +2,12 @@
 
 mod atomic;
 mod checkpoint;
+mod checkpoint_parts;
 mod directory;
 mod error;
 mod history;
 mod history_read;
+mod pieces;
 pub(crate) mod regular_file;
 mod series;
 mod summary;
@@ -30,9 +32,11 @@ pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 
 pub(crate) use atomic::{Durability, write_file};
 pub(crate) use checkpoint::{About, Checkpoint, checkpoints, remove_former_checkpoints, write_checkpoint};
+pub(crate) use checkpoint_parts::PartSet;
 pub(crate) use error::AtPath;
 pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use history_read::last_step;
+pub(crate) use pieces::{PieceRequest, write_pieces};
 pub(crate) use series::write_series;
 pub(crate) use sync::DiskSync;
 pub(crate) use vtp::uncompressed_bytes;

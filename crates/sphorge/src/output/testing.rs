@@ -75,6 +75,7 @@ pub(crate) fn model(bodies: &[&str]) -> Model {
             history_interval: 0.01,
             fields: ["id", "body", "velocity", "stress"].map(str::to_owned).into(),
             is_compressed: true,
+            in_pieces: true,
         },
         measures: Vec::new(),
         tracers: Vec::new(),

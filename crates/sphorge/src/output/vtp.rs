@@ -30,6 +30,14 @@ pub struct FrameHeader {
     pub body_spacing: Vec<f64>,
 }
 
+impl FrameHeader {
+    /// Of a frame of a model at a time (s), after so many steps.
+    pub(crate) fn new(model: &Model, time: f64, step: u64) -> Self {
+        let body_spacing = model.bodies.iter().map(|body| body.spacing).collect();
+        Self { time, step, dimensions: model.dimensions.count(), body_spacing }
+    }
+}
+
 /// What the number of a body in the field `body` stands for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameBody {
@@ -55,7 +63,7 @@ impl Default for FrameWriter {
 }
 
 /// VTK's names of components.
-pub(super) fn component_names(kind: ColumnKind) -> &'static [&'static str] {
+fn component_names(kind: ColumnKind) -> &'static [&'static str] {
     match kind {
         ColumnKind::Scalar | ColumnKind::Integer => &[],
         ColumnKind::Vector => &["X", "Y", "Z"],
@@ -131,29 +139,46 @@ impl FrameWriter {
         out.seek(SeekFrom::Start(end)).map(drop)
     }
 
-    /// The XML up to the first byte of the arrays; of one length whatever the offsets are.
-    fn head(&self, header: &FrameHeader, count: usize, fields: &[&FieldInfo], offsets: &[u64]) -> String {
-        let spacings: Vec<String> = header.body_spacing.iter().map(|s| format!("{s:e}")).collect();
+    /// What the first element of a file says of its values.
+    pub(super) fn attributes(&self) -> String {
         let compressor = if self.is_compressed { format!(" compressor=\"{COMPRESSOR}\"") } else { String::new() };
+        format!("version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}")
+    }
+
+    /// The element of what a frame states beside its particles.
+    pub(super) fn field_data(&self, header: &FrameHeader, fields: &[&FieldInfo]) -> String {
+        let spacings: Vec<String> = header.body_spacing.iter().map(|s| format!("{s:e}")).collect();
         let names = strings("BodyName", self.bodies.iter().map(|body| body.name.clone()));
         let materials = strings("BodyMaterial", self.bodies.iter().map(|body| body.material.clone()));
         let unit = |field: &&&FieldInfo| !field.unit.is_empty();
         let position = std::iter::once("Points: m".to_owned());
         let units = fields.iter().filter(unit).map(|field| format!("{}: {}", field.name, field.unit));
         let units = strings("Units", position.chain(units));
-        let mut offsets = offsets.iter();
-        let mut offset = || format!("offset=\"{}\"", offsets.next().unwrap_or(&0));
-        let mut text = format!(
-            r#"<?xml version="1.0"?>
-<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64"{compressor}>
-  <PolyData>
-    <FieldData>
+        format!(
+            r#"    <FieldData>
       <DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{time:e}</DataArray>
       <DataArray type="Int64" Name="Step" NumberOfTuples="1" format="ascii">{step}</DataArray>
       <DataArray type="Int64" Name="Dimensions" NumberOfTuples="1" format="ascii">{dimensions}</DataArray>
       <DataArray type="Float64" Name="BodySpacing" NumberOfTuples="{bodies}" format="ascii">{spacing}</DataArray>
 {names}{materials}{units}    </FieldData>
-    <Piece NumberOfPoints="{count}" NumberOfVerts="{count}" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">
+"#,
+            time = header.time,
+            step = header.step,
+            dimensions = header.dimensions,
+            bodies = header.body_spacing.len(),
+            spacing = spacings.join(" "),
+        )
+    }
+
+    /// The XML up to the first byte of the arrays; of one length whatever the offsets are.
+    fn head(&self, header: &FrameHeader, count: usize, fields: &[&FieldInfo], offsets: &[u64]) -> String {
+        let mut offsets = offsets.iter();
+        let mut offset = || format!("offset=\"{}\"", offsets.next().unwrap_or(&0));
+        let mut text = format!(
+            r#"<?xml version="1.0"?>
+<VTKFile type="PolyData" {attributes}>
+  <PolyData>
+{field_data}    <Piece NumberOfPoints="{count}" NumberOfVerts="{count}" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">
       <Points>
         <DataArray type="Float64" Name="Points" NumberOfComponents="3" format="appended" {points:OFFSET$}>
           {metre}
@@ -165,36 +190,33 @@ impl FrameWriter {
       </Verts>
       <PointData>
 "#,
-            time = header.time,
-            step = header.step,
-            dimensions = header.dimensions,
-            bodies = header.body_spacing.len(),
-            spacing = spacings.join(" "),
+            attributes = self.attributes(),
+            field_data = self.field_data(header, fields),
             points = offset(),
             connectivity = offset(),
             ends = offset(),
             metre = unit_label("m"),
         );
         for field in fields {
-            let FieldInfo { name, kind, unit, .. } = field;
-            let (width, components) = (kind.width(), component_names(*kind));
-            let value_type = if *kind == ColumnKind::Integer { "UInt32" } else { "Float32" };
-            let components: String =
-                components.iter().enumerate().map(|(k, name)| format!(r#" ComponentName{k}="{name}""#)).collect();
-            let _ = write!(
-                text,
-                r#"        <DataArray type="{value_type}" Name="{name}" NumberOfComponents="{width}"{components} format="appended" {:OFFSET$}"#,
-                offset(),
-            );
-            match *unit {
-                "" => text.push_str("/>\n"),
-                unit => {
-                    let _ = write!(text, ">\n          {}\n        </DataArray>\n", unit_label(unit));
-                }
-            }
+            let place = format!(" format=\"appended\" {:OFFSET$}", offset());
+            let _ = write!(text, "        {}", array_element("DataArray", field, &place));
         }
         text.push_str("      </PointData>\n    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _");
         text
+    }
+}
+
+/// The element of an array of a field: a line, or three with its unit.
+pub(super) fn array_element(tag: &str, field: &FieldInfo, place: &str) -> String {
+    let FieldInfo { name, kind, unit, .. } = field;
+    let (width, components) = (kind.width(), component_names(*kind));
+    let value_type = if *kind == ColumnKind::Integer { "UInt32" } else { "Float32" };
+    let components: String =
+        components.iter().enumerate().map(|(k, name)| format!(r#" ComponentName{k}="{name}""#)).collect();
+    let start = format!(r#"<{tag} type="{value_type}" Name="{name}" NumberOfComponents="{width}"{components}{place}"#);
+    match *unit {
+        "" => format!("{start}/>\n"),
+        unit => format!("{start}>\n          {}\n        </{tag}>\n", unit_label(unit)),
     }
 }
 
@@ -223,7 +245,7 @@ pub(crate) fn uncompressed_bytes(count: usize, fields: &[String]) -> u64 {
 }
 
 /// Fields by their names, each once.
-fn written_fields(names: &[String]) -> io::Result<Vec<&'static FieldInfo>> {
+pub(super) fn written_fields(names: &[String]) -> io::Result<Vec<&'static FieldInfo>> {
     let mut fields: Vec<&FieldInfo> = Vec::with_capacity(names.len());
     for name in names.iter().filter(|name| *name != "position") {
         let field = find_field(name)
@@ -236,7 +258,7 @@ fn written_fields(names: &[String]) -> io::Result<Vec<&'static FieldInfo>> {
 }
 
 /// What VTK calls the unit of an array.
-fn unit_label(unit: &str) -> String {
+pub(super) fn unit_label(unit: &str) -> String {
     format!(r#"<InformationKey name="UNITS_LABEL" location="vtkDataArray">{unit}</InformationKey>"#)
 }
 

@@ -1,8 +1,9 @@
-//! Reads frames written by [`super::FrameWriter`] back; other `.vtp` files only as far as their form is the same.
+//! Reads frames written by [`super::FrameWriter`] back, in one file or in pieces; other `.vtp` files only as far as their form is the same.
 
 use super::{
     FrameBody, FrameHeader,
     error::{AtPath, OutputError},
+    pieces::ORDER,
     regular_file,
     vtp_data::{self, COMPRESSOR},
     xml,
@@ -13,11 +14,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// An opened frame: the header is read, values on demand.
+/// An opened frame: headers are read, values on demand. Particles come in the order of their `id`, whether one file has them or pieces of many
+/// processes.
 #[derive(Debug)]
 pub struct FrameFile {
     path: PathBuf,
-    file: File,
     /// What the frame states beside its particles.
     pub header: FrameHeader,
     /// What the numbers of the field `body` stand for; empty where the frame does not say.
@@ -25,10 +26,28 @@ pub struct FrameFile {
     /// Number of particles.
     pub count: usize,
     arrays: Vec<FrameArray>,
+    pieces: Vec<PieceFile>,
+    /// Of each particle, in the order of the pieces, its place in the frame; without it places are those of the one piece.
+    places: Option<Vec<u32>>,
+}
+
+/// One of the files that hold the values of a frame. It is opened whenever it is read: there may be thousands.
+#[derive(Debug)]
+struct PieceFile {
+    path: PathBuf,
+    count: usize,
+    /// Where the points begin, and each of the arrays.
     points_offset: u64,
+    offsets: Vec<u64>,
     data_start: u64,
-    file_bytes: u64,
     is_compressed: bool,
+}
+
+/// What a file of values says beside them.
+struct Told {
+    header: FrameHeader,
+    bodies: Vec<FrameBody>,
+    arrays: Vec<FrameArray>,
 }
 
 /// What is known of a field in a frame.
@@ -43,7 +62,6 @@ pub struct FrameArray {
     /// Unit in SI, empty for pure numbers.
     pub unit: String,
     whole_numbers: bool,
-    offset: u64,
 }
 
 /// Values of a field in a frame.
@@ -60,13 +78,114 @@ const MAX_HEADER: usize = 1 << 20;
 const DATA_MARK: &str = "<AppendedData encoding=\"raw\">";
 
 impl FrameFile {
-    /// Opens a frame and reads its header.
+    /// Opens a frame and reads its header: a `.vtp` file, or a `.pvtp` file that names the pieces of one.
     ///
     /// # Errors
     /// [`OutputError::Read`] if there is no such file, [`OutputError::Damaged`] if it is not one of our frames.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let is_in_pieces = path.extension().is_some_and(|ending| ending == "pvtp");
+        let named = if is_in_pieces { named_pieces(path)? } else { vec![path.to_owned()] };
+        let mut opened = named.iter().map(|piece| PieceFile::open(piece));
+        let (first, told) = opened.next().ok_or_else(|| OutputError::damaged(path, "it names no pieces"))??;
+        let mut pieces = vec![first];
+        for piece in opened {
+            let (piece, other) = piece?;
+            if other.arrays != told.arrays || other.header != told.header || other.bodies != told.bodies {
+                return Err(OutputError::damaged(&piece.path, "it is of another frame than the first piece"));
+            }
+            pieces.push(piece);
+        }
+        let too_many = || OutputError::damaged(path, "too many points");
+        let count = pieces.iter().try_fold(0usize, |sum, piece| sum.checked_add(piece.count)).ok_or_else(too_many)?;
+        let Told { header, bodies, arrays } = told;
+        let mut frame = Self { path: path.to_owned(), header, bodies, count, arrays, pieces, places: None };
+        if is_in_pieces {
+            frame.places = Some(frame.places_by_id()?);
+        }
+        Ok(frame)
+    }
+
+    /// Fields in the frame.
+    pub fn arrays(&self) -> &[FrameArray] {
+        &self.arrays
+    }
+
+    /// Positions, m.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if the file is shorter than its header says.
+    pub fn positions(&mut self) -> Result<Vec<[f64; 3]>, OutputError> {
+        let bytes = self.bytes(|piece| piece.points_offset, 24)?;
+        let (points, _) = bytes.as_chunks::<24>();
+        let coordinate = |p: &[u8; 24], k: usize| f64::from_le_bytes(std::array::from_fn(|b| p[8 * k + b]));
+        Ok(points.iter().map(|p| [coordinate(p, 0), coordinate(p, 1), coordinate(p, 2)]).collect())
+    }
+
+    /// Values of a field; `None` if the frame does not have it.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if the file is shorter than its header says.
+    pub fn column(&mut self, name: &str) -> Result<Option<FrameColumn>, OutputError> {
+        let Some(index) = self.arrays.iter().position(|a| a.name == name) else { return Ok(None) };
+        let FrameArray { width, whole_numbers, .. } = self.arrays[index];
+        let bytes = self.bytes(|piece| piece.offsets[index], 4 * width)?;
+        let (values, _) = bytes.as_chunks::<4>();
+        let decode = |b: &[u8; 4]| if whole_numbers { u32::from_le_bytes(*b) as f32 } else { f32::from_le_bytes(*b) };
+        Ok(Some(FrameColumn { width, values: values.iter().map(decode).collect() }))
+    }
+
+    /// Bytes of all particles in the order of the frame, of arrays that begin at `offset` of each piece and hold `width` bytes a particle.
+    fn bytes(&self, offset: impl Fn(&PieceFile) -> u64, width: usize) -> Result<Vec<u8>, OutputError> {
+        let mut bytes = Vec::new();
+        for piece in &self.pieces {
+            let block = piece.block(offset(piece), width)?;
+            // The block of a frame that is one file is not copied.
+            if bytes.is_empty() { bytes = block } else { bytes.extend_from_slice(&block) }
+        }
+        let Some(places) = &self.places else { return Ok(bytes) };
+        let mut sorted = vec![0; bytes.len()];
+        for (value, &place) in bytes.chunks_exact(width).zip(places) {
+            sorted[place as usize * width..][..width].copy_from_slice(value);
+        }
+        Ok(sorted)
+    }
+
+    /// The places of the particles of the pieces, which are to be those of one frame.
+    fn places_by_id(&self) -> Result<Vec<u32>, OutputError> {
+        let damaged = |reason: &str| OutputError::damaged(&self.path, reason);
+        let index = self.arrays.iter().position(|a| a.name == ORDER && a.width == 1 && a.whole_numbers);
+        let index = index.ok_or_else(|| damaged("its pieces have no `id` to put particles in order by"))?;
+        let bytes = self.bytes(|piece| piece.offsets[index], 4)?;
+        let (ids, _) = bytes.as_chunks::<4>();
+        let places: Vec<u32> = ids.iter().map(|id| u32::from_le_bytes(*id)).collect();
+        let mut is_taken = vec![false; self.count];
+        for &place in &places {
+            match is_taken.get_mut(place as usize) {
+                Some(taken) if !*taken => *taken = true,
+                _ => return Err(damaged("its pieces do not hold each particle once")),
+            }
+        }
+        Ok(places)
+    }
+}
+
+/// The files that a `.pvtp` file names.
+fn named_pieces(path: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let damaged = |reason: &str| OutputError::damaged(path, reason);
+    let text = regular_file::read_to_string(path).reading(path)?;
+    let document = xml::parse(&text).map_err(|reason| damaged(&reason))?;
+    if document.root_element().attribute("type") != Some("PPolyData") {
+        return Err(damaged("it does not name pieces of polydata"));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let pieces = document.descendants().filter(|node| node.has_tag_name("Piece"));
+    let source = |node: roxmltree::Node| node.attribute("Source").map(|source| folder.join(source));
+    pieces.map(source).collect::<Option<_>>().ok_or_else(|| damaged("a piece has no source"))
+}
+
+impl PieceFile {
+    fn open(path: &Path) -> Result<(Self, Told), OutputError> {
         let mut file = regular_file::open(path).reading(path)?;
-        let file_bytes = file.metadata().reading(path)?.len();
         let (xml, data_start) = read_header(path, &mut file)?;
         let damaged = |reason: &str| OutputError::damaged(path, reason);
         let document = xml::parse(&xml).map_err(|reason| damaged(&reason))?;
@@ -106,53 +225,25 @@ impl FrameFile {
             .filter(|n| n.attribute("type") == Some("Float64"))
             .and_then(|n| number(n, "offset"))
             .ok_or_else(|| damaged("no points in double precision"))?;
-        let arrays = element("PointData")
+        let arrays: Vec<(FrameArray, u64)> = element("PointData")
             .into_iter()
             .flat_map(|n| n.children())
             .filter(|n| n.has_tag_name("DataArray"))
             .map(|n| frame_array(n).ok_or_else(|| damaged("a field of unknown layout")))
             .collect::<Result<_, _>>()?;
-        drop(document);
-        let path = path.to_owned();
-        Ok(Self { path, file, header, bodies, count, arrays, points_offset, data_start, file_bytes, is_compressed })
-    }
-
-    /// Fields in the frame.
-    pub fn arrays(&self) -> &[FrameArray] {
-        &self.arrays
-    }
-
-    /// Positions, m.
-    ///
-    /// # Errors
-    /// [`OutputError::Damaged`] if the file is shorter than its header says.
-    pub fn positions(&mut self) -> Result<Vec<[f64; 3]>, OutputError> {
-        let bytes = self.block(self.points_offset, 24)?;
-        let (points, _) = bytes.as_chunks::<24>();
-        let coordinate = |p: &[u8; 24], k: usize| f64::from_le_bytes(std::array::from_fn(|b| p[8 * k + b]));
-        Ok(points.iter().map(|p| [coordinate(p, 0), coordinate(p, 1), coordinate(p, 2)]).collect())
-    }
-
-    /// Values of a field; `None` if the frame does not have it.
-    ///
-    /// # Errors
-    /// [`OutputError::Damaged`] if the file is shorter than its header says.
-    pub fn column(&mut self, name: &str) -> Result<Option<FrameColumn>, OutputError> {
-        let Some(array) = self.arrays.iter().find(|a| a.name == name).cloned() else { return Ok(None) };
-        let bytes = self.block(array.offset, 4 * array.width)?;
-        let (values, _) = bytes.as_chunks::<4>();
-        let decode =
-            |b: &[u8; 4]| if array.whole_numbers { u32::from_le_bytes(*b) as f32 } else { f32::from_le_bytes(*b) };
-        Ok(Some(FrameColumn { width: array.width, values: values.iter().map(decode).collect() }))
+        let (arrays, offsets) = arrays.into_iter().unzip();
+        let piece = Self { path: path.to_owned(), count, points_offset, offsets, data_start, is_compressed };
+        Ok((piece, Told { header, bodies, arrays }))
     }
 
     /// Bytes of the block at `offset`, which must hold `width` bytes a particle.
-    fn block(&mut self, offset: u64, width: usize) -> Result<Vec<u8>, OutputError> {
+    fn block(&self, offset: u64, width: usize) -> Result<Vec<u8>, OutputError> {
         let damaged = |reason: &str| OutputError::damaged(&self.path, reason);
+        let mut file = regular_file::open(&self.path).reading(&self.path)?;
+        let file_bytes = file.metadata().reading(&self.path)?.len();
         let expected = (self.count as u64).checked_mul(width as u64).ok_or_else(|| damaged("too many points"))?;
         let start = self.data_start.checked_add(offset).ok_or_else(|| damaged("the file ends early"))?;
-        vtp_data::read(&mut self.file, self.file_bytes, start, expected, self.is_compressed)
-            .map_err(|reason| OutputError::damaged(&self.path, reason))
+        vtp_data::read(&mut file, file_bytes, start, expected, self.is_compressed).map_err(|reason| damaged(&reason))
     }
 }
 
@@ -185,7 +276,8 @@ fn number(node: roxmltree::Node, attribute: &str) -> Option<u64> {
     node.attribute(attribute)?.parse().ok()
 }
 
-fn frame_array(node: roxmltree::Node) -> Option<FrameArray> {
+/// An array, and where its values begin.
+fn frame_array(node: roxmltree::Node) -> Option<(FrameArray, u64)> {
     let width = number(node, "NumberOfComponents").unwrap_or(1) as usize;
     if !(1..=9).contains(&width) {
         return None;
@@ -198,14 +290,14 @@ fn frame_array(node: roxmltree::Node) -> Option<FrameArray> {
         _ => return None,
     };
     let label = node.children().find(|n| n.attribute("name") == Some("UNITS_LABEL"));
-    Some(FrameArray {
+    let array = FrameArray {
         name: node.attribute("Name")?.to_owned(),
         width,
         components,
         unit: label.and_then(|n| n.text()).unwrap_or_default().trim().to_owned(),
         whole_numbers,
-        offset: number(node, "offset")?,
-    })
+    };
+    Some((array, number(node, "offset")?))
 }
 
 #[cfg(test)]

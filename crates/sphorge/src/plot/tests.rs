@@ -26,7 +26,7 @@ fn run(folder: &Path, dimensions: usize) -> RunDirectory {
     let mut entries = Vec::new();
     for (k, time) in [0.0, 1e-5].into_iter().enumerate() {
         let header = FrameHeader { time, step: k as u64, dimensions, body_spacing: vec![1e-3] };
-        let file = RunDirectory::frame_name(k);
+        let file = RunDirectory::frame_name(k, false);
         write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
         entries.push(SeriesEntry { time, file });
     }
@@ -72,7 +72,7 @@ fn outliers_do_not_stretch_the_bar() {
     }
     particles.plastic_strain[7] = 50.0;
     let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
-    let file = RunDirectory::frame_name(0);
+    let file = RunDirectory::frame_name(0, false);
     write_frame_file(&run.path().join(&file), &header, &particles, &["plastic_strain".to_owned()]).unwrap();
     write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
     let to = folder.path().join("p.png");
@@ -138,7 +138,7 @@ fn a_single_particle_without_size_is_drawn_or_refused_but_never_a_fault() {
     for (k, dimensions) in [1, 2, 3].into_iter().enumerate() {
         let run = RunDirectory::create(&folder.path().join(k.to_string()), false).unwrap();
         let header = FrameHeader { time: 0.0, step: 0, dimensions, body_spacing: vec![] };
-        let file = RunDirectory::frame_name(0);
+        let file = RunDirectory::frame_name(0, false);
         write_frame_file(&run.path().join(&file), &header, &Particles::new(1), &["pressure".to_owned()]).unwrap();
         write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
         let picture = FieldPicture { paper: COARSE, ..FieldPicture::new("pressure") };
@@ -248,7 +248,7 @@ fn measures_are_lines_on_the_particles() {
         particles.position[i] = [1e-3 * x, if i < 16 { -0.5e-3 } else { 0.5e-3 }, 0.0];
     }
     let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
-    let file = RunDirectory::frame_name(0);
+    let file = RunDirectory::frame_name(0, false);
     let fields = ["body".to_owned(), "pressure".to_owned()];
     write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
     write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
@@ -305,7 +305,7 @@ fn a_field_that_is_one_or_zero_has_a_key_and_a_share() {
         particles.adapted[i] = u32::from(i >= 300);
     }
     let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
-    let file = RunDirectory::frame_name(0);
+    let file = RunDirectory::frame_name(0, false);
     write_frame_file(&run.path().join(&file), &header, &particles, &["adapted".to_owned()]).unwrap();
     write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
     let picture = FieldPicture { paper: HALF, ..FieldPicture::new("adapted") };
@@ -356,7 +356,7 @@ fn quarter(folder: &Path) -> RunDirectory {
     let mut entries = Vec::new();
     for (k, time) in [0.0, 5e-6].into_iter().enumerate() {
         let header = FrameHeader { time, step: k as u64, dimensions: 3, body_spacing: vec![1e-3] };
-        let file = RunDirectory::frame_name(k);
+        let file = RunDirectory::frame_name(k, false);
         write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
         entries.push(SeriesEntry { time, file });
     }
@@ -509,7 +509,7 @@ fn frames_by_themselves_and_moving_have_one_page_and_scale() {
         let header = FrameHeader { time: 0.0, step: 0, dimensions, body_spacing: vec![1e-3] };
         let mut other = Particles::new(2);
         other.position[1] = [1e-3, 0.0, 0.0];
-        let first = run.path().join(RunDirectory::frame_name(0));
+        let first = run.path().join(RunDirectory::frame_name(0, false));
         write_frame_file(&first, &header, &other, &["pressure".to_owned()]).unwrap();
         plot_each_frame(&run, &picture, name).unwrap();
         if dimensions == 2 {

@@ -79,7 +79,7 @@ impl Keeper {
                 Some((step, _)) => format!("the checkpoint of step {step} is kept"),
                 None => "there is no checkpoint yet".to_owned(),
             };
-            observer.noted(&format!("the state of the run could not be saved: {}; {kept}", chain(&error)));
+            observer.noted(&format!("the state of the run could not be saved: {}; {kept}", error.chain()));
         }
     }
 
@@ -114,7 +114,9 @@ impl Keeper {
             self.next = multiple_after(time, interval);
         }
         let directory = state.recorder.directory().clone();
-        let written = write_checkpoint(&directory, &about, &self.deck_text, |archive| state.save(archive));
+        let written = write_checkpoint(&directory, &about, &self.deck_text, state.simulation.ranks(), |archive| {
+            state.save(archive)
+        });
         self.last = Instant::now();
         match written? {
             Some(path) => observer.saved(&path, step, time),
@@ -124,14 +126,6 @@ impl Keeper {
             }
         }
         Ok(())
-    }
-}
-
-/// An error with what caused it.
-fn chain(error: &dyn std::error::Error) -> String {
-    match error.source() {
-        Some(source) => format!("{error}: {}", chain(source)),
-        None => error.to_string(),
     }
 }
 

@@ -18,6 +18,7 @@ mod conservation;
 mod drive;
 mod error;
 mod progress;
+mod rank_files;
 mod record;
 mod repeat;
 mod resume;
@@ -29,6 +30,7 @@ pub use checkpoint::CheckpointPlan;
 pub use drive::{RunOptions, execute};
 pub use error::RunError;
 pub use progress::{Observer, Progress, RunStart, Silent};
+pub use rank_files::FilesOfRank;
 pub use resume::{CHANGEABLE, ResumeError, ResumeOptions, resume};
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::{
     output::{
         AuditRecord, BodyRecord, DiskSync, Durability, EndReason, EnergyRecord, FailureRecord, FrameHeader,
         FrameWriter, History, HistorySample, OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord,
-        measure_unit, write_file, write_series,
+        measure_unit, write_file, write_pieces, write_series,
     },
 };
 use std::{array, time::Instant};
@@ -219,25 +219,32 @@ impl Recorder {
     }
 
     /// Writes a frame, then the list of frames, then the rows so far.
-    pub(super) fn frame(&mut self, engine: &Simulation) -> Result<usize, OutputError> {
+    pub(super) fn frame(&mut self, engine: &Simulation) -> Result<usize, Trouble> {
         let start = Instant::now();
         let model = engine.model();
         let index = self.frames.len();
-        let header = FrameHeader {
-            time: engine.time(),
-            step: engine.steps(),
-            dimensions: model.dimensions.count(),
-            body_spacing: model.bodies.iter().map(|body| body.spacing).collect(),
+        let at = (engine.time(), engine.steps());
+        let processes = engine.in_pieces().filter(|_| model.output.in_pieces);
+        let file = RunDirectory::frame_name(index, processes.is_some());
+        let written = match processes {
+            Some(processes) => Vec::from(write_pieces(&self.directory, index, model, at, processes)??),
+            None => {
+                let path = self.directory.path().join(&file);
+                write_file(&path, Durability::Process, |mut out| {
+                    self.frame_writer.write(
+                        &mut out,
+                        &FrameHeader::new(model, at.0, at.1),
+                        engine,
+                        &model.output.fields,
+                    )
+                })?;
+                vec![path]
+            }
         };
-        let file = RunDirectory::frame_name(index);
-        let path = self.directory.path().join(&file);
-        write_file(&path, Durability::Process, |mut out| {
-            self.frame_writer.write(&mut out, &header, engine, &model.output.fields)
-        })?;
         self.frames.push(SeriesEntry { time: engine.time(), file });
         write_series(&self.directory.series(), &self.frames)?;
         self.history.flush()?;
-        self.disk.written(&path)?;
+        written.iter().try_for_each(|path| self.disk.written(path))?;
         self.disk.written(&self.directory.series())?;
         self.disk.written(self.history.path())?;
         self.last_frame_step = Some(engine.steps());
@@ -362,7 +369,12 @@ impl Persist for Recorder {
         self.watch.persist(&of("watch"), archive)?;
         let mut times: Vec<f64> = self.frames.iter().map(|frame| frame.time).collect();
         times.persist(&of("frame_times"), archive)?;
-        let entry = |(index, time)| SeriesEntry { time, file: RunDirectory::frame_name(index) };
+        // Frames before a run went on, on another number of processes, may be of the other form.
+        let in_pieces = |index: usize| match self.frames.get(index) {
+            Some(known) => known.file == RunDirectory::frame_name(index, true),
+            None => self.directory.has_pieces(index),
+        };
+        let entry = |(index, time)| SeriesEntry { time, file: RunDirectory::frame_name(index, in_pieces(index)) };
         self.frames = times.into_iter().enumerate().map(entry).collect();
         self.last_frame_step.persist(&of("last_frame_step"), archive)?;
         self.last_row_step.persist(&of("last_row_step"), archive)?;

@@ -82,7 +82,7 @@ impl Repeater {
         let start = Instant::now();
         // Before there is another one: there may be no room for two.
         self.kept = None;
-        let mut archive = MemoryArchive::new();
+        let mut archive = MemoryArchive::in_parts();
         if state.save(&mut archive).is_err() {
             // The engine does not give its state away.
             self.most = 0;

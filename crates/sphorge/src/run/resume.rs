@@ -207,6 +207,9 @@ fn go_on_from(
     let Saved { directory, mut checkpoint, setup, passed_over } = saved;
     let Setup { model, particles, masses, deck_text, .. } = setup;
     let path = directory.path().to_owned();
+    if let Err(error) = checkpoint.open_parts(kind.ranks()) {
+        return Ok(Err(error.chain()));
+    }
     let (end, reached) = (model.time.end, checkpoint.about.time);
     if end < reached * (1.0 - 1e-12) {
         return Err(ResumeError::EndPassed { end, reached });

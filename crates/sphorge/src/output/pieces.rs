@@ -1,0 +1,161 @@
+//! Frames in pieces: each process that shares a run writes its particles to a file of its own, and a `.pvtp` file (VTK XML parallel PolyData) names
+//! them all, so that readers open it as one.
+//!
+//! The particles of a piece come in the order its process has them in, so every piece has their `id`. The file that names the pieces is written
+//! when all of them are there.
+
+use super::{
+    FrameHeader, FrameWriter, RunDirectory,
+    atomic::{Durability, write_file},
+    error::{AtPath, OutputError},
+    vtp::{array_element, unit_label, written_fields},
+};
+use crate::engine::{FieldSource, InPieces};
+use crate::model::Model;
+use serde::{Deserialize, Serialize};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// Who reads a frame in pieces puts its particles in order by this field.
+pub(super) const ORDER: &str = "id";
+
+/// What one process asks the others to write.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PieceRequest {
+    /// Folder of the pieces.
+    folder: PathBuf,
+    time: f64,
+    step: u64,
+}
+
+impl PieceRequest {
+    /// Understands a request.
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        serde_json::from_str(text).map_err(|error| error.to_string())
+    }
+
+    /// Writes the particles of the process of this number; returns where to.
+    pub(crate) fn write(
+        &self,
+        model: &Model,
+        number: usize,
+        particles: &dyn FieldSource,
+    ) -> Result<PathBuf, OutputError> {
+        // Other processes may not see yet that it was made.
+        fs::create_dir_all(&self.folder).writing(&self.folder)?;
+        let path = self.folder.join(piece_name(number));
+        let header = FrameHeader::new(model, self.time, self.step);
+        write_file(&path, Durability::Process, |mut out| {
+            FrameWriter::new(model).write(&mut out, &header, particles, &with_order(&model.output.fields))
+        })?;
+        Ok(path)
+    }
+}
+
+/// Name of a piece in its folder.
+fn piece_name(number: usize) -> String {
+    format!("{number:04}.vtp")
+}
+
+/// Whether a file has the name of a piece.
+pub(super) fn is_piece(name: &str) -> bool {
+    name.strip_suffix(".vtp").is_some_and(|stem| stem.len() >= 4 && stem.bytes().all(|b| b.is_ascii_digit()))
+}
+
+fn with_order(fields: &[String]) -> Vec<String> {
+    let has_order = fields.iter().any(|field| field == ORDER);
+    let order = (!has_order).then(|| ORDER.to_owned());
+    order.into_iter().chain(fields.iter().cloned()).collect()
+}
+
+/// Has all processes write their pieces of frame `index`, then names them in its file. Returns the files that this process has written.
+///
+/// # Errors
+/// The inner one: a file cannot be written.
+pub(crate) fn write_pieces(
+    directory: &RunDirectory,
+    index: usize,
+    model: &Model,
+    (time, step): (f64, u64),
+    processes: &dyn InPieces,
+) -> Result<Result<[PathBuf; 2], OutputError>, crate::engine::RunFailure> {
+    let file = directory.path().join(RunDirectory::frame_name(index, true));
+    let folder = file.with_extension("");
+    let request = match request(&folder, time, step) {
+        Ok(request) => request,
+        Err(error) => return Ok(Err(error)),
+    };
+    let text = match serde_json::to_string(&request) {
+        Ok(text) => text,
+        Err(error) => return Ok(Err(io::Error::other(error)).writing(&folder)),
+    };
+    let mut own = Err(String::new());
+    let mut write = |particles: &dyn FieldSource| {
+        own = request.write(model, 0, particles).map_err(|error| error.chain());
+        own.clone().map(drop)
+    };
+    let written = processes.write(&text, &mut write)?;
+    let named = written.and(own).map_err(io::Error::other).writing(&folder).and_then(|piece| {
+        let header = FrameHeader::new(model, time, step);
+        let text = FrameWriter::new(model).named_pieces(&header, &model.output.fields, &folder, processes.pieces());
+        let text = text.writing(&file)?;
+        write_file(&file, Durability::Process, |out| out.write_all(text.as_bytes()))?;
+        Ok([piece, file])
+    });
+    Ok(named)
+}
+
+/// The request, with a folder that has no pieces of another number of processes.
+fn request(folder: &Path, time: f64, step: u64) -> Result<PieceRequest, OutputError> {
+    remove_pieces(folder).writing(folder)?;
+    fs::create_dir_all(folder).writing(folder)?;
+    let folder = std::path::absolute(folder).writing(folder)?;
+    Ok(PieceRequest { folder, time, step })
+}
+
+/// Removes a folder of pieces with the pieces, whole or not, that are in it; what else is in it stays, and the folder with it.
+pub(super) fn remove_pieces(folder: &Path) -> io::Result<()> {
+    super::directory::remove_matching(folder, |name| is_piece(name) || super::directory::is_unfinished(name))?;
+    match fs::remove_dir(folder) {
+        Err(e) if !matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::DirectoryNotEmpty) => Err(e),
+        _ => Ok(()),
+    }
+}
+
+impl FrameWriter {
+    /// The text of the file that names so many pieces in a folder beside it.
+    fn named_pieces(
+        &self,
+        header: &FrameHeader,
+        fields: &[String],
+        folder: &Path,
+        pieces: usize,
+    ) -> io::Result<String> {
+        let fields = written_fields(&with_order(fields))?;
+        let arrays: String =
+            fields.iter().map(|field| format!("      {}", array_element("PDataArray", field, ""))).collect();
+        let folder = folder.file_name().unwrap_or_default().to_string_lossy();
+        let pieces: String =
+            (0..pieces).map(|piece| format!("    <Piece Source=\"{folder}/{}\"/>\n", piece_name(piece))).collect();
+        Ok(format!(
+            r#"<?xml version="1.0"?>
+<VTKFile type="PPolyData" {attributes}>
+  <PPolyData GhostLevel="0">
+{field_data}    <PPoints>
+      <PDataArray type="Float64" Name="Points" NumberOfComponents="3">
+        {metre}
+      </PDataArray>
+    </PPoints>
+    <PPointData>
+{arrays}    </PPointData>
+{pieces}  </PPolyData>
+</VTKFile>
+"#,
+            attributes = self.attributes(),
+            field_data = self.field_data(header, &fields),
+            metre = unit_label("m"),
+        ))
+    }
+}
