@@ -3,6 +3,7 @@
 use sphorge::geometry::{BYTES_PER_PARTICLE, MAX_PARTICLES};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Particles that can be run here now: by what the machine has free, and what the process and its control group may take.
 pub(crate) fn particle_limit() -> f64 {
@@ -58,6 +59,15 @@ fn addresses_left(limits: &str, status: &str) -> Option<f64> {
     Some(most - kibibytes_of(status, "VmSize:")? as f64 * 1024.0)
 }
 
+/// Number of this process among the ranks of a run, plus one; zero where there are no others.
+static RANK: AtomicUsize = AtomicUsize::new(0);
+
+/// Notes which rank this process is, for it to say so when it has no more memory.
+#[cfg(feature = "mpi")]
+pub(crate) fn note_rank(rank: usize) {
+    RANK.store(rank + 1, Ordering::Relaxed);
+}
+
 /// The allocator of the system, which ends the program with a message and exit code 1 where there is no more memory. What a run has written is
 /// complete then, as at any moment.
 pub(crate) struct OrEnd;
@@ -66,9 +76,14 @@ impl OrEnd {
     fn or_end(pointer: *mut u8, bytes: usize) -> *mut u8 {
         if pointer.is_null() {
             // Standard error takes no memory.
+            let mut out = std::io::stderr();
+            let _ = match RANK.load(Ordering::Relaxed) {
+                0 => write!(out, "error: out of memory"),
+                rank => write!(out, "error: rank {} is out of memory", rank - 1),
+            };
             let _ = writeln!(
-                std::io::stderr(),
-                "error: out of memory: {bytes} bytes more were not to be had\n\
+                out,
+                ": {bytes} bytes more were not to be had\n\
                  Files that were written are complete; a run can be resumed from its last checkpoint. `sphorge check` tells how much memory a \
                  deck takes."
             );

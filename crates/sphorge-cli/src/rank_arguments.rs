@@ -22,3 +22,4 @@ fn parse_ranks(text: &str) -> Result<usize, String> {
 mod alone;
 #[cfg(feature = "mpi")]
 mod processes;
+mod started;

@@ -205,3 +205,25 @@ fn output_that_does_not_fit_is_a_failure() {
     let output = place.command(&["materials"]).stdout(Stdio::from(full)).output().unwrap();
     common::Ended::from(output).expect_code(1).expect_told(&["cannot write to standard output"]);
 }
+
+#[cfg(not(feature = "mpi"))]
+#[test]
+fn a_program_without_mpi_is_not_one_of_many_processes() {
+    let place = Place::new();
+    let one_of = |names: [&str; 2], number: &str| {
+        let mut command = place.command(&["run", "plate.toml", "-o", "run"]);
+        common::Ended::from(command.env(names[0], "4").env(names[1], number).output().unwrap())
+    };
+    for names in [
+        ["OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"],
+        ["PMI_SIZE", "PMI_RANK"],
+        ["SLURM_STEP_NUM_TASKS", "SLURM_PROCID"],
+    ] {
+        one_of(names, "0").expect_code(2).expect_told(&["4 processes were started together", "--features mpi"]);
+        // The first one has said so.
+        assert_eq!(one_of(names, "3").expect_code(1).err, "");
+    }
+    assert!(!place.path("run").exists());
+    let mut alone = place.command(&["run", "plate.toml", "-o", "run"]);
+    common::Ended::from(alone.env("PMI_SIZE", "1").env("PMI_RANK", "0").output().unwrap()).expect_code(0);
+}

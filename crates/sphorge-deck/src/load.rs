@@ -23,6 +23,7 @@ pub struct Setup {
     /// The validated model.
     pub model: Model,
     /// Its particles, body by body.
+    /// The rest of their columns comes with [`Particles::complete`], which a simulation that starts with them calls.
     pub particles: Particles,
     /// What the particles of each body weigh, beside its shape.
     pub masses: Vec<FilledMass>,

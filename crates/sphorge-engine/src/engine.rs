@@ -184,6 +184,10 @@ pub trait Engine: Send {
     fn imbalance(&self) -> f64 {
         1.0
     }
+    /// Seconds that this process has waited for messages of others or sent its own.
+    fn waited(&self) -> f64 {
+        0.0
+    }
     /// Number of particles.
     fn count(&self) -> usize;
     /// Ordered pairs inside the kernel support at the last kinematics stage.

@@ -11,7 +11,9 @@ pub use files::{Loaded, RankFiles};
 use crate::RunFailure;
 use crate::persist::Fixed;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 /// What carries bytes between ranks. A rank sends nothing to itself.
 pub trait Communicator: Send + Sync + std::fmt::Debug {
@@ -32,12 +34,14 @@ pub struct Ranks {
     communicator: Arc<dyn Communicator>,
     /// Why a rank was lost where nobody could be told.
     lost: Arc<OnceLock<RunFailure>>,
+    /// Nanoseconds spent in exchanges.
+    waited: Arc<AtomicU64>,
 }
 
 impl Ranks {
     /// The ranks that a communicator joins.
     pub fn new(communicator: Arc<dyn Communicator>) -> Self {
-        Self { communicator, lost: Arc::default() }
+        Self { communicator, lost: Arc::default(), waited: Arc::default() }
     }
 
     /// Number of this rank.
@@ -56,8 +60,15 @@ impl Ranks {
     /// Here and below: a rank is lost.
     pub fn exchange(&self, to: &[Vec<u8>], lengths: &[usize]) -> Result<Vec<Vec<u8>>, RunFailure> {
         let mut from: Vec<Vec<u8>> = lengths.iter().map(|&length| vec![0; length]).collect();
-        self.communicator.exchange(to, &mut from).map_err(lost)?;
-        Ok(from)
+        let start = Instant::now();
+        let exchanged = self.communicator.exchange(to, &mut from).map_err(lost);
+        self.waited.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        exchanged.map(|()| from)
+    }
+
+    /// Seconds that this rank has waited for messages or sent them.
+    pub fn waited(&self) -> f64 {
+        1e-9 * self.waited.load(Ordering::Relaxed) as f64
     }
 
     /// The values of every rank, of which rank `r` has `counts[r]`, in the order of the ranks.

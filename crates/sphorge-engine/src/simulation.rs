@@ -19,6 +19,10 @@ pub struct Simulation {
     /// Share of the stable step that the last step took or tried.
     tried_share: f64,
     seconds: StageSeconds,
+    /// Of the seconds of each stage, those that this process has waited for others.
+    waiting: StageSeconds,
+    /// Seconds it has waited before the first step.
+    waited_before: f64,
 }
 
 /// How far a run is.
@@ -83,11 +87,18 @@ impl Simulation {
     ///
     /// # Errors
     /// See [`EngineKind::start`].
-    pub fn start(kind: &dyn EngineKind, model: Model, particles: Particles) -> Result<Self, RunFailure> {
+    pub fn start(kind: &dyn EngineKind, model: Model, mut particles: Particles) -> Result<Self, RunFailure> {
         let model = Arc::new(model);
+        if kind.ranks() == 1 {
+            // Of several each completes its share.
+            particles.complete();
+        }
         let engine = kind.start(model.clone(), particles)?;
         let seconds = StageSeconds::default();
+        let waited_before = engine.waited();
         Ok(Self {
+            waiting: StageSeconds::default(),
+            waited_before,
             model,
             engine,
             name: kind.name(),
@@ -106,7 +117,8 @@ impl Simulation {
         let limit = self.next_limit()?;
         let (dt, reason) = self.choose_step(limit, land_on)?;
         self.tried_share = dt / limit.dt.min(self.model.time.max_step.unwrap_or(f64::INFINITY));
-        let advanced = advance(self.engine.as_mut(), dt, &mut self.seconds).map_err(|f| self.date(f))?;
+        let advanced =
+            advance(self.engine.as_mut(), dt, &mut self.seconds, &mut self.waiting).map_err(|f| self.date(f))?;
         let clock = &mut self.clock;
         clock.limit = Some(advanced.limit);
         clock.steps += 1;
@@ -222,6 +234,14 @@ impl Simulation {
         self.seconds
     }
 
+    /// Seconds by stage that this process has waited for messages of others or sent its own, since it was started and after the initial rates were
+    /// evaluated; zero for a process alone.
+    pub fn waiting_seconds(&self) -> StageSeconds {
+        let StageSeconds { search, kinematics, stress, forces, integrate, .. } = self.waiting;
+        let in_steps = search + kinematics + stress + forces + integrate;
+        StageSeconds { output: (self.engine.waited() - self.waited_before - in_steps).max(0.0), ..self.waiting }
+    }
+
     /// Mean number of neighbours inside the kernel support.
     pub fn mean_neighbors(&self) -> f64 {
         self.engine.pairs() as f64 / self.count().max(1) as f64
@@ -249,8 +269,10 @@ impl Simulation {
             Some(limit) => Ok(limit),
             None => {
                 // Preparation is not part of a step's time.
-                let mut preparation = StageSeconds::default();
-                let advanced = advance(self.engine.as_mut(), 0.0, &mut preparation).map_err(|f| self.date(f))?;
+                let [mut preparation, mut waiting] = [StageSeconds::default(); 2];
+                let advanced = advance(self.engine.as_mut(), 0.0, &mut preparation, &mut waiting);
+                let advanced = advanced.map_err(|f| self.date(f))?;
+                self.waited_before = self.engine.waited();
                 self.clock.limit = Some(advanced.limit);
                 Ok(advanced.limit)
             }

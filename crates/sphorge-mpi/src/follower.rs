@@ -66,7 +66,8 @@ impl Following {
         match command {
             Command::Start { .. } | Command::End => {}
             Command::Step(dt) => {
-                let _ = advance(part as &mut dyn Engine, dt, &mut StageSeconds::default());
+                let _ =
+                    advance(part as &mut dyn Engine, dt, &mut StageSeconds::default(), &mut StageSeconds::default());
             }
             Command::Ledger => {
                 part.ledger()?;

@@ -11,7 +11,7 @@ use sphorge_engine::{
     SearchReport, TimeStepLimit, Unsupported, start_part,
 };
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The kind of engine that the first of several ranks has. Once it is dropped the others end ([`crate::follow`]).
@@ -79,20 +79,34 @@ struct LeadingEngine {
     model: Arc<Model>,
     part: Box<dyn Part>,
     ranks: Ranks,
-    /// Fields of the particles of all ranks that were asked for since the last step.
-    collected: RefCell<BTreeMap<String, Column<'static>>>,
+    collected: RefCell<Collected>,
+}
+
+/// Fields of the particles of all ranks that sums were taken over since the last step, in the order they are summed in.
+#[derive(Default)]
+struct Collected {
+    particles: Particles,
+    known: BTreeSet<String>,
 }
 
 impl LeadingEngine {
     /// A field of the particles of all ranks, in the order they are summed in.
     fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
-        if let Some(column) = self.collected.borrow().get(field) {
-            return Ok(column.clone());
-        }
         Command::Collect(field.to_owned()).broadcast(&self.ranks)?;
-        let column = self.part.collect(field)?;
-        self.collected.borrow_mut().insert(field.to_owned(), column.clone());
-        Ok(column)
+        self.part.collect(field)
+    }
+
+    /// Keeps stored fields of the particles of all ranks until the next step, no other columns beside them: all of these particles are many.
+    fn keep(&self, fields: &[&str]) -> Result<(), RunFailure> {
+        for field in fields {
+            if !self.collected.borrow().known.contains(*field) {
+                let column = self.collect(field)?;
+                let Collected { particles, known } = &mut *self.collected.borrow_mut();
+                particles.set_column(field, &column);
+                known.insert((*field).to_owned());
+            }
+        }
+        Ok(())
     }
 
     /// Saves the state of all ranks as one process would.
@@ -118,7 +132,7 @@ impl LeadingEngine {
 
     /// Loads a state that any number of ranks, or one process without them, has saved.
     fn load(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.collected.borrow_mut().clear();
+        *self.collected.borrow_mut() = Collected::default();
         match archive.parts() {
             None => Command::Load.broadcast(&self.ranks).map_err(lost)?,
             Some(parts) => {
@@ -138,16 +152,6 @@ fn lost(failure: RunFailure) -> ArchiveError {
     ArchiveError::Unsupported(failure.message)
 }
 
-/// All fields in the order they are summed in.
-impl FieldSource for LeadingEngine {
-    fn count(&self) -> usize {
-        self.part.total()
-    }
-    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
-        self.collect(field)
-    }
-}
-
 impl InPieces for LeadingEngine {
     fn pieces(&self) -> usize {
         self.ranks.size()
@@ -164,7 +168,7 @@ impl InPieces for LeadingEngine {
 
 impl Engine for LeadingEngine {
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
-        self.collected.borrow_mut().clear();
+        *self.collected.borrow_mut() = Collected::default();
         Command::Step(dt).broadcast(&self.ranks)?;
         self.part.begin(dt)
     }
@@ -222,6 +226,9 @@ impl Engine for LeadingEngine {
     fn count(&self) -> usize {
         self.part.total()
     }
+    fn waited(&self) -> f64 {
+        self.part.waited()
+    }
     fn pairs(&self) -> u64 {
         self.part.pairs()
     }
@@ -237,7 +244,8 @@ impl Engine for LeadingEngine {
             Command::Section(number).broadcast(&self.ranks)?;
             return self.part.section_force(number);
         }
-        Ok(reduction::evaluate(reduction, &self.model, &self.with_fields(&reduction.fields())?))
+        self.keep(&reduction.fields())?;
+        Ok(reduction::evaluate(reduction, &self.model, &self.collected.borrow().particles))
     }
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         let column = self.collect(field)?;

@@ -14,7 +14,7 @@ mod threads;
 pub use follower::follow;
 pub use leader::Leader;
 #[cfg(feature = "mpi")]
-pub use process::{Processes, ranks_on_this_machine};
+pub use process::Processes;
 pub use threads::threads;
 
 /// Name of the engine of ranks, in checkpoints and summaries.

@@ -6,17 +6,10 @@ use mpi::request::{WaitGuard, scope};
 use mpi::topology::Communicator as _;
 use mpi::traits::{Destination, Source};
 use sphorge_engine::ranks::Communicator;
-use std::env;
 use std::sync::Arc;
 
 /// Bytes of a message at most: MPI counts them in 32 bits.
 const LARGEST_MESSAGE: usize = 1 << 30;
-
-/// Variables that those who start processes of MPI set in each of them: Open MPI, MPICH and its kin, PMIx (Slurm).
-const STARTED_BY: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"];
-
-/// How many processes are on this machine, by whom says so.
-const ON_THIS_MACHINE: [&str; 3] = ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"];
 
 /// All processes that were started together.
 pub struct Processes {
@@ -32,9 +25,10 @@ impl std::fmt::Debug for Processes {
 }
 
 impl Processes {
-    /// Whether this process was started as one of several.
-    pub fn are_there() -> bool {
-        STARTED_BY.iter().any(|name| env::var_os(name).is_some())
+    /// Name and version of the MPI that this program is linked to, as it calls itself.
+    pub fn library() -> String {
+        let told = mpi::environment::library_version().unwrap_or_default();
+        told.split(&[',', '\n', '\0'][..]).next().unwrap_or_default().trim().to_owned()
     }
 
     /// Joins the others; to be called once, on the thread that ends last. Where a process ends without saying so, MPI ends all.
@@ -61,11 +55,6 @@ impl Drop for Processes {
             self.universe.world().abort(1);
         }
     }
-}
-
-/// Ranks on this machine, where whoever started them says so.
-pub fn ranks_on_this_machine() -> Option<usize> {
-    ON_THIS_MACHINE.iter().find_map(|name| env::var(name).ok()?.parse().ok()).filter(|&ranks| ranks > 0)
 }
 
 impl Communicator for Processes {

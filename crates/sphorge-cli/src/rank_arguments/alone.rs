@@ -1,6 +1,6 @@
 //! A program without MPI: there is one process.
 
-use super::RankArguments;
+use super::{RankArguments, started};
 use crate::{
     failure::{Ending, Failure},
     progress::ProgressDisplay,
@@ -13,9 +13,17 @@ use std::{path::Path, sync::Arc};
 pub(crate) struct Role;
 
 impl RankArguments {
-    /// Refuses ranks, which this program was built without.
+    /// Refuses ranks, which this program was built without, and to be one of many processes that would all do the same.
     pub(crate) fn join(self, _threads: Option<usize>) -> Result<Option<Role>, Failure> {
+        let count = started::count();
         match self.ranks {
+            _ if count > 1 && !started::is_first() => Err(Failure::Told),
+            _ if count > 1 => Err(Failure::bad_input(
+                format!(
+                    "{count} processes were started together, and this program was built without MPI: each would do the same"
+                ),
+                "build it with `cargo build --release --features mpi`, or start one process: `--threads` takes all of one machine",
+            )),
             None => Ok(Some(Role)),
             Some(_) => Err(Failure::bad_input(
                 "this program has no ranks: it was built without MPI",

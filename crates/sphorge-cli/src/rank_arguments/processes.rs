@@ -1,6 +1,6 @@
 //! This process among the ranks of a run.
 
-use super::RankArguments;
+use super::{RankArguments, started};
 use crate::{
     failure::{Ending, Failure, Outcome},
     memory,
@@ -15,7 +15,7 @@ use sphorge::{
     output::RunDirectory,
     run::FilesOfRank,
 };
-use sphorge_mpi::{Leader, Processes, follow, ranks_on_this_machine};
+use sphorge_mpi::{Leader, Processes, follow};
 use std::{
     env,
     path::Path,
@@ -44,15 +44,19 @@ impl RankArguments {
     /// # Errors
     /// There is no MPI, or a number of ranks that is not that of the processes.
     pub(crate) fn join(self, threads: Option<usize>) -> Result<Option<Role>, Failure> {
-        if !Processes::are_there() {
+        if !started::by_mpi() {
             return Ok(Some(self.ranks.map_or(Role::Alone, Role::Launcher)));
         }
         let communicator = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
         let (rank, size) = (communicator.rank(), communicator.size());
+        if size == 1 && started::count() > 1 {
+            return Err(if started::is_first() { alone_among(started::count()) } else { Failure::Told });
+        }
         if let Some(asked) = self.ranks.filter(|ranks| *ranks != size) {
             // All of them find it, and the first one says so.
             return if rank > 0 { Ok(None) } else { Err(other_number(asked, size)) };
         }
+        memory::note_rank(rank);
         if rank == 0 {
             return Ok(Some(Role::First(Arc::new(Leader::new(communicator)))));
         }
@@ -61,6 +65,18 @@ impl RankArguments {
         let followed = follow(communicator, threads_of_a_rank(threads), &files);
         followed.map(|()| None).map_err(|failure| Failure::Failed(miette!("{failure}")))
     }
+}
+
+/// What is wrong where each of some processes sees itself alone.
+fn alone_among(count: usize) -> Failure {
+    Failure::bad_input(
+        format!(
+            "{count} processes were started together, and MPI joins none of them: {}, which this program is linked to, does not know who has started them",
+            Processes::library()
+        ),
+        "start it by the `mpirun` of that MPI, or by an `srun --mpi=KIND` that it knows (`srun --mpi=list` names the kinds); or build the program with the MPI \
+         whose `mpirun` it is: `cargo clean -p mpi-sys`, then with its `mpicc` first in PATH",
+    )
 }
 
 fn other_number(asked: usize, started: usize) -> Failure {
@@ -73,7 +89,7 @@ fn other_number(asked: usize, started: usize) -> Failure {
 /// Threads of each rank: its share of the machine unless told otherwise.
 fn threads_of_a_rank(asked: Option<usize>) -> Option<usize> {
     let processors = thread::available_parallelism().map_or(1, |n| n.get());
-    asked.or_else(|| ranks_on_this_machine().map(|ranks| (processors / ranks).max(1)))
+    asked.or_else(|| started::on_this_machine().map(|ranks| (processors / ranks).max(1)))
 }
 
 impl Role {

@@ -416,6 +416,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.domain.as_ref().map_or(1.0, |domain| domain.imbalance)
     }
 
+    fn waited(&self) -> f64 {
+        self.domain.as_ref().map_or(0.0, |domain| domain.ranks.waited())
+    }
+
     fn pairs(&self) -> u64 {
         self.step.pairs
     }

@@ -76,9 +76,7 @@ pub fn fill(model: &Model, most_particles: f64) -> Result<Particles, Vec<FillErr
     if errors.len() > known {
         return Err(errors);
     }
-    let mut particles = Particles::new(positions.len());
-    particles.position = positions;
-    particles.mass = volumes;
+    let mut particles = placed(positions, volumes);
     for (index, body) in model.bodies.iter().enumerate() {
         initialise(&mut particles, starts[index]..starts[index + 1], index, body, model);
     }
@@ -88,6 +86,27 @@ pub fn fill(model: &Model, most_particles: f64) -> Result<Particles, Vec<FillErr
     overlap::check_periodic(&particles.position, &particles.body, model, &mut errors);
     check_motions(&particles, model, &mut errors);
     if errors.is_empty() { Ok(particles) } else { Err(errors) }
+}
+
+/// Particles with room for what [`initialise`] and [`select_regions`] tell of them, and no more: each of the processes that share a run has all of
+/// them at first. The volumes they stand for are in place of their mass.
+fn placed(positions: Vec<[f64; 3]>, volumes: Vec<f64>) -> Particles {
+    let count = positions.len();
+    let zeros = || vec![0.0; count];
+    Particles {
+        id: vec![0; count],
+        body: vec![0; count],
+        material: vec![0; count],
+        regions: vec![0; count],
+        position: positions,
+        mass: volumes,
+        smoothing_length: zeros(),
+        velocity: vec![[0.0; 3]; count],
+        density: zeros(),
+        temperature: zeros(),
+        sound_speed: zeros(),
+        ..Particles::default()
+    }
 }
 
 /// State of the particles of a body; their mass still is the volume they stand for.

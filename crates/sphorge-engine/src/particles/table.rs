@@ -118,6 +118,11 @@ macro_rules! columns {
                 particles
             }
 
+            /// Adds the columns of the state that are not there yet, at their initial values.
+            pub fn complete(&mut self) {
+                self.allocate(Owner::State);
+            }
+
             /// Adds the columns of an owner, at their initial values.
             pub(crate) fn allocate(&mut self, owner: Owner) {
                 let count = self.len();
@@ -170,7 +175,7 @@ macro_rules! columns {
             }
 
             /// Sets a stored column by its name; derived and unknown fields are left alone.
-            pub(crate) fn set_column(&mut self, name: &str, values: &Column<'_>) {
+            pub fn set_column(&mut self, name: &str, values: &Column<'_>) {
                 match name {
                     $( stringify!($name) => Value::copy_from(values, &mut self.$name), )+
                     _ => {

@@ -28,7 +28,8 @@ impl Value for f64 {
     }
     fn copy_from(column: &Column<'_>, values: &mut Vec<Self>) {
         if let Column::Scalar(from) = column {
-            values.clone_from(&from.clone().into_owned());
+            values.clear();
+            values.extend_from_slice(from);
         }
     }
     fn ghosts<'a>(_: Mirror, own: &'a [Self], ghosts: &'a mut [Self]) -> GhostColumn<'a> {
@@ -49,7 +50,8 @@ impl Value for u32 {
     }
     fn copy_from(column: &Column<'_>, values: &mut Vec<Self>) {
         if let Column::Integer(from) = column {
-            values.clone_from(&from.clone().into_owned());
+            values.clear();
+            values.extend_from_slice(from);
         }
     }
     fn ghosts<'a>(_: Mirror, own: &'a [Self], ghosts: &'a mut [Self]) -> GhostColumn<'a> {
@@ -67,7 +69,8 @@ impl Value for Vector<f64> {
     }
     fn copy_from(column: &Column<'_>, values: &mut Vec<Self>) {
         if let Column::Vector(from) = column {
-            values.clone_from(&from.clone().into_owned());
+            values.clear();
+            values.extend_from_slice(from);
         }
     }
     fn ghosts<'a>(mirror: Mirror, own: &'a [Self], ghosts: &'a mut [Self]) -> GhostColumn<'a> {
@@ -85,7 +88,8 @@ impl Value for SymmetricTensor<f64> {
     }
     fn copy_from(column: &Column<'_>, values: &mut Vec<Self>) {
         if let Column::Symmetric(from) = column {
-            values.clone_from(&from.clone().into_owned());
+            values.clear();
+            values.extend_from_slice(from);
         }
     }
     fn ghosts<'a>(_: Mirror, own: &'a [Self], ghosts: &'a mut [Self]) -> GhostColumn<'a> {
@@ -103,7 +107,8 @@ impl Value for Tensor<f64> {
     }
     fn copy_from(column: &Column<'_>, values: &mut Vec<Self>) {
         if let Column::Tensor(from) = column {
-            values.clone_from(&from.clone().into_owned());
+            values.clear();
+            values.extend_from_slice(from);
         }
     }
     fn ghosts<'a>(_: Mirror, own: &'a [Self], ghosts: &'a mut [Self]) -> GhostColumn<'a> {

@@ -126,3 +126,38 @@ fn neighbours_that_were_no_ghosts() {
     ];
     compare_partial(&open, &sliding, &[2, 3, 5]);
 }
+
+/// A light block that slides along a heavy one, to which it is joined in the kernel sums.
+const SLIDING: &str = r#"
+dimensions = "plane-strain"
+method = "updated-lagrangian"
+search = { adaptive = { plastic-strain-threshold = 1.0, strain-bound = 0.02 } }
+particles = { spacing = "0.5 mm" }
+
+[time]
+end = "20 us"
+
+[output]
+frame-interval = "10 us"
+history-interval = "0.1 us"
+
+[[body]]
+name = "heavy"
+material = "ofhc-copper"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["16 mm", "5 mm"] } }
+
+[[body]]
+name = "light"
+material = "2024-t351-aluminium"
+shape = { box = { min = ["0 mm", "5 mm"], max = ["16 mm", "10 mm"] } }
+velocity-profile = { along = "y", amplitude = ["400 m/s", "0 m/s"], rows = [["5 mm", 0.0], ["6 mm", 1.0], ["10 mm", 1.0]] }
+
+[[measure]]
+name = "strain"
+mean = { body = "heavy", field = "plastic_strain" }
+"#;
+
+#[test]
+fn neighbours_that_were_no_ghosts_and_have_other_masses() {
+    compare_partial(SLIDING, &[], &[2, 3, 5]);
+}

@@ -4,7 +4,7 @@ use super::adaptive::{COARSE, GUARDED, PUBLISHED};
 use super::contact::CLAMP;
 use super::symmetry::CORNER;
 use super::{IN_THE_INITIAL_CONFIGURATION, led, setup};
-use sphorge::engine::persist::{Archive, ArchiveError, MemoryArchive};
+use sphorge::engine::persist::{Archive, ArchiveError, ByteCount, MemoryArchive};
 use sphorge::engine::{Cpu, EngineKind, FieldSource, Ledger, Simulation};
 use std::collections::BTreeMap;
 
@@ -142,6 +142,75 @@ fn what_cannot_be_loaded_is_refused_by_all_ranks_and_the_next_state_is_loaded() 
         simulation.persist(&mut saved.to_load()).unwrap();
         for _ in 0..5 {
             simulation.step(None).unwrap();
+        }
+        format!("{:?} {:?}", simulation.ledger().unwrap(), simulation.read("position").unwrap())
+    });
+    assert!(found == expected);
+}
+
+/// Steps of a deck, then a saved state in place of it, and some more steps: sums and places then, and the shares of particles that were searched.
+fn from_state(kind: &dyn EngineKind, changes: &[(&str, &str)], before: u64, saved: &Seen) -> (String, Vec<f64>) {
+    let setup = setup(CORNER, changes);
+    kind.take_deck("a-deck", &setup.deck_text);
+    let mut simulation = Simulation::start(kind, setup.model, setup.particles).unwrap();
+    let mut searched = Vec::new();
+    let mut steps = |simulation: &mut Simulation, count| {
+        for _ in 0..count {
+            searched.push(simulation.step(None).unwrap().searched_fraction);
+        }
+    };
+    steps(&mut simulation, before);
+    simulation.persist(&mut saved.to_load()).unwrap();
+    steps(&mut simulation, 15);
+    let told = format!("{:?} {:?}", simulation.ledger().unwrap(), simulation.read("position").unwrap());
+    (told, searched)
+}
+
+#[test]
+fn a_state_whose_particles_come_in_another_order_is_searched_with_its_own_smoothing_lengths() {
+    // Two spacings, so that smoothing lengths differ from particle to particle.
+    let two = [("body.1.spacing", "\"0.3 mm\""), ("body.1.shape.box.min", "[\"0 mm\", \"8.4 mm\"]")];
+    let search = |bound: &'static str| ("search", bound);
+    let often = search("{ adaptive = { plastic-strain-threshold = 1e-9, strain-bound = 1e-9 } }");
+    let seldom = search("{ adaptive = { plastic-strain-threshold = 1e-2, strain-bound = 0.05 } }");
+    let [often, seldom] = [often, seldom].map(|search| [&two[..], &[search]].concat());
+    // All particles are searched in each step, so that they have been sorted anew when the state is saved.
+    let deck: Worked<'_> = (CORNER, &often, |ledger| vec![ledger.viscous_energy]);
+    let (_, saved) = after_steps(&Cpu, &deck, None, 100);
+    let (expected, _) = from_state(&Cpu, &seldom, 0, &saved);
+    let (found, searched) = led(2, 1, |leader| from_state(leader, &seldom, 10, &saved));
+    // Before and after, some are searched, and never all of them.
+    let some = |shares: &[f64]| shares.iter().any(|share| (1e-9..0.99).contains(share));
+    assert!(some(&searched[..10]) && some(&searched[10..]) && searched[10..].iter().all(|s| *s < 0.99), "{searched:?}");
+    assert!(found == expected);
+}
+
+#[test]
+fn a_state_that_each_rank_has_kept_is_gone_back_to_when_particles_have_moved_on_to_other_ranks() {
+    let deck = &DECKS[0];
+    let (expected, _) = after_steps(&Cpu, deck, None, 60);
+    let found = led(3, 1, |leader| {
+        let setup = setup(deck.0, deck.1);
+        leader.take_deck("a-deck", &setup.deck_text);
+        let mut simulation = Simulation::start(leader, setup.model, setup.particles).unwrap();
+        let steps = |simulation: &mut Simulation, count| {
+            for _ in 0..count {
+                simulation.step(None).unwrap();
+            }
+        };
+        steps(&mut simulation, 40);
+        let mut kept = MemoryArchive::in_parts();
+        simulation.persist(&mut kept).unwrap();
+        // The first rank has no more than its own.
+        let mut whole = ByteCount::default();
+        simulation.persist(&mut whole).unwrap();
+        let share = kept.bytes() as f64 / whole.0 as f64;
+        assert!((0.25..0.45).contains(&share), "{share}");
+        // Sorted and shared anew in between.
+        steps(&mut simulation, 100);
+        for _ in 0..2 {
+            simulation.persist(&mut kept.reader()).unwrap();
+            steps(&mut simulation, 20);
         }
         format!("{:?} {:?}", simulation.ledger().unwrap(), simulation.read("position").unwrap())
     });

@@ -303,6 +303,9 @@ pub struct Summary {
     /// Most work of a process over the mean of all, counted in pairs of particles, in the last step; one for a process alone.
     #[serde(default = "no_imbalance")]
     pub rank_imbalance: f64,
+    /// Wall-clock seconds by stage that the first process has waited for messages of others or sent its own; zero for a process alone.
+    #[serde(default)]
+    pub rank_waiting_seconds: StageSecondsRecord,
     /// Threads of each.
     pub threads: usize,
     /// `cpu` or `gpu`.
@@ -360,7 +363,7 @@ fn no_imbalance() -> f64 {
 }
 
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 54] = [
+const UNITS: [(&str, &str); 60] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -376,6 +379,12 @@ const UNITS: [(&str, &str); 54] = [
     ("wall_seconds", "s"),
     ("ranks", ""),
     ("rank_imbalance", ""),
+    ("rank_waiting_seconds.search", "s"),
+    ("rank_waiting_seconds.kinematics", "s"),
+    ("rank_waiting_seconds.stress", "s"),
+    ("rank_waiting_seconds.forces", "s"),
+    ("rank_waiting_seconds.integrate", "s"),
+    ("rank_waiting_seconds.output", "s"),
     ("threads", ""),
     ("stage_seconds.search", "s"),
     ("stage_seconds.kinematics", "s"),

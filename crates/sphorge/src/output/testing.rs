@@ -102,6 +102,7 @@ pub(crate) fn summary(seconds: f64) -> Summary {
         wall_seconds: seconds,
         ranks: 1,
         rank_imbalance: 1.0,
+        rank_waiting_seconds: StageSecondsRecord::default(),
         threads: 2,
         engine: "cpu".into(),
         device: None,

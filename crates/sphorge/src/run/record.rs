@@ -309,6 +309,7 @@ impl Recorder {
             wall_seconds: seconds,
             ranks: engine.ranks(),
             rank_imbalance: engine.imbalance(),
+            rank_waiting_seconds: engine.waiting_seconds().into(),
             threads: rayon::current_num_threads(),
             engine: engine.engine_name().to_owned(),
             device: engine.device(),

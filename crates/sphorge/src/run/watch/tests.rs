@@ -196,6 +196,7 @@ fn strip(warnings: &str) -> (Model, Particles) {
     );
     let setup = crate::deck::load_text("strip", &deck, &[]).unwrap_or_else(|report| panic!("{report:?}"));
     let mut particles = setup.particles;
+    particles.complete();
     particles.neighbors.fill(8);
     (setup.model, particles)
 }

@@ -1,0 +1,38 @@
+//! What whoever has started this process says of those that were started with it.
+
+use std::env;
+
+/// Number of the process among them, of those who start processes of MPI: Open MPI, MPICH and its kin, PMIx (Slurm), Slurm without MPI.
+const NUMBER: [&str; 4] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"];
+/// How many they are. Of Slurm those of a step: its job has tasks that may not be started yet.
+const COUNT: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
+/// How many of them are on this machine.
+#[cfg(feature = "mpi")]
+const ON_THIS_MACHINE: [&str; 3] = ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"];
+
+fn first(names: &[&str]) -> Option<usize> {
+    names.iter().find_map(|name| env::var(name).ok()?.parse().ok())
+}
+
+/// Processes that were started together; one where nobody says more.
+pub(super) fn count() -> usize {
+    first(&COUNT).unwrap_or(1)
+}
+
+/// Whether it is the first of them, the one that tells what is wrong with all.
+pub(super) fn is_first() -> bool {
+    first(&NUMBER).unwrap_or(0) == 0
+}
+
+/// Whether this process was started as one that MPI may join with others.
+#[cfg(feature = "mpi")]
+pub(super) fn by_mpi() -> bool {
+    // A script of Slurm has a number, too.
+    first(&NUMBER[..3]).is_some() || count() > 1
+}
+
+/// Processes on this machine.
+#[cfg(feature = "mpi")]
+pub(super) fn on_this_machine() -> Option<usize> {
+    first(&ON_THIS_MACHINE).filter(|&count| count > 0)
+}
