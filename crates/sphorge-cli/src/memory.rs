@@ -17,7 +17,16 @@ pub(crate) fn particle_limit() -> f64 {
         group_left(&file(names[0])?, &file(names[1])?, &file("memory.stat")?)
     });
     let bytes = [free, addresses].into_iter().flatten().chain(groups).fold(f64::INFINITY, f64::min);
-    (bytes.max(0.0) / BYTES_PER_PARTICLE).min(MAX_PARTICLES)
+    let [ranks, here] = [&RANKS, &RANKS_HERE].map(|count| count.load(Ordering::Relaxed));
+    (bytes.max(0.0) / BYTES_PER_PARTICLE * share_of_ranks(ranks, here)).min(MAX_PARTICLES)
+}
+
+/// What each rank takes of all particles at the start, over what a particle takes in a run: up to 250 bytes of 1000, measured.
+const AT_START: f64 = 0.25;
+
+/// Particles that fit the memory of a machine with some of the ranks of a run, over those that fit a process alone.
+fn share_of_ranks(ranks: usize, here: usize) -> f64 {
+    if ranks <= 1 { 1.0 } else { 1.0 / (here.max(1) as f64 * (AT_START + 1.0 / ranks as f64)) }
 }
 
 /// Folders of the control groups of memory that the process is in, innermost first, by `/proc/self/cgroup`, each with the names of the files of
@@ -59,10 +68,21 @@ fn addresses_left(limits: &str, status: &str) -> Option<f64> {
     Some(most - kibibytes_of(status, "VmSize:")? as f64 * 1024.0)
 }
 
-/// Number of this process among the ranks of a run, plus one; zero where there are no others.
+/// Number of this process among the ranks of a run, plus one; zero where it is none of several.
 static RANK: AtomicUsize = AtomicUsize::new(0);
+/// Ranks of the run.
+static RANKS: AtomicUsize = AtomicUsize::new(1);
+/// Those of them that share the memory of this machine.
+static RANKS_HERE: AtomicUsize = AtomicUsize::new(1);
 
-/// Notes which rank this process is, for it to say so when it has no more memory.
+/// Notes that so many ranks share the particles, so many of them on this machine.
+#[cfg(feature = "mpi")]
+pub(crate) fn note_ranks(ranks: usize, here: usize) {
+    RANKS.store(ranks, Ordering::Relaxed);
+    RANKS_HERE.store(here.min(ranks), Ordering::Relaxed);
+}
+
+/// Notes which of them this process is, for it to say so when it has no more memory.
 #[cfg(feature = "mpi")]
 pub(crate) fn note_rank(rank: usize) {
     RANK.store(rank + 1, Ordering::Relaxed);
@@ -168,6 +188,17 @@ mod tests {
         let first_version = "inactive_file 1\nactive_file 1\ntotal_inactive_file 300\ntotal_active_file 100\n";
         assert_eq!(group_left("1000\n", "900\n", first_version), Some(500.0));
         assert_eq!(group_left("max\n", "900\n", ""), None);
+    }
+
+    #[test]
+    fn ranks_share_the_memory_of_their_machines() {
+        assert_eq!(share_of_ranks(1, 1), 1.0);
+        // Two on one machine have less room than a process alone, since each has all particles at first.
+        assert!(share_of_ranks(2, 2) < 1.0);
+        assert_eq!(share_of_ranks(4, 4), 0.5);
+        // On as many machines each has more room, up to four times as much as one.
+        assert!(share_of_ranks(2, 1) > 1.3 && share_of_ranks(4, 1) == 2.0 && share_of_ranks(64, 1) > 3.7);
+        assert!(share_of_ranks(1 << 20, 1) < 4.0);
     }
 
     #[test]

@@ -45,7 +45,9 @@ impl RankArguments {
     /// There is no MPI, or a number of ranks that is not that of the processes.
     pub(crate) fn join(self, threads: Option<usize>) -> Result<Option<Role>, Failure> {
         if !started::by_mpi() {
-            return Ok(Some(self.ranks.map_or(Role::Alone, Role::Launcher)));
+            let Some(ranks) = self.ranks else { return Ok(Some(Role::Alone)) };
+            memory::note_ranks(ranks, ranks);
+            return Ok(Some(Role::Launcher(ranks)));
         }
         let communicator = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
         let (rank, size) = (communicator.rank(), communicator.size());
@@ -57,6 +59,7 @@ impl RankArguments {
             return if rank > 0 { Ok(None) } else { Err(other_number(asked, size)) };
         }
         memory::note_rank(rank);
+        memory::note_ranks(size, started::on_this_machine().unwrap_or(1));
         if rank == 0 {
             return Ok(Some(Role::First(Arc::new(Leader::new(communicator)))));
         }
