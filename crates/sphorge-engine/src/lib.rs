@@ -22,7 +22,7 @@ mod simulation;
 mod step;
 
 pub use contact_laws::ContactLaws;
-pub use cpu::{ContactCandidates, Cpu, SearchedMaterial, check_change, start_part};
+pub use cpu::{ContactCandidates, Cpu, SearchedMaterial, check_change, complete_initial_state, start_part};
 pub use engine::{Engine, EngineKind, InPieces, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use model::Model;

@@ -6,8 +6,9 @@ use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Searc
 use crate::particles::{History, Owner, Particles};
 use sphorge_physics::artificial_stress;
 
-/// Completes the state of particles that have position, velocity, density and temperature.
-pub(super) fn state(model: &Model, particles: &mut Particles) {
+/// Completes the state of particles that have position, velocity, density and temperature: energy, what is held at a temperature, pressure and
+/// sound speed.
+pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
     if model.numerics.temperature == TemperatureSource::Energy {
         // Temperature is that of the energy, from the start.
         for i in 0..particles.len() {

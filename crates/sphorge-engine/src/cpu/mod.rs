@@ -40,6 +40,7 @@ mod walls;
 pub(crate) use domain::Relocation;
 pub use domain::start_part;
 pub use guard::check_change;
+pub use initial::complete_initial_state;
 pub use search::{ContactCandidates, SearchedMaterial};
 
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
@@ -175,7 +176,7 @@ impl<T: PairScalar> CpuEngine<T> {
         domain: Option<Domain>,
         smoothing_lengths: (f64, f64),
     ) -> Result<Self, RunFailure> {
-        initial::state(&model, &mut particles);
+        initial::complete_initial_state(&model, &mut particles);
         let count = particles.len();
         let numerics = &model.numerics;
         let formulation = formulation::of::<T>(&model);

@@ -1,7 +1,7 @@
 //! Materials.
 
 use sphorge_physics::conduction::effusivity;
-use sphorge_physics::eos::{BoundedPressure, EquationOfState, PressureState};
+use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
 use sphorge_physics::heat::{elastic_energy, temperature_from_energy};
 use sphorge_physics::total_lagrangian::young_modulus;
@@ -93,6 +93,11 @@ impl Material {
     /// Specific energy of a density (kg/m³) on the isotherm of the reference temperature, J/kg, with the tension cut-off.
     pub fn cold_energy(&self, density: f64) -> f64 {
         self.bounded_pressure().cold_energy(density, self.reference_temperature, self.specific_heat)
+    }
+
+    /// The same for many densities.
+    pub fn cold_energies<T: Real>(&self) -> ColdEnergy<T> {
+        ColdEnergy::new(&self.bounded_pressure(), self.reference_temperature, self.specific_heat)
     }
 
     /// Temperature of the internal energy in a state, K, with the energy of shape change of a shear modulus (Pa).

@@ -8,7 +8,7 @@ use super::kernels::{
 };
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
-use sphorge_engine::model::{Formulation, Integrator, Search, Wall};
+use sphorge_engine::model::{Formulation, Integrator, Search, TemperatureSource, Wall};
 use sphorge_engine::{Model, Particles};
 use sphorge_physics::Dimension;
 
@@ -162,7 +162,8 @@ impl Plan {
                     plan.finish.extend(of_material(stress(StressOf::End)?));
                 }
             }
-            if model.materials[k].heats() && (meets || model.walls.iter().any(Wall::rubs)) {
+            let is_warmed = model.materials[k].heats() && model.numerics.temperature == TemperatureSource::PlasticWork;
+            if is_warmed && (meets || model.walls.iter().any(Wall::rubs)) {
                 plan.finish.extend(of_material(stress::warm(model, k, stride)?));
             }
         }

@@ -11,7 +11,7 @@ use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
 use sphorge_engine::model::{Dimensions, Search};
-use sphorge_engine::{Model, Particles, RunFailure};
+use sphorge_engine::{Model, Particles, RunFailure, complete_initial_state};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -41,6 +41,7 @@ impl GpuEngine {
                 "the compiler of {name} drops what rounding leaves of sums: positions and energies would be good to six digits; run with `--engine cpu`"
             )));
         }
+        complete_initial_state(&model, &mut p);
         // Those that forces are divided by, so that sums over bodies of what they do close.
         p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
         let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;

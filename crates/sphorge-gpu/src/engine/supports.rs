@@ -3,7 +3,7 @@
 use super::kernels::{contact, kept};
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{
-    Formulation, GradientCorrection, Integrator, Model, Precision, SmoothingLength, TemperatureSource, WallSurface,
+    Formulation, GradientCorrection, Integrator, Model, Precision, SmoothingLength, WallSurface,
 };
 
 const BY_CPU: &str = "run it with `--engine cpu`";
@@ -25,7 +25,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "density by moving least squares with distances that are kept",
             BY_CPU,
         ),
-        (numerics.temperature != TemperatureSource::PlasticWork, "temperature from the energy", BY_CPU),
         (numerics.smoothing_length != SmoothingLength::Constant, "a smoothing length that follows the density", BY_CPU),
         (model.audit.is_some(), "audits of the search", "its search is exact: leave `audit` out"),
         (

@@ -291,6 +291,20 @@ fn bodies_of_two_metals_that_strike_are_those_of_the_processor() {
 }
 
 #[test]
+fn temperatures_of_the_energy_are_those_of_the_processor() {
+    // Shocks of 100 GPa; with artificial stress, whose work is no heat.
+    let disc = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1")];
+    compare("penetration", &disc, 1.2e-6, 1e-4);
+    compare_fields("penetration", &disc, 1.2e-6);
+    let leapfrog = ("numerics.integrator", "\"leapfrog\"");
+    compare_fields(
+        "penetration",
+        &[disc[0], disc[1], leapfrog, ("numerics.artificial-stress", "{ epsilon = 3.0 }")],
+        1.2e-6,
+    );
+}
+
+#[test]
 fn one_dimension_is_that_of_the_processor() {
     let overrides = [
         ("method", "\"patino\""),

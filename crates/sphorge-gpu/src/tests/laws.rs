@@ -1,7 +1,7 @@
 //! Laws of the physics crate as functions of an array of numbers, with data that takes every branch of them.
 
 use crate::record::Recorded;
-use sphorge_physics::eos::{BoundedPressure, EQUATIONS_OF_STATE, EquationOfState};
+use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EQUATIONS_OF_STATE, EquationOfState};
 use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
 use sphorge_physics::hourglass::{Misfit, Spring};
 use sphorge_physics::kernel::{Kernel, PairScale};
@@ -163,6 +163,14 @@ pub(super) fn laws() -> Vec<Law> {
             ranges: vec![(4000.0, 30_000.0), (-1e6, 4e6)],
             direct: Box::new(move |x| bounded_pressure(&law, x)),
             recorded: Box::new(move |x| bounded_pressure(&law, x)),
+            never: 0,
+        });
+        let cold = BoundedPressure::<f64>::new(&law, 2e9, 385.0, 300.0);
+        laws.push(Law {
+            name: format!("cold energy {key}"),
+            ranges: vec![(6000.0, 14_000.0)],
+            direct: Box::new(move |x| vec![ColdEnergy::new(&cold, 300.0, 385.0).at(x[0])]),
+            recorded: Box::new(move |x| vec![ColdEnergy::new(&cold, 300.0, 385.0).at(x[0])]),
             never: 0,
         });
     }

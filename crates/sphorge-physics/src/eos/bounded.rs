@@ -1,7 +1,7 @@
 //! Bounds of a pressure law: the tension a material bears before it spalls, and the energy of absolute zero.
 
 use super::{EquationOfState, PressureState};
-use crate::Real;
+use crate::{Elementary, Real};
 
 /// Share of `c_0^2` that stands for the energy of absolute zero where a material has no specific heat: metals hold about as much.
 const ABSOLUTE_ZERO_SHARE: f64 = 0.01;
@@ -50,16 +50,26 @@ impl BoundedPressure<f64> {
     /// `e(rho_s) + p_s (1/rho - 1/rho_s)`, since the pressure no longer depends on anything.
     pub fn cold_energy(&self, density: f64, reference_temperature: f64, specific_heat: f64) -> f64 {
         let rest = self.law.reference_density();
-        let cold = |density: f64| {
-            let energy = self.law.cold_energy(density, reference_temperature, specific_heat);
-            (energy, self.law.pressure(density, energy).pressure - self.least_pressure)
-        };
-        let (energy, margin) = cold(density);
+        let (energy, margin) = self.cold(density, reference_temperature, specific_heat);
         if density >= rest || margin >= 0.0 {
             return energy;
         }
+        let cut_off = self.cut_off((density, margin), reference_temperature, specific_heat);
+        let (energy, _) = self.cold(cut_off, reference_temperature, specific_heat);
+        expanded((cut_off, energy), self.least_pressure, density)
+    }
+
+    /// Energy of the isotherm of the law, J/kg, and what its pressure is above the cut-off, Pa.
+    fn cold(&self, density: f64, reference_temperature: f64, specific_heat: f64) -> (f64, f64) {
+        let energy = self.law.cold_energy(density, reference_temperature, specific_heat);
+        (energy, self.law.pressure(density, energy).pressure - self.least_pressure)
+    }
+
+    /// Density of the cut-off on the isotherm, above one with what the pressure is above the cut-off there, which is negative.
+    fn cut_off(&self, mut low: (f64, f64), reference_temperature: f64, specific_heat: f64) -> f64 {
+        let rest = self.law.reference_density();
+        let mut high = (rest, -self.least_pressure);
         // The secant where it stays well inside, else the middle.
-        let (mut low, mut high) = ((density, margin), (rest, -self.least_pressure));
         for _ in 0..STEPS_TO_CUT_OFF {
             let width = high.0 - low.0;
             if width <= 1e-12 * rest {
@@ -67,7 +77,7 @@ impl BoundedPressure<f64> {
             }
             let share = (low.1 / (low.1 - high.1)).clamp(0.0, 1.0);
             let at = low.0 + width * if (0.05..0.95).contains(&share) { share } else { 0.5 };
-            let (_, margin) = cold(at);
+            let (_, margin) = self.cold(at, reference_temperature, specific_heat);
             if margin < 0.0 {
                 low = (at, margin)
             } else {
@@ -77,7 +87,61 @@ impl BoundedPressure<f64> {
                 (low, high) = ((at, margin), (at, margin));
             }
         }
-        cold(high.0).0 - self.least_pressure * (1.0 / density - 1.0 / high.0)
+        high.0
+    }
+}
+
+/// Energy, J/kg, of what has expanded from the cut-off, whose density and energy are given, at the least pressure.
+#[inline(always)]
+fn expanded<T: Real>((cut_off, energy): (T, T), least_pressure: T, density: T) -> T {
+    energy - least_pressure * (T::one() / density - T::one() / cut_off)
+}
+
+/// The cold energy of a material ([`BoundedPressure::cold_energy`]), its cut-off found once: what is the same for all of its particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColdEnergy<T> {
+    law: EquationOfState<T>,
+    /// K.
+    reference_temperature: T,
+    /// J/(kg K).
+    specific_heat: T,
+    /// Pa.
+    least_pressure: T,
+    /// Density, kg/m³, and energy, J/kg, of the cut-off, where there is one.
+    cut_off: Option<(T, T)>,
+}
+
+/// Share of the density at rest where every metal is beyond its cut-off.
+const FAR_EXPANDED: f64 = 1e-3;
+
+impl<T: Real> ColdEnergy<T> {
+    /// Of a pressure law with its cut-off, on the isotherm of a reference temperature (K), with a specific heat (J/(kg K)).
+    pub fn new(law: &BoundedPressure<f64>, reference_temperature: f64, specific_heat: f64) -> Self {
+        let far = FAR_EXPANDED * law.law.reference_density();
+        let (_, margin) = law.cold(far, reference_temperature, specific_heat);
+        let cut_off = (margin < 0.0).then(|| {
+            let density = law.cut_off((far, margin), reference_temperature, specific_heat);
+            (T::of(density), T::of(law.cold(density, reference_temperature, specific_heat).0))
+        });
+        Self {
+            law: law.law.cast(),
+            reference_temperature: T::of(reference_temperature),
+            specific_heat: T::of(specific_heat),
+            least_pressure: T::of(law.least_pressure),
+            cut_off,
+        }
+    }
+}
+
+impl<T: Elementary> ColdEnergy<T> {
+    /// Of a density, kg/m³; J/kg.
+    #[inline]
+    pub fn at(&self, density: T) -> T {
+        let of_law = || self.law.cold_energy(density, self.reference_temperature, self.specific_heat);
+        match self.cut_off {
+            None => of_law(),
+            Some(cut_off) => T::if_lt(density, cut_off.0, || expanded(cut_off, self.least_pressure, density), of_law),
+        }
     }
 }
 
@@ -122,6 +186,19 @@ mod tests {
             let expected = of_law(63.0 / 64.0) + 2e9 * (1.0 / density - 1.0 / 7875.0);
             let found = law.cold_energy(density, 300.0, 450.0);
             assert!((found / expected - 1.0).abs() < 1e-7, "{density}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_cut_off_found_once_is_that_found_for_every_density() {
+        let aluminium = EquationOfState::MieGruneisenHugoniot(MieGruneisenHugoniot::new(&[2700.0, 5300.0, 1.5, 1.7]));
+        for spall_pressure in [1.5e9, 8e9, f64::INFINITY] {
+            let law = BoundedPressure::<f64>::new(&aluminium, spall_pressure, 900.0, 300.0);
+            let cold = ColdEnergy::<f64>::new(&law, 300.0, 900.0);
+            for density in [3500.0, 2701.0, 2699.0, 2680.0, 2660.0, 2400.0, 1500.0, 300.0] {
+                let (found, expected) = (cold.at(density), law.cold_energy(density, 300.0, 900.0));
+                assert!((found - expected).abs() <= 1e-9 * expected.abs(), "{density}: {found} {expected}");
+            }
         }
     }
 

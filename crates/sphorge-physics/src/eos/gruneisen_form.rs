@@ -1,7 +1,7 @@
 //! The Mie–Grüneisen form with a constant Grüneisen parameter.
 
 use super::{EquationConstants, PressureLaw, PressureState};
-use crate::{Real, Scalar};
+use crate::{Elementary, Real};
 
 /// Pressure at zero specific energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +44,7 @@ impl<T: Real, L: GruneisenForm<Number = T>> PressureLaw for L {
     #[inline]
     fn isentropic_energy(&self, density: T) -> T
     where
-        T: Scalar,
+        T: Elementary,
     {
         let rho_0 = self.reference_density();
         let exponent = self.gamma() + T::one();
@@ -65,7 +65,7 @@ impl<T: Real, L: GruneisenForm<Number = T>> PressureLaw for L {
     #[inline]
     fn cold_energy(&self, density: T, reference_temperature: T, specific_heat: T) -> T
     where
-        T: Scalar,
+        T: Elementary,
     {
         let ratio = density / self.reference_density();
         let heating = ratio.powf(self.gamma()) - T::one();

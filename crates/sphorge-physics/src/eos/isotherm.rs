@@ -1,7 +1,7 @@
 //! The isotherm of any equation of state, by integration.
 
 use super::PressureLaw;
-use crate::Scalar;
+use crate::Elementary;
 
 /// Steps from the reference density: to a compression of 1.5 the energy is off by less than 1e-6 of itself.
 const STEPS: u32 = 16;
@@ -12,7 +12,7 @@ const STEPS: u32 = 16;
 /// `de = T ds - p d(1/rho)` with `(ds/drho)_T = -Gamma c_p/rho` gives `de/du = p(rho, e)/rho - heat Gamma` with `u = ln(rho/rho_0)`,
 /// taken by classical Runge–Kutta steps.
 #[inline]
-pub(super) fn energy<T: Scalar, L: PressureLaw<Number = T>>(law: &L, density: T, heat: T) -> T {
+pub(super) fn energy<T: Elementary, L: PressureLaw<Number = T>>(law: &L, density: T, heat: T) -> T {
     let rho_0 = law.reference_density();
     let step = (density / rho_0).ln() * T::of(1.0 / f64::from(STEPS));
     let half = T::of(0.5) * step;

@@ -13,14 +13,14 @@ mod linear;
 mod mie_gruneisen_hugoniot;
 mod mie_gruneisen_polynomial;
 
-pub use bounded::BoundedPressure;
+pub use bounded::{BoundedPressure, ColdEnergy};
 pub use gruneisen_form::{GruneisenForm, ReferenceCurve};
 pub use linear::Linear;
 pub use mie_gruneisen_hugoniot::MieGruneisenHugoniot;
 pub use mie_gruneisen_polynomial::MieGruneisenPolynomial;
 
 use crate::parameter::{Bound, LawEntry, Parameter, PhysicalQuantity};
-use crate::{Real, Scalar};
+use crate::{Elementary, Real, Scalar};
 
 /// Pressure and what the time step and the viscosity need beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,7 +98,7 @@ pub trait PressureLaw: EquationConstants {
     #[inline]
     fn isentropic_energy(&self, density: Self::Number) -> Self::Number
     where
-        Self::Number: Scalar,
+        Self::Number: Elementary,
     {
         isotherm::energy(self, density, Self::Number::zero())
     }
@@ -113,7 +113,7 @@ pub trait PressureLaw: EquationConstants {
         specific_heat: Self::Number,
     ) -> Self::Number
     where
-        Self::Number: Scalar,
+        Self::Number: Elementary,
     {
         isotherm::energy(self, density, specific_heat * reference_temperature)
     }
@@ -215,7 +215,7 @@ macro_rules! equations_of_state {
             }
         }
 
-        impl<T: Scalar> EquationOfState<T> {
+        impl<T: Elementary> EquationOfState<T> {
             /// Specific energy on the isentrope through the reference state, J/kg: `de/drho = p(rho, e)/rho^2`, `e(rho_0) = 0`.
             #[inline]
             pub fn isentropic_energy(&self, density: T) -> T {
@@ -228,7 +228,9 @@ macro_rules! equations_of_state {
             pub fn cold_energy(&self, density: T, reference_temperature: T, specific_heat: T) -> T {
                 match self { $(Self::$law(law) => law.cold_energy(density, reference_temperature, specific_heat),)* }
             }
+        }
 
+        impl<T: Scalar> EquationOfState<T> {
             /// The same law in another precision, or with every constant in all lanes of a SIMD vector.
             #[inline(always)]
             pub fn cast<U: Real>(&self) -> EquationOfState<U> {

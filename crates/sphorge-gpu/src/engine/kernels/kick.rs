@@ -8,6 +8,9 @@ use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 use sphorge_physics::kick::{KickAccount, KickAxis};
 
+/// Place of the work against the artificial stress, J, among the accounts of a particle.
+pub(super) const ARTIFICIAL_WORK: usize = 12;
+
 /// The columns of a kick.
 #[derive(Clone, Copy)]
 pub(super) struct Kicks {
@@ -80,7 +83,7 @@ impl Kicks {
             self.accounts.add(2 + 2 * a, 3 + 2 * a, i, impulse);
         }
         self.accounts.add(8, 9, i, mass * account.energy);
-        for (part, account) in [(3, 10), (4, 12), (5, 14)] {
+        for (part, account) in [(3, 10), (4, ARTIFICIAL_WORK), (5, 14)] {
             self.accounts.add(account, account + 1, i, mass * dt * self.energy.get(part, i));
         }
         if let Some((meetings, bodies)) = self.meetings {

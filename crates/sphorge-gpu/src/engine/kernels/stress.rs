@@ -1,14 +1,15 @@
 //! The stress of the particles of a material: equation of state, trial stress, return mapping, heat.
 
+use super::kick::ARTIFICIAL_WORK;
 use super::pairs::compressed;
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::Model;
+use sphorge_engine::model::{Model, TemperatureSource};
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::flow::FlowState;
-use sphorge_physics::heat::temperature_rise_from_plastic_work;
+use sphorge_physics::heat::{elastic_energy, temperature_from_energy, temperature_rise_from_plastic_work};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
 use sphorge_physics::stress::trial_deviator;
@@ -89,15 +90,33 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             plastic.set(2, i, returned.plastic_strain_increment);
             plastic.set(3, i, returned.yield_stress);
             plastic.add(4, 5, i, returned.plastic_work / rho);
-            if material.heats() {
-                let (beta, specific_heat) =
-                    (Recorded::of(material.taylor_quinney), Recorded::of(material.specific_heat));
-                temperature.add(
-                    0,
-                    1,
-                    i,
-                    temperature_rise_from_plastic_work(beta, returned.plastic_work, rho, specific_heat),
-                );
+            match numerics.temperature {
+                TemperatureSource::PlasticWork if material.heats() => {
+                    let (beta, specific_heat) =
+                        (Recorded::of(material.taylor_quinney), Recorded::of(material.specific_heat));
+                    let rise = temperature_rise_from_plastic_work(beta, returned.plastic_work, rho, specific_heat);
+                    temperature.add(0, 1, i, rise);
+                }
+                TemperatureSource::PlasticWork => {}
+                TemperatureSource::Energy => {
+                    let mut heat = e;
+                    if model.books_artificial_energy() {
+                        let (accounts, constants) = (bind.read(Group::Accounts), bind.read(Group::Constants));
+                        heat -= accounts.get(ARTIFICIAL_WORK, i) / constants.get(0, i);
+                        if of == StressOf::Leapfrog {
+                            heat -= half * energy.get(4, i);
+                        }
+                    }
+                    let warm = temperature_from_energy(
+                        Recorded::of(material.reference_temperature),
+                        heat,
+                        material.cold_energies::<Recorded>().at(rho),
+                        elastic_energy(returned.deviator, shear_modulus, rho),
+                        Recorded::of(1.0 - material.taylor_quinney) * plastic.get(4, i),
+                        Recorded::of(material.specific_heat),
+                    );
+                    temperature.set_all(0, i, &[warm, Recorded::zero()]);
+                }
             }
         }
         if !of.is_read_by_forces() {
