@@ -10,6 +10,7 @@ mod engine;
 mod failure;
 pub mod geometry;
 pub mod halo;
+mod heat_clock;
 mod lanes;
 pub mod model;
 pub mod neighbors;
@@ -22,9 +23,13 @@ mod simulation;
 mod step;
 
 pub use contact_laws::ContactLaws;
-pub use cpu::{ContactCandidates, Cpu, SearchedMaterial, check_change, complete_initial_state, start_part};
+pub use cpu::{
+    ConductionTable, ContactCandidates, Cpu, SearchedMaterial, check_change, check_values, complete_initial_state,
+    start_part,
+};
 pub use engine::{Engine, EngineKind, InPieces, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
+pub use heat_clock::HeatClock;
 pub use model::Model;
 pub use particles::{Column, Particles};
 pub use reduction::{FieldSource, ParticleSource, Quantity, Reduction};

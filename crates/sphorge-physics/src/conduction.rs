@@ -23,7 +23,7 @@
 
 use crate::kernel::Kernel;
 use crate::tensor::{determinant, dot, inverse, multiply, transpose};
-use crate::{Dimension, Elementary, Real, Scalar, Tensor, Vector};
+use crate::{Dimension, Elementary, Real, Tensor, Vector};
 
 /// Sums over a square or cubic lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,9 +58,9 @@ pub fn lattice(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> La
 
 /// Conductivity of a pair times two, `4 k_i k_j/(k_i + k_j)`, W/(m K); zero where one of them insulates.
 #[inline(always)]
-pub fn pair_conductivity<T: Scalar>(k_i: T, k_j: T) -> T {
+pub fn pair_conductivity<T: Real>(k_i: T, k_j: T) -> T {
     let sum = k_i + k_j;
-    if sum > T::zero() { T::of(4.0) * (k_i * k_j) / sum } else { T::zero() }
+    T::select_lt(T::zero(), sum, T::of(4.0) * (k_i * k_j) / sum, T::zero())
 }
 
 /// Effusivity `sqrt(k rho c)`, W s^(1/2)/(m^2 K), of conductivity (W/(m K)), density (kg/m^3) and specific heat (J/(kg K)).
@@ -85,8 +85,14 @@ const TOUCHING: f64 = 1.5;
 /// touch: less than half a spacing apart. On faces that touch, particles lie one spacing apart, in staggered rows up to 1.22.
 #[inline(always)]
 pub fn touch(r2: f64, cell_i: f64, cell_j: f64) -> bool {
-    let reach = TOUCHING * 0.5 * (cell_i + cell_j);
-    r2 < reach * reach
+    r2 < touching_below(cell_i, cell_j)
+}
+
+/// The square of the distance below which they [`touch`], m^2.
+#[inline(always)]
+pub fn touching_below<T: Real>(cell_i: T, cell_j: T) -> T {
+    let reach = T::of(TOUCHING * 0.5) * (cell_i + cell_j);
+    reach * reach
 }
 
 /// What flows to a particle, and what it sees of surfaces.
@@ -117,7 +123,12 @@ pub struct HeatPair<T> {
     pub difference: T,
 }
 
-impl<T: Scalar> Inflow<T> {
+impl<T: Real> Inflow<T> {
+    /// Nothing flows yet.
+    pub fn zero() -> Self {
+        Self { power: T::zero(), conductance: T::zero(), filled: T::zero() }
+    }
+
     /// Adds a neighbour.
     #[inline(always)]
     pub fn add(&mut self, pair: &HeatPair<T>, dimension: Dimension) {
@@ -200,12 +211,11 @@ fn apply<T: Real>(a: &Tensor<T>, v: Vector<T>) -> Vector<T> {
 /// film of heat transfer coefficient `film` (W/(m² K)) one behind the other; `None` is a surface that itself has the outer
 /// temperature.
 #[inline(always)]
-pub fn surface_conductance<T: Scalar>(film: Option<T>, conductivity: T, spacing: T) -> T {
+pub fn surface_conductance<T: Real>(film: Option<T>, conductivity: T, spacing: T) -> T {
     let inner = T::of(2.0) * conductivity / spacing;
     match film {
         None => inner,
-        Some(film) if film + inner > T::zero() => film * inner / (film + inner),
-        Some(_) => T::zero(),
+        Some(film) => T::select_lt(T::zero(), film + inner, film * inner / (film + inner), T::zero()),
     }
 }
 
@@ -213,21 +223,19 @@ pub fn surface_conductance<T: Scalar>(film: Option<T>, conductivity: T, spacing:
 /// over the moment of a full lattice. Nothing where less than half as much is lacking as there. An edge has 1.75 cell faces with
 /// next neighbours alone, somewhat less with more; a particle alone about two in a plane, three in space.
 #[inline(always)]
-pub fn surface_area(dimension: Dimension, volume: f64, filled: f64, flat: f64) -> f64 {
-    let lacking = (1.0 - filled) / (1.0 - flat);
-    if lacking < 0.5 {
-        return 0.0;
-    }
-    Real::powu(cell_size(dimension, volume), dimension.count() as u32 - 1) * lacking
+pub fn surface_area<T: Elementary>(dimension: Dimension, volume: T, filled: T, flat: T) -> T {
+    let lacking = (T::one() - filled) / (T::one() - flat);
+    let faces = cell_size(dimension, volume).powu(dimension.count() as u32 - 1) * lacking;
+    T::select_lt(lacking, T::of(0.5), T::zero(), faces)
 }
 
 /// Edge of a cell of this volume (m^d), m.
 #[inline(always)]
-pub fn cell_size(dimension: Dimension, volume: f64) -> f64 {
+pub fn cell_size<T: Elementary>(dimension: Dimension, volume: T) -> T {
     match dimension {
         Dimension::One => volume,
-        Dimension::Two => Real::sqrt(volume),
-        Dimension::Three => Elementary::powf(volume, 1.0 / 3.0),
+        Dimension::Two => volume.sqrt(),
+        Dimension::Three => volume.powf(T::of(1.0 / 3.0)),
     }
 }
 

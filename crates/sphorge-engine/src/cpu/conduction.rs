@@ -1,11 +1,10 @@
 //! Heat: the flow between particles and through boundaries, and what it does to energy and temperature.
 //!
-//! Forward Euler with the temperatures of the start of the step, in double precision. Conduction in metals is slower than sound by
-//! many orders, so beside mechanics the flow is summed again only when a tenth of the step that it bears itself has passed, or fifty steps; until
-//! then the last flow goes on. Each sum is antisymmetric, so heat is conserved either way.
+//! Forward Euler with the temperatures of the start of the step, in double precision. Beside mechanics the flow is summed again now and then
+//! ([`HeatClock`]); until then the last flow goes on. Each sum is antisymmetric, so heat is conserved either way.
 
 use super::CpuEngine;
-use super::conduction_table::Table;
+use super::conduction_table::ConductionTable;
 use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
@@ -15,41 +14,31 @@ use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
-use crate::{HeatLedger, RunFailure};
+use crate::{HeatClock, HeatLedger, RunFailure};
 use rayon::prelude::*;
-use sphorge_physics::conduction::{Inflow, cell_size, surface_area, surface_conductance, touch};
+use sphorge_physics::conduction::{Inflow, cell_size, surface_area, touch};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Dimension, Vector, tensor::dot};
 
-/// Share of its own time step after which a flow beside mechanics is summed again.
-const RENEWAL: f64 = 0.1;
-
-/// Steps beside mechanics after which it is summed again in any case: work has warmed particles since.
-const RENEWAL_STEPS: u32 = 50;
-
 /// Flow of heat.
 #[derive(Clone, Debug)]
 pub(super) struct HeatFlow {
-    table: Table,
+    table: ConductionTable,
     /// Power of each boundary by block, W; its heat of a step by block, J.
     partial: Vec<f64>,
     /// Heat that changed places in a step by block, J.
     moved: Vec<f64>,
     /// Largest stable step over the margin by block, s.
     limits: Vec<f64>,
-    /// The least of all blocks, of all ranks, at the last evaluation.
-    limit: f64,
+    /// When it is summed again, with the least limit of all blocks, of all ranks.
+    clock: HeatClock,
     /// Power of each boundary at the last evaluation, W.
     power: Vec<f64>,
     /// Heat of each boundary so far, J.
     supplied: Vec<f64>,
     /// Heat that changed places so far, J.
     exchanged: f64,
-    /// Time since the last evaluation, s; infinite before the first.
-    age: f64,
-    /// Steps since then.
-    steps: u32,
     surfaces: bool,
     /// Whether the flow is summed again in this step.
     due: bool,
@@ -66,17 +55,15 @@ impl HeatFlow {
         let (blocks, boundaries) = (particles.div_ceil(BLOCK), model.thermal.boundaries.len());
         let on_surface = |kind| !matches!(kind, HeatBoundaryKind::HeldTemperature(_));
         model.thermal.conduction.then(|| Self {
-            table: Table::new(model),
+            table: ConductionTable::new(model),
             // At least one column, so that a block always has a chunk.
             partial: vec![0.0; blocks * boundaries.max(1)],
             moved: vec![0.0; blocks],
             limits: vec![f64::INFINITY; blocks],
-            limit: f64::INFINITY,
+            clock: HeatClock::default(),
             power: vec![0.0; boundaries],
             supplied: vec![0.0; boundaries],
             exchanged: 0.0,
-            age: f64::INFINITY,
-            steps: 0,
             surfaces: model.thermal.boundaries.iter().any(|b| on_surface(b.kind)),
             due: false,
             touched: vec![0; if model.bodies.len() > 1 { particles } else { 0 }],
@@ -87,7 +74,7 @@ impl HeatFlow {
 
     /// Largest stable step over the margin at the last evaluation, s.
     pub(super) fn limit(&self) -> f64 {
-        self.limit
+        self.clock.limit
     }
 
     /// Makes room for other particles, before a step has summed anything.
@@ -120,7 +107,7 @@ impl HeatFlow {
     /// Notes the least limit, and adds up the power of each boundary, of all ranks where there are others.
     fn close(&mut self, share: Option<&Share>) -> Result<(), RunFailure> {
         let least = self.limits.iter().copied().fold(f64::INFINITY, f64::min);
-        self.limit = share.map_or(Ok(least), |share| share.range((least, 0.0)).map(|range| range.0))?;
+        self.clock.limit = share.map_or(Ok(least), |share| share.range((least, 0.0)).map(|range| range.0))?;
         self.power.fill(0.0);
         add_by_boundary(&self.partial, &mut self.power, share)
     }
@@ -206,7 +193,7 @@ impl<'a> HeatPoints<'a> {
     }
 }
 
-impl Table {
+impl ConductionTable {
     fn add<'a>(
         &self,
         sum: &mut Inflow<f64>,
@@ -236,15 +223,8 @@ impl Table {
         let body = p.body[i] as usize;
         let volume = p.mass[i] / p.density[i];
         let area = surface_area(self.dimension, volume, sum.filled, self.flat[body]);
-        let (film, outside) = match kind {
-            HeatBoundaryKind::HeldTemperature(_) => return (0.0, 0.0),
-            HeatBoundaryKind::Flux(flux) => return (area * flux, 0.0),
-            HeatBoundaryKind::SurfaceTemperature(temperature) => (None, temperature),
-            HeatBoundaryKind::Convection { coefficient, ambient } => (Some(coefficient), ambient),
-        };
-        let spacing = cell_size(self.dimension, volume);
-        let conductance = area * surface_conductance(film, self.conductivity[body], spacing);
-        (conductance * (outside - p.temperature[i]), conductance)
+        let cell = cell_size(self.dimension, volume);
+        kind.through_surface(area, p.temperature[i], self.conductivity[body], cell)
     }
 }
 
@@ -252,9 +232,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Notes whether the flow of heat is due to be summed again, and works out what that reads of neighbours.
     pub(super) fn begin_heat(&mut self) {
         let Some(heat) = &mut self.heat else { return };
-        let (mechanics, courant) = (self.model.thermal.mechanics, self.model.time.courant);
-        let is_recent = heat.steps < RENEWAL_STEPS && heat.age < RENEWAL * courant * heat.limit();
-        heat.due = !(mechanics && is_recent);
+        heat.due = heat.clock.is_due(&self.model);
         if heat.due && self.formulation.is_initial() {
             let mut flow = std::mem::take(&mut self.particles.heat_flow);
             let points = ReferencePoints::new(&self.particles, &self.ghosts.columns);
@@ -269,7 +247,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// A rank is lost.
     pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
         let Some(heat) = self.heat.as_mut().filter(|heat| heat.due) else { return Ok(()) };
-        (heat.age, heat.steps) = (0.0, 0);
+        heat.clock.start();
         let mut rates = std::mem::take(&mut self.particles.heat_rate);
         let p = &self.particles;
         let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
@@ -349,7 +327,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let Some(heat) = &mut self.heat else { return Ok(()) };
         let Particles { energy, temperature, mass, body, regions, heat_rate, .. } = &mut self.particles;
         let (mass, body, regions, rate) = (&*mass, &*body, &*regions, &*heat_rate);
-        let HeatFlow { table, partial, moved, power, supplied, exchanged, age, steps, .. } = heat;
+        let HeatFlow { table, partial, moved, power, supplied, exchanged, clock, .. } = heat;
         let boundaries = &model.thermal.boundaries;
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (
@@ -390,8 +368,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let all = share.map(|share| share.gather_blocks(moved, 1)).transpose()?;
         *exchanged += all.as_ref().unwrap_or(moved).iter().sum::<f64>();
-        *age += dt;
-        *steps += 1;
+        clock.advance(dt);
         Ok(())
     }
 
@@ -412,11 +389,9 @@ impl<T: PairScalar> CpuEngine<T> {
 
 impl Persist for HeatFlow {
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.limit.persist(&format!("{name}.limit"), archive)?;
+        self.clock.persist(name, archive)?;
         persist_column(&mut self.power, &format!("{name}.power"), archive)?;
         persist_column(&mut self.supplied, &format!("{name}.supplied"), archive)?;
-        self.exchanged.persist(&format!("{name}.exchanged"), archive)?;
-        self.age.persist(&format!("{name}.age"), archive)?;
-        self.steps.persist(&format!("{name}.steps"), archive)
+        self.exchanged.persist(&format!("{name}.exchanged"), archive)
     }
 }

@@ -5,9 +5,9 @@ use sphorge_physics::conduction::{HeatPair, lattice, pair_conductivity};
 use sphorge_physics::pair::mean;
 use sphorge_physics::{Dimension, kernel::Kernel};
 
-/// Constants by body.
+/// Constants of conduction by body.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub struct ConductionTable {
     pub(super) kernel: Kernel,
     pub(super) dimension: Dimension,
     pub(super) conductivity: Vec<f64>,
@@ -18,8 +18,9 @@ pub(super) struct Table {
     pub(super) flat: Vec<f64>,
 }
 
-impl Table {
-    pub(super) fn new(model: &Model) -> Self {
+impl ConductionTable {
+    /// Of the bodies of a model.
+    pub fn new(model: &Model) -> Self {
         let dimension = super::dimension(model);
         let kernel = model.numerics.kernel;
         let material = |body: &Body| &model.materials[body.material];
@@ -32,6 +33,12 @@ impl Table {
             correction: lattices.clone().map(|(_, l)| 1.0 / l.moment).collect(),
             flat: lattices.map(|(_, l)| l.surface_moment / l.moment).collect(),
         }
+    }
+
+    /// Of a body: conductivity, W/(m K), specific heat, J/(kg K), one over the moment of its lattice, and the moment of the outermost layer of
+    /// that over the whole.
+    pub fn of_body(&self, body: usize) -> [f64; 4] {
+        [self.conductivity[body], self.specific_heat[body], self.correction[body], self.flat[body]]
     }
 
     /// A pair of particles of these bodies, at a distance whose square is given, m^2.

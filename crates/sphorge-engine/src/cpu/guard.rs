@@ -1,21 +1,17 @@
 //! The check that ends a run before nonsense spreads.
 
 use crate::RunFailure;
-use crate::model::{HeatBoundaryKind, Model};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use sphorge_physics::step_control::{Changed, StepChange};
 
-/// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
-pub(super) fn is_cooled(model: &Model) -> bool {
-    let cools = |kind| matches!(kind, HeatBoundaryKind::Flux(flux) if flux < 0.0);
-    model.thermal.conduction && model.thermal.boundaries.iter().any(|b| cools(b.kind))
-}
-
 /// Names the first particle (in id order of failure, lowest index) with a value that is not finite, a density that is not
 /// positive or, where something `is_cooled`, a temperature below zero.
-pub(super) fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
+///
+/// # Errors
+/// There is one.
+pub fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
     let wrong = |i: usize| {
         let too_cold = || (is_cooled && p.temperature[i] < 0.0).then_some("temperature");
         p.first_fault(i).or_else(too_cold)

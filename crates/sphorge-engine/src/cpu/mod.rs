@@ -37,9 +37,10 @@ mod sweeps;
 mod time_step;
 mod walls;
 
+pub use conduction_table::ConductionTable;
 pub(crate) use domain::Relocation;
 pub use domain::start_part;
-pub use guard::check_change;
+pub use guard::{check as check_values, check_change};
 pub use initial::complete_initial_state;
 pub use search::{ContactCandidates, SearchedMaterial};
 
@@ -386,7 +387,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        let wrong = guard::check(&self.particles, guard::is_cooled(&self.model)).map_err(Fault::wrong).err();
+        let wrong = guard::check(&self.particles, self.model.thermal.is_cooled()).map_err(Fault::wrong).err();
         let fault = wrong.or_else(|| match &self.model.time.step_control {
             Some(control) if self.step.dt > 0.0 && self.model.thermal.mechanics => {
                 guard::largest_change(&control.largest, &self.particles, &self.sound_speeds, self.step.dt)

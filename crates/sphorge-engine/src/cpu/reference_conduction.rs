@@ -1,7 +1,7 @@
 //! Conduction in the total Lagrangian form: sums over the initial neighbours at the initial positions, whose formulas are those of
 //! [`sphorge_physics::conduction`].
 
-use super::conduction_table::Table;
+use super::conduction_table::ConductionTable;
 use super::ghosts::WithGhosts;
 use crate::neighbors::{BLOCK, NeighborList};
 use crate::particles::Particles;
@@ -37,7 +37,7 @@ impl<'a> ReferencePoints<'a> {
     }
 }
 
-impl Table {
+impl ConductionTable {
     /// Gradient of the temperature, K/m, still to be corrected.
     fn temperature_gradient(&self, i: usize, row: &[u32], points: &ReferencePoints<'_>) -> Vector<f64> {
         let ReferencePoints { position, volume, smoothing_length, temperature, .. } = points;
@@ -76,7 +76,7 @@ impl Table {
 
 /// `q B` of every particle at its temperature.
 pub(super) fn sum_reference_flow(
-    table: &Table,
+    table: &ConductionTable,
     list: &NeighborList,
     points: &ReferencePoints<'_>,
     p: &Particles,

@@ -1,5 +1,8 @@
 //! Heat that flows.
 
+use sphorge_physics::Real;
+use sphorge_physics::conduction::surface_conductance;
+
 /// Conduction and what crosses the surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thermal {
@@ -14,6 +17,14 @@ pub struct Thermal {
 impl Default for Thermal {
     fn default() -> Self {
         Self { conduction: false, mechanics: true, boundaries: Vec::new() }
+    }
+}
+
+impl Thermal {
+    /// Whether heat is taken out whatever the temperature, so that particles could be cooled below absolute zero.
+    pub fn is_cooled(&self) -> bool {
+        let cools = |kind| matches!(kind, HeatBoundaryKind::Flux(flux) if flux < 0.0);
+        self.conduction && self.boundaries.iter().any(|b| cools(b.kind))
     }
 }
 
@@ -46,6 +57,22 @@ pub enum HeatBoundaryKind {
         /// Temperature of what surrounds, K.
         ambient: f64,
     },
+}
+
+impl HeatBoundaryKind {
+    /// Power (W) and conductance (W/K) into a particle, with a temperature (K), a conductivity (W/(m K)) and the edge of its cell (m), that stands
+    /// for an area of the surface (m^(d-1)).
+    #[inline(always)]
+    pub fn through_surface<T: Real>(self, area: T, temperature: T, conductivity: T, cell: T) -> (T, T) {
+        let (film, outside) = match self {
+            Self::HeldTemperature(_) => return (T::zero(), T::zero()),
+            Self::Flux(flux) => return (area * T::of(flux), T::zero()),
+            Self::SurfaceTemperature(temperature) => (None, temperature),
+            Self::Convection { coefficient, ambient } => (Some(T::of(coefficient)), ambient),
+        };
+        let conductance = area * surface_conductance(film, conductivity, cell);
+        (conductance * (T::of(outside) - temperature), conductance)
+    }
 }
 
 impl HeatBoundary {
