@@ -89,6 +89,13 @@ pub(super) enum Group {
     Meetings,
     /// Laws of the contact of each body with each.
     ContactLaws,
+    /// Conduction of heat: see [`super::kernels::conduction`]. Of particles, of each boundary, which body a particle touches, laws of each
+    /// body, and of chunks.
+    Heat,
+    Boundaries,
+    Touched,
+    HeatLaws,
+    HeatExtremes,
     /// Where the list of each particle starts, and the neighbours.
     ListStarts,
     List,
@@ -112,6 +119,8 @@ pub(super) enum Group {
     Motion,
     /// Numbers of the step: see [`super::step_numbers`].
     Step,
+    /// Force through a section of what a particle has with those on the other side, N.
+    Section(usize),
     /// Particles of a material.
     Members(usize),
     /// Cells: how many particles they have, which place each takes, where each cell starts, sums of chunks of cells.

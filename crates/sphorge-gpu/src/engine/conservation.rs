@@ -1,9 +1,10 @@
 //! Conservation sums, taken when asked for.
 
-use super::GpuEngine;
+use super::columns::Group;
 use super::kernels::walls::{AtWall, of_wall};
-use super::snapshot::Snapshot;
-use sphorge_engine::model::Wall;
+use super::snapshot::{Snapshot, read};
+use super::{GpuEngine, failure};
+use sphorge_engine::model::{Integrator, Section, Wall};
 use sphorge_engine::{BodyLedger, Energies, Ledger, RunFailure};
 use sphorge_physics::heat::elastic_energy;
 
@@ -38,6 +39,7 @@ impl GpuEngine {
             mls_energy,
             contacts: snapshot.contacts.clone(),
             motion_forces: self.motion_forces(snapshot),
+            heat: snapshot.heat.clone(),
             ..Ledger::default()
         })
     }
@@ -60,6 +62,23 @@ impl GpuEngine {
     fn prescribed_acceleration(&self, motion: u32) -> [Option<f64>; 3] {
         let Some(k) = (motion as usize).checked_sub(1) else { return [None; 3] };
         [0, 1, 2].map(|a| self.model.motions[k].axes[a].acceleration(self.time, self.dt))
+    }
+
+    /// Whether forces through sections are summed with those of the step: the predictor-corrector leaves the places that they were evaluated at.
+    pub(super) fn sums_sections_with_forces(&self) -> bool {
+        self.model.numerics.integrator == Integrator::PredictorCorrector
+    }
+
+    /// Force of what is ahead of a section of the model on what is behind it, N.
+    pub(super) fn section_force(&self, section: &Section) -> Result<Vec<f64>, RunFailure> {
+        let number = self.model.sections.iter().position(|of| of == section);
+        let number = number.ok_or_else(|| failure(format!("no section `{}`", section.name)))?;
+        if !self.sums_sections_with_forces() {
+            self.card.launch(&self.stages.sections[number]);
+        }
+        let numbers = read(&self.card, &self.columns, Group::Section(number))?;
+        let sum = |a: usize| numbers[a * self.stride..(a + 1) * self.stride].iter().map(|f| f64::from(*f)).sum();
+        Ok((0..3).map(sum).collect())
     }
 
     /// Force of a wall on the particles as they are now, N; the wall stands where forces were evaluated.

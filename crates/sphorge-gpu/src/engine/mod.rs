@@ -6,6 +6,7 @@
 
 mod columns;
 mod conservation;
+mod heat;
 mod kernels;
 mod lists;
 mod plan;
@@ -23,7 +24,7 @@ use columns::Columns;
 use plan::Plan;
 use search::Kept;
 use snapshot::Snapshot;
-use sphorge_engine::{Engine, EngineKind, Model, Particles, RunFailure, Unsupported};
+use sphorge_engine::{Engine, EngineKind, HeatClock, Model, Particles, RunFailure, Unsupported};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
@@ -85,6 +86,12 @@ struct Stages {
     forces: Vec<Launch>,
     /// The end of the step, and what it changed.
     finish: Vec<Launch>,
+    /// Of each section the force through it.
+    sections: Vec<Vec<Launch>>,
+    /// The flow of heat: its sums where they are due, what flows, and the extremes of both.
+    sum_heat: Vec<Launch>,
+    flow_heat: Vec<Launch>,
+    heat_extremes: Vec<Launch>,
 }
 
 /// An engine on a card.
@@ -106,6 +113,10 @@ struct GpuEngine {
     dt: f64,
     /// Least limits, s, largest changes, and whether a number is none, at the end of the last step.
     extremes: [f64; kernels::limits::FIELDS],
+    /// Where heat flows, when it is summed again.
+    heat: Option<HeatClock>,
+    /// Least temperature, K, where heat flows.
+    coldest: f64,
     /// What the card holds, where it was asked for since the last step.
     snapshot: OnceCell<Snapshot>,
 }

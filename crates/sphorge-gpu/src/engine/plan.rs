@@ -1,9 +1,10 @@
 //! Which kernels the step of a model is made of.
 
 use super::columns::{Group, Recording};
+use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::{
-    contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
+    conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
     reference_forces, stress, walls,
 };
 use crate::record::KernelFault;
@@ -58,6 +59,12 @@ pub(super) struct Plan {
     pub(super) stress: Vec<Planned>,
     pub(super) forces: Vec<Planned>,
     pub(super) finish: Vec<Planned>,
+    /// Of each section the force through it.
+    pub(super) sections: Vec<Vec<Planned>>,
+    /// The flow of heat: its sums where they are due, what flows, and the extremes of both.
+    pub(super) sum_heat: Vec<Planned>,
+    pub(super) flow_heat: Vec<Planned>,
+    pub(super) heat_extremes: Vec<Planned>,
 }
 
 /// Kernels of the number of dimensions of a model.
@@ -149,7 +156,7 @@ impl Plan {
             plan.push.push(of_particles(walls::push(model, stride)?));
         }
         if meets {
-            plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, stride)));
+            plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, None, stride)));
         }
         for k in 0..model.materials.len() {
             let threads = members(p, k).len();
@@ -169,13 +176,19 @@ impl Plan {
         }
         match model.formulation {
             Formulation::UpdatedLagrangian => {
-                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, grid, stride)));
+                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, grid, None, stride)));
             }
             Formulation::TotalLagrangian { hourglass, .. } => {
                 plan.stress.push(of_particles(reference_forces::pull_back(model, hourglass, stride)?));
-                plan.forces.push(of_particles(in_dimension!(model, reference_forces::forces, model, stride)));
+                plan.forces.push(of_particles(in_dimension!(model, reference_forces::forces, model, None, stride)));
                 if hourglass != 0.0 {
-                    plan.forces.push(of_particles(in_dimension!(model, reference_forces::springs, model, stride)));
+                    plan.forces.push(of_particles(in_dimension!(
+                        model,
+                        reference_forces::springs,
+                        model,
+                        None,
+                        stride
+                    )));
                 }
             }
         }
@@ -184,6 +197,34 @@ impl Plan {
         }
         if !is_alone {
             plan.forces.push(of_particles(walls::add(stride)?));
+        }
+        for (number, section) in model.sections.iter().enumerate() {
+            let through = Some(Through { number, section });
+            let mut kernels = Vec::new();
+            match model.formulation {
+                Formulation::UpdatedLagrangian => {
+                    kernels.push(of_particles(in_dimension!(model, pairs::forces, model, grid, through, stride)));
+                }
+                Formulation::TotalLagrangian { hourglass, .. } => {
+                    let forces = in_dimension!(model, reference_forces::forces, model, through, stride);
+                    kernels.push(of_particles(forces));
+                    if hourglass != 0.0 {
+                        let springs = in_dimension!(model, reference_forces::springs, model, through, stride);
+                        kernels.push(of_particles(springs));
+                    }
+                }
+            }
+            if meets {
+                kernels.push(of_surface(in_dimension!(model, contact::press, model, grid, through, stride)));
+            }
+            plan.sections.push(kernels);
+        }
+        if model.thermal.conduction {
+            let sums = in_dimension!(model, conduction::sums, model, grid, stride);
+            plan.sum_heat.extend(sums.into_iter().map(of_particles));
+            plan.flow_heat.push(of_particles(conduction::flow(model, stride)?));
+            let chunks = Threads::Of(stride / limits::CHUNK);
+            plan.heat_extremes.push(Planned { kernel: conduction::extremes(p.len(), stride)?, threads: chunks });
         }
         plan.finish.insert(0, of_particles(finish));
         plan.finish.push(of_particles(limits::of_particles(model, stride)?));
@@ -209,8 +250,11 @@ impl Plan {
             &self.stress,
             &self.forces,
             &self.finish,
+            &self.sum_heat,
+            &self.flow_heat,
+            &self.heat_extremes,
         ];
-        groups.into_iter().flatten().map(|planned| &planned.kernel)
+        groups.into_iter().chain(&self.sections).flatten().map(|planned| &planned.kernel)
     }
 }
 

@@ -1,23 +1,24 @@
 //! What a card holds, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::{contact, kept, limits, walls};
+use super::kernels::{conduction, contact, kept, limits, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model, Search};
-use sphorge_engine::{ContactLedger, Particles, RunFailure, WallLedger};
+use sphorge_engine::{ContactLedger, HeatLedger, Particles, RunFailure, WallLedger};
 use sphorge_physics::SymmetricTensor;
 
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
-    let meets = contact::meets(model);
+    let (meets, conducts) = (contact::meets(model), model.thermal.conduction);
     let is_needed = move |group: &Group| match group {
         Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
         Group::Ahead => integrator == Integrator::Leapfrog,
         Group::Reference | Group::Correction | Group::Deformation | Group::Stretch | Group::FaceStress => is_initial,
         Group::Standing => meets && is_initial,
         Group::Overlap | Group::Contact => meets,
+        Group::Heat => conducts,
         _ => true,
     };
     let of_bodies = meets.then(|| (Group::Meetings, contact::MEETING * model.bodies.len()));
@@ -57,6 +58,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Standing, 12),
     (Group::Overlap, 5),
     (Group::Contact, 6),
+    (Group::Heat, conduction::HEAT),
 ];
 
 /// Groups whose numbers the steps to come depend on.
@@ -89,6 +91,8 @@ pub(super) const STATE: &[Group] = &[
     Group::FoundAt,
     Group::Candidates,
     Group::StrainCorrection,
+    Group::Heat,
+    Group::Boundaries,
 ];
 
 /// What a card holds after a step.
@@ -103,6 +107,8 @@ pub(super) struct Snapshot {
     pub(super) walls: Vec<WallLedger>,
     /// What the contact of each pair of bodies that have one does and has done.
     pub(super) contacts: Vec<ContactLedger>,
+    /// What flowed through boundaries, and was exchanged.
+    pub(super) heat: HeatLedger,
     /// Velocities that forces were evaluated with, m/s.
     pub(super) evaluated: Vec<[f64; 3]>,
 }
@@ -183,6 +189,13 @@ impl GpuEngine {
             let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
             WallLedger { work, friction_work, damping_work }
         };
+        let mut heat = HeatLedger::default();
+        if self.model.thermal.conduction {
+            heat.exchanged = sum(&self.group(Group::Heat)?, conduction::EXCHANGED);
+            let boundaries = self.group(Group::Boundaries)?;
+            let supplied = |k: usize| sum(&boundaries, conduction::BOUNDARY * k + conduction::SUPPLIED);
+            heat.supplied = (0..self.model.thermal.boundaries.len()).map(supplied).collect();
+        }
         let evaluated = self.group(Group::Evaluated)?;
         let meetings = contact::meets(&self.model).then(|| self.group(Group::Meetings)).transpose()?;
         let contact_of = |of: &Group64, (a, b): (usize, usize)| {
@@ -215,6 +228,7 @@ impl GpuEngine {
             walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
             contacts,
+            heat,
             particles: p,
         })
     }

@@ -1,9 +1,9 @@
 //! Particles brought to the card, and kernels compiled for it.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
-use super::kernels::{contact, grid, kept, limits, walls};
+use super::kernels::{conduction, contact, grid, kept, limits, walls};
 use super::lists::{self, bound};
-use super::plan::{Plan, keeps_lists, members};
+use super::plan::{Plan, Planned, keeps_lists, members};
 use super::search::Kept;
 use super::snapshot::fields;
 use super::{GpuEngine, Stages, failure};
@@ -11,7 +11,7 @@ use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
 use sphorge_engine::model::{Dimensions, Search};
-use sphorge_engine::{Model, Particles, RunFailure, complete_initial_state};
+use sphorge_engine::{HeatClock, Model, Particles, RunFailure, complete_initial_state};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -54,7 +54,24 @@ impl GpuEngine {
         let snapshot = OnceCell::new();
         let kept = Kept::default();
         let (steps, time, dt) = (0, 0.0, 0.0);
-        Ok(Self { model, card, columns, plan, stages, kept, initial: p, stride, steps, time, dt, extremes, snapshot })
+        let heat = model.thermal.conduction.then(HeatClock::default);
+        Ok(Self {
+            model,
+            card,
+            columns,
+            plan,
+            stages,
+            kept,
+            initial: p,
+            stride,
+            steps,
+            time,
+            dt,
+            extremes,
+            heat,
+            coldest: f64::INFINITY,
+            snapshot,
+        })
     }
 }
 
@@ -161,6 +178,17 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             columns.insert(Group::Surface, card.indices(&(0..count as u32).collect::<Vec<_>>())?);
         }
     }
+    for section in 0..model.sections.len() {
+        columns.insert(Group::Section(section), card.zeros(3 * stride)?);
+    }
+    if model.thermal.conduction {
+        columns.insert(Group::HeatLaws, card.numbers(&conduction::laws(model))?);
+        columns.insert(Group::Boundaries, card.numbers(&conduction::claims(model, p, stride))?);
+        columns.insert(Group::HeatExtremes, card.zeros(conduction::EXTREMES * stride / limits::CHUNK)?);
+        if conduction::is_joined(model) {
+            columns.insert(Group::Touched, card.zeros(count)?);
+        }
+    }
     for k in 0..model.materials.len() {
         columns.insert(Group::Members(k), card.indices(&members(p, k))?);
     }
@@ -221,7 +249,7 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
 }
 
 pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stages, RunFailure> {
-    let bound = |planned| bound(card, columns, planned);
+    let bound = |planned: &[Planned]| bound(card, columns, planned);
     Ok(Stages {
         begin: bound(&plan.begin)?,
         sorting: bound(&plan.sorting)?,
@@ -236,5 +264,9 @@ pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stag
         stress: bound(&plan.stress)?,
         forces: bound(&plan.forces)?,
         finish: bound(&plan.finish)?,
+        sections: plan.sections.iter().map(|planned| bound(planned)).collect::<Result<_, _>>()?,
+        sum_heat: bound(&plan.sum_heat)?,
+        flow_heat: bound(&plan.flow_heat)?,
+        heat_extremes: bound(&plan.heat_extremes)?,
     })
 }

@@ -5,7 +5,7 @@ use super::kernels::{contact, limits};
 use super::plan::keeps_lists;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure, step_numbers};
-use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, WallContact};
+use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, Search, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
@@ -88,11 +88,19 @@ impl Engine for GpuEngine {
         self.dt = dt;
         self.steps += u32::from(dt > 0.0);
         self.set_step()?;
+        if self.is_idle() {
+            return Ok(());
+        }
         self.card.launch(&self.stages.begin);
         Ok(())
     }
 
     fn refresh_neighbors(&mut self) -> Result<SearchReport, RunFailure> {
+        if self.is_idle() {
+            // The same neighbours would be found.
+            let searches = self.model.search == Search::EveryStep;
+            return Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) });
+        }
         if let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation
             && self.extremes[limits::STRETCHED] > 0.0
         {
@@ -110,6 +118,9 @@ impl Engine for GpuEngine {
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
+        if self.is_idle() {
+            return Ok(());
+        }
         let corrects = !self.stages.corrected_gradients.is_empty()
             && u64::from(self.steps).is_multiple_of(AdaptiveSearch::STRAIN_CORRECTION_STEPS);
         let due = if corrects { &self.stages.corrected_gradients } else { &self.stages.gradients };
@@ -118,7 +129,7 @@ impl Engine for GpuEngine {
     }
 
     fn restore_density(&mut self) -> Result<(), RunFailure> {
-        let due = |n: u64| self.dt > 0.0 && u64::from(self.steps).is_multiple_of(n);
+        let due = |n: u64| self.dt > 0.0 && !self.is_idle() && u64::from(self.steps).is_multiple_of(n);
         if self.model.numerics.mls_interval.is_some_and(due) {
             self.card.launch(&self.stages.restore);
         }
@@ -126,27 +137,46 @@ impl Engine for GpuEngine {
     }
 
     fn push_faces(&mut self) -> Result<(), RunFailure> {
-        self.card.launch(&self.stages.push);
+        if !self.is_idle() {
+            self.card.launch(&self.stages.push);
+        }
         Ok(())
     }
 
     fn stress(&mut self) -> Result<(), RunFailure> {
-        self.card.launch(&self.stages.stress);
+        if !self.is_idle() {
+            self.card.launch(&self.stages.stress);
+        }
         Ok(())
     }
 
     fn forces(&mut self) -> Result<(), RunFailure> {
-        self.card.launch(&self.stages.forces);
+        self.sum_heat()?;
+        if !self.is_idle() {
+            self.card.launch(&self.stages.forces);
+            if self.sums_sections_with_forces() {
+                for section in &self.stages.sections {
+                    self.card.launch(section);
+                }
+            }
+        }
         Ok(())
     }
 
     fn finish(&mut self) -> Result<(), RunFailure> {
-        self.card.launch(&self.stages.finish);
+        if self.is_idle() {
+            self.flow_heat()?;
+        } else {
+            self.card.launch(&self.stages.finish);
+            self.flow_heat()?;
+            self.read_extremes()?;
+        }
         self.time += self.dt;
-        self.read_extremes()
+        Ok(())
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
+        self.guard_heat()?;
         let [_, _, _, density, stretch, energy, jump, broken, _] = self.extremes;
         if broken > 0.0 {
             return Err(self.broken()?);
@@ -154,7 +184,7 @@ impl Engine for GpuEngine {
         let change = StepChange { density, stretch, energy, jump };
         match &self.model.time.step_control {
             // Which particle that was is found in what the card holds.
-            Some(control) if change.is_beyond(&control.largest) => {
+            Some(control) if !self.is_idle() && change.is_beyond(&control.largest) => {
                 let speed = |material: &Material| material.equation_of_state.reference_sound_speed();
                 let speeds: Vec<f64> = self.model.materials.iter().map(speed).collect();
                 check_change(&control.largest, &self.snapshot()?.particles, &speeds, self.dt)
@@ -164,9 +194,14 @@ impl Engine for GpuEngine {
     }
 
     fn time_step_limit(&self) -> Result<TimeStepLimit, RunFailure> {
+        let conduction = self.conduction_limit();
+        if !self.model.thermal.mechanics {
+            return Ok(conduction);
+        }
         let [by_sound, by_acceleration, by_contact, ..] = self.extremes;
         let limit = |dt, reason| TimeStepLimit { dt, reason };
         let mut least = limit(by_sound, LimitReason::SoundSpeed).min(limit(by_acceleration, LimitReason::Acceleration));
+        least = least.min(conduction);
         if contact::meets(&self.model) {
             least = least.min(limit(self.model.time.courant * by_contact, LimitReason::Contact));
         }
@@ -196,6 +231,9 @@ impl Engine for GpuEngine {
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+        if let Reduction::SectionForce(section) = reduction {
+            return self.section_force(section);
+        }
         Ok(reduction::evaluate(reduction, &self.model, &self.snapshot()?.particles))
     }
 
@@ -213,6 +251,9 @@ impl Engine for GpuEngine {
         extremes.persist("extremes", archive)?;
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
         self.persist_kept(archive)?;
+        if let Some(clock) = &mut self.heat {
+            clock.persist("heat", archive)?;
+        }
         for group in STATE {
             let name = format!("{group:?}").to_lowercase();
             let Some(array) = self.columns.array(*group) else { continue };

@@ -1,6 +1,6 @@
 //! What the engine for cards can run so far; all else is refused before a run.
 
-use super::kernels::{contact, kept};
+use super::kernels::{conduction, contact, kept};
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{
     Formulation, GradientCorrection, Integrator, Model, Precision, SmoothingLength, WallSurface,
@@ -32,14 +32,13 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "contact between more than eight bodies",
             BY_CPU,
         ),
-        (model.thermal.conduction || !model.thermal.boundaries.is_empty(), "conduction of heat", BY_CPU),
+        (conduction::has_stale_pairs(model), "conduction of heat with distances that are kept", BY_CPU),
         (
             (0..3).any(|axis| model.symmetry.iter().filter(|plane| plane.axis == axis).count() > 1),
             "two planes of symmetry along one axis",
             BY_CPU,
         ),
         (model.periodic.iter().any(Option::is_some), "periodic axes", BY_CPU),
-        (!model.sections.is_empty(), "forces through sections", BY_CPU),
         (
             model.walls.iter().any(|wall| !matches!(wall.surface, WallSurface::Plane { .. })),
             "walls that are no planes",

@@ -7,7 +7,7 @@ use sphorge_deck::load_text;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// Blocks of copper, of iron and of copper again, of other spacings: the upper strikes the middle, 1 mm to the right, which strikes the lower.
-fn striking(more: &str) -> String {
+pub(super) fn striking(more: &str) -> String {
     let block = |name: &str, material: &str, spacing: &str, low: &str, high: &str, velocity: &str| {
         format!(
             "[[body]]\nname = \"{name}\"\nmaterial = \"{material}\"\nspacing = \"{spacing} mm\"\n\

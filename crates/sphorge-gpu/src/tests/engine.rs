@@ -391,7 +391,7 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
 
 #[test]
 fn what_is_not_there_yet_is_refused_by_name() {
-    for (deck, what) in [("elastic-bar", "double precision"), ("convecting-block", "conduction of heat")] {
+    for (deck, what) in [("elastic-bar", "double precision"), ("rotating-rod", "double precision")] {
         let deck = decks::find(deck).unwrap_or_else(|| panic!("{deck}"));
         let setup = load_text(deck.name, deck.text, &[]).unwrap();
         let refusal = Gpu::default().supports(&setup.model).unwrap_err();

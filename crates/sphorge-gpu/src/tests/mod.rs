@@ -3,6 +3,8 @@
 #[cfg(feature = "device")]
 mod card;
 #[cfg(feature = "device")]
+mod conduction;
+#[cfg(feature = "device")]
 mod contact;
 #[cfg(feature = "device")]
 mod engine;
@@ -12,6 +14,8 @@ mod laws;
 #[cfg(feature = "device")]
 mod motion;
 mod pairs;
+#[cfg(feature = "device")]
+mod sections;
 #[cfg(feature = "device")]
 mod self_contact;
 

@@ -3,6 +3,7 @@
 
 use super::grid::Grid;
 use super::neighbors::{Pair, apart, different, over_cells, places};
+use super::section::{Crossing, Through};
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, added, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, Indices, KernelFault, Recorded};
@@ -217,28 +218,27 @@ fn overlap_of(overlaps: Reading, i: Index) -> Overlap<Recorded> {
 }
 
 /// Second pass: forces and their heat. A force on a face has a moment about the particle, which is a stress of it, so that the face does the work.
+///
+/// Where a section is given, the forces of the pairs that cross it are added to the one through it instead.
 pub(in crate::engine) fn press<const D: usize>(
     model: &Model,
     grid: &Grid,
+    through: Option<Through<'_>>,
     count: usize,
 ) -> Result<Recording, KernelFault> {
-    recording("press", count, |bind, thread| {
+    recording(&Through::name(through, "press"), count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let bodies = Bodies::of(bind, model);
         let (overlaps, evaluated, step) =
             (bind.read(Group::Overlap), bind.read(Group::Evaluated), bind.read(Group::Step));
-        let meetings = bind.write(Group::Meetings);
         let (dt, half, zero) = (step.get(0, Index::of(DT)), Recorded::of(0.5), Recorded::zero());
         let (mass, volume) = (bodies.constants.get(0, i), bodies.volume(i));
         let own = overlap_of(overlaps, i);
         // How fast the face departs from the particle.
         let rate = |of: Index| bodies.surfaces.map(|surfaces| surfaces.standing.vector(6, of));
         let (v_i, rate_i) = (evaluated.vector(0, i), rate(i));
-        for body in 0..model.bodies.len() {
-            meetings.set_all(MEETING * body, i, &[zero; 6]);
-        }
-        let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
-        let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
+        // The force of one that presses, and what it has of its law.
+        let push = |pair: &Pair, j: Index| {
             let image = &pair.image;
             let v_j = image.vector(evaluated.vector(0, j));
             let mut v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
@@ -264,6 +264,25 @@ pub(in crate::engine) fn press<const D: usize>(
                     stopping: stopping(mass, other_mass, weight, (own.weight, other.weight), dt),
                 },
             );
+            (force, friction_share, law, kernel, overlaps, other_volume)
+        };
+        if let Some(through) = through {
+            let place = bodies.surfaces.map_or(bodies.place, |_| bind.read(Group::Place));
+            let crossing = Crossing::of(bind, model, through, i, place);
+            let sum =
+                bodies.over_pressing::<_, D>(bind, model, grid, i, [zero; 3], |sum: Vector<Recorded>, pair, j| {
+                    crossing.add(sum, &pair.image, j, || push(pair, j).0.force, |force| *force)
+                });
+            crossing.set(sum, true);
+            return;
+        }
+        let meetings = bind.write(Group::Meetings);
+        for body in 0..model.bodies.len() {
+            meetings.set_all(MEETING * body, i, &[zero; 6]);
+        }
+        let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
+        let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
+            let (force, friction_share, law, kernel, overlaps, other_volume) = push(pair, j);
             let (heat, friction) = force.own_heat(friction_share);
             let sums = &mut state.sums;
             for (sum, part) in sums[..5].iter_mut().zip(force.force.into_iter().chain([heat, friction])) {

@@ -80,7 +80,7 @@ impl Mirrors {
 }
 
 /// A number and what single precision leaves of it.
-fn split(number: f64) -> [Recorded; 2] {
+pub(super) fn split(number: f64) -> [Recorded; 2] {
     let high = f64::from(number as f32);
     [Recorded::of(high), Recorded::of(number - high)]
 }
@@ -102,6 +102,24 @@ impl Image {
             Sign::Same => direct(),
             Sign::Turned => mirrored(),
             Sign::Either(sign) => Recorded::select_lt(sign, Recorded::zero(), mirrored(), direct()),
+        }
+    }
+
+    /// How far a place with its rest, or an image of it, is from a coordinate along an axis, m.
+    pub(super) fn offset(image: Option<&Self>, axis: usize, from: f64, [high, low]: [Recorded; 2]) -> Recorded {
+        let direct = || {
+            let [from, rest] = split(from);
+            (high - from) + (low - rest)
+        };
+        let mirrored = |image: &Self| {
+            let plane = image.mirrors.0[axis].map(|plane| Recorded::of(plane.position - from));
+            let depth = image.mirrors.depth(axis, [high, low]);
+            plane.zip(depth).map_or_else(direct, |(plane, depth)| plane - depth)
+        };
+        match image.map(|image| (image, image.signs[axis])) {
+            None | Some((_, Sign::Same)) => direct(),
+            Some((image, Sign::Turned)) => mirrored(image),
+            Some((image, Sign::Either(sign))) => Recorded::select_lt(sign, Recorded::zero(), mirrored(image), direct()),
         }
     }
 

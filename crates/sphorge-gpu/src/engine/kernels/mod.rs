@@ -1,5 +1,6 @@
 //! The kernels of the step: each gathers what a law needs, calls it, and stores what it gives.
 
+pub(super) mod conduction;
 pub(super) mod contact;
 pub(super) mod grid;
 pub(super) mod images;
@@ -14,5 +15,6 @@ pub(super) mod pairs;
 pub(super) mod predictor_corrector;
 pub(super) mod reference;
 pub(super) mod reference_forces;
+pub(super) mod section;
 pub(super) mod stress;
 pub(super) mod walls;

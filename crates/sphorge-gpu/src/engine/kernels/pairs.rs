@@ -3,7 +3,8 @@
 use super::grid::Grid;
 use super::kept;
 use super::motion::Motions;
-use super::neighbors::over_neighbors;
+use super::neighbors::{Pair, over_neighbors};
+use super::section::{Crossing, Through};
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
@@ -17,7 +18,7 @@ use sphorge_physics::pair::{
 use sphorge_physics::stress::{density_after, predicted_density, strain_rate};
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
-use sphorge_physics::{Numbers, Real, Tensor, artificial_stress};
+use sphorge_physics::{Numbers, Real, Tensor, Vector, artificial_stress};
 
 /// The weight of every particle in the gradient sum, of the density half a step ahead.
 pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording, KernelFault> {
@@ -144,14 +145,17 @@ pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recor
 
 /// Acceleration, energy rate and the parts of it that are the viscosity's and the artificial stress's, XSPH velocity and the largest
 /// `|mu|`.
+///
+/// Where a section is given, the force of the pairs that cross it alone.
 pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
     grid: &Grid,
+    through: Option<Through<'_>>,
     count: usize,
 ) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let (kernel, form) = (numerics.kernel, numerics.pair_form);
-    recording("forces", count, |bind, i| {
+    recording(&Through::name(through, "forces"), count, |bind, i| {
         let viscosity = ViscosityParameters {
             alpha: Recorded::of(numerics.viscosity_alpha),
             beta: Recorded::of(numerics.viscosity_beta),
@@ -160,7 +164,6 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (evaluated, weight, density) =
             (bind.read(Group::Evaluated), bind.read(Group::Weight), bind.read(Group::Density));
         let packed = bind.read(Group::Packed);
-        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         let weight_of = |j: Index| match (form, numerics.integrator) {
             // The volumes of the gradient sum, at the same positions: both sums are adjoint to the last digit.
             (PairForm::VolumeWeighted, Integrator::PredictorCorrector) => weight.get(0, j),
@@ -172,7 +175,7 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (stress, repulsion) = (packed.symmetric(0, i), packed.symmetric(6, i));
         let (switch, sound_speed) = (packed.get(12, i), packed.get(13, i));
         let start = [Recorded::zero(); 10];
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+        let add = |mut state: [Recorded; 10], pair: &Pair, j: Index| {
             let other = pair.image.vector(evaluated.vector(0, j));
             let v = [0, 1, 2].map(|a| own[a] - other[a]);
             let mut v_dot_x = Recorded::zero();
@@ -230,8 +233,19 @@ pub(in crate::engine) fn forces<const D: usize>(
             }
             state[7] = state[7].max(mu.abs());
             state
-        });
+        };
         let factor = momentum_factor(form, near.1.get(0, i), weight_of(i));
+        if let Some(through) = through {
+            let crossing = Crossing::of(bind, model, through, i, near.0);
+            let none = [Recorded::zero(); 3];
+            let sum = over_neighbors::<_, D>(bind, model, grid, i, near, none, |sum: Vector<Recorded>, pair, j| {
+                crossing.add(sum, &pair.image, j, || add(start, pair, j), |sums| [sums[0], sums[1], sums[2]])
+            });
+            crossing.set(sum.map(|of| of * factor * near.1.get(0, i)), false);
+            return;
+        }
+        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, add);
+        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         let mut smoothed = [4, 5, 6].map(|k| sums[k] * Recorded::of(numerics.xsph));
         if numerics.xsph != 0.0 {
             // What is prescribed drifts with that alone.

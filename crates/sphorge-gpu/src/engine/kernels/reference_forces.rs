@@ -1,9 +1,10 @@
 //! Forces of the total Lagrangian form: the sum of the stress in the reference configuration, and the springs against hourglassing.
 
 use super::contact;
-use super::neighbors::{apart, over_list, places};
+use super::neighbors::{Pair, apart, over_list, places};
+use super::section::{Crossing, Through};
 use crate::engine::columns::{Fields, Group, Recording, recording};
-use crate::record::{KernelFault, Recorded};
+use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
 use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momentum_factor};
@@ -34,16 +35,21 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
 }
 
 /// Acceleration and energy rate of the stress.
-pub(in crate::engine) fn forces<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+///
+/// Where a section is given, the force of the pairs that cross it alone.
+pub(in crate::engine) fn forces<const D: usize>(
+    model: &Model,
+    through: Option<Through<'_>>,
+    count: usize,
+) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let kernel = numerics.kernel;
-    recording("reference_forces", count, |bind, i| {
+    recording(&Through::name(through, "reference_forces"), count, |bind, i| {
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let (evaluated, packed) = (bind.read(Group::Evaluated), bind.read(Group::Packed));
-        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         let (own, tensor) = (evaluated.vector(0, i), packed.tensor(0, i));
         let zero = Recorded::zero();
-        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], |state: [Recorded; 4], pair, j| {
+        let add = |state: [Recorded; 4], pair: &Pair, j: Index| {
             let other = pair.image.vector(evaluated.vector(0, j));
             let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
             let force = PairForce {
@@ -60,8 +66,19 @@ pub(in crate::engine) fn forces<const D: usize>(model: &Model, count: usize) -> 
             let mut sums = ForceSums { acceleration, stress_power: state[3], ..ForceSums::zero() };
             sums.add::<D>(numerics.energy_split, &force);
             [sums.acceleration[0], sums.acceleration[1], sums.acceleration[2], sums.energy_rate()]
-        });
+        };
         let factor = momentum_factor(numerics.pair_form, near.1.get(0, i), near.0.get(6, i));
+        if let Some(through) = through {
+            let place = bind.read(Group::Place);
+            let crossing = Crossing::of(bind, model, through, i, place);
+            let sum = over_list::<_, D>(bind, model, i, near, [zero; 3], |sum: Vector<Recorded>, pair, j| {
+                crossing.add(sum, &pair.image, j, || add([zero; 4], pair, j), |sums| [sums[0], sums[1], sums[2]])
+            });
+            crossing.set(sum.map(|of| of * factor * near.1.get(0, i)), false);
+            return;
+        }
+        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], add);
+        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         for a in 0..3 {
             rates.set(a, i, sums[a] * factor);
         }
@@ -69,19 +86,22 @@ pub(in crate::engine) fn forces<const D: usize>(model: &Model, count: usize) -> 
     })
 }
 
-/// Adds the springs to acceleration and energy rate.
-pub(in crate::engine) fn springs<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+/// Adds the springs to acceleration and energy rate, or to the force through a section.
+pub(in crate::engine) fn springs<const D: usize>(
+    model: &Model,
+    through: Option<Through<'_>>,
+    count: usize,
+) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
-    recording("springs", count, |bind, i| {
+    recording(&Through::name(through, "springs"), count, |bind, i| {
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let (packed, deformation) = (bind.read(Group::Packed), bind.read(Group::Deformation));
-        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         let spring = |of| Spring { stiffness: packed.get(9, of), bound: packed.get(10, of) };
         let (x_i, v_i): (_, Vector<Recorded>) = (places(place, i), evaluated.vector(0, i));
         let (f_i, spring_i) = (deformation.tensor(0, i), spring(i));
         let zero = Recorded::zero();
-        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], |state: [Recorded; 4], pair, j| {
+        let add = |state: [Recorded; 4], pair: &Pair, j: Index| {
             let image = &pair.image;
             let x = apart::<D>(image, &x_i, &places(place, j));
             let v_j = image.vector(evaluated.vector(0, j));
@@ -93,8 +113,18 @@ pub(in crate::engine) fn springs<const D: usize>(model: &Model, count: usize) ->
             let mut sums = SpringSums { acceleration: [state[0], state[1], state[2]], energy_rate: state[3] };
             sums.add::<D>(&x, misfit.v_dot_x, strength);
             [sums.acceleration[0], sums.acceleration[1], sums.acceleration[2], sums.energy_rate]
-        });
+        };
         let factor = momentum_factor(numerics.pair_form, near.1.get(0, i), near.0.get(6, i));
+        if let Some(through) = through {
+            let crossing = Crossing::of(bind, model, through, i, place);
+            let sum = over_list::<_, D>(bind, model, i, near, [zero; 3], |sum: Vector<Recorded>, pair, j| {
+                crossing.add(sum, &pair.image, j, || add([zero; 4], pair, j), |sums| [sums[0], sums[1], sums[2]])
+            });
+            crossing.set(sum.map(|of| of * factor * near.1.get(0, i)), true);
+            return;
+        }
+        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], add);
+        let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         for a in 0..3 {
             rates.set(a, i, rates.get(a, i) + sums[a] * factor);
         }

@@ -1,0 +1,65 @@
+//! When heat flows: summed now and then beside mechanics, in every step without.
+
+use super::columns::Group;
+use super::kernels::conduction::{BEYOND, EXTREMES};
+use super::kernels::limits::CHUNK;
+use super::snapshot::read;
+use super::{GpuEngine, failure};
+use sphorge_engine::{LimitReason, RunFailure, TimeStepLimit, check_values};
+
+impl GpuEngine {
+    /// Whether bodies stand still in this step, and heat alone flows; the initial rates are those of bodies that could move.
+    pub(super) fn is_idle(&self) -> bool {
+        !self.model.thermal.mechanics && self.dt > 0.0
+    }
+
+    /// Sums the flow of heat again where that is due.
+    pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
+        let Some(mut clock) = self.heat.filter(|clock| clock.is_due(&self.model)) else { return Ok(()) };
+        self.card.launch(&self.stages.sum_heat);
+        clock.start();
+        clock.limit = self.read_heat_extremes()?;
+        self.heat = Some(clock);
+        Ok(())
+    }
+
+    /// Lets the heat flow for the step.
+    pub(super) fn flow_heat(&mut self) -> Result<(), RunFailure> {
+        let Some(clock) = &mut self.heat else { return Ok(()) };
+        clock.advance(self.dt);
+        self.card.launch(&self.stages.flow_heat);
+        // Beside mechanics values are guarded with all others, and nothing but a flux cools below zero.
+        if self.is_idle() || self.model.thermal.is_cooled() {
+            self.read_heat_extremes()?;
+        }
+        Ok(())
+    }
+
+    /// The least limit, s; notes the least temperature.
+    fn read_heat_extremes(&mut self) -> Result<f64, RunFailure> {
+        self.card.launch(&self.stages.heat_extremes);
+        let numbers = read(&self.card, &self.columns, Group::HeatExtremes)?;
+        let chunks = self.stride / CHUNK;
+        let of = |k: usize| numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
+        debug_assert_eq!(numbers.len(), EXTREMES * chunks);
+        let is_broken = of(2).any(|broken| broken > 0.0);
+        self.coldest = if is_broken { f64::NAN } else { of(1).fold(f64::INFINITY, f64::min) };
+        let limit = of(0).fold(f64::INFINITY, f64::min);
+        Ok(if limit < BEYOND { limit } else { f64::INFINITY })
+    }
+
+    /// Whether temperatures are numbers and, where a flux takes heat out, above absolute zero.
+    pub(super) fn guard_heat(&self) -> Result<(), RunFailure> {
+        let is_cooled = self.model.thermal.is_cooled();
+        if self.heat.is_none() || self.coldest >= 0.0 || !self.coldest.is_nan() && !is_cooled {
+            return Ok(());
+        }
+        check_values(&self.snapshot()?.particles, is_cooled)?;
+        Err(failure("a temperature is not finite"))
+    }
+
+    pub(super) fn conduction_limit(&self) -> TimeStepLimit {
+        let limit = self.heat.map_or(f64::INFINITY, |clock| clock.limit);
+        TimeStepLimit { dt: self.model.time.courant * limit, reason: LimitReason::Conduction }
+    }
+}

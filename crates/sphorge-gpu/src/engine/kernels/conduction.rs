@@ -1,0 +1,365 @@
+//! Heat that flows between particles and through boundaries, with the temperatures of the start of the step.
+
+use super::contact;
+use super::grid::Grid;
+use super::images::{Image, split};
+use super::kept::keeps_distances;
+use super::limits::CHUNK;
+use super::neighbors::{Pair, apart, different, over_cells, over_list, over_neighbors, places};
+use super::walls::is_total_lagrangian;
+use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
+use crate::engine::step_numbers::DT;
+use crate::record::{Index, Indices, KernelFault, Recorded};
+use sphorge_engine::model::{HeatBoundaryKind, Model};
+use sphorge_engine::{ConductionTable, Particles};
+use sphorge_physics::conduction::{
+    HeatPair, Inflow, add_temperature_gradient, added_flow, best_flow, cell_size, pair_conductivity, surface_area,
+    touching_below,
+};
+use sphorge_physics::kernel::PairScale;
+use sphorge_physics::pair::mean;
+use sphorge_physics::tensor::dot;
+use sphorge_physics::time_step::conduction_limit;
+use sphorge_physics::{Elementary, Numbers, Real, Vector};
+
+/// Numbers of a particle in [`Group::Heat`]: heat that flows in, W/kg, its limit of the step, s, heat it has taken or given, J, and the rest of it,
+/// and what deformation adds to the flow, W/m².
+const RATE: usize = 0;
+const LIMIT: usize = 1;
+pub(in crate::engine) const EXCHANGED: usize = 2;
+const FLOW: usize = 4;
+pub(in crate::engine) const HEAT: usize = 7;
+
+/// Numbers of a particle in [`Group::Boundaries`] for each of them: one where it belongs to it, its power, W, heat supplied, J, and the rest of it.
+const CLAIMED: usize = 0;
+const POWER: usize = 1;
+pub(in crate::engine) const SUPPLIED: usize = 2;
+pub(in crate::engine) const BOUNDARY: usize = 4;
+
+/// Numbers of a body in [`Group::HeatLaws`].
+const LAW: usize = 4;
+
+/// Numbers of a chunk in [`Group::HeatExtremes`]: the least limit, s, the least temperature, K, and whether one is none.
+pub(in crate::engine) const EXTREMES: usize = 3;
+
+/// Beyond every limit, s, and every temperature, K.
+pub(in crate::engine) const BEYOND: f64 = 1e30;
+
+/// The constants of every body.
+pub(in crate::engine) fn laws(model: &Model) -> Vec<f32> {
+    let table = ConductionTable::new(model);
+    (0..model.bodies.len()).flat_map(|body| table.of_body(body)).map(|number| number as f32).collect()
+}
+
+/// Who belongs to which boundary.
+pub(in crate::engine) fn claims(model: &Model, p: &Particles, stride: usize) -> Vec<f32> {
+    let boundaries = &model.thermal.boundaries;
+    let mut numbers = vec![0.0; (BOUNDARY * boundaries.len()).max(1) * stride];
+    for (k, boundary) in boundaries.iter().enumerate() {
+        for i in (0..p.len()).filter(|i| boundary.claims(p.body[*i], p.regions[*i])) {
+            numbers[(BOUNDARY * k + CLAIMED) * stride + i] = 1.0;
+        }
+    }
+    numbers
+}
+
+/// The kernels that sum the flow, each for every particle.
+pub(in crate::engine) fn sums<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    count: usize,
+) -> Result<Vec<Recording>, KernelFault> {
+    let mut kernels = Vec::new();
+    if is_joined(model) {
+        kernels.push(touch::<D>(model, grid, count)?);
+    }
+    if is_total_lagrangian(model) {
+        kernels.push(flow_of_deformation::<D>(model, count)?);
+    }
+    kernels.push(sum::<D>(model, grid, count)?);
+    Ok(kernels)
+}
+
+/// Whether bodies conduct heat to each other where their faces touch.
+pub(in crate::engine) fn is_joined(model: &Model) -> bool {
+    model.bodies.len() > 1
+}
+
+/// Whether particles of other bodies are found in the cells, and not among the neighbours of the sums.
+fn meets_others(model: &Model) -> bool {
+    is_joined(model) && contact::meets(model)
+}
+
+/// Particles as heat sees them.
+#[derive(Clone, Copy)]
+struct Points {
+    place: Reading,
+    constants: Reading,
+    temperature: Reading,
+    density: Reading,
+    body: Indices,
+    laws: Reading,
+    /// Where those that other bodies may touch are sorted by.
+    surface: Option<Reading>,
+}
+
+impl Points {
+    fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
+        let faces = meets_others(model) && model.has_faces();
+        Self {
+            place: bind.read(Group::Place),
+            constants: bind.read(Group::Constants),
+            temperature: bind.read(Group::Temperature),
+            density: bind.read(Group::Density),
+            body: bind.indices(Group::Body),
+            laws: bind.read(Group::HeatLaws),
+            surface: faces.then(|| bind.read(Group::Standing)),
+        }
+    }
+
+    /// Present volume, m^d.
+    fn volume(self, i: Index) -> Recorded {
+        self.constants.get(0, i) / self.density.get(0, i)
+    }
+
+    fn law(self, i: Index, k: usize) -> Recorded {
+        self.laws.get_at(self.body.at(i) * Index::of(LAW as u32) + Index::of(k as u32))
+    }
+
+    /// `T_j - T_i`, K.
+    fn difference(self, i: Index, j: Index) -> Recorded {
+        let ([own, own_rest], [other, other_rest]) =
+            (self.temperature.double(0, 1, i), self.temperature.double(0, 1, j));
+        (other - own) + (other_rest - own_rest)
+    }
+
+    /// A pair with volumes (m^d), at a distance whose square is given (m²).
+    fn pair(
+        self,
+        model: &Model,
+        (i, j): (Index, Index),
+        volumes: (Recorded, Recorded),
+        r2: Recorded,
+        scale: PairScale<Recorded>,
+    ) -> HeatPair<Recorded> {
+        HeatPair {
+            volumes,
+            conductivity: pair_conductivity(self.law(i, 0), self.law(j, 0)),
+            correction: mean(self.law(i, 2), self.law(j, 2)),
+            slope: slope(model, r2, scale),
+            r2,
+            difference: self.difference(i, j),
+        }
+    }
+
+    /// `x_i - x_j`, m, where particles are now.
+    fn apart<const D: usize>(self, image: &Image, i: Index, j: Index) -> Vector<Recorded> {
+        apart::<D>(image, &places(self.place, i), &places(self.place, j))
+    }
+
+    /// Takes a state through every particle of another body that is near.
+    fn over_others<S: Numbers<Recorded>, const D: usize>(
+        self,
+        bind: &mut Binder<'_>,
+        model: &Model,
+        grid: &Grid,
+        i: Index,
+        start: S,
+        add: impl Fn(S, &Pair, Index) -> S,
+    ) -> S {
+        let near = (self.surface.unwrap_or(self.place), self.constants);
+        over_cells::<_, D>(bind, model, grid, i, near, start, |state, pair, j| {
+            Recorded::if_lt(Recorded::of(0.5), different(self.body, i, j), || add(state, pair, j), || state)
+        })
+    }
+}
+
+/// `-(1/r) dW/dr`, m^-(d+2).
+fn slope(model: &Model, r2: Recorded, scale: PairScale<Recorded>) -> Recorded {
+    let (q, inverse_q) = scale.reduced_distance(r2);
+    let within = scale.f(model.numerics.kernel.dw_over_q_by(q, inverse_q));
+    -within
+}
+
+/// The other body whose face each particle touches, that of the nearest particle: its number and one, zero for none.
+fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recording, KernelFault> {
+    let dimension = model.dimensions.into();
+    recording("touch", count, |bind, i| {
+        let (points, touched) = (Points::of(bind, model), bind.index_output(Group::Touched));
+        let cell = |i: Index| cell_size(dimension, points.volume(i));
+        let own = cell(i);
+        let nearest = |state: [Recorded; 2], pair: &Pair, j: Index| {
+            let x = points.apart::<D>(&pair.image, i, j);
+            let r2 = dot(x, x);
+            // Of those as near the first.
+            let bound = touching_below(own, cell(j)).min(state[0]);
+            let body = points.body.at(j).number() + Recorded::one();
+            Recorded::if_lt(r2, bound, || [r2, body], || state)
+        };
+        let start = [Recorded::of(BEYOND), Recorded::zero()];
+        let found = if meets_others(model) {
+            points.over_others::<_, D>(bind, model, grid, i, start, nearest)
+        } else {
+            let near = (points.place, points.constants);
+            over_neighbors::<_, D>(bind, model, grid, i, near, start, |state: [Recorded; 2], pair, j| {
+                let is_other = different(points.body, i, j);
+                Recorded::if_lt(Recorded::of(0.5), is_other, || nearest(state, pair, j), || state)
+            })
+        };
+        touched.set(i, Index::floor(found[1]));
+    })
+}
+
+/// What deformation adds to the flow of every particle in the reference configuration.
+fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    recording("heat_of_deformation", count, |bind, i| {
+        let (points, heat) = (Points::of(bind, model), bind.write(Group::Heat));
+        let near = (bind.read(Group::Reference), points.constants);
+        let (deformation, correction) = (bind.read(Group::Deformation), bind.read(Group::Correction));
+        let start = [Recorded::zero(); 3];
+        let gradient = over_list::<_, D>(bind, model, i, near, start, |mut gradient: Vector<Recorded>, pair, j| {
+            let slope = slope(model, pair.r2, pair.scale);
+            add_temperature_gradient(&mut gradient, near.0.get(6, j), slope, points.difference(i, j), pair.x);
+            gradient
+        });
+        let flow = added_flow(points.law(i, 0), gradient, &deformation.tensor(0, i), &correction.tensor(0, i));
+        heat.set_all(FLOW, i, &flow);
+    })
+}
+
+/// Heat that flows to every particle, and its limit of the step.
+fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recording, KernelFault> {
+    let dimension = model.dimensions.into();
+    let boundaries = &model.thermal.boundaries;
+    recording("sum_heat", count, |bind, i| {
+        let (points, heat) = (Points::of(bind, model), bind.write(Group::Heat));
+        let through = (!boundaries.is_empty()).then(|| bind.write(Group::Boundaries));
+        let touched = is_joined(model).then(|| bind.indices(Group::Touched));
+        let volume = points.volume(i);
+        // Of one body, or of two whose faces touch at one of the particles.
+        let are_joined = |j: Index| {
+            let Some(touched) = touched else { return Recorded::zero() };
+            let at = |of: Index, body: Index| {
+                (touched.at(of).number() - (points.body.at(body).number() + Recorded::one())).abs()
+            };
+            different(points.body, i, j).min(at(i, j)).min(at(j, i))
+        };
+        let numbers = |sum: Inflow<Recorded>| [sum.power, sum.conductance, sum.filled];
+        let inflow = |[power, conductance, filled]: [Recorded; 3]| Inflow { power, conductance, filled };
+        let add = |state: [Recorded; 3], pair: &Pair, j: Index| {
+            let add = || {
+                let x = points.apart::<D>(&pair.image, i, j);
+                let mut sum = inflow(state);
+                let volumes = (volume, points.volume(j));
+                sum.add(&points.pair(model, (i, j), volumes, dot(x, x), pair.scale), dimension);
+                numbers(sum)
+            };
+            Recorded::if_lt(are_joined(j), Recorded::of(0.5), add, || state)
+        };
+        let start = numbers(Inflow::zero());
+        let mut sums = if is_total_lagrangian(model) {
+            let near = (bind.read(Group::Reference), points.constants);
+            let better = best_flow(&bind.read(Group::Deformation).tensor(0, i));
+            let own = heat.vector(FLOW, i);
+            over_list::<_, D>(bind, model, i, near, start, |state: [Recorded; 3], pair, j| {
+                let other = pair.image.vector(heat.vector(FLOW, j));
+                let flow = [0, 1, 2].map(|a| own[a] + other[a]);
+                let volumes = (near.0.get(6, i), near.0.get(6, j));
+                let mut sum = inflow(state);
+                let of_pair = points.pair(model, (i, j), volumes, pair.r2, pair.scale);
+                sum.add_reference(&of_pair, pair.x, flow, better, dimension);
+                numbers(sum)
+            })
+        } else {
+            let near = (points.place, points.constants);
+            over_neighbors::<_, D>(bind, model, grid, i, near, start, add)
+        };
+        if meets_others(model) {
+            sums = points.over_others::<_, D>(bind, model, grid, i, sums, add);
+        }
+        let mut sum = inflow(sums);
+        for (k, boundary) in boundaries.iter().enumerate() {
+            let Some(through) = through else { continue };
+            if matches!(boundary.kind, HeatBoundaryKind::HeldTemperature(_)) {
+                continue;
+            }
+            let area = surface_area(dimension, volume, sum.filled, points.law(i, 3));
+            let cell = cell_size(dimension, volume);
+            let temperature = points.temperature.get(0, i);
+            let (power, conductance) = boundary.kind.through_surface(area, temperature, points.law(i, 0), cell);
+            let (half, zero) = (Recorded::of(0.5), Recorded::zero());
+            let claimed = through.get(BOUNDARY * k + CLAIMED, i);
+            let power = Recorded::select_lt(half, claimed, power, zero);
+            sum.power += power;
+            sum.conductance += Recorded::select_lt(half, claimed, conductance, zero);
+            through.set(BOUNDARY * k + POWER, i, power);
+        }
+        let mass = points.constants.get(0, i);
+        heat.set(RATE, i, sum.power / mass);
+        let limit = conduction_limit(mass * points.law(i, 1), sum.conductance);
+        heat.set(LIMIT, i, Recorded::select_lt(Recorded::zero(), sum.conductance, limit, Recorded::of(BEYOND)));
+    })
+}
+
+/// Lets the heat flow for the step: energy, temperature, balance.
+pub(in crate::engine) fn flow(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    let boundaries = &model.thermal.boundaries;
+    recording("flow_heat", count, |bind, i| {
+        let (energy, temperature) = (bind.write(Group::Energy), bind.write(Group::Temperature));
+        let (heat, constants, step) = (bind.write(Group::Heat), bind.read(Group::Constants), bind.read(Group::Step));
+        let (body, laws) = (bind.indices(Group::Body), bind.read(Group::HeatLaws));
+        let through = (!boundaries.is_empty()).then(|| bind.write(Group::Boundaries));
+        let specific_heat = laws.get_at(body.at(i) * Index::of(LAW as u32) + Index::of(1));
+        let (dt, mass) = (step.get(0, Index::of(DT)), constants.get(0, i));
+        let inflow = dt * heat.get(RATE, i);
+        energy.add(0, 1, i, inflow);
+        temperature.add(0, 1, i, inflow / specific_heat);
+        heat.add(EXCHANGED, EXCHANGED + 1, i, mass * inflow.abs());
+        for (k, boundary) in boundaries.iter().enumerate() {
+            let Some(through) = through else { continue };
+            let supplied = BOUNDARY * k + SUPPLIED;
+            let HeatBoundaryKind::HeldTemperature(held) = boundary.kind else {
+                through.add(supplied, supplied + 1, i, dt * through.get(BOUNDARY * k + POWER, i));
+                continue;
+            };
+            let hold = || {
+                let ([now, rest], held) = (temperature.double(0, 1, i), split(held));
+                let supply = specific_heat * ((held[0] - now) + (held[1] - rest));
+                energy.add(0, 1, i, supply);
+                temperature.set_all(0, i, &held);
+                through.add(supplied, supplied + 1, i, mass * supply);
+                crate::engine::columns::NOTHING
+            };
+            let claimed = through.get(BOUNDARY * k + CLAIMED, i);
+            Recorded::if_lt(Recorded::of(0.5), claimed, hold, || crate::engine::columns::NOTHING);
+        }
+    })
+}
+
+/// Of each chunk of particles, of which there are `particles`: the least limit and temperature, and whether one is none.
+pub(in crate::engine) fn extremes(particles: usize, count: usize) -> Result<Recording, KernelFault> {
+    let chunks = count.div_ceil(CHUNK);
+    recording("heat_extremes", count, |bind, chunk| {
+        let (heat, temperature) = (bind.read(Group::Heat), bind.read(Group::Temperature));
+        let extremes = bind.write(Group::HeatExtremes);
+        let first = chunk * Index::of(CHUNK as u32);
+        let (zero, one, far) = (Recorded::zero(), Recorded::one(), Recorded::of(BEYOND));
+        let end = first + Index::of(CHUNK as u32);
+        let all = bind.scope.fold(first, end, [far, far, zero], |_, all: [Recorded; EXTREMES], i| {
+            // Columns are padded to whole chunks.
+            let there =
+                |a: Recorded, b: Recorded| Recorded::select_lt(i.number(), Recorded::of(particles as f64), a, b);
+            let now = temperature.get(0, i);
+            let broken = Recorded::select_lt(now.abs(), far, zero, one);
+            [all[0].min(there(heat.get(LIMIT, i), far)), all[1].min(there(now, far)), all[2].max(there(broken, zero))]
+        });
+        for (k, number) in all.into_iter().enumerate() {
+            extremes.set(0, Index::of((k * chunks) as u32) + chunk, number);
+        }
+    })
+}
+
+/// Whether heat is summed over pairs whose distances are not those of now.
+pub(in crate::engine) fn has_stale_pairs(model: &Model) -> bool {
+    model.thermal.conduction && keeps_distances(model)
+}

@@ -1,0 +1,103 @@
+//! Pairs that a section goes through: what particles ahead of its plane do to those behind it.
+
+use super::images::Image;
+use super::neighbors::places;
+use crate::engine::columns::{Binder, Fields, Group, Reading, Writing};
+use crate::record::{Index, Indices, Recorded};
+use sphorge_engine::model::{Model, Section};
+use sphorge_physics::{Elementary, Numbers, Real, Vector};
+
+/// An image that is shifted by less than this across the plane, in spacings, is shifted along it.
+const ALONG: f64 = 1e-3;
+
+/// A section with the number it has among those of the model, where a sum is of the pairs that cross it alone.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine) struct Through<'a> {
+    pub(in crate::engine) number: usize,
+    pub(in crate::engine) section: &'a Section,
+}
+
+impl Through<'_> {
+    /// A kernel of that sum.
+    pub(super) fn name(of: Option<Self>, name: &str) -> String {
+        of.map_or_else(|| name.to_owned(), |through| format!("{name}_through_section_{}", through.number))
+    }
+}
+
+/// On which sides of the plane particles are.
+#[derive(Clone, Copy)]
+pub(super) struct Crossing<'a> {
+    section: &'a Section,
+    place: Reading,
+    bodies: Option<Indices>,
+    /// m.
+    along: f64,
+    /// How far the particle is ahead of the plane, m.
+    ahead: Recorded,
+    i: Index,
+    sums: Writing,
+}
+
+impl<'a> Crossing<'a> {
+    /// Of a particle, whose place is bound.
+    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, through: Through<'a>, i: Index, place: Reading) -> Self {
+        let section = through.section;
+        let bodies = section.body.map(|_| bind.indices(Group::Body));
+        let sums = bind.write(Group::Section(through.number));
+        let along = ALONG * model.spacing;
+        let mut crossing = Self { section, place, bodies, along, ahead: Recorded::zero(), i, sums };
+        crossing.ahead = crossing.ahead_of(None, i);
+        crossing
+    }
+
+    /// How far a particle, or an image of it, is ahead of the plane, m.
+    fn ahead_of(&self, image: Option<&Image>, of: Index) -> Recorded {
+        let at = places(self.place, of);
+        let mut ahead = Recorded::zero();
+        for axis in (0..3).filter(|axis| self.section.normal[*axis] != 0.0) {
+            let offset = Image::offset(image, axis, self.section.point[axis], at[axis]);
+            ahead += Recorded::of(self.section.normal[axis]) * offset;
+        }
+        ahead
+    }
+
+    /// How much of the force of `j` goes through the plane, seen from behind.
+    fn share(&self, image: &Image, j: Index) -> Recorded {
+        let (zero, half, one) = (Recorded::zero(), Recorded::of(0.5), Recorded::one());
+        let other = self.ahead_of(Some(image), j);
+        // One ahead of the plane, and in it.
+        let side = |ahead: Recorded| Recorded::select_lt(ahead, zero, zero, one);
+        // The other half comes from the row of the other particle, unless that is where its image is not.
+        let shift = (other - self.ahead_of(None, j)).abs();
+        let whole = Recorded::select_lt(Recorded::of(self.along), shift, one, half);
+        let share = (side(other) - side(self.ahead)) * whole;
+        let Some((bodies, body)) = self.bodies.zip(self.section.body) else { return share };
+        let strange = |of: Index| (bodies.at(of).number() - Recorded::of(body as f64)).abs();
+        Recorded::select_lt(strange(self.i).max(strange(j)), half, share, zero)
+    }
+
+    /// Adds what a pair adds to a sum whose first three numbers are a force, times its share, where it crosses.
+    pub(super) fn add<S: Numbers<Recorded>>(
+        &self,
+        state: Vector<Recorded>,
+        image: &Image,
+        j: Index,
+        pair: impl FnOnce() -> S,
+        force: impl FnOnce(&S) -> Vector<Recorded>,
+    ) -> Vector<Recorded> {
+        let share = self.share(image, j);
+        let add = || {
+            let force = force(&pair());
+            [0, 1, 2].map(|a| state[a] + share * force[a])
+        };
+        Recorded::if_lt(Recorded::zero(), share.abs(), add, || state)
+    }
+
+    /// Makes the sum of the particle this, N, or adds it.
+    pub(super) fn set(&self, force: Vector<Recorded>, adds: bool) {
+        for (a, force) in force.into_iter().enumerate() {
+            let before = if adds { self.sums.get(a, self.i) } else { Recorded::zero() };
+            self.sums.set(a, self.i, before + force);
+        }
+    }
+}
