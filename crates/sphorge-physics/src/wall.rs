@@ -23,17 +23,30 @@ impl<T: Real> Gap<T> {
     }
 }
 
-impl<T: Scalar> Gap<T> {
-    /// To a straight segment between two ends (m), which act like points; `None` on the line itself, where no direction is away
-    /// from it.
+/// As far as nothing that a wall pushes is, m.
+const FAR: f64 = 1e30;
+
+impl<T: Real> Gap<T> {
+    /// To a straight segment between two ends (m), which act like points; on the line itself, where no direction is away from it, as far as
+    /// nothing is.
     #[inline]
-    pub fn to_segment(x: Vector<T>, from: Vector<T>, to: Vector<T>) -> Option<Self> {
+    pub fn beside_segment(x: Vector<T>, from: Vector<T>, to: Vector<T>) -> Self {
         let along = difference(to, from);
         let offset = difference(x, from);
         let s = (dot(offset, along) / dot(along, along)).max(T::zero()).min(T::one());
         let away = difference(offset, along.map(|c| s * c));
         let distance = dot(away, away).sqrt();
-        (distance > T::zero()).then(|| Self { distance, normal: away.map(|c| c / distance) })
+        let beside = |is: T, not: T| T::select_lt(T::zero(), distance, is, not);
+        Self { distance: beside(distance, T::of(FAR)), normal: away.map(|c| beside(c / distance, T::zero())) }
+    }
+}
+
+impl<T: Scalar> Gap<T> {
+    /// The same; `None` on the line itself.
+    #[inline]
+    pub fn to_segment(x: Vector<T>, from: Vector<T>, to: Vector<T>) -> Option<Self> {
+        let gap = Self::beside_segment(x, from, to);
+        (gap.distance < T::of(FAR)).then_some(gap)
     }
 }
 

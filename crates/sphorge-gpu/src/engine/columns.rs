@@ -66,8 +66,10 @@ pub(super) enum Group {
     Extremes,
     /// Place in the reference configuration, m, its rest, and volume there, m^d.
     Reference,
-    /// Gradient correction there.
+    /// Gradient correction there, or in the present configuration.
     Correction,
+    /// Scaled stress times the gradient correction, Pa.
+    CorrectedStress,
     /// Deformation gradient, and its rest.
     Deformation,
     /// Smallest principal stretch, bulk viscosity of the last stress, Pa, and whether a stretch is beyond a bound.

@@ -68,6 +68,8 @@ mod step_numbers {
 /// Kernels of a step, in groups that are launched together.
 struct Stages {
     begin: Vec<Launch>,
+    /// Along periodic axes, before a search.
+    wrap: Vec<Launch>,
     sorting: Vec<Launch>,
     /// Where lists are kept: how far particles have moved, and the search.
     ways: Vec<Launch>,
@@ -78,6 +80,8 @@ struct Stages {
     gradients: Vec<Launch>,
     /// The same with the corrections of the strain that the guard counts, where these are due now and then.
     corrected_gradients: Vec<Launch>,
+    /// Where forces are evaluated elsewhere than gradients, which are corrected.
+    correct: Vec<Launch>,
     /// Moving least squares, where they are due now and then.
     restore: Vec<Launch>,
     /// Walls and gravity.

@@ -5,7 +5,7 @@ use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::{
     conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
-    reference_forces, stress, walls,
+    reference_forces, stress, walls, wrap,
 };
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
@@ -43,6 +43,8 @@ pub(super) struct Plan {
     pub(super) count_lists: Vec<Planned>,
     pub(super) fill_lists: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
+    /// Along periodic axes, before a search.
+    pub(super) wrap: Vec<Planned>,
     pub(super) sorting: Vec<Planned>,
     /// Where lists are kept: how far particles have moved, and the search.
     pub(super) ways: Vec<Planned>,
@@ -53,6 +55,8 @@ pub(super) struct Plan {
     pub(super) gradients: Vec<Planned>,
     /// The same with the corrections of the strain that the guard of adaptive search counts.
     pub(super) corrected_gradients: Vec<Planned>,
+    /// Where forces are evaluated elsewhere than gradients, which are corrected.
+    pub(super) correct: Vec<Planned>,
     /// Moving least squares.
     pub(super) restore: Vec<Planned>,
     pub(super) push: Vec<Planned>,
@@ -95,6 +99,7 @@ impl Plan {
         let sorted = sorting(grid, stride, Sorted::Particles, all)?;
         match model.formulation {
             Formulation::UpdatedLagrangian => {
+                plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
                 plan.sorting = sorted;
                 if keeps_lists(model) {
                     let of_chunks = |kernel| Planned { kernel, threads: Threads::Of(stride / limits::CHUNK) };
@@ -119,7 +124,7 @@ impl Plan {
                         }
                         marked.push(of_chunks(kept::longest_rows(stride)?));
                     }
-                    if is_guarded {
+                    if is_guarded && !pairs::is_corrected(model) {
                         let due = &mut plan.corrected_gradients;
                         due.push(of_particles(pairs::weigh(model, stride)?));
                         due.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, true, stride)));
@@ -129,6 +134,9 @@ impl Plan {
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
                 plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, false, stride)));
+                if pairs::is_corrected(model) && model.numerics.integrator == Integrator::Leapfrog {
+                    plan.correct.push(of_particles(in_dimension!(model, pairs::correct, model, grid, stride)));
+                }
                 if model.numerics.mls_interval.is_some() {
                     let estimate = in_dimension!(model, moving_least_squares::estimate, model, grid, stride);
                     plan.restore.push(of_particles(estimate));
@@ -176,6 +184,9 @@ impl Plan {
         }
         match model.formulation {
             Formulation::UpdatedLagrangian => {
+                if pairs::is_corrected(model) {
+                    plan.stress.push(of_particles(pairs::correct_stress(stride)?));
+                }
                 plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, grid, None, stride)));
             }
             Formulation::TotalLagrangian { hourglass, .. } => {
@@ -238,6 +249,7 @@ impl Plan {
             &self.count_lists,
             &self.fill_lists,
             &self.begin,
+            &self.wrap,
             &self.sorting,
             &self.ways,
             &self.search,
@@ -246,6 +258,7 @@ impl Plan {
             &self.gradients,
             &self.corrected_gradients,
             &self.restore,
+            &self.correct,
             &self.push,
             &self.stress,
             &self.forces,

@@ -1,7 +1,7 @@
 //! When lists that are kept are searched again.
 
 use super::columns::Group;
-use super::kernels::images::Mirrors;
+use super::kernels::images::Planes;
 use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, keeps_distances};
 use super::kernels::limits::CHUNK;
 use super::snapshot::read;
@@ -60,7 +60,7 @@ impl GpuEngine {
         let smallest = self.initial.smoothing_length.iter().copied().fold(f64::INFINITY, f64::min);
         let skin = fraction * smallest * self.model.numerics.kernel.support();
         let ways = self.ways()?;
-        let has_images = !self.model.symmetry.is_empty();
+        let has_images = !self.model.symmetry.is_empty() || self.model.periodic.iter().any(Option::is_some);
         Ok(ways.longest > 0.25 * skin * skin && (has_images || ways.diagonal > skin * skin))
     }
 
@@ -134,7 +134,7 @@ impl GpuEngine {
             block.clear();
             for i in b * BLOCK..((b + 1) * BLOCK).min(count) {
                 let entries = (0..rows[LENGTH * self.stride + i] as usize).map(|k| kept[k * self.stride + i].to_bits());
-                entries.map(Mirrors::split).filter(|(_, image)| *image == 0).for_each(|(j, _)| block.push(j as u32));
+                entries.map(Planes::split).filter(|(_, image)| *image == 0).for_each(|(j, _)| block.push(j as u32));
                 block.end_row(i as u32);
             }
         }
@@ -166,6 +166,7 @@ impl GpuEngine {
 
     /// Searches the neighbours of all particles, with more room where there is too little.
     fn search_all(&mut self) -> Result<(), RunFailure> {
+        self.card.launch(&self.stages.wrap);
         self.card.launch(&self.stages.sorting);
         self.card.launch(&self.stages.search);
         let longest = self.longest_row()?;

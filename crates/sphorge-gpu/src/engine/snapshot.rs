@@ -1,7 +1,7 @@
 //! What a card holds, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::{conduction, contact, kept, limits, walls};
+use super::kernels::{conduction, contact, kept, limits, pairs, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model, Search};
@@ -11,11 +11,14 @@ use sphorge_physics::SymmetricTensor;
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
+    let is_corrected = pairs::is_corrected(model);
     let (meets, conducts) = (contact::meets(model), model.thermal.conduction);
     let is_needed = move |group: &Group| match group {
         Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
         Group::Ahead => integrator == Integrator::Leapfrog,
-        Group::Reference | Group::Correction | Group::Deformation | Group::Stretch | Group::FaceStress => is_initial,
+        Group::Correction => is_initial || is_corrected,
+        Group::CorrectedStress => is_corrected,
+        Group::Reference | Group::Deformation | Group::Stretch | Group::FaceStress => is_initial,
         Group::Standing => meets && is_initial,
         Group::Overlap | Group::Contact => meets,
         Group::Heat => conducts,
@@ -52,6 +55,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Limits, limits::FIELDS),
     (Group::Reference, 7),
     (Group::Correction, 9),
+    (Group::CorrectedStress, 9),
     (Group::Deformation, 18),
     (Group::Stretch, 3),
     (Group::FaceStress, 9),

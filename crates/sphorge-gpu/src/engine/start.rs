@@ -252,12 +252,14 @@ pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stag
     let bound = |planned: &[Planned]| bound(card, columns, planned);
     Ok(Stages {
         begin: bound(&plan.begin)?,
+        wrap: bound(&plan.wrap)?,
         sorting: bound(&plan.sorting)?,
         ways: bound(&plan.ways)?,
         search: bound(&plan.search)?,
         mark: bound(&plan.mark)?,
         search_marked: bound(&plan.search_marked)?,
         corrected_gradients: bound(&plan.corrected_gradients)?,
+        correct: bound(&plan.correct)?,
         restore: bound(&plan.restore)?,
         gradients: bound(&plan.gradients)?,
         push: bound(&plan.push)?,

@@ -112,6 +112,7 @@ impl Engine for GpuEngine {
         if keeps_lists(&self.model) {
             return self.refresh_kept();
         }
+        self.card.launch(&self.stages.wrap);
         self.card.launch(&self.stages.sorting);
         let searches = self.steps == 0 || !self.stages.sorting.is_empty();
         Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) })
@@ -132,6 +133,13 @@ impl Engine for GpuEngine {
         let due = |n: u64| self.dt > 0.0 && !self.is_idle() && u64::from(self.steps).is_multiple_of(n);
         if self.model.numerics.mls_interval.is_some_and(due) {
             self.card.launch(&self.stages.restore);
+        }
+        Ok(())
+    }
+
+    fn correct_gradients(&mut self) -> Result<(), RunFailure> {
+        if self.dt > 0.0 && !self.is_idle() {
+            self.card.launch(&self.stages.correct);
         }
         Ok(())
     }

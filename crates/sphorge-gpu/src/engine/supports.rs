@@ -2,9 +2,7 @@
 
 use super::kernels::{conduction, contact, kept};
 use sphorge_engine::Unsupported;
-use sphorge_engine::model::{
-    Formulation, GradientCorrection, Integrator, Model, Precision, SmoothingLength, WallSurface,
-};
+use sphorge_engine::model::{Formulation, Integrator, Model, Precision, SmoothingLength};
 
 const BY_CPU: &str = "run it with `--engine cpu`";
 
@@ -12,6 +10,7 @@ const BY_CPU: &str = "run it with `--engine cpu`";
 pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
     let numerics = &model.numerics;
     let is_total = matches!(model.formulation, Formulation::TotalLagrangian { .. });
+    let is_periodic = model.periodic.iter().any(Option::is_some);
     let asked = [
         (
             is_total && numerics.integrator != Integrator::Leapfrog,
@@ -19,7 +18,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "set `numerics.integrator = \"leapfrog\"`",
         ),
         (numerics.precision == Precision::Double, "pair sums in double precision", "leave `numerics.precision` out"),
-        (!is_total && numerics.gradient_correction != GradientCorrection::None, "corrected gradients", BY_CPU),
         (
             numerics.mls_interval.is_some() && (is_total || kept::keeps_distances(model)),
             "density by moving least squares with distances that are kept",
@@ -34,14 +32,8 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
         ),
         (conduction::has_stale_pairs(model), "conduction of heat with distances that are kept", BY_CPU),
         (
-            (0..3).any(|axis| model.symmetry.iter().filter(|plane| plane.axis == axis).count() > 1),
-            "two planes of symmetry along one axis",
-            BY_CPU,
-        ),
-        (model.periodic.iter().any(Option::is_some), "periodic axes", BY_CPU),
-        (
-            model.walls.iter().any(|wall| !matches!(wall.surface, WallSurface::Plane { .. })),
-            "walls that are no planes",
+            is_periodic && (contact::meets(model) || is_total || kept::adaptive(model).is_some()),
+            "periodic axes with contact, an adaptive search or sums in the initial configuration",
             BY_CPU,
         ),
         (

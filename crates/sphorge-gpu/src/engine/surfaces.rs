@@ -2,7 +2,7 @@
 
 use super::columns::{Columns, Group};
 use super::failure;
-use super::kernels::images::Mirrors;
+use super::kernels::images::Planes;
 use crate::device::Card;
 use sphorge_engine::{Model, Particles, RunFailure};
 use sphorge_physics::Vector;
@@ -18,18 +18,14 @@ pub(super) fn find(
     (starts, list): (&[u32], &[u32]),
 ) -> Result<(), RunFailure> {
     let (kernel, dimension) = (model.numerics.kernel, model.dimensions.into());
-    let mirrored = |bits: u32, axis: usize| bits >> axis & 1 == 1;
-    let image = |bits: u32, x: Vector<f64>| {
-        [0, 1, 2].map(|axis| match model.symmetry.iter().find(|plane| plane.axis == axis && mirrored(bits, axis)) {
-            Some(plane) => 2.0 * plane.position - x[axis],
-            None => x[axis],
-        })
-    };
+    let planes = Planes::of(model);
+    let mirrored = |bits: u32, axis: usize| planes.coordinate(bits, axis, 0.0).1;
+    let image = |bits: u32, x: Vector<f64>| [0, 1, 2].map(|axis| planes.coordinate(bits, axis, x[axis]).0);
     let of_body = |i: usize| &model.bodies[p.body[i] as usize];
     // Every neighbour as it is seen from a particle: its number, which axes are mirrored, and how far the particle is from it, m.
     let neighbors = |i: usize| {
         list[starts[i] as usize..starts[i + 1] as usize].iter().map(move |entry| {
-            let (j, bits) = Mirrors::split(*entry);
+            let (j, bits) = Planes::split(*entry);
             let other = image(bits, p.position[j]);
             (j, bits, [0, 1, 2].map(|a| p.position[i][a] - other[a]))
         })

@@ -135,7 +135,7 @@ fn compare_fields(deck: &str, overrides: &[(&str, &str)], end: f64) {
         let largest = theirs.iter().filter(|number| number.is_finite()).fold(0.0f64, |a, b| a.max(b.abs()));
         for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
             let near = (ours - theirs).abs() <= 3e-4 * largest || ours == theirs;
-            assert!(near, "{}, value {k}: {ours} on the card, {theirs}; the largest is {largest}", field.name);
+            assert!(near, "{deck}, {}, value {k}: {ours} on the card, {theirs}; the largest is {largest}", field.name);
         }
     }
 }
@@ -169,6 +169,16 @@ fn a_bar_in_space_is_that_of_the_processor() {
 fn a_wall_that_rubs_is_that_of_the_processor() {
     let wall = ("wall.0.contact", "{ penalty = { friction = 0.2 } }");
     compare(PLATE.0, &[PLATE.1[0], wall, ("numerics.viscosity.balsara", "true")], 5e-6, 1e-4);
+}
+
+#[test]
+fn segments_as_walls_are_those_of_the_processor() {
+    // Slanted below, with an end that the plate strikes.
+    let walls = "[{ name = \"wedge\", segment = { from = [\"-9 mm\", \"-2.4 mm\"], to = [\"1 mm\", \"-0.3 mm\"] } }, \
+                  { name = \"edge\", segment = { from = [\"2 mm\", \"-0.4 mm\"], to = [\"9 mm\", \"-6 mm\"] }, \
+                    contact = { penalty = { friction = 0.2 } }, velocity = [\"0 m/s\", \"30 m/s\"] }]";
+    compare(PLATE.0, &[PLATE.1[0], ("wall", walls)], 6e-6, 1e-4);
+    compare(IRON.0, &[IRON.1[0], ("wall", walls)], 6e-6, 1e-4);
 }
 
 #[test]
@@ -254,14 +264,49 @@ fn what_is_pressed_flat_takes_the_steps_of_the_processor() {
 }
 
 #[test]
-fn more_planes_of_symmetry_than_one_along_an_axis_are_refused() {
-    let between =
-        [("symmetry", "[{ axis = \"x\", at = \"-4 mm\" }, { axis = \"x\", at = \"4 mm\", side = \"negative\" }]")];
-    let overrides: Vec<_> = between.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let deck = decks::find("iron-plate").unwrap();
-    let setup = load_text(deck.name, deck.text, &overrides).unwrap();
-    let refusal = Gpu::default().supports(&setup.model).unwrap_err();
-    assert!(refusal.what.contains("two planes of symmetry along one axis"), "{refusal:?}");
+fn what_is_between_two_planes_of_symmetry_is_that_of_the_processor() {
+    let between = |x: f64| {
+        format!("[{{ axis = \"x\", at = \"-{x} mm\" }}, {{ axis = \"x\", at = \"{x} mm\", side = \"negative\" }}]")
+    };
+    let [near, far] = [3.8, 3.9].map(between);
+    // Nothing is pulled.
+    let plate = [PLATE.1[0], ("symmetry", &near), ("numerics.artificial-stress", "false")];
+    compare(PLATE.0, &plate, 4e-6, 1e-4);
+    compare(PLATE.0, &[&plate[..], &[("search", "\"skin\"")]].concat(), 4e-6, 1e-4);
+    // Here it spreads until it meets its images.
+    compare(IRON.0, &[IRON.1[0], IRON.1[1], ("symmetry", &far)], 8e-6, 1e-4);
+    conserves_and_repeats(IRON.0, &[IRON.1[0], IRON.1[1], ("symmetry", &far)], 3e-6);
+}
+
+#[test]
+fn periodic_axes_are_those_of_the_processor() {
+    // Particles leave the cell and come in again.
+    let periodic = [
+        PLATE.1[0],
+        ("periodic", "{ x = [\"-3.8 mm\", \"3.8 mm\"] }"),
+        // Nothing is pulled.
+        ("numerics.artificial-stress", "false"),
+        ("body.plate.velocity", "[\"150 m/s\", \"-200 m/s\"]"),
+    ];
+    compare(PLATE.0, &periodic, 5e-6, 1e-4);
+    let skin = [("search", "\"skin\""), ("numerics.integrator", "\"leapfrog\"")];
+    compare(PLATE.0, &[&periodic[..], &skin].concat(), 5e-6, 1e-4);
+    conserves_and_repeats(PLATE.0, &periodic, 2e-6);
+}
+
+#[test]
+fn corrected_gradients_are_those_of_the_processor() {
+    let correction = ("numerics.gradient-correction", "\"linear\"");
+    compare(PLATE.0, &[PLATE.1[0], correction], 4e-6, 1e-4);
+    let bar = [("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\""), correction];
+    let leapfrog = ("numerics.integrator", "\"leapfrog\"");
+    let form = ("numerics.pair-form", "\"density-weighted\"");
+    compare("taylor-bar", &[&bar[..], &[leapfrog, form]].concat(), 3e-6, 1e-4);
+    let mixed = ("numerics.precision", "\"mixed\"");
+    compare_fields("elastic-plastic-piston", &[mixed, ("particles.spacing", "\"0.1 mm\"")], 2e-6);
+    compare_fields("elastic-bar", &[mixed, ("particles.spacing", "\"0.81 mm\"")], 5e-6);
+    compare_fields("homogeneous", &[mixed, ("particles.spacing", "\"0.2 m\"")], 1e-4);
+    conserves_and_repeats(PLATE.0, &[PLATE.1[0], correction, leapfrog], 2e-6);
 }
 
 #[test]
@@ -294,7 +339,7 @@ fn bodies_of_two_metals_that_strike_are_those_of_the_processor() {
 fn temperatures_of_the_energy_are_those_of_the_processor() {
     // Shocks of 100 GPa; with artificial stress, whose work is no heat.
     let disc = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1")];
-    compare("penetration", &disc, 1.2e-6, 1e-4);
+    compare("penetration", &[&disc[..], &[("body.1.temperature", "\"500 K\"")]].concat(), 1.2e-6, 1e-4);
     compare_fields("penetration", &disc, 1.2e-6);
     let leapfrog = ("numerics.integrator", "\"leapfrog\"");
     compare_fields(

@@ -101,6 +101,19 @@ fn the_adaptive_search_as_published_is_that_of_the_processor() {
 }
 
 #[test]
+fn the_adaptive_search_by_corrected_gradients_and_beside_planes_is_that_of_the_processor() {
+    let plate = [
+        ("particles.spacing", "\"0.6 mm\""),
+        ("search", "\"adaptive\""),
+        ("numerics.gradient-correction", "\"linear\""),
+        ("symmetry", "[{ axis = \"x\" }]"),
+        ("body.plate.shape", "{ box = { min = [\"0 mm\", \"0 mm\"], max = [\"3.6 mm\", \"12 mm\"] } }"),
+    ];
+    compare("taylor-plate", &plate, (60, 4e-6), (0, 1, 1e-3));
+    compare("taylor-plate", &[&plate[..2], &plate[3..]].concat(), (60, 4e-6), (0, 1, 1e-3));
+}
+
+#[test]
 fn the_same_bits_come_again_and_momentum_stays_with_rows_that_are_patched() {
     conserves_and_repeats("bullet", &bullet("\"adaptive\""), 25e-6);
 }

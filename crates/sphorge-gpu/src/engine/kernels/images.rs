@@ -1,63 +1,138 @@
-//! Images in planes of symmetry: a neighbour, or what of it stands behind the planes.
+//! Images behind planes of symmetry and beyond periodic ends: a neighbour, or what of it stands there.
 
 use crate::record::{Index, Recorded};
-use sphorge_engine::model::{Model, SymmetryPlane};
+use sphorge_engine::model::Model;
 use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
 
-/// First of the bits of an entry of a list, one for each axis, that say where its neighbour is mirrored; below is its number.
+/// First of the bits of an entry of a list, two for each axis, that say which image of its neighbour it is; below is its number.
 const FIRST_BIT: u32 = 24;
 
-/// The planes of a model, at most one along each axis.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::engine) struct Mirrors([Option<SymmetryPlane>; 3]);
+/// The bits of an axis in the number of an image: none, or the first or the second kind of image along it.
+const BITS: u32 = 2;
 
-/// The sign of a component that an image turns, or does not.
+/// How an image is made along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Mirrored at a place, m.
+    Mirror(f64),
+    /// Moved from the second of the ends to the first, m.
+    Copy([f64; 2]),
+}
+
+/// What makes images in a model: up to two kinds along each axis.
 #[derive(Clone, Copy, Debug)]
-enum Sign {
-    Same,
-    Turned,
-    /// One or minus one, known on the card alone.
-    Either(Recorded),
+pub(in crate::engine) struct Planes([[Option<Kind>; 2]; 3]);
+
+/// Which kind an image is along an axis.
+#[derive(Clone, Copy, Debug)]
+enum Choice {
+    None,
+    Of(Kind),
+    /// Zero for none, one or two for the first or second kind, known on the card alone.
+    Either(Recorded, [Option<Kind>; 2]),
 }
 
 /// Which image a neighbour is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Image {
-    mirrors: Mirrors,
-    signs: [Sign; 3],
+pub(super) struct Image([Choice; 3]);
+
+/// A number and what single precision leaves of it.
+pub(super) fn split(number: f64) -> [Recorded; 2] {
+    let high = f64::from(number as f32);
+    [Recorded::of(high), Recorded::of(number - high)]
 }
 
-impl Mirrors {
-    pub(super) fn of(model: &Model) -> Self {
-        Self([0, 1, 2].map(|axis| model.symmetry.iter().copied().find(|plane| plane.axis == axis)))
+/// How far a place, with its rest, is from a coordinate, m.
+fn beyond([high, low]: [Recorded; 2], from: f64) -> Recorded {
+    let [from, rest] = split(from);
+    (high - from) + (low - rest)
+}
+
+impl Kind {
+    /// `x_i - x_j` of places with their rests, of the image of the second, m. Near a plane or an end both parts are small, and exact.
+    fn apart(self, own: [Recorded; 2], other: [Recorded; 2]) -> Recorded {
+        match self {
+            Self::Mirror(plane) => beyond(own, plane) + beyond(other, plane),
+            Self::Copy([to, from]) => beyond(own, to) - beyond(other, from),
+        }
     }
 
-    /// Every image there is, the thing itself first; bit `a` of the number is set where axis `a` is mirrored.
+    /// How far the image of a place, with its rest, is from a coordinate, m.
+    fn offset(self, place: [Recorded; 2], coordinate: f64) -> Recorded {
+        match self {
+            Self::Mirror(plane) => Recorded::of(plane - coordinate) - beyond(place, plane),
+            Self::Copy([to, from]) => beyond(place, from) + Recorded::of(to - coordinate),
+        }
+    }
+
+    /// Where a place has its neighbours whose images are near it.
+    fn back(self, x: Recorded) -> Recorded {
+        match self {
+            Self::Mirror(plane) => Recorded::of(2.0 * plane) - x,
+            Self::Copy([to, from]) => x - Recorded::of(to - from),
+        }
+    }
+
+    /// How far a place, with its rest, is from where images of this kind are, m; negative among them.
+    fn distance(self, place: [Recorded; 2]) -> Recorded {
+        match self {
+            Self::Mirror(plane) => beyond(place, plane).abs(),
+            Self::Copy([to, from]) if to > from => -beyond(place, to),
+            Self::Copy([to, _]) => beyond(place, to),
+        }
+    }
+
+    fn turns(self) -> bool {
+        matches!(self, Self::Mirror(_))
+    }
+}
+
+impl Planes {
+    /// A periodic axis has no planes.
+    pub(in crate::engine) fn of(model: &Model) -> Self {
+        Self([0, 1, 2].map(|axis| {
+            if let Some((low, high)) = model.periodic[axis] {
+                return [Some(Kind::Copy([high, low])), Some(Kind::Copy([low, high]))];
+            }
+            let mut planes = model.symmetry.iter().filter(|plane| plane.axis == axis);
+            [(); 2].map(|()| planes.next().map(|plane| Kind::Mirror(plane.position)))
+        }))
+    }
+
+    /// Every image there is, the thing itself first, with its number.
     pub(super) fn images(self) -> impl Iterator<Item = (u32, Image)> {
-        let planes = self.0;
-        let exists = move |bits: &u32| (0..3).all(|axis| bits >> axis & 1 == 0 || planes[axis].is_some());
-        (0..8).filter(exists).map(move |bits| (bits, self.image(bits)))
+        let kind = move |bits: u32, axis: usize| Self::bits(bits, axis).checked_sub(1).map(|k| (k as usize, axis));
+        let of = move |(k, axis): (usize, usize)| self.0[axis].get(k).copied().flatten();
+        let all = 0..1 << (3 * BITS);
+        all.filter_map(move |bits| {
+            let mut choices = [Choice::None; 3];
+            for axis in 0..3 {
+                if let Some(which) = kind(bits, axis) {
+                    choices[axis] = Choice::Of(of(which)?);
+                }
+            }
+            Some((bits, Image(choices)))
+        })
     }
 
-    fn image(self, bits: u32) -> Image {
-        let sign = |axis: usize| if bits >> axis & 1 == 1 { Sign::Turned } else { Sign::Same };
-        Image { mirrors: self, signs: [0, 1, 2].map(sign) }
+    fn bits(image: u32, axis: usize) -> u32 {
+        image >> (BITS * axis as u32) & ((1 << BITS) - 1)
     }
 
     /// Neighbour and image of an entry of a list.
     pub(super) fn entry(self, entry: Index) -> (Index, Image) {
-        if self.0.iter().all(Option::is_none) {
-            return (entry, self.image(0));
+        if self.0.as_flattened().iter().all(Option::is_none) {
+            return (entry, Image([Choice::None; 3]));
         }
-        let signs = [0, 1, 2].map(|axis| {
-            if self.0[axis].is_none() {
-                return Sign::Same;
+        let choices = [0, 1, 2].map(|axis| {
+            if self.0[axis].iter().all(Option::is_none) {
+                return Choice::None;
             }
-            let bit = 1u32 << (FIRST_BIT + axis as u32);
-            let turned = entry.and(Index::of(bit)).number() * Recorded::of(2.0 / f64::from(bit));
-            Sign::Either(Recorded::one() - turned)
+            let unit = 1u32 << (FIRST_BIT + BITS * axis as u32);
+            let code = entry.and(Index::of(((1 << BITS) - 1) * unit)).number() * Recorded::of(1.0 / f64::from(unit));
+            Choice::Either(code, self.0[axis])
         });
-        (entry.and(Index::of((1 << FIRST_BIT) - 1)), Image { mirrors: self, signs })
+        (entry.and(Index::of((1 << FIRST_BIT) - 1)), Image(choices))
     }
 
     /// The entry of an image, by its number, of a neighbour.
@@ -70,73 +145,94 @@ impl Mirrors {
         ((entry & ((1 << FIRST_BIT) - 1)) as usize, entry >> FIRST_BIT)
     }
 
-    /// How far a place, with its rest, is from the plane of an axis, m.
-    pub(super) fn depth(self, axis: usize, [high, low]: [Recorded; 2]) -> Option<Recorded> {
-        self.0[axis].map(|plane| {
-            let [p, rest] = split(plane.position);
-            (high - p) + (low - rest)
-        })
+    /// Coordinate of an image, by its number, along an axis, and whether it is mirrored there.
+    pub(in crate::engine) fn coordinate(self, image: u32, axis: usize, x: f64) -> (f64, bool) {
+        let kind = Self::bits(image, axis).checked_sub(1).and_then(|k| self.0[axis].get(k as usize).copied().flatten());
+        match kind {
+            None => (x, false),
+            Some(Kind::Mirror(plane)) => (2.0 * plane - x, true),
+            Some(Kind::Copy([to, from])) => (x + (to - from), false),
+        }
     }
 }
 
-/// A number and what single precision leaves of it.
-pub(super) fn split(number: f64) -> [Recorded; 2] {
-    let high = f64::from(number as f32);
-    [Recorded::of(high), Recorded::of(number - high)]
+impl Choice {
+    /// What there is without an image, and what a kind makes of it.
+    fn choose(self, direct: impl Fn() -> Recorded, of: impl Fn(Kind) -> Recorded) -> Recorded {
+        match self {
+            Self::None => direct(),
+            Self::Of(kind) => of(kind),
+            Self::Either(code, [first, second]) => {
+                let mut chosen = direct();
+                for (kind, from) in [(first, 0.5), (second, 1.5)] {
+                    if let Some(kind) = kind {
+                        chosen = Recorded::select_lt(Recorded::of(from), code, of(kind), chosen);
+                    }
+                }
+                chosen
+            }
+        }
+    }
+
+    fn turn(self, x: Recorded) -> Recorded {
+        match self {
+            Self::None => x,
+            Self::Of(kind) => {
+                if kind.turns() {
+                    -x
+                } else {
+                    x
+                }
+            }
+            // An axis has planes or ends.
+            Self::Either(code, kinds) => match kinds.into_iter().flatten().any(Kind::turns) {
+                true => Recorded::select_lt(Recorded::of(0.5), code, -x, x),
+                false => x,
+            },
+        }
+    }
 }
 
 impl Image {
-    pub(super) fn is_mirrored(&self, axis: usize) -> bool {
-        matches!(self.signs[axis], Sign::Turned)
+    /// How far a place, with its rest, is from each plane this image is behind, m.
+    pub(super) fn depths<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = Recorded> {
+        let kinds = self.kinds::<D>(place);
+        kinds.filter(|(kind, _)| kind.turns()).map(|(kind, place)| kind.distance(place))
+    }
+
+    /// How far a place, with its rest, is from where it could have neighbours of this image, m; nothing for the thing itself.
+    pub(super) fn farthest<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> Option<Recorded> {
+        self.kinds::<D>(place).map(|(kind, place)| kind.distance(place)).reduce(Real::max)
+    }
+
+    /// Kinds of an image that is known, along the axes computed in.
+    fn kinds<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = (Kind, [Recorded; 2])> {
+        let (choices, place) = (self.0, *place);
+        (0..D).filter_map(move |axis| match choices[axis] {
+            Choice::Of(kind) => Some((kind, place[axis])),
+            Choice::None | Choice::Either(..) => None,
+        })
     }
 
     /// `x_i - x_j` along an axis of places with their rests, of the image of the second, m.
     pub(super) fn apart(&self, axis: usize, own: [Recorded; 2], other: [Recorded; 2]) -> Recorded {
         let direct = || (own[0] - other[0]) + (own[1] - other[1]);
-        let mirrored = || {
-            // Near the plane both are small beside it, and exact.
-            let depths = self.mirrors.depth(axis, own).zip(self.mirrors.depth(axis, other));
-            depths.map_or_else(direct, |(own, other)| own + other)
-        };
-        match self.signs[axis] {
-            Sign::Same => direct(),
-            Sign::Turned => mirrored(),
-            Sign::Either(sign) => Recorded::select_lt(sign, Recorded::zero(), mirrored(), direct()),
-        }
+        self.0[axis].choose(direct, |kind| kind.apart(own, other))
     }
 
     /// How far a place with its rest, or an image of it, is from a coordinate along an axis, m.
-    pub(super) fn offset(image: Option<&Self>, axis: usize, from: f64, [high, low]: [Recorded; 2]) -> Recorded {
-        let direct = || {
-            let [from, rest] = split(from);
-            (high - from) + (low - rest)
-        };
-        let mirrored = |image: &Self| {
-            let plane = image.mirrors.0[axis].map(|plane| Recorded::of(plane.position - from));
-            let depth = image.mirrors.depth(axis, [high, low]);
-            plane.zip(depth).map_or_else(direct, |(plane, depth)| plane - depth)
-        };
-        match image.map(|image| (image, image.signs[axis])) {
-            None | Some((_, Sign::Same)) => direct(),
-            Some((image, Sign::Turned)) => mirrored(image),
-            Some((image, Sign::Either(sign))) => Recorded::select_lt(sign, Recorded::zero(), mirrored(image), direct()),
-        }
+    pub(super) fn offset(image: Option<&Self>, axis: usize, from: f64, place: [Recorded; 2]) -> Recorded {
+        let choice = image.map_or(Choice::None, |image| image.0[axis]);
+        choice.choose(|| beyond(place, from), |kind| kind.offset(place, from))
     }
 
-    /// Where the image of a place, which is known to a cell, is.
-    pub(super) fn place(&self, axis: usize, x: Recorded) -> Recorded {
-        match (self.signs[axis], self.mirrors.0[axis]) {
-            (Sign::Turned, Some(plane)) => Recorded::of(2.0 * plane.position) - x,
-            _ => x,
-        }
+    /// Where a place, which is known to a cell, has its neighbours whose images are near it.
+    pub(super) fn back(&self, axis: usize, x: Recorded) -> Recorded {
+        self.0[axis].choose(|| x, |kind| kind.back(x))
     }
 
     fn turn(&self, axis: usize, x: Recorded) -> Recorded {
-        match self.signs[axis] {
-            Sign::Same => x,
-            Sign::Turned => -x,
-            Sign::Either(sign) => sign * x,
-        }
+        self.0[axis].turn(x)
     }
 
     fn turn_twice(&self, a: usize, b: usize, x: Recorded) -> Recorded {
@@ -169,8 +265,7 @@ mod tests {
 
     #[test]
     fn images_of_entries_are_as_far_as_double_precision_has_them_and_turn_what_they_should() {
-        let plane = |axis| Some(SymmetryPlane { axis, position: 1.7, side: 1.0 });
-        let mirrors = Mirrors([plane(0), None, plane(2)]);
+        let mirrors = Planes([[Some(Kind::Mirror(1.7)), None], [None; 2], [Some(Kind::Mirror(1.7)), None]]);
         // Particles a tenth of a micrometre from a plane that is far from the origin.
         let (own, other): (f64, f64) = (1.7 + 1.3e-7, 1.7 + 0.9e-7);
         let kernel = Kernel::record("images", |scope| {
@@ -193,7 +288,7 @@ mod tests {
         .unwrap();
         let parts = |x: f64| [x as f32, (x - f64::from(x as f32)) as f32];
         // As it is, behind the first plane, behind the second, behind both.
-        let entries = [0u32, 1, 4, 5].map(|bits| (bits << FIRST_BIT) + 11);
+        let entries = [0u32, 1, 16, 17].map(|bits| (bits << FIRST_BIT) + 11);
         let mut buffers = [[parts(own), parts(other)].concat(), whole(&entries), vec![0.0; 32]];
         Evaluation::default().run(&kernel, &mut buffers, 4);
         for (thread, (apart, signs)) in [
@@ -208,6 +303,41 @@ mod tests {
             let found = &buffers[2][8 * thread..8 * thread + 8];
             assert!((f64::from(found[0]) - apart).abs() < 1e-6 * apart.abs(), "{thread}: {} {apart}", found[0]);
             assert_eq!((found[1], &found[2..]), (11.0, &signs[..]), "{thread}");
+        }
+    }
+
+    #[test]
+    fn second_planes_and_periodic_ends_are_as_far_as_double_precision_has_them() {
+        // Planes at 0.3 and 1.7, and a period of 1.4 between the same.
+        let planes = [Some(Kind::Mirror(0.3)), Some(Kind::Mirror(1.7))];
+        let ends = [Some(Kind::Copy([1.7, 0.3])), Some(Kind::Copy([0.3, 1.7]))];
+        let (near_low, near_high): (f64, f64) = (0.3 + 0.9e-7, 1.7 - 1.3e-7);
+        for (kinds, bits, own, other, expected, sign) in [
+            (planes, 1u32, 0.3 + 2e-7, near_low, 0.3 + 2e-7 - (0.6 - near_low), -1.0),
+            (planes, 2, near_high, 1.7 - 2e-7, near_high - (3.4 - (1.7 - 2e-7)), -1.0),
+            (ends, 1, near_high, near_low, near_high - (near_low + 1.4), 1.0),
+            (ends, 2, near_low, near_high, near_low - (near_high - 1.4), 1.0),
+            (ends, 0, near_low, near_high, near_low - near_high, 1.0),
+        ] {
+            let planes = Planes([[None; 2], kinds, [None; 2]]);
+            let kernel = Kernel::record("images", |scope| {
+                let (x, entries, y) = (scope.input("x"), scope.indices("entries"), scope.output("y"));
+                let at = |k: u32| x.at(Index::of(k));
+                let (_, image) = planes.entry(entries.at(Index::of(0)));
+                y.set(Index::of(0), image.apart(1, [at(0), at(1)], [at(2), at(3)]));
+                y.set(Index::of(1), image.vector([Recorded::one(); 3])[1]);
+                y.set(Index::of(2), Image::offset(Some(&image), 1, own, [at(2), at(3)]));
+            });
+            let parts = |x: f64| [x as f32, (x - f64::from(x as f32)) as f32];
+            let entries = whole(&[(bits << (FIRST_BIT + BITS)) + 11]);
+            let mut buffers = [[parts(own), parts(other)].concat(), entries, vec![0.0; 3]];
+            Evaluation::default().run(&kernel.unwrap(), &mut buffers, 1);
+            let found = f64::from(buffers[2][0]);
+            assert!((found - expected).abs() < 1e-6 * expected.abs(), "{bits}: {found} {expected}");
+            assert_eq!(buffers[2][1], sign);
+            assert!((f64::from(buffers[2][2]) + expected).abs() < 2e-7, "{bits}: {} {expected}", buffers[2][2]);
+            let (coordinate, turned) = planes.coordinate(bits << BITS, 1, other);
+            assert!((own - coordinate - expected).abs() < 1e-15 && turned == (sign < 0.0));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Lists that are kept from one search to the next.
 
 use super::grid::Grid;
-use super::images::Mirrors;
+use super::images::Planes;
 use super::limits::CHUNK;
 use super::neighbors::{Pair, over_own_body};
 use super::walls::is_total_lagrangian;
@@ -88,7 +88,7 @@ impl Rows {
     fn keep(self, i: Index, k: Recorded, pair: &Pair, j: Index) -> Recorded {
         let keep = || {
             let at = Index::floor(k);
-            self.kept.set(self.place(at, i), Mirrors::entry_of(pair.bits, j));
+            self.kept.set(self.place(at, i), Planes::entry_of(pair.bits, j));
             if let Some(stored) = self.stored {
                 for (a, x) in pair.x.into_iter().enumerate() {
                     stored.set_at(stored_place(at, a, self.stride, i), x);
@@ -179,13 +179,13 @@ pub(in crate::engine) fn search_marked<const D: usize>(
                 patched.set(j, Index::of(1));
             }
         };
-        let (zero, mirrors) = (Recorded::zero(), Mirrors::of(model));
+        let (zero, planes) = (Recorded::zero(), Planes::of(model));
         let is_marked = rows.is_marked(i);
         let again = || {
             if is_guarded {
                 let end = Index::floor(rows.rows.get(LENGTH, i));
                 bind.scope.fold(Index::of(0), end, NOTHING, |_, none, k| {
-                    patch(mirrors.entry(rows.kept.at(rows.place(k, i))).0);
+                    patch(planes.entry(rows.kept.at(rows.place(k, i))).0);
                     none
                 });
             }
@@ -209,7 +209,7 @@ pub(in crate::engine) fn patch<const D: usize>(
     recording("patch_rows", count, |bind, i| {
         let near = (bind.read(Group::Place), bind.read(Group::Constants));
         let (rows, patched) = (Rows::of(bind, model), bind.indices(Group::Patched));
-        let (zero, one, mirrors) = (Recorded::zero(), Recorded::one(), Mirrors::of(model));
+        let (zero, one, planes) = (Recorded::zero(), Recorded::one(), Planes::of(model));
         let is_due = patched.at(i).number() - rows.is_marked(i);
         let again = || {
             let end = Index::floor(rows.rows.get(LENGTH, i));
@@ -219,7 +219,7 @@ pub(in crate::engine) fn patch<const D: usize>(
                     rows.kept.set(rows.place(Index::floor(k), i), entry);
                     k + one
                 };
-                Recorded::if_lt(zero, rows.is_marked(mirrors.entry(entry).0), || k, stays)
+                Recorded::if_lt(zero, rows.is_marked(planes.entry(entry).0), || k, stays)
             });
             let length = over_own_body::<_, D>(bind, model, grid, i, near, staying, |k: Recorded, pair, j| {
                 Recorded::if_lt(zero, rows.is_marked(j), || rows.keep(i, k, pair, j), || k)

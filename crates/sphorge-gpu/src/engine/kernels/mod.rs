@@ -18,3 +18,4 @@ pub(super) mod reference_forces;
 pub(super) mod section;
 pub(super) mod stress;
 pub(super) mod walls;
+pub(super) mod wrap;

@@ -2,7 +2,7 @@
 
 use super::contact::meets;
 use super::grid::Grid;
-use super::images::{Image, Mirrors};
+use super::images::{Image, Planes};
 use super::kept::{LENGTH, keeps_distances, stored_place};
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::record::{Index, Indices, Recorded};
@@ -57,7 +57,7 @@ pub(super) fn places(of: Reading, i: Index) -> Vector<[Recorded; 2]> {
     [0, 1, 2].map(|a| of.double(a, 3 + a, i))
 }
 
-/// Takes a state through every neighbour that cells are made for, the particle itself left out, images in planes of symmetry among them.
+/// Takes a state through every neighbour that cells are made for, the particle itself left out, images behind planes of symmetry and periodic ends among them.
 pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -70,14 +70,14 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     let (starts, sorted, around) =
         (bind.indices(Group::CellStarts), bind.indices(Group::Sorted), bind.indices(Group::Around));
     let support = Recorded::of(grid.reach);
-    let mirrors = Mirrors::of(model);
+    let planes = Planes::of(model);
     let own = places(place, i);
     let h = constants.get(1, i);
     let cells = Index::of((grid.around().len() / 3) as u32);
     let mut state = start;
-    for (bits, image) in mirrors.images() {
+    for (bits, image) in planes.images() {
         // What is beside the image of the particle has the particle's neighbour for an image.
-        let steps = grid.steps(&|axis| image.place(axis, own[axis][0]));
+        let steps = grid.steps(&|axis| image.back(axis, own[axis][0]));
         let scope = &mut *bind.scope;
         let before = state;
         let mut sum = || {
@@ -95,24 +95,17 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
                         let itself = (j.number() - i.number()).abs();
                         apart = Recorded::select_lt(itself, Recorded::of(0.5), reach * reach, apart);
                     }
-                    for depth in
-                        (0..D).filter(|axis| image.is_mirrored(*axis)).filter_map(|a| mirrors.depth(a, other[a]))
-                    {
+                    for depth in image.depths::<D>(&other) {
                         let on_plane = Recorded::of(ON_PLANE) * reach;
-                        apart = Recorded::select_lt(on_plane, depth.abs(), apart, reach * reach);
+                        apart = Recorded::select_lt(on_plane, depth, apart, reach * reach);
                     }
                     Recorded::if_lt(apart, reach * reach, || add(state, &pair, j), || state)
                 })
             })
         };
-        let farthest = (0..D)
-            .filter(|axis| image.is_mirrored(*axis))
-            .filter_map(|axis| mirrors.depth(axis, own[axis]))
-            .map(Real::abs)
-            .reduce(Real::max);
-        state = match farthest {
+        state = match image.farthest::<D>(&own) {
             None => sum(),
-            // Only what is near all planes has neighbours behind them.
+            // Only what is near all planes and ends has neighbours behind them.
             Some(depth) => Recorded::if_lt(depth, Recorded::of(grid.edge), sum, || before),
         };
     }
@@ -147,12 +140,12 @@ fn over_kept<S: Numbers<Recorded>, const D: usize>(
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
     let (rows, kept, stride) = (bind.read(Group::Rows), bind.indices(Group::Kept), bind.stride());
-    let (mirrors, support) = (Mirrors::of(model), Recorded::of(model.numerics.kernel.support()));
+    let (planes, support) = (Planes::of(model), Recorded::of(model.numerics.kernel.support()));
     let (own, h) = (places(place, i), constants.get(1, i));
     let end = Index::floor(rows.get(LENGTH, i));
     let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
     bind.scope.fold(Index::of(0), end, start, |_, state, k| {
-        let (j, image) = mirrors.entry(kept.at(k * stride + i));
+        let (j, image) = planes.entry(kept.at(k * stride + i));
         let mut pair = Pair::of::<D>(model, (image, 0), &own, &places(place, j), (h, constants.get(1, j)));
         if let Some(stored) = stored {
             pair.r2 = Recorded::zero();
@@ -198,10 +191,10 @@ pub(super) fn over_list<S: Numbers<Recorded>, const D: usize>(
     add: impl FnOnce(S, &Pair, Index) -> S,
 ) -> S {
     let (starts, list) = (bind.indices(Group::ListStarts), bind.indices(Group::List));
-    let mirrors = Mirrors::of(model);
+    let planes = Planes::of(model);
     let (own, h) = (places(reference, i), constants.get(1, i));
     bind.scope.fold(starts.at(i), starts.at(i + Index::of(1)), start, |_, state, k| {
-        let (j, image) = mirrors.entry(list.at(k));
+        let (j, image) = planes.entry(list.at(k));
         let pair = Pair::of::<D>(model, (image, 0), &own, &places(reference, j), (h, constants.get(1, j)));
         add(state, &pair, j)
     })

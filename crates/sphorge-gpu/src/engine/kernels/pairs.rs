@@ -5,17 +5,20 @@ use super::kept;
 use super::motion::Motions;
 use super::neighbors::{Pair, over_neighbors};
 use super::section::{Crossing, Through};
+use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Index, KernelFault, Recorded};
-use sphorge_engine::model::{Integrator, Model};
+use sphorge_engine::model::{GradientCorrection, Integrator, Model};
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::kick::earlier;
 use sphorge_physics::pair::{
-    ForceSums, GradientSums, PairForce, PairForm, closing_power, gradient_factor, gradient_weight,
-    inverse_density_mean, mean, momentum_factor, momentum_weight, scaled_pressure, share_of_power, stress_vector,
+    ForceSums, GradientSums, PairForce, PairForm, closing_power, corrected_stress_vector, gradient_factor,
+    gradient_weight, inverse_density_mean, mean, momentum_factor, momentum_weight, scaled_pressure, share_of_power,
+    stress_vector,
 };
 use sphorge_physics::stress::{density_after, predicted_density, strain_rate};
+use sphorge_physics::tensor::multiply;
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
 use sphorge_physics::{Numbers, Real, Tensor, Vector, artificial_stress};
@@ -52,6 +55,11 @@ impl Numbers<Recorded> for Gradients {
     }
 }
 
+/// Whether gradients are corrected in the present configuration.
+pub(in crate::engine) fn is_corrected(model: &Model) -> bool {
+    !is_total_lagrangian(model) && model.numerics.gradient_correction != GradientCorrection::None
+}
+
 /// Velocity gradient and density. With leapfrog the gradient is that of the positions of mid-step, where its velocities are, over the pairs
 /// at its end.
 pub(in crate::engine) fn gradients<const D: usize>(
@@ -75,8 +83,8 @@ pub(in crate::engine) fn gradients<const D: usize>(
         let smoothed = |of: Index| rates.map_or([Recorded::zero(); 3], |rates| rates.vector(3, of));
         let own_smoothed = smoothed(i);
         let zero = Recorded::zero();
-        let start =
-            Gradients { gradient: [[zero; 3]; 3], moment: corrects_strain.then_some([[zero; 3]; 3]), inside: zero };
+        let has_moment = corrects_strain || is_corrected(model);
+        let start = Gradients { gradient: [[zero; 3]; 3], moment: has_moment.then_some([[zero; 3]; 3]), inside: zero };
         let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: Gradients, pair, j| {
             let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
@@ -107,17 +115,27 @@ pub(in crate::engine) fn gradients<const D: usize>(
         });
         let factor = weight.get(2, i);
         let scaled = |t: Tensor<Recorded>| t.map(|row| row.map(|c| c * factor));
-        let l = scaled(sums.gradient);
+        let correction_of = |moment: Tensor<Recorded>| {
+            gradient_correction(&scaled(moment), model.dimensions.into(), Recorded::of(LARGEST_COMPONENT))
+        };
+        let mut l = scaled(sums.gradient);
+        if let Some(moment) = sums.moment.filter(|_| is_corrected(model)) {
+            let b = correction_of(moment);
+            bind.write(Group::Correction).set_all(0, i, b.as_flattened());
+            l = corrected(&l, &b);
+        }
         gradient.set_all(0, i, l.as_flattened());
         weight.set(1, i, sums.inside);
-        if is_guarded {
+        if is_guarded && is_corrected(model) {
+            let strain = step.get(0, Index::of(DT)) * strain_rate(&l);
+            bind.write(Group::StrainCorrection).set(kept::STRAINED, i, strain);
+        } else if is_guarded {
             // The guard counts the corrected strain: on a free face plain sums see as little as half of it.
             let correction = bind.write(Group::StrainCorrection);
             let b = match sums.moment {
                 None => correction.tensor(0, i),
                 Some(moment) => {
-                    let largest = Recorded::of(LARGEST_COMPONENT);
-                    let b = gradient_correction(&scaled(moment), model.dimensions.into(), largest);
+                    let b = correction_of(moment);
                     correction.set_all(0, i, b.as_flattened());
                     b
                 }
@@ -134,6 +152,44 @@ pub(in crate::engine) fn gradients<const D: usize>(
                 density.set(1, i, Recorded::zero());
             }
         }
+    })
+}
+
+/// The gradient correction at the positions and densities that the forces of the leapfrog are evaluated with. Torques cancel only if force and
+/// correction see the same.
+pub(in crate::engine) fn correct<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    let numerics = &model.numerics;
+    let (kernel, form) = (numerics.kernel, numerics.pair_form);
+    recording("correct_gradients", count, |bind, i| {
+        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let (density, correction) = (bind.read(Group::Density), bind.write(Group::Correction));
+        let zero = Recorded::zero();
+        let start = [[zero; 3]; 3];
+        let moment = over_neighbors::<_, D>(bind, model, grid, i, near, start, |moment: Tensor<Recorded>, pair, j| {
+            let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
+            let weight = gradient_weight(form, near.1.get(0, j), density.get(0, j));
+            let f = pair.scale.weighted(weight).f(kernel.dw_over_q_by(q, inverse_q));
+            let mut sums = GradientSums { moment, ..GradientSums::zero() };
+            sums.add::<D, true>(&pair.x, &[zero; 3], f);
+            sums.moment
+        });
+        let factor = gradient_factor(form, density.get(0, i));
+        let moment = moment.map(|row| row.map(|c| c * factor));
+        let b = gradient_correction(&moment, model.dimensions.into(), Recorded::of(LARGEST_COMPONENT));
+        correction.set_all(0, i, b.as_flattened());
+    })
+}
+
+/// What corrected forces read of a neighbour: the scaled stress times the correction.
+pub(in crate::engine) fn correct_stress(count: usize) -> Result<Recording, KernelFault> {
+    recording("correct_stress", count, |bind, i| {
+        let (packed, correction) = (bind.read(Group::Packed), bind.read(Group::Correction));
+        let product = multiply(&packed.symmetric(0, i).to_tensor(), &correction.tensor(0, i));
+        bind.write(Group::CorrectedStress).set_all(0, i, product.as_flattened());
     })
 }
 
@@ -174,6 +230,7 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (own, rho) = (evaluated.vector(0, i), density.get(0, i));
         let (stress, repulsion) = (packed.symmetric(0, i), packed.symmetric(6, i));
         let (switch, sound_speed) = (packed.get(12, i), packed.get(13, i));
+        let products = is_corrected(model).then(|| bind.read(Group::CorrectedStress));
         let start = [Recorded::zero(); 10];
         let add = |mut state: [Recorded; 10], pair: &Pair, j: Index| {
             let other = pair.image.vector(evaluated.vector(0, j));
@@ -205,11 +262,21 @@ pub(in crate::engine) fn forces<const D: usize>(
                 );
             }
             let weighted_f = weighted.f(kernel.dw_over_q_by(q, inverse_q));
+            let (own_stress, other_stress) = match products {
+                None => (
+                    stress_vector::<_, D>(&stress, &pair.x),
+                    stress_vector::<_, D>(&pair.image.symmetric(packed.symmetric(0, j)), &pair.x),
+                ),
+                Some(products) => (
+                    corrected_stress_vector::<_, D>(&products.tensor(0, i), &pair.x),
+                    corrected_stress_vector::<_, D>(&pair.image.tensor(&products.tensor(0, j)), &pair.x),
+                ),
+            };
             let force = PairForce {
                 x: pair.x,
                 v,
-                own_stress: stress_vector::<_, D>(&stress, &pair.x),
-                other_stress: stress_vector::<_, D>(&pair.image.symmetric(packed.symmetric(0, j)), &pair.x),
+                own_stress,
+                other_stress,
                 artificial_stress: artificial,
                 pi,
                 weighted_f,

@@ -1,7 +1,7 @@
 //! The reference configuration of the total Lagrangian form: its lists, made once, and what deforms it.
 
 use super::grid::Grid;
-use super::images::Mirrors;
+use super::images::Planes;
 use super::neighbors::{over_list, over_own_body};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -39,7 +39,7 @@ pub(in crate::engine) fn list<const D: usize>(
         let (starts, list) = (bind.indices(Group::ListStarts), bind.index_output(Group::List));
         let first = starts.at(i);
         over_own_body::<_, D>(bind, model, grid, i, near, Recorded::zero(), |before: Recorded, pair, j| {
-            list.set(first + Index::floor(before), Mirrors::entry_of(pair.bits, j));
+            list.set(first + Index::floor(before), Planes::entry_of(pair.bits, j));
             before + Recorded::one()
         });
     })

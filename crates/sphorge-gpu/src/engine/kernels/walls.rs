@@ -99,9 +99,10 @@ pub(in crate::engine) fn of_wall<T: Real>(
 ) -> FacePush<T> {
     let zero = T::zero();
     let away = FacePush { acceleration: [zero; 3], heat: zero, rubbed: zero, face: [zero; 3], velocity };
-    // Others are refused before a run.
-    let WallSurface::Plane { point, normal } = wall.surface else { return away };
-    let gap = Gap::to_plane(x, point.map(T::of), normal.map(T::of));
+    let gap = match wall.surface {
+        WallSurface::Plane { point, normal } => Gap::to_plane(x, point.map(T::of), normal.map(T::of)),
+        WallSurface::Segment { from, to } => Gap::beside_segment(x, from.map(T::of), to.map(T::of)),
+    };
     let relative = |v: Vector<T>| [0, 1, 2].map(|a| v[a] - moving[a]);
     match wall.contact {
         WallContact::MonaghanKos { range } => {
