@@ -51,6 +51,13 @@ pub fn density_after<T: Elementary>(rho: T, l: &Tensor<T>, dt: T) -> T {
     rho * exponential(-(l[0][0] + l[1][1] + l[2][2]) * dt)
 }
 
+/// What [`density_after`] adds to a density, over that density: to the last digit of its own, where the density has no room for them.
+#[inline]
+pub fn relative_density_change<T: Elementary>(l: &Tensor<T>, dt: T) -> T {
+    let x = -(l[0][0] + l[1][1] + l[2][2]) * dt;
+    T::if_lt(x.abs(), T::of(SERIES_BELOW), || exponential_series(x) * x, || x.exp() - T::one())
+}
+
 /// Density (kg/m^3) a time `dt` (s) ahead by the velocity gradient of the last step (1/s), `rho (1 - dt tr L)`: its volume is the
 /// weight of both pair sums. The density of the step's start instead would lag by one step, and a body that swings about a strained
 /// state would lose energy at first order.
@@ -64,14 +71,21 @@ pub fn predicted_density<T: Real>(density: T, last_gradient: &Tensor<T>, dt: T) 
 /// `exp(x)`: near zero, where a step keeps it, by its series, whose first omitted term is beyond double precision.
 #[inline]
 fn exponential<T: Elementary>(x: T) -> T {
-    let series = || {
-        let mut sum = T::one();
-        for k in (1..=7).rev() {
-            sum = (sum * x).mul_add(T::of(1.0 / f64::from(k)), T::one());
-        }
-        sum
-    };
-    T::if_lt(x.abs(), T::of(1.0 / 64.0), series, || x.exp())
+    let series = || (exponential_series(x) * x).mul_add(T::one(), T::one());
+    T::if_lt(x.abs(), T::of(SERIES_BELOW), series, || x.exp())
+}
+
+/// Exponents that are near zero.
+const SERIES_BELOW: f64 = 1.0 / 64.0;
+
+/// `(exp(x) - 1)/x` near zero.
+#[inline(always)]
+fn exponential_series<T: Real>(x: T) -> T {
+    let mut sum = T::one();
+    for k in (2..=7).rev() {
+        sum = (sum * x).mul_add(T::of(1.0 / f64::from(k)), T::one());
+    }
+    sum
 }
 
 #[cfg(test)]
@@ -170,6 +184,15 @@ mod tests {
             assert!(relative.abs() <= 2.0 * f64::EPSILON, "{x}: {relative}");
         }
         assert!(exponential(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn small_changes_of_a_density_are_those_of_double_precision() {
+        for trace in [3e-9f32, -2.5e-8, 7e-5, -0.01, 0.3] {
+            let l = |trace: f32| [[trace, 9.0, 9.0], [9.0, 0.0, 9.0], [9.0, 9.0, 0.0]];
+            let (found, expected) = (relative_density_change(&l(trace), 1.0), (-f64::from(trace)).exp_m1());
+            assert!((f64::from(found) / expected - 1.0).abs() < 4e-7, "{trace}: {found} {expected}");
+        }
     }
 
     #[test]

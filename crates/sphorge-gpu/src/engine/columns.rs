@@ -64,7 +64,7 @@ pub(super) enum Group {
     Limits,
     /// The same of each chunk of particles.
     Extremes,
-    /// Place in the reference configuration, m, its rest, and volume there, m^d.
+    /// Place in the reference configuration, m, its rest, and volume there, m^d, with its rest.
     Reference,
     /// Gradient correction there, or in the present configuration.
     Correction,

@@ -53,7 +53,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Constants, 7),
     (Group::Accounts, 18),
     (Group::Limits, limits::FIELDS),
-    (Group::Reference, 7),
+    (Group::Reference, 8),
     (Group::Correction, 9),
     (Group::CorrectedStress, 9),
     (Group::Deformation, 18),

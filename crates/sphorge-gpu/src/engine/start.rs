@@ -155,7 +155,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             (Group::Constants, _) => model.materials[p.material[i] as usize].equation_of_state.reference_sound_speed(),
             (Group::Packed, 12) => 1.0,
             (Group::Contact, contact::LIMIT) => f64::from(f32::MAX),
-            (Group::Reference, 6) => p.mass[i] / p.density[i],
+            (Group::Reference, 6 | 7) => part(p.mass[i] / p.density[i], field == 7),
             (Group::Reference, _) => vector(&p.position, field, i),
             (Group::Deformation, 0 | 4 | 8) | (Group::Stretch, 0) => 1.0,
             _ => 0.0,

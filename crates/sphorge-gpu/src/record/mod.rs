@@ -4,6 +4,7 @@
 //! comes of it is a list of operations in an order they can be executed in, with the branches and iterations of
 //! [`sphorge_physics::Elementary`]; [`crate::source`] writes it in the language of a card.
 
+mod double;
 mod index;
 mod kernel;
 mod needed;
@@ -11,6 +12,7 @@ mod number;
 mod operation;
 mod recorder;
 
+pub use double::Double;
 pub use index::Index;
 pub use kernel::{Counters, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Scope};
 pub use number::Recorded;

@@ -62,7 +62,11 @@ impl Div for Recorded {
 impl Neg for Recorded {
     type Output = Self;
     fn neg(self) -> Self {
-        unary(Unary::Negate, self)
+        // No language of cards has `--`.
+        match with(|recorder| recorder.constant(self.0)) {
+            Some(constant) => Self::of(f64::from(-constant)),
+            None => unary(Unary::Negate, self),
+        }
     }
 }
 

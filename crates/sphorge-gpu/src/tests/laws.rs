@@ -228,6 +228,7 @@ pub(super) fn laws() -> Vec<Law> {
         vec![
             stress::density_after(T::of(8930.0), &l, dt),
             stress::predicted_density(T::of(8930.0), &l, dt * T::of(40.0)),
+            stress::relative_density_change(&l, dt),
         ]
     });
     law!(laws, "artificial stress", [s, s, s, s, s, s, (0.1, 0.9)], 1, |x: &[T]| {

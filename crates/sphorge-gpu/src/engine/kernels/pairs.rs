@@ -17,7 +17,7 @@ use sphorge_physics::pair::{
     gradient_weight, inverse_density_mean, mean, momentum_factor, momentum_weight, scaled_pressure, share_of_power,
     stress_vector,
 };
-use sphorge_physics::stress::{density_after, predicted_density, strain_rate};
+use sphorge_physics::stress::{predicted_density, relative_density_change, strain_rate};
 use sphorge_physics::tensor::multiply;
 use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, viscous_pressure};
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
@@ -142,16 +142,12 @@ pub(in crate::engine) fn gradients<const D: usize>(
             };
             correction.set(kept::STRAINED, i, step.get(0, Index::of(DT)) * strain_rate(&corrected(&l, &b)));
         }
-        match numerics.integrator {
-            // The end of the step, for good.
-            Integrator::Leapfrog => {
-                density.set_all(0, i, &compressed(density.double(0, 1, i), &l, step.get(0, Index::of(DT))))
-            }
-            Integrator::PredictorCorrector => {
-                density.set(0, i, density_after(density.get(0, i), &l, half));
-                density.set(1, i, Recorded::zero());
-            }
-        }
+        // The end of the step, for good, or its middle.
+        let ahead = match numerics.integrator {
+            Integrator::Leapfrog => step.get(0, Index::of(DT)),
+            Integrator::PredictorCorrector => half,
+        };
+        density.set_all(0, i, &compressed(density.double(0, 1, i), &l, ahead));
     })
 }
 
@@ -195,8 +191,7 @@ pub(in crate::engine) fn correct_stress(count: usize) -> Result<Recording, Kerne
 
 /// A density with its rest, kg/m³, after a step.
 pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recorded) -> [Recorded; 2] {
-    let change = density_after(Recorded::one(), l, dt) - Recorded::one();
-    added(density, density[0] * change)
+    added(density, density[0] * relative_density_change(l, dt))
 }
 
 /// Acceleration, energy rate and the parts of it that are the viscosity's and the artificial stress's, XSPH velocity and the largest

@@ -3,11 +3,12 @@
 use super::kick::ARTIFICIAL_WORK;
 use super::pairs::compressed;
 use super::walls::is_total_lagrangian;
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
-use crate::record::{Index, KernelFault, Recorded};
+use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Model, TemperatureSource};
 use sphorge_physics::artificial_stress::artificial_stress;
+use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::FlowState;
 use sphorge_physics::heat::{elastic_energy, temperature_from_energy, temperature_rise_from_plastic_work};
 use sphorge_physics::pair::{mean, stress_scale};
@@ -66,11 +67,16 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             StressOf::End => {
                 let after = compressed(bind.read(Group::BaseDensity).double(0, 1, i), &l, dt);
                 density.set_all(0, i, &after);
-                (after[0], energy.get(0, i))
+                (after, energy.double(0, 1, i))
             }
-            StressOf::Middle | StressOf::Leapfrog => (density.get(0, i), energy.get(0, i) + half * energy.get(2, i)),
+            StressOf::Middle | StressOf::Leapfrog => {
+                (density.double(0, 1, i), added(energy.double(0, 1, i), half * energy.get(2, i)))
+            }
         };
-        let state = material.bounded_pressure::<Recorded>().at(rho, e);
+        // A pressure is small beside the bulk modulus: of densities of single precision it would be good to some 10 kPa.
+        let state = material.bounded_pressure::<Double>().at(Double::new(rho), Double::new(e));
+        let state = PressureState { pressure: state.pressure.high, sound_speed: state.sound_speed.high };
+        let ([rho, _], [e, _]) = (rho, e);
         let flow = FlowState {
             plastic_strain: plastic.get(0, i),
             plastic_strain_rate: Recorded::zero(),

@@ -1,0 +1,223 @@
+//! Numbers of a card with what single precision leaves of them: some 48 bits.
+
+use super::Recorded;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use sphorge_physics::Real;
+
+/// A number and the rest of it, for laws whose result is small beside what it comes of, such as the pressure of a density: T. J. Dekker, Numerische
+/// Mathematik 18 (1971) 224. What compilers of cards must not see through is [`Recorded::rounded`].
+#[derive(Clone, Copy, Debug)]
+pub struct Double {
+    /// The number in single precision.
+    pub high: Recorded,
+    /// What that leaves of it.
+    pub low: Recorded,
+}
+
+/// Divides the 24 digits of a number in two halves.
+const HALVES: f64 = 4097.0;
+
+/// `a + b` and what rounding leaves of it (Knuth's sum of two).
+fn sum(a: Recorded, b: Recorded) -> Double {
+    let high = (a + b).rounded();
+    let back = (high - a).rounded();
+    Double { high, low: (a - (high - back).rounded()) + (b - back) }
+}
+
+/// The same where the second is smaller.
+fn sum_of_unequal(a: Recorded, b: Recorded) -> Double {
+    let high = (a + b).rounded();
+    Double { high, low: b - (high - a).rounded() }
+}
+
+fn halves(a: Recorded) -> [Recorded; 2] {
+    let wide = (a * Recorded::of(HALVES)).rounded();
+    let high = (wide - (wide - a).rounded()).rounded();
+    [high, (a - high).rounded()]
+}
+
+/// `a b` and what rounding leaves of it.
+fn product(a: Recorded, b: Recorded) -> Double {
+    let high = (a * b).rounded();
+    let ([a, a_rest], [b, b_rest]) = (halves(a), halves(b));
+    let mut low = ((a * b).rounded() - high).rounded();
+    for part in [a * b_rest, a_rest * b, a_rest * b_rest] {
+        low = (low + part.rounded()).rounded();
+    }
+    Double { high, low }
+}
+
+impl Double {
+    /// Of a number and its rest.
+    pub fn new([high, low]: [Recorded; 2]) -> Self {
+        Self { high, low }
+    }
+
+    fn times(self, factor: Recorded) -> Self {
+        let first = product(self.high, factor);
+        sum_of_unequal(first.high, first.low + self.low * factor)
+    }
+}
+
+impl From<Recorded> for Double {
+    fn from(number: Recorded) -> Self {
+        Self { high: number, low: Recorded::zero() }
+    }
+}
+
+impl Add for Double {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let first = sum(self.high, other.high);
+        let rests = sum(self.low, other.low);
+        let second = sum_of_unequal(first.high, first.low + rests.high);
+        sum_of_unequal(second.high, second.low + rests.low)
+    }
+}
+
+impl Neg for Double {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+}
+
+impl Sub for Double {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Double {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let first = product(self.high, other.high);
+        sum_of_unequal(first.high, first.low + (self.high * other.low + self.low * other.high))
+    }
+}
+
+impl Div for Double {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        // Divisions of cards are good to a few units: each share is of what the last has left.
+        let first = (self.high / other.high).rounded();
+        let left = self - other.times(first);
+        let second = (left.high / other.high).rounded();
+        let third = (left - other.times(second)).high / other.high;
+        let quotient = sum_of_unequal(first, second);
+        quotient + Self::from(third)
+    }
+}
+
+impl AddAssign for Double {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Double {
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl Real for Double {
+    fn of(value: f64) -> Self {
+        let high = f64::from(value as f32);
+        let low = if high.is_finite() { value - high } else { 0.0 };
+        Self { high: Recorded::of(value), low: Recorded::of(low) }
+    }
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        self * a + b
+    }
+    fn sqrt(self) -> Self {
+        let first = self.high.sqrt().rounded();
+        let left = (self - product(first, first)).high;
+        // The root of nothing is nothing.
+        let rest = left / (Recorded::of(2.0) * first);
+        sum_of_unequal(first, Recorded::select_lt(Recorded::zero(), first, rest, Recorded::zero()))
+    }
+    fn min(self, other: Self) -> Self {
+        Self::select_lt(self, other, self, other)
+    }
+    fn max(self, other: Self) -> Self {
+        Self::select_lt(other, self, self, other)
+    }
+    fn abs(self) -> Self {
+        Self::select_lt(self, Self::zero(), -self, self)
+    }
+    fn select_lt(a: Self, b: Self, then: Self, otherwise: Self) -> Self {
+        let (left, zero) = ((a - b).high, Recorded::zero());
+        let choose = |then, otherwise| Recorded::select_lt(left, zero, then, otherwise);
+        Self { high: choose(then.high, otherwise.high), low: choose(then.low, otherwise.low) }
+    }
+    fn lane_by_lane(a: Self, b: Self, f: impl Fn(f64, f64) -> [f64; 2]) -> [Self; 2] {
+        Recorded::lane_by_lane(a.high, b.high, f).map(Self::from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluation;
+    use crate::record::{Index, Kernel};
+    use sphorge_physics::eos::{BoundedPressure, EquationConstants, EquationOfState, MieGruneisenHugoniot};
+
+    /// What a kernel makes of numbers that single precision does not hold.
+    fn evaluated(arguments: &[f64], law: impl Fn(&[Double]) -> Vec<Double>) -> Vec<f64> {
+        let mut count = 0;
+        let kernel = Kernel::record("double", |scope| {
+            let (x, y) = (scope.input("x"), scope.output("y"));
+            let at = |k: usize| x.at(Index::of(k as u32));
+            let numbers: Vec<_> = (0..arguments.len()).map(|k| Double::new([at(2 * k), at(2 * k + 1)])).collect();
+            let results = law(&numbers);
+            count = results.len();
+            for (k, result) in results.into_iter().enumerate() {
+                y.set(Index::of(2 * k as u32), result.high);
+                y.set(Index::of(2 * k as u32 + 1), result.low);
+            }
+        });
+        let parts = arguments.iter().flat_map(|x| [*x as f32, (x - f64::from(*x as f32)) as f32]).collect();
+        let mut buffers = [parts, vec![0.0; 2 * count]];
+        Evaluation::default().run(&kernel.unwrap(), &mut buffers, 1);
+        buffers[1].chunks(2).map(|parts| f64::from(parts[0]) + f64::from(parts[1])).collect()
+    }
+
+    #[test]
+    fn arithmetic_is_good_to_fourteen_digits() {
+        let of = |[a, b]: [f64; 2]| {
+            vec![a + b, a - b, a * b, a / b, b.sqrt(), a.min(b), a.max(b), a.abs(), a.mul_add(b, a), a * 0.3 + 1e-9]
+        };
+        for [a, b] in
+            [[1.0 / 3.0, 8930.123_456_789], [-7.77e5, 0.1], [8930.0, 8929.999_7], [2.0 / 7.0, 2.0 / 7.0 + 1e-9]]
+        {
+            let found = evaluated(&[a, b], |x| {
+                let (a, b) = (x[0], x[1]);
+                let constant = a * Double::of(0.3) + Double::of(1e-9);
+                vec![a + b, a - b, a * b, a / b, b.sqrt(), a.min(b), a.max(b), a.abs(), a.mul_add(b, a), constant]
+            });
+            for (k, (found, expected)) in found.into_iter().zip(of([a, b])).enumerate() {
+                // What two that are near each other leave is good to what they are.
+                let scale = if k < 2 { a.abs() + b.abs() } else { expected.abs() };
+                assert!((found - expected).abs() < 2e-14 * scale, "{k} of {a} and {b}: {found} {expected}");
+            }
+        }
+        assert_eq!(evaluated(&[0.0], |x| vec![x[0].sqrt()]), [0.0]);
+    }
+
+    #[test]
+    fn a_pressure_is_that_of_double_precision() {
+        let law = EquationOfState::MieGruneisenHugoniot(MieGruneisenHugoniot::new(&[8930.0, 3940.0, 1.489, 2.02]));
+        for (density, energy) in [(8930.000_2, 0.0), (8930.000_31, 12.0), (8929.9, -3.0), (12_500.3, 1.3e6)] {
+            let found = evaluated(&[density, energy], |x| {
+                let state = BoundedPressure::<Double>::new(&law, 2e9, 385.0, 300.0).at(x[0], x[1]);
+                vec![state.pressure, state.sound_speed]
+            });
+            let expected = BoundedPressure::<f64>::new(&law, 2e9, 385.0, 300.0).at(density, energy);
+            // A pascal where single precision has ten thousand.
+            assert!((found[0] - expected.pressure).abs() < 1.0 + 1e-12 * expected.pressure, "{found:?} {expected:?}");
+            assert!((found[1] / expected.sound_speed - 1.0).abs() < 1e-12, "{found:?} {expected:?}");
+        }
+    }
+}
