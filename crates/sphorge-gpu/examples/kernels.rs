@@ -4,7 +4,7 @@ use sphorge_deck::{decks, load_text};
 use std::{error::Error, fs, path::PathBuf};
 
 /// Decks with all there is, and what to change in them.
-const DECKS: [(&str, &[(&str, &str)]); 10] = [
+const DECKS: [(&str, &[(&str, &str)]); 15] = [
     ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
     ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
     ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
@@ -14,6 +14,11 @@ const DECKS: [(&str, &[(&str, &str)]); 10] = [
     ("rubber-rings", &[]),
     ("bullet", &[("search", "\"every-step\""), ("contact", "\"penalty\""), ("particles.spacing", "\"15 mm\"")]),
     ("bullet", &[("search", "\"adaptive\""), ("particles.spacing", "\"15 mm\"")]),
+    ("penetration", &[("particles.spacing", "\"0.8 mm\"")]),
+    ("taylor-bar-42crmo4", &[("particles.spacing", "\"0.8 mm\"")]),
+    ("convecting-block", &[]),
+    ("pulled", &[]),
+    ("elastic-bar", &[("numerics.precision", "\"mixed\""), ("search", "\"skin\"")]),
     ("bullet", &[("search", "{ adaptive = { guard = \"none\" } }"), ("particles.spacing", "\"15 mm\"")]),
 ];
 

@@ -136,6 +136,35 @@ fn bodies_that_meet_in_the_present_configuration_are_those_of_the_processor() {
 }
 
 #[test]
+fn bodies_that_meet_under_the_adaptive_search_are_those_of_the_processor() {
+    let adaptive = [("numerics.integrator", "\"leapfrog\""), ("search", "\"adaptive\"")];
+    compare(&striking(&format!("{PRESENT}\n{RUBS}")), &adaptive, 7e-6, 2e-4);
+}
+
+/// Three cubes in space, of two metals and spacings: the upper strikes and rubs the middle, which strikes the lower, beside a plane of symmetry.
+fn in_space(more: &str) -> String {
+    let cube = |name: &str, material: &str, spacing: &str, z: [&str; 2], velocity: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"{material}\"\nspacing = \"{spacing} mm\"\nvelocity = {velocity}\n\
+             shape = {{ box = {{ min = [\"0 mm\", \"-2 mm\", \"{} mm\"], max = [\"3 mm\", \"2 mm\", \"{} mm\"] }} }}\n",
+            z[0], z[1],
+        )
+    };
+    format!(
+        "dimensions = \"3d\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"60 us\" }}\nsymmetry = [{{ axis = \"x\" }}]\n{more}\n{}{}{}",
+        cube("upper", "ofhc-copper", "1", ["0.7", "3.7"], "[\"0 m/s\", \"60 m/s\", \"-150 m/s\"]"),
+        cube("middle", "armco-iron", "0.8", ["-2.4", "0"], "[\"0 m/s\", \"0 m/s\", \"0 m/s\"]"),
+        cube("lower", "ofhc-copper", "1", ["-6.1", "-3.1"], "[\"0 m/s\", \"-20 m/s\", \"80 m/s\"]"),
+    )
+}
+
+#[test]
+fn bodies_that_meet_in_space_are_those_of_the_processor() {
+    compare(&in_space(RUBS), &[], 12e-6, 2e-4);
+    compare(&in_space(&format!("{PRESENT}\n{RUBS}")), &[("search", "\"skin\"")], 10e-6, 2e-4);
+}
+
+#[test]
 fn the_same_bits_come_again_where_bodies_are_pressed() {
     conserves_and_repeats_text("striking", &striking(RUBS), &[], 4e-6);
     conserves_and_repeats_text("striking", &striking(&format!("{PRESENT}\n{RUBS}")), &[], 4e-6);
