@@ -262,9 +262,10 @@ impl Engine for GpuEngine {
         if let Some(clock) = &mut self.heat {
             clock.persist("heat", archive)?;
         }
-        for group in STATE {
+        let sections = (0..self.model.sections.len()).map(Group::Section);
+        for group in STATE.iter().copied().chain(sections) {
             let name = format!("{group:?}").to_lowercase();
-            let Some(array) = self.columns.array(*group) else { continue };
+            let Some(array) = self.columns.array(group) else { continue };
             if archive.is_saving() {
                 let numbers = self.card.read(array).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
                 archive.save(&name, bytemuck::cast_slice(&numbers).to_vec());

@@ -3,7 +3,7 @@
 use super::card::card;
 use crate::Gpu;
 use sphorge_deck::{decks, load_text};
-use sphorge_engine::model::ParticleSelection;
+use sphorge_engine::model::{ParticleSelection, Precision};
 use sphorge_engine::particles::FIELDS;
 use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{Column, Cpu, EngineKind, FieldSource, Ledger, ParticleSource, Particles, Reduction, Simulation};
@@ -452,10 +452,32 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
 }
 
 #[test]
+fn every_shipped_deck_is_taken_but_for_those_in_double_precision() {
+    for deck in decks::DECKS {
+        let load = |overrides: &[(String, String)]| load_text(deck.name, deck.text, overrides).unwrap().model;
+        let model = load(&[]);
+        match Gpu::default().supports(&model) {
+            Ok(()) => assert_eq!(model.numerics.precision, Precision::Mixed, "{}", deck.name),
+            Err(refusal) => {
+                assert!(refusal.what.contains("double precision"), "{}: {refusal:?}", deck.name);
+                assert_eq!(model.numerics.precision, Precision::Double, "{}", deck.name);
+            }
+        }
+        let mixed = load(&[("numerics.precision".to_owned(), "\"mixed\"".to_owned())]);
+        Gpu::default().supports(&mixed).unwrap_or_else(|refusal| panic!("{}: {refusal:?}", deck.name));
+    }
+}
+
+#[test]
 fn what_is_not_there_yet_is_refused_by_name() {
-    for (deck, what) in [("elastic-bar", "double precision"), ("rotating-rod", "double precision")] {
+    let periodic = ("periodic", "{ x = [\"-3.8 mm\", \"3.8 mm\"] }");
+    for (deck, over, what) in [
+        ("elastic-bar", ("time.courant", "0.3"), "double precision"),
+        ("iron-plate", periodic, "periodic axes with"),
+        ("taylor-plate", ("numerics.smoothing-length", "\"follow-density\""), "follows the density"),
+    ] {
         let deck = decks::find(deck).unwrap_or_else(|| panic!("{deck}"));
-        let setup = load_text(deck.name, deck.text, &[]).unwrap();
+        let setup = load_text(deck.name, deck.text, &[(over.0.to_owned(), over.1.to_owned())]).unwrap();
         let refusal = Gpu::default().supports(&setup.model).unwrap_err();
         assert!(refusal.what.contains(what) && !refusal.help.is_empty(), "{}: {refusal:?}", deck.name);
     }
