@@ -7,6 +7,7 @@ use crate::lanes::PairScalar;
 use crate::model::{Model, SmoothingLength};
 use crate::neighbors::{BLOCK, range_of};
 use rayon::prelude::*;
+use sphorge_physics::kernel::following_smoothing_length;
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Takes the smoothing lengths to the present density; they stay through the step, so that both of its sums see the same
@@ -14,13 +15,12 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn follow_density(&mut self) -> Result<(), RunFailure> {
         let SmoothingLength::FollowDensity { factor } = self.model.numerics.smoothing_length else { return Ok(()) };
         let model = &*self.model;
-        let power = 1.0 / model.dimensions.count() as f64;
         let p = &mut self.particles;
         let (density, body, material) = (&p.density, &p.body, &p.material);
         p.smoothing_length.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, h)| {
-            let at_rest = model.materials[material[i] as usize].density;
-            let ratio = (at_rest / density[i]).powf(power).clamp(1.0 / factor, factor);
-            *h = model.bodies[body[i] as usize].smoothing_length * ratio;
+            let (at_start, at_rest) =
+                (model.bodies[body[i] as usize].smoothing_length, model.materials[material[i] as usize].density);
+            *h = following_smoothing_length(model.dimensions.into(), at_start, at_rest, density[i], factor);
         });
         let own = range_of(&self.particles.smoothing_length);
         let (smallest, largest) = self.domain.as_ref().map_or(Ok(own), |domain| domain.range(own))?;

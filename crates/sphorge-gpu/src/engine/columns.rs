@@ -49,7 +49,7 @@ pub(super) enum Group {
     /// Lagrangian form the tensor whose sum is the force, stiffness and bound of the hourglass springs, Pa.
     Packed,
     /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s, Young's modulus, Pa, and
-    /// volume of the mass at rest, m^d.
+    /// volume of the mass at rest, m^d, and smoothing length of the start, m.
     Constants,
     /// Body of a particle.
     Body,

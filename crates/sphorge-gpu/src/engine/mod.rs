@@ -68,7 +68,7 @@ mod step_numbers {
 /// Kernels of a step, in groups that are launched together.
 struct Stages {
     begin: Vec<Launch>,
-    /// Along periodic axes, before a search.
+    /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
     wrap: Vec<Launch>,
     sorting: Vec<Launch>,
     /// Where lists are kept: how far particles have moved, and the search.

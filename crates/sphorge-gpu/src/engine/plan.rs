@@ -5,7 +5,7 @@ use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::{
     conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
-    reference_forces, stress, walls, wrap,
+    reference_forces, smoothing, stress, walls, wrap,
 };
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
@@ -43,7 +43,7 @@ pub(super) struct Plan {
     pub(super) count_lists: Vec<Planned>,
     pub(super) fill_lists: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
-    /// Along periodic axes, before a search.
+    /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
     pub(super) wrap: Vec<Planned>,
     pub(super) sorting: Vec<Planned>,
     /// Where lists are kept: how far particles have moved, and the search.
@@ -99,6 +99,7 @@ impl Plan {
         let sorted = sorting(grid, stride, Sorted::Particles, all)?;
         match model.formulation {
             Formulation::UpdatedLagrangian => {
+                plan.wrap.extend(smoothing::follow(model, stride)?.map(of_particles));
                 plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
                 plan.sorting = sorted;
                 if keeps_lists(model) {

@@ -4,7 +4,7 @@ use super::columns::{Columns, Group};
 use super::kernels::{conduction, contact, kept, limits, pairs, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
-use sphorge_engine::model::{Integrator, Model, Search};
+use sphorge_engine::model::{Integrator, Model, Search, SmoothingLength};
 use sphorge_engine::{ContactLedger, HeatLedger, Particles, RunFailure, WallLedger};
 use sphorge_physics::SymmetricTensor;
 
@@ -50,7 +50,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Plastic, 6),
     (Group::Temperature, 2),
     (Group::Packed, 14),
-    (Group::Constants, 7),
+    (Group::Constants, 8),
     (Group::Accounts, 18),
     (Group::Limits, limits::FIELDS),
     (Group::Reference, 8),
@@ -164,12 +164,17 @@ impl GpuEngine {
             Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
         };
         let rows = kept::adaptive(&self.model).map(|_| self.group(Group::Rows)).transpose()?;
+        let follows = self.model.numerics.smoothing_length != SmoothingLength::Constant;
+        let constants = follows.then(|| self.group(Group::Constants)).transpose()?;
         p.motion = motions(&self.model, &p);
         for i in 0..count {
             p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
             p.velocity[i] = [0, 1, 2].map(|a| velocity.double(a, 3 + a, i));
             p.acceleration[i] = [0, 1, 2].map(|a| rates.at(a, i));
             p.density[i] = density.double(0, 1, i);
+            if let Some(constants) = &constants {
+                p.smoothing_length[i] = constants.at(1, i);
+            }
             p.energy[i] = energy.double(0, 1, i);
             p.energy_rate[i] = energy.at(2, i);
             p.temperature[i] = temperature.double(0, 1, i);

@@ -1,6 +1,7 @@
 //! Particles brought to the card, and kernels compiled for it.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
+use super::kernels::smoothing::{AT_START, largest_factor};
 use super::kernels::{conduction, contact, grid, kept, limits, walls};
 use super::lists::{self, bound};
 use super::plan::{Plan, Planned, keeps_lists, members};
@@ -86,7 +87,7 @@ pub(super) fn skin(model: &Model) -> f64 {
 fn grid_of(model: &Model, p: &Particles) -> Grid {
     let largest = p.smoothing_length.iter().fold(0.0f64, |a, h| a.max(*h));
     let reach = model.numerics.kernel.support() * (1.0 + skin(model));
-    let edge = MARGIN * reach * largest;
+    let edge = MARGIN * reach * largest * largest_factor(model);
     let axes = match model.dimensions {
         Dimensions::One => 1,
         Dimensions::PlaneStrain => 2,
@@ -144,7 +145,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             (Group::Plastic, 3) => p.yield_stress[i],
             (Group::Plastic, 4 | 5) => part(p.plastic_work[i], field == 5),
             (Group::Constants, 0) => p.mass[i],
-            (Group::Constants, 1) => p.smoothing_length[i],
+            (Group::Constants, 1 | AT_START) => p.smoothing_length[i],
             (Group::Constants, 2) => numerics.artificial_stress.map_or(0.0, |terms| {
                 let at_spacing = numerics.kernel.w(of_body(i).spacing / of_body(i).smoothing_length);
                 coefficient(terms.epsilon, at_spacing, terms.exponent)

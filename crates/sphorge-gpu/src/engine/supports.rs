@@ -2,7 +2,7 @@
 
 use super::kernels::{conduction, contact, kept};
 use sphorge_engine::Unsupported;
-use sphorge_engine::model::{Formulation, Integrator, Model, Precision, SmoothingLength};
+use sphorge_engine::model::{Formulation, Integrator, Model, Precision, Search, SmoothingLength};
 
 const BY_CPU: &str = "run it with `--engine cpu`";
 
@@ -23,7 +23,12 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "density by moving least squares with distances that are kept",
             BY_CPU,
         ),
-        (numerics.smoothing_length != SmoothingLength::Constant, "a smoothing length that follows the density", BY_CPU),
+        (
+            numerics.smoothing_length != SmoothingLength::Constant
+                && (is_total || model.search != Search::EveryStep || contact::meets(model)),
+            "a smoothing length that follows the density with lists that are kept or with contact",
+            "set `search = \"every-step\"` and leave `contact` out, or run it with `--engine cpu`",
+        ),
         (model.audit.is_some(), "audits of the search", "its search is exact: leave `audit` out"),
         (
             contact::meets(model) && model.bodies.len() > contact::MOST_BODIES,

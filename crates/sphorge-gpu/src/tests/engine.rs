@@ -189,6 +189,16 @@ fn a_wall_that_rubs_is_that_of_the_processor() {
 }
 
 #[test]
+fn smoothing_lengths_that_follow_the_density_are_those_of_the_processor() {
+    let follows = ("numerics.smoothing-length", "\"follow-density\"");
+    compare(PLATE.0, &[PLATE.1[0], follows, ("wall.0.contact", "\"monaghan-kos\"")], 5e-6, 1e-4);
+    // Compressed by a third, and torn to half of the density.
+    let disc = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1"), ("search", "\"every-step\""), follows];
+    compare("penetration", &disc, 1.5e-6, 1e-4);
+    conserves_and_repeats(PLATE.0, &[PLATE.1[0], follows], 2e-6);
+}
+
+#[test]
 fn segments_as_walls_are_those_of_the_processor() {
     // Slanted below, with an end that the plate strikes.
     let walls = "[{ name = \"wedge\", segment = { from = [\"-9 mm\", \"-2.4 mm\"], to = [\"1 mm\", \"-0.3 mm\"] } }, \
@@ -474,7 +484,7 @@ fn what_is_not_there_yet_is_refused_by_name() {
     for (deck, over, what) in [
         ("elastic-bar", ("time.courant", "0.3"), "double precision"),
         ("iron-plate", periodic, "periodic axes with"),
-        ("taylor-plate", ("numerics.smoothing-length", "\"follow-density\""), "follows the density"),
+        ("bullet", ("numerics.smoothing-length", "\"follow-density\""), "follows the density"),
     ] {
         let deck = decks::find(deck).unwrap_or_else(|| panic!("{deck}"));
         let setup = load_text(deck.name, deck.text, &[(over.0.to_owned(), over.1.to_owned())]).unwrap();

@@ -13,7 +13,7 @@ mod wendland_c2;
 mod wendland_c4;
 
 pub use cubic_spline::CubicSpline;
-pub use pair_scale::{PairScale, pair_smoothing_length};
+pub use pair_scale::{PairScale, following_smoothing_length, pair_smoothing_length};
 pub use quintic_spline::QuinticSpline;
 pub use wendland_c2::WendlandC2;
 pub use wendland_c4::WendlandC4;

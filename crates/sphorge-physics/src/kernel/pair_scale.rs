@@ -1,6 +1,6 @@
 //! The kernel of a pair: from the distance to `q`, and from the shape to the value and the gradient.
 
-use crate::Real;
+use crate::{Dimension, Elementary, Real};
 
 /// Shortest distance a pair is taken to have, squared, in `h^2`: `1/r` is finite where particles coincide.
 const SHORTEST: f64 = 1e-12;
@@ -20,6 +20,20 @@ pub struct PairScale<T> {
 #[inline(always)]
 pub fn pair_smoothing_length<T: Real>(h_i: T, h_j: T) -> T {
     (h_i + h_j) * T::of(0.5)
+}
+
+/// Smoothing length (m) of material that was at rest with another: `h_0 (rho_0/rho)^(1/d)`, so that a particle keeps its neighbours, within a
+/// `factor` of it.
+#[inline(always)]
+pub fn following_smoothing_length<T: Elementary>(
+    dimension: Dimension,
+    at_rest: T,
+    density_at_rest: T,
+    density: T,
+    factor: f64,
+) -> T {
+    let ratio = (density_at_rest / density).powf(T::of(1.0 / dimension.count() as f64));
+    at_rest * ratio.max(T::of(1.0 / factor)).min(T::of(factor))
 }
 
 impl<T: Real> PairScale<T> {
@@ -59,6 +73,15 @@ impl<T: Real> PairScale<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_smoothing_length_follows_the_density_by_hand() {
+        // An eighth of the density: twice as long in space, 8^(1/2) times in a plane, bounded by 2.
+        let of = |dimension, density| following_smoothing_length(dimension, 3.0, 8000.0, density, 2.0f64);
+        assert_eq!((of(Dimension::Three, 1000.0), of(Dimension::Two, 1000.0)), (6.0, 6.0));
+        assert!((of(Dimension::Two, 10_000.0) - 3.0 * 0.8f64.sqrt()).abs() < 1e-15);
+        assert_eq!(of(Dimension::One, 32_000.0), 1.5);
+    }
 
     #[test]
     fn scale_value_and_gradient_by_hand() {

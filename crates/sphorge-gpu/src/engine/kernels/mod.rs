@@ -16,6 +16,7 @@ pub(super) mod predictor_corrector;
 pub(super) mod reference;
 pub(super) mod reference_forces;
 pub(super) mod section;
+pub(super) mod smoothing;
 pub(super) mod stress;
 pub(super) mod walls;
 pub(super) mod wrap;

@@ -1,6 +1,7 @@
 //! Walls and gravity.
 
 use super::contact;
+use super::smoothing::AT_START;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, GRAVITY, WALL_LENGTH, WALLS};
 use crate::record::{Index, KernelFault, Recorded};
@@ -36,7 +37,7 @@ pub(in crate::engine) fn push(model: &Model, count: usize) -> Result<Recording, 
             let at = WALLS + k as u32 * WALL_LENGTH;
             let (shift, moving) = (vector(at), vector(at + 3));
             let body = AtWall {
-                h: constants.get(1, i),
+                h: constants.get(AT_START, i),
                 spacing: constants.get(3, i),
                 sound_speed: constants.get(4, i),
                 deformed,
