@@ -40,7 +40,6 @@ impl GpuEngine {
             contacts: snapshot.contacts.clone(),
             motion_forces: self.motion_forces(snapshot),
             heat: snapshot.heat.clone(),
-            ..Ledger::default()
         })
     }
 

@@ -190,7 +190,7 @@ mod tests {
             vec![a + b, a - b, a * b, a / b, b.sqrt(), a.min(b), a.max(b), a.abs(), a.mul_add(b, a), a * 0.3 + 1e-9]
         };
         for [a, b] in
-            [[1.0 / 3.0, 8930.123_456_789], [-7.77e5, 0.1], [8930.0, 8929.999_7], [2.0 / 7.0, 2.0 / 7.0 + 1e-9]]
+            [[1.0 / 3.0, 8_930.123_456_789], [-7.77e5, 0.1], [8_930.0, 8_929.999_7], [2.0 / 7.0, 2.0 / 7.0 + 1e-9]]
         {
             let found = evaluated(&[a, b], |x| {
                 let (a, b) = (x[0], x[1]);
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn a_pressure_is_that_of_double_precision() {
         let law = EquationOfState::MieGruneisenHugoniot(MieGruneisenHugoniot::new(&[8930.0, 3940.0, 1.489, 2.02]));
-        for (density, energy) in [(8930.000_2, 0.0), (8930.000_31, 12.0), (8929.9, -3.0), (12_500.3, 1.3e6)] {
+        for (density, energy) in [(8_930.000_2, 0.0), (8_930.000_31, 12.0), (8929.9, -3.0), (12_500.3, 1.3e6)] {
             let found = evaluated(&[density, energy], |x| {
                 let state = BoundedPressure::<Double>::new(&law, 2e9, 385.0, 300.0).at(x[0], x[1]);
                 vec![state.pressure, state.sound_speed]

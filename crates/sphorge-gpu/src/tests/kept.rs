@@ -73,6 +73,29 @@ fn the_bullet_of_the_paper_is_that_of_the_processor_with_its_skin() {
 }
 
 #[test]
+fn pairs_in_the_skin_alone_limit_no_step() {
+    if card().is_none() {
+        return;
+    }
+    // The disc comes at 6 km/s, its nearest particles beyond the kernel and within the skin.
+    let disc = [
+        ("particles.spacing", "\"0.8 mm\""),
+        ("body.disc.shape", "{ disc = { centre = [\"0 mm\", \"6.4 mm\"], radius = \"5 mm\" } }"),
+        ("search", "{ skin = { fraction = 0.4 } }"),
+    ];
+    let steps = |search: &'static str, kind: &dyn EngineKind| {
+        let mut simulation = start(kind, "penetration", &[&disc[..2], &[("search", search)]].concat());
+        [(); 2].map(|()| simulation.step(None).unwrap().dt)
+    };
+    let theirs = steps(disc[2].1, &Cpu);
+    for search in [disc[2].1, "\"every-step\""] {
+        for (ours, theirs) in steps(search, &Gpu::default()).into_iter().zip(theirs) {
+            assert!((ours / theirs - 1.0).abs() < 1e-5, "{search}: {ours} s on the card, {theirs}");
+        }
+    }
+}
+
+#[test]
 fn the_same_bits_come_again_from_kept_lists() {
     conserves_and_repeats("bullet", &BULLET, 40e-6);
 }
