@@ -11,7 +11,7 @@ pub(crate) fn engines(device: Option<&str>) -> Vec<Arc<dyn EngineKind>> {
     vec![
         Arc::new(Cpu),
         #[cfg(feature = "gpu")]
-        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned) }),
+        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned), profile: None }),
     ]
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct EngineArguments {
     /// What computes: `cpu`, the processor, or `gpu`, a graphics card (in a program built with `--features gpu`)
     #[arg(long, value_name = "ENGINE", default_value_t = Cpu.name().to_owned())]
     engine: String,
-    /// Words of the name of the graphics card [default: the first that `sphorge devices` lists]
+    /// Words of the name of the graphics card, or `cuda`, `vulkan`, `metal` [default: the first that `sphorge devices` lists]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
 }

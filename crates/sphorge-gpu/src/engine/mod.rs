@@ -18,7 +18,7 @@ mod surfaces;
 
 pub use start::{KernelText, kernel_texts};
 
-use crate::device::{Card, Launch};
+use crate::device::{Card, Launch, Profile};
 use columns::Columns;
 use plan::Plan;
 use search::Kept;
@@ -30,8 +30,10 @@ use std::sync::Arc;
 /// The engine for graphics cards, to be started on a model.
 #[derive(Clone, Debug, Default)]
 pub struct Gpu {
-    /// Words of the name of the card; the best there is if nothing is asked for.
+    /// Words of the name and the interface of the card; the best there is if nothing is asked for.
     pub device: Option<String>,
+    /// Where times of kernels go: with it, each is waited for by itself.
+    pub profile: Option<Profile>,
 }
 
 /// Places in the numbers of the step.
@@ -120,7 +122,7 @@ impl EngineKind for Gpu {
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        let engine = GpuEngine::new(model, particles, self.device.as_deref())?;
+        let engine = GpuEngine::new(model, particles, self)?;
         Ok(Box::new(engine))
     }
 }

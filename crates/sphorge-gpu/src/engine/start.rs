@@ -6,7 +6,7 @@ use super::lists::{self, bound};
 use super::plan::{Plan, keeps_lists, members};
 use super::search::Kept;
 use super::snapshot::fields;
-use super::{GpuEngine, Stages, failure};
+use super::{Gpu, GpuEngine, Stages, failure};
 use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
@@ -26,12 +26,12 @@ const MARGIN: f64 = 1.0 + 1e-4;
 const SPARE: f64 = 1.5;
 
 impl GpuEngine {
-    pub(super) fn new(model: Arc<Model>, mut p: Particles, device: Option<&str>) -> Result<Self, RunFailure> {
+    pub(super) fn new(model: Arc<Model>, mut p: Particles, kind: &Gpu) -> Result<Self, RunFailure> {
         if p.len() >= MOST {
             let message = format!("{} particles: the engine for graphics cards takes up to {}", p.len(), MOST - 1);
             return Err(failure(message));
         }
-        let card = Card::open(device).map_err(|fault| match &fault {
+        let mut card = Card::open(kind.device.as_deref()).map_err(|fault| match &fault {
             CardFault::NotFound { help, .. } => failure(format!("{fault}; {help}")),
             _ => failure(&fault),
         })?;
@@ -52,6 +52,9 @@ impl GpuEngine {
         let extremes = [0.0; limits::FIELDS];
         let snapshot = OnceCell::new();
         let kept = Kept::default();
+        if let Some(profile) = &kind.profile {
+            card = card.profiled(profile.clone());
+        }
         let (steps, time, dt) = (0, 0.0, 0.0);
         Ok(Self { model, card, columns, plan, stages, kept, initial: p, stride, steps, time, dt, extremes, snapshot })
     }

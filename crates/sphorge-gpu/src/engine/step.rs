@@ -238,6 +238,6 @@ impl Engine for GpuEngine {
     }
 
     fn device(&self) -> Option<String> {
-        Some(self.card.found().name.clone())
+        Some(self.card.found().title())
     }
 }
