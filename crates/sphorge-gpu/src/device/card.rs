@@ -6,6 +6,7 @@ use super::{CardFault, Found, Memory, Profile, cuda};
 use crate::record::Kernel;
 use crate::source;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A card that is open.
@@ -162,7 +163,7 @@ impl Card {
         }
     }
 
-    /// Compiles a kernel.
+    /// Compiles a kernel, or takes what was made of its text before.
     ///
     /// # Errors
     /// The driver does not take it.
@@ -171,20 +172,35 @@ impl Card {
             Way::Cuda(_) => source::cuda(kernel),
             Way::Graphics(_) => source::wgsl(kernel),
         };
-        let mut known = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
-        let compiled = match known.get(&text) {
-            Some(compiled) => compiled.clone(),
+        let known = self.compiled.lock().unwrap_or_else(PoisonError::into_inner).get(&text).cloned();
+        let compiled = match known {
+            Some(compiled) => compiled,
             None => {
                 let compiled = match &self.way {
                     Way::Cuda(cuda) => cuda.compile(kernel, &text).map(Compiled::Cuda),
                     Way::Graphics(graphics) => graphics.compile(kernel, &text).map(Compiled::Graphics),
                 };
                 let compiled = compiled.map_err(|why| CardFault::Kernel { kernel: kernel.name.clone(), why })?;
-                known.insert(text, compiled.clone());
+                self.compiled.lock().unwrap_or_else(PoisonError::into_inner).insert(text, compiled.clone());
                 compiled
             }
         };
         Ok(Program { name: kernel.name.clone(), compiled })
+    }
+
+    /// Compiles kernels side by side, so that each is there when it is asked for. What fails is told then.
+    pub fn compile_ahead(&self, kernels: &[&Kernel]) {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(kernels.len());
+        let next = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    while let Some(kernel) = kernels.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        let _ = self.compile(kernel);
+                    }
+                });
+            }
+        });
     }
 
     /// Binds a kernel to its buffers, in their order, for launches of that many threads.

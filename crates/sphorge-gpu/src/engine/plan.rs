@@ -3,9 +3,10 @@
 use super::columns::{Group, Recording};
 use super::kernels::stress::StressOf;
 use super::kernels::{
-    contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
+    contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reduce, reference,
     reference_forces, stress, walls,
 };
+use super::search::WAYS_TOGETHER;
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
 use sphorge_engine::model::{Formulation, Integrator, Search, Wall};
@@ -33,6 +34,11 @@ fn sorting(grid: &Grid, stride: usize, of: Sorted, threads: Threads) -> Result<V
         SortingThreads::OfSorted => Planned { kernel, threads },
     };
     Ok(grid::sorting(grid, stride, of)?.into_iter().map(planned).collect())
+}
+
+/// Passes that bring rows together.
+fn reduced(passes: Vec<(Recording, usize)>) -> impl Iterator<Item = Planned> {
+    passes.into_iter().map(|(kernel, threads)| Planned { kernel, threads: Threads::Of(threads) })
 }
 
 /// Every kernel of a run, in groups that are launched together.
@@ -186,7 +192,16 @@ impl Plan {
         }
         plan.finish.insert(0, of_particles(finish));
         plan.finish.push(of_particles(limits::of_particles(model, stride)?));
-        plan.finish.push(Planned { kernel: limits::of_chunks(stride)?, threads: Threads::Of(stride / limits::CHUNK) });
+        let rows = limits::rows(stride);
+        plan.finish.push(Planned { kernel: limits::extremes(stride)?, threads: Threads::Of(rows) });
+        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, rows, limits::together())?));
+        if keeps_lists(model) {
+            for stage in [&mut plan.ways, &mut plan.mark, &mut plan.search, &mut plan.search_marked] {
+                if !stage.is_empty() {
+                    stage.extend(reduced(reduce::reduce(Group::Ways, stride / limits::CHUNK, WAYS_TOGETHER)?));
+                }
+            }
+        }
         Ok(plan)
     }
 

@@ -1,7 +1,7 @@
 //! Particles brought to the card, and kernels compiled for it.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
-use super::kernels::{contact, grid, kept, limits, walls};
+use super::kernels::{contact, grid, kept, limits, reduce, walls};
 use super::lists::{self, bound};
 use super::plan::{Plan, keeps_lists, members};
 use super::search::Kept;
@@ -14,6 +14,7 @@ use sphorge_engine::model::{Dimensions, Search};
 use sphorge_engine::{Model, Particles, RunFailure};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
+use std::iter;
 use std::sync::Arc;
 
 /// Particles that exact whole numbers of single precision can count.
@@ -47,6 +48,7 @@ impl GpuEngine {
         let grid = grid_of(&model, &p);
         let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
         let plan = Plan::of(&model, &p, stride, &grid).map_err(failure)?;
+        card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
         lists::make(&card, &mut columns, &plan, (&model, &p))?;
         let stages = stages(&card, &columns, &plan)?;
         let extremes = [0.0; limits::FIELDS];
@@ -153,7 +155,10 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     }
     let wall_fields = (walls::FIELDS * model.walls.len()).max(1);
     columns.insert(Group::Walls, card.zeros(wall_fields * stride)?);
-    columns.insert(Group::Extremes, card.zeros(limits::FIELDS * stride / limits::CHUNK)?);
+    let rows = limits::rows(stride);
+    for (group, rows) in iter::once((Group::Extremes, rows)).chain(reduce::groups(Group::Extremes, rows)) {
+        columns.insert(group, card.zeros(limits::FIELDS * rows)?);
+    }
     columns.insert(Group::Step, card.zeros(super::step_numbers::count(model) as usize)?);
     columns.insert(Group::Motion, card.indices(&motions(model, p))?);
     columns.insert(Group::Body, card.indices(&p.body)?);
@@ -169,7 +174,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     let cells = grid.chunks() * grid::CHUNK;
     columns.insert(Group::CellCounts, card.zeros(cells)?);
     columns.insert(Group::CellStarts, card.zeros(cells + 1)?);
-    columns.insert(Group::ChunkStarts, card.zeros(grid.chunks() + 1)?);
+    columns.insert(Group::ChunkStarts, card.zeros(grid.sums())?);
     for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
         columns.insert(group, card.zeros(count)?);
     }
@@ -190,7 +195,10 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             columns.insert(Group::Candidates, card.zeros(stride)?);
             columns.insert(Group::StrainCorrection, card.zeros((kept::STRAINED + 1) * stride)?);
         }
-        columns.insert(Group::Ways, card.zeros(kept::WAYS * stride / limits::CHUNK)?);
+        let rows = stride / limits::CHUNK;
+        for (group, rows) in iter::once((Group::Ways, rows)).chain(reduce::groups(Group::Ways, rows)) {
+            columns.insert(group, card.zeros(kept::WAYS * rows)?);
+        }
     }
     columns.insert(Group::Around, card.indices(&grid.around())?);
     Ok(columns)

@@ -1,7 +1,7 @@
 //! The stages of the step.
 
 use super::columns::Group;
-use super::kernels::{contact, limits};
+use super::kernels::{contact, limits, reduce};
 use super::plan::keeps_lists;
 use super::snapshot::{STATE, read};
 use super::{GpuEngine, failure, step_numbers};
@@ -44,10 +44,10 @@ impl GpuEngine {
     }
 
     fn read_extremes(&mut self) -> Result<(), RunFailure> {
-        let numbers = read(&self.card, &self.columns, Group::Extremes)?;
-        let chunks = self.stride / limits::CHUNK;
+        let numbers = read(&self.card, &self.columns, reduce::left(Group::Extremes, limits::rows(self.stride)))?;
+        let rows = numbers.len() / limits::FIELDS;
         for (k, extreme) in self.extremes.iter_mut().enumerate() {
-            let of = numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
+            let of = numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
             *extreme = if k < limits::LIMITS { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
         }
         Ok(())

@@ -1,5 +1,6 @@
 // A stand-in for NVIDIA's compiler: g++, for the processor. See README.md.
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -74,7 +75,7 @@ CALL nvrtcCreateProgram(Program **program, const char *text, const char *, int h
 CALL nvrtcCompileProgram(Program *program, int count, const char *const *options) {
     for (int k = 0; k < count; ++k) {
         const std::string option = options[k];
-        if (option != "--gpu-architecture=sm_90" && option != "--fmad=false" && option != "--std=c++17") {
+        if (option != "--gpu-architecture=sm_90" && option != "--fmad=false" && option != "--prec-div=false" && option != "--prec-sqrt=false") {
             program->log = "option that the stand-in does not know: " + option;
             return INVALID_OPTION;
         }
@@ -89,7 +90,9 @@ CALL nvrtcCompileProgram(Program *program, int count, const char *const *options
     }
     source = std::regex_replace(source, std::regex("extern \"C\" __global__"), "__global__");
     const auto name = std::to_string(std::hash<std::string>()(source + contents(prelude())));
-    const std::string stem = cache() + "/" + name, own = stem + "-" + std::to_string(getpid());
+    // Several threads and processes may compile the same text at once: the last to be done stays.
+    static std::atomic<int> number;
+    const std::string stem = cache() + "/" + name, own = stem + "-" + std::to_string(getpid()) + "-" + std::to_string(number++);
     if (!std::filesystem::exists(stem + ".so")) {
         std::ofstream(own + ".cpp") << source;
         const std::string command = "g++ -std=c++17 -O1 -ffp-contract=off -fno-math-errno -mfma -w -shared -fPIC -o " + own + ".so " + own + ".cpp 2> " + own + ".log";
