@@ -32,6 +32,8 @@ enum Way {
 pub struct Program {
     name: String,
     compiled: Compiled,
+    /// The same that counts what it does, where times are asked for.
+    counted: Option<Compiled>,
 }
 
 #[derive(Clone, Debug)]
@@ -45,6 +47,8 @@ enum Compiled {
 pub struct Launch {
     name: String,
     bound: Bound,
+    /// The same that counts what it does, and the counts.
+    counted: Option<(Bound, Array)>,
 }
 
 #[derive(Debug)]
@@ -168,24 +172,30 @@ impl Card {
     /// # Errors
     /// The driver does not take it.
     pub fn compile(&self, kernel: &Kernel) -> Result<Program, CardFault> {
+        let compile = |kernel: &Kernel| {
+            let refused = |why| CardFault::Kernel { kernel: kernel.name.clone(), why };
+            self.compiled(kernel).map_err(refused)
+        };
+        let counted = self.profile.as_ref().map(|_| compile(&kernel.counted())).transpose()?;
+        Ok(Program { name: kernel.name.clone(), compiled: compile(kernel)?, counted })
+    }
+
+    fn compiled(&self, kernel: &Kernel) -> Result<Compiled, String> {
         let text = match self.way {
             Way::Cuda(_) => source::cuda(kernel),
             Way::Graphics(_) => source::wgsl(kernel),
         };
-        let known = self.compiled.lock().unwrap_or_else(PoisonError::into_inner).get(&text).cloned();
-        let compiled = match known {
-            Some(compiled) => compiled,
-            None => {
-                let compiled = match &self.way {
-                    Way::Cuda(cuda) => cuda.compile(kernel, &text).map(Compiled::Cuda),
-                    Way::Graphics(graphics) => graphics.compile(kernel, &text).map(Compiled::Graphics),
-                };
-                let compiled = compiled.map_err(|why| CardFault::Kernel { kernel: kernel.name.clone(), why })?;
-                self.compiled.lock().unwrap_or_else(PoisonError::into_inner).insert(text, compiled.clone());
-                compiled
-            }
+        let known = || self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(compiled) = known().get(&text) {
+            return Ok(compiled.clone());
+        }
+        // Others may compile meanwhile.
+        let compiled = match &self.way {
+            Way::Cuda(cuda) => Compiled::Cuda(cuda.compile(kernel, &text)?),
+            Way::Graphics(graphics) => Compiled::Graphics(graphics.compile(kernel, &text)?),
         };
-        Ok(Program { name: kernel.name.clone(), compiled })
+        known().insert(text, compiled.clone());
+        Ok(compiled)
     }
 
     /// Compiles kernels side by side, so that each is there when it is asked for. What fails is told then.
@@ -208,51 +218,71 @@ impl Card {
     /// # Errors
     /// There is no room for the arguments, or the buffers are not those of the kernel.
     pub fn bind(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<Launch, CardFault> {
-        let bound = match (&self.way, &program.compiled) {
+        let refused = |why| CardFault::Kernel { kernel: program.name.clone(), why };
+        let bound = self.bound(&program.compiled, arrays, threads).map_err(refused)?;
+        let counted = match &program.counted {
+            None => None,
+            Some(counted) => {
+                let counts = self.zeros(2 * threads as usize)?;
+                let arrays: Vec<_> = arrays.iter().copied().chain([&counts]).collect();
+                Some((self.bound(counted, &arrays, threads).map_err(refused)?, counts))
+            }
+        };
+        Ok(Launch { name: program.name.clone(), bound, counted })
+    }
+
+    fn bound(&self, compiled: &Compiled, arrays: &[&Array], threads: u32) -> Result<Bound, String> {
+        match (&self.way, compiled) {
             (Way::Cuda(cuda), Compiled::Cuda(of)) => {
                 let block = |array: &&Array| match &array.buffer {
                     Buffer::Cuda(block) => Some(block.clone()),
                     Buffer::Graphics(_) => None,
                 };
                 let blocks: Option<Vec<_>> = arrays.iter().map(block).collect();
-                blocks.ok_or(OTHER_CARD.to_owned()).and_then(|blocks| cuda.bind(of, blocks, threads)).map(Bound::Cuda)
+                cuda.bind(of, blocks.ok_or(OTHER_CARD)?, threads).map(Bound::Cuda)
             }
             (Way::Graphics(graphics), Compiled::Graphics(of)) => {
-                let buffer = |array: &&'_ Array| match &array.buffer {
+                let buffer = |array: &&Array| match &array.buffer {
                     Buffer::Graphics(buffer) => Some(buffer.clone()),
                     Buffer::Cuda(_) => None,
                 };
                 let buffers: Option<Vec<_>> = arrays.iter().map(buffer).collect();
-                buffers
-                    .ok_or(OTHER_CARD.to_owned())
-                    .and_then(|buffers| graphics.bind(of, &buffers, threads))
-                    .map(Bound::Graphics)
+                graphics.bind(of, &buffers.ok_or(OTHER_CARD)?, threads).map(Bound::Graphics)
             }
             _ => Err(OTHER_CARD.to_owned()),
-        };
-        let bound = bound.map_err(|why| CardFault::Kernel { kernel: program.name.clone(), why })?;
-        Ok(Launch { name: program.name.clone(), bound })
+        }
     }
 
     /// Launches kernels one after the other, each when what the last has written is there.
     pub fn launch<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) {
-        let Some(profile) = &self.profile else { return self.launch_all(launches) };
-        for launch in launches {
-            // What goes wrong is told when something is read.
-            if let Ok(seconds) = self.time([launch]) {
-                profile.add(&launch.name, seconds);
+        let bounds = launches.into_iter();
+        let Some(profile) = &self.profile else { return self.launch_all(bounds.map(|launch| &launch.bound)) };
+        for launch in bounds {
+            match &launch.counted {
+                Some((counted, counts)) if profile.counts_next(&launch.name) => {
+                    self.launch_all([counted]);
+                    let counts = self.read(counts).unwrap_or_default();
+                    let sum = |k: usize| counts.iter().skip(k).step_by(2).map(|count| f64::from(*count)).sum();
+                    profile.count(&launch.name, sum(0), sum(1));
+                }
+                // What goes wrong is told when something is read.
+                _ => {
+                    if let Ok(seconds) = self.time([launch]) {
+                        profile.add(&launch.name, seconds);
+                    }
+                }
             }
         }
     }
 
-    fn launch_all<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) {
-        let launches = launches.into_iter();
+    fn launch_all<'a>(&self, bounds: impl IntoIterator<Item = &'a Bound>) {
+        let bounds = bounds.into_iter();
         match &self.way {
-            Way::Cuda(cuda) => cuda.launch(launches.filter_map(|launch| match &launch.bound {
+            Way::Cuda(cuda) => cuda.launch(bounds.filter_map(|bound| match bound {
                 Bound::Cuda(bound) => Some(bound),
                 Bound::Graphics(_) => None,
             })),
-            Way::Graphics(graphics) => graphics.launch(launches.filter_map(|launch| match &launch.bound {
+            Way::Graphics(graphics) => graphics.launch(bounds.filter_map(|bound| match bound {
                 Bound::Graphics(bound) => Some(bound),
                 Bound::Cuda(_) => None,
             })),
@@ -264,15 +294,13 @@ impl Card {
     /// # Errors
     /// The card does not answer.
     pub fn time<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) -> Result<f64, CardFault> {
+        let bounds = launches.into_iter().map(|launch| &launch.bound);
         match &self.way {
-            Way::Cuda(cuda) => cuda.time(launches.into_iter().filter_map(|launch| match &launch.bound {
-                Bound::Cuda(bound) => Some(bound),
-                Bound::Graphics(_) => None,
-            })),
+            Way::Cuda(cuda) => cuda.time(|| self.launch_all(bounds)),
             Way::Graphics(graphics) => {
                 graphics.wait()?;
                 let start = std::time::Instant::now();
-                self.launch_all(launches);
+                self.launch_all(bounds);
                 graphics.wait()?;
                 Ok(start.elapsed().as_secs_f64())
             }

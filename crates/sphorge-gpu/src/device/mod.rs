@@ -7,9 +7,11 @@ mod found;
 mod graphics;
 mod profile;
 mod trouble;
+mod yardstick;
 
 pub use card::{Array, Card, Launch, Program};
 pub use cuda::NVRTC_FOLDER;
 pub use fault::CardFault;
 pub use found::{Found, Interface, Memory, Missing, Survey, find};
-pub use profile::{KernelTime, Profile};
+pub use profile::{KernelTime, KernelWork, Profile};
+pub use yardstick::Yardstick;

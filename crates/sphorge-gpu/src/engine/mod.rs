@@ -106,7 +106,7 @@ struct GpuEngine {
     /// Start and length of the step, s.
     time: f64,
     dt: f64,
-    /// Least limits, s, largest changes, and whether a number is none, at the end of the last step.
+    /// Least limits, s, largest changes, whether a number is none, and neighbours of all, at the end of the last step.
     extremes: [f64; kernels::limits::FIELDS],
     /// What the card holds, where it was asked for since the last step.
     snapshot: OnceCell<Snapshot>,

@@ -36,6 +36,9 @@ impl GpuEngine {
             CardFault::NotFound { help, .. } => failure(format!("{fault}; {help}")),
             _ => failure(&fault),
         })?;
+        if let Some(profile) = &kind.profile {
+            card = card.profiled(profile.clone());
+        }
         if !keeps_rests(&card).map_err(failure)? {
             let name = &card.found().name;
             return Err(failure(format!(
@@ -54,9 +57,6 @@ impl GpuEngine {
         let extremes = [0.0; limits::FIELDS];
         let snapshot = OnceCell::new();
         let kept = Kept::default();
-        if let Some(profile) = &kind.profile {
-            card = card.profiled(profile.clone());
-        }
         let (steps, time, dt) = (0, 0.0, 0.0);
         Ok(Self { model, card, columns, plan, stages, kept, initial: p, stride, steps, time, dt, extremes, snapshot })
     }

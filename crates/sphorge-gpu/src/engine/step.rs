@@ -48,7 +48,11 @@ impl GpuEngine {
         let rows = numbers.len() / limits::FIELDS;
         for (k, extreme) in self.extremes.iter_mut().enumerate() {
             let of = numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
-            *extreme = if k < limits::LIMITS { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
+            *extreme = match k {
+                _ if k < limits::LIMITS => of.fold(f64::INFINITY, f64::min),
+                limits::NEIGHBORS => of.sum(),
+                _ => of.fold(0.0, f64::max),
+            };
         }
         Ok(())
     }
@@ -147,7 +151,7 @@ impl Engine for GpuEngine {
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        let [_, _, _, density, stretch, energy, jump, broken, _] = self.extremes;
+        let [_, _, _, density, stretch, energy, jump, broken, ..] = self.extremes;
         if broken > 0.0 {
             return Err(self.broken()?);
         }
@@ -188,7 +192,7 @@ impl Engine for GpuEngine {
     }
 
     fn pairs(&self) -> u64 {
-        self.snapshot().map_or(0, |now| now.particles.neighbors.iter().map(|n| u64::from(*n)).sum())
+        self.extremes[limits::NEIGHBORS] as u64
     }
 
     fn ledger(&self) -> Result<Ledger, RunFailure> {

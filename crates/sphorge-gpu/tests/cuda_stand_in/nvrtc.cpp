@@ -25,7 +25,7 @@ struct Program {
 std::string prelude() {
     Dl_info info;
     dladdr(reinterpret_cast<void *>(&prelude), &info);
-    return (std::filesystem::path(info.dli_fname).parent_path() / "prelude.h").string();
+    return (std::filesystem::absolute(info.dli_fname).parent_path() / "prelude.h").string();
 }
 
 std::string cache() {

@@ -160,12 +160,13 @@ impl Cuda {
         }
     }
 
-    /// Seconds that launches take on the card.
-    pub(super) fn time<'a>(&self, launches: impl Iterator<Item = &'a Bound>) -> Result<f64, CardFault> {
-        let start = Event::now(&self.context).map_err(|error| self.lost(&told(error)))?;
-        self.launch(launches);
-        let end = Event::now(&self.context).map_err(|error| self.lost(&told(error)))?;
-        end.since(&start).map_err(|error| self.lost(&told(error)))
+    /// Seconds that what is launched takes on the card.
+    pub(super) fn time(&self, launch: impl FnOnce()) -> Result<f64, CardFault> {
+        let lost = |error| self.lost(&told(error));
+        let start = Event::now(&self.context).map_err(lost)?;
+        launch();
+        let end = Event::now(&self.context).map_err(lost)?;
+        end.since(&start).map_err(lost)
     }
 
     pub(super) fn read(&self, block: &Block, count: usize) -> Result<Vec<f32>, CardFault> {

@@ -20,14 +20,15 @@ pub(in crate::engine) const CHUNK: usize = 256;
 /// Particles that one thread looks through.
 const EACH: usize = 32;
 
-/// Numbers of a particle: the limits, four changes, one where a number is none, and one where it is stretched beyond a bound.
-pub(in crate::engine) const FIELDS: usize = 9;
+/// Numbers of a particle: the limits, four changes, one where a number is none, one where it is stretched beyond a bound, and its neighbours.
+pub(in crate::engine) const FIELDS: usize = 10;
 
 /// Limits among them: by sound, by acceleration and by the contact.
 pub(in crate::engine) const LIMITS: usize = 3;
 
 /// The last of them.
 pub(in crate::engine) const STRETCHED: usize = 8;
+pub(in crate::engine) const NEIGHBORS: usize = 9;
 
 /// Numbers beyond this are none: no state of a metal comes near.
 const BEYOND: f64 = 1e30;
@@ -77,6 +78,7 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         limits.set(2, i, if contact::meets(model) { by_contact() } else { Recorded::of(BEYOND) });
         limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
         limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
+        limits.set(NEIGHBORS, i, bind.read(Group::Weight).get(1, i));
     })
 }
 
@@ -87,7 +89,11 @@ pub(in crate::engine) fn rows(count: usize) -> usize {
 
 /// How the numbers of particles come together.
 pub(in crate::engine) fn together() -> [Together; FIELDS] {
-    core::array::from_fn(|k| if k < LIMITS { Together::Least } else { Together::Largest })
+    core::array::from_fn(|k| match k {
+        _ if k < LIMITS => Together::Least,
+        NEIGHBORS => Together::Sum,
+        _ => Together::Largest,
+    })
 }
 
 /// Of so many particles each: the least limits, the largest changes.
