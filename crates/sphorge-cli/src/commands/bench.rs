@@ -2,6 +2,7 @@
 
 use super::run::parse_threads;
 use crate::{
+    deck_arguments::parse_override,
     engine_arguments::{EngineArguments, KernelTimes},
     failure::{Ending, Failure, Outcome},
     readable, table, terminal,
@@ -53,13 +54,6 @@ struct WithLimits<'a> {
     report: &'a BenchReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     card: Option<&'a crate::engine_arguments::CardLimits>,
-}
-
-fn parse_override(text: &str) -> Result<(String, String), String> {
-    let parts = text.split_once('=').filter(|(key, _)| !key.trim().is_empty());
-    parts
-        .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
-        .ok_or_else(|| "write KEY=VALUE".to_owned())
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
