@@ -9,6 +9,7 @@ mod conservation;
 mod kernels;
 mod lists;
 mod plan;
+mod room;
 mod search;
 mod snapshot;
 mod start;

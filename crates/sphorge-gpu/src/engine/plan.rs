@@ -100,7 +100,9 @@ impl Plan {
                     let rule = kept::adaptive(model);
                     let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
                     let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
-                    plan.ways.push(of_chunks(kept::ways(since, p.len(), stride)?));
+                    if model.search != Search::EveryStep {
+                        plan.ways.push(of_chunks(kept::ways(since, p.len(), stride)?));
+                    }
                     if let Some(rule) = rule {
                         plan.mark.push(of_particles(kept::mark(rule, stride)?));
                         plan.mark.push(of_chunks(kept::count_marked(stride)?));
@@ -121,15 +123,15 @@ impl Plan {
                     if is_guarded {
                         let due = &mut plan.corrected_gradients;
                         due.push(of_particles(pairs::weigh(model, stride)?));
-                        due.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, true, stride)));
+                        due.push(of_particles(in_dimension!(model, pairs::gradients, model, true, stride)));
                     }
                     plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
                     plan.search.push(of_chunks(kept::longest_rows(stride)?));
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
-                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, false, stride)));
+                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, false, stride)));
                 if model.numerics.mls_interval.is_some() {
-                    let estimate = in_dimension!(model, moving_least_squares::estimate, model, grid, stride);
+                    let estimate = in_dimension!(model, moving_least_squares::estimate, model, stride);
                     plan.restore.push(of_particles(estimate));
                     plan.restore.push(of_particles(moving_least_squares::restore(model, stride)?));
                 }
@@ -174,7 +176,7 @@ impl Plan {
         }
         match model.formulation {
             Formulation::UpdatedLagrangian => {
-                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, grid, stride)));
+                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, stride)));
             }
             Formulation::TotalLagrangian { hourglass, .. } => {
                 plan.stress.push(of_particles(reference_forces::pull_back(model, hourglass, stride)?));
@@ -228,9 +230,9 @@ impl Plan {
     }
 }
 
-/// Whether lists of the present configuration are kept from one search to the next.
+/// Whether sums go through lists of the present configuration, which stay from one search to the next: two sums share what one search finds.
 pub(super) fn keeps_lists(model: &Model) -> bool {
-    model.formulation == Formulation::UpdatedLagrangian && model.search != Search::EveryStep
+    model.formulation == Formulation::UpdatedLagrangian
 }
 
 /// Particles of a material.

@@ -15,7 +15,7 @@ use sphorge_engine::{ContactCandidates, RunFailure, SearchReport, SearchedMateri
 use sphorge_physics::Vector;
 
 /// Room beyond the longest list there was, as a share of it.
-const SPARE: f64 = 0.25;
+pub(super) const SPARE: f64 = 0.25;
 
 /// How the numbers of [`Group::Ways`] come together.
 pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
@@ -54,7 +54,8 @@ impl GpuEngine {
         let due = match self.model.search {
             Search::Skin { fraction } => !self.kept.is_made || self.moved_beyond_skin(fraction)?,
             Search::Adaptive(rule) if self.kept.is_made => return self.search_adaptively(rule),
-            Search::EveryStep | Search::Adaptive(_) | Search::Initial => !self.kept.is_made,
+            Search::EveryStep => true,
+            Search::Adaptive(_) | Search::Initial => !self.kept.is_made,
         };
         if due {
             self.search_all()?;

@@ -4,6 +4,7 @@ use super::columns::{Columns, Group, Recording, keeps_rests};
 use super::kernels::{contact, grid, kept, limits, reduce, walls};
 use super::lists::{self, bound};
 use super::plan::{Plan, keeps_lists, members};
+use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::snapshot::fields;
 use super::{Gpu, GpuEngine, Stages, failure};
@@ -49,6 +50,7 @@ impl GpuEngine {
         p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
         let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
         let grid = grid_of(&model, &p);
+        refuse_what_has_no_room(&card, (&model, &p), stride, &grid)?;
         let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
         let plan = Plan::of(&model, &p, stride, &grid).map_err(failure)?;
         card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());

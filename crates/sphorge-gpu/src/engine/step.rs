@@ -3,9 +3,9 @@
 use super::columns::Group;
 use super::kernels::{contact, limits, reduce};
 use super::plan::keeps_lists;
-use super::snapshot::{STATE, read};
+use super::snapshot::{LISTS, STATE, read};
 use super::{GpuEngine, failure, step_numbers};
-use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, WallContact};
+use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, Search, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
@@ -217,7 +217,9 @@ impl Engine for GpuEngine {
         extremes.persist("extremes", archive)?;
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
         self.persist_kept(archive)?;
-        for group in STATE {
+        // Lists that the next step makes anew are not kept.
+        let is_kept = |group: &Group| self.model.search != Search::EveryStep || !LISTS.contains(group);
+        for group in STATE.iter().filter(|group| is_kept(group)) {
             let name = format!("{group:?}").to_lowercase();
             let Some(array) = self.columns.array(*group) else { continue };
             if archive.is_saving() {

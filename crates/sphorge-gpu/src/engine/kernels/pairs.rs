@@ -1,6 +1,5 @@
 //! The pair sums: every particle goes through the cells around its own.
 
-use super::grid::Grid;
 use super::kept;
 use super::motion::Motions;
 use super::neighbors::over_neighbors;
@@ -55,7 +54,6 @@ impl Numbers<Recorded> for Gradients {
 /// at its end.
 pub(in crate::engine) fn gradients<const D: usize>(
     model: &Model,
-    grid: &Grid,
     corrects_strain: bool,
     count: usize,
 ) -> Result<Recording, KernelFault> {
@@ -76,7 +74,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
         let zero = Recorded::zero();
         let start =
             Gradients { gradient: [[zero; 3]; 3], moment: corrects_strain.then_some([[zero; 3]; 3]), inside: zero };
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: Gradients, pair, j| {
+        let sums = over_neighbors::<_, D>(bind, model, i, near, start, |mut state: Gradients, pair, j| {
             let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
             let (mut x, mut r2) = (pair.x, pair.r2);
@@ -144,11 +142,7 @@ pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recor
 
 /// Acceleration, energy rate and the parts of it that are the viscosity's and the artificial stress's, XSPH velocity and the largest
 /// `|mu|`.
-pub(in crate::engine) fn forces<const D: usize>(
-    model: &Model,
-    grid: &Grid,
-    count: usize,
-) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn forces<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let (kernel, form) = (numerics.kernel, numerics.pair_form);
     recording("forces", count, |bind, i| {
@@ -172,7 +166,7 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (stress, repulsion) = (packed.symmetric(0, i), packed.symmetric(6, i));
         let (switch, sound_speed) = (packed.get(12, i), packed.get(13, i));
         let start = [Recorded::zero(); 10];
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: [Recorded; 10], pair, j| {
+        let sums = over_neighbors::<_, D>(bind, model, i, near, start, |mut state: [Recorded; 10], pair, j| {
             let other = pair.image.vector(evaluated.vector(0, j));
             let v = [0, 1, 2].map(|a| own[a] - other[a]);
             let mut v_dot_x = Recorded::zero();
