@@ -39,9 +39,9 @@ pub(super) fn refuse_what_has_no_room(
     match card.memory() {
         Some(Memory { total, free: Some(free) }) if needed > free as f64 => {
             let title = card.found().title();
-            let [needed, free, total] = [needed, free as f64, total as f64].map(|bytes| bytes / 1e9);
+            let [needed, free, total] = [needed, free as f64, total as f64].map(|bytes| bytes / 1e6);
             Err(failure(format!(
-                "{} particles take about {needed:.2} GB on {title}, of whose {total:.2} GB {free:.2} GB are free: take a larger `particles.spacing`, \
+                "{} particles take about {needed:.1} MB on {title}, of whose {total:.1} MB {free:.1} MB are free: take a larger `particles.spacing`, \
                  or run with `--engine cpu`",
                 p.len()
             )))
