@@ -15,7 +15,8 @@
 #   tests       parity of laws, pair sums and whole runs with the processor, where --tests names them
 #   bullet      the bullet of the paper by every strategy
 #   processor   the same by the processor's engine, for the velocity that is left
-#   speed       particle-steps per second of 2e5, 2e6 and 1e7 particles, time of each kernel and its share of what the card can do
+#   speed       particle-steps per second of 2e5 and 2e6 particles, time of each kernel and its share of what the card can do
+#   large       the same of 1e7 particles, by a search every step and a skin
 #   cases       the other cases of `sphorge bench`
 #   vulkan      the speed of 2e5 and 2e6 particles by Vulkan, where a card is reached by it beside CUDA
 #
@@ -40,12 +41,12 @@ while [ $# -gt 0 ]; do
             ;;
         --small) small=1; shift ;;
         -h | --help) usage; exit 0 ;;
-        devices | tests | bullet | processor | speed | cases | vulkan) parts+=("$1"); shift ;;
+        devices | tests | bullet | processor | speed | large | cases | vulkan) parts+=("$1"); shift ;;
         *) usage >&2; fail "unknown argument: $1" ;;
     esac
 done
 [ -x "$program" ] || fail "--program names no program: '$program'"
-[ ${#parts[@]} -gt 0 ] || parts=(devices tests bullet processor speed cases vulkan)
+[ ${#parts[@]} -gt 0 ] || parts=(devices tests bullet processor speed large cases vulkan)
 mkdir -p "$out"
 # Mesa's drivers write what is of no use here.
 export NODEVICE_SELECT=1
@@ -65,11 +66,11 @@ strategies=(
     'frozen|{ total-lagrangian = { form = "frozen" } }'
 )
 bullet=(--set output.frames=2)
-# Spacings of the block that make 2e5, 2e6 and 1e7 particles of it.
-spacings=('1 mm' '0.46 mm' '0.27 mm') seconds=4
+# Spacings of the block that make 2e5, 2e6 and, the largest, 1e7 particles of it.
+spacings=('1 mm' '0.46 mm') largest='0.27 mm' seconds=4
 if [ $small = 1 ]; then
     bullet+=(--set 'particles.spacing="24 mm"' --set 'body.1.spacing="12 mm"' --set 'time.end="60 us"')
-    spacings=('6 mm' '4 mm') seconds=0.2
+    spacings=('6 mm' '4 mm') largest='3 mm' seconds=0.2
 fi
 
 # run_bullets FOLDER ENGINE...: the bullet by every strategy; what is there already is kept, what fails is told and left out.
@@ -94,12 +95,11 @@ bench() {
         { echo "    failed:"; tail -n 5 "$name.txt"; rm -f "$name.json.part"; }
 }
 
-# by_size PREFIX ARGUMENT...: the block in all sizes but so many of the last.
+# by_size PREFIX ARGUMENT...: the block in all sizes but the largest.
 by_size() {
     local prefix=$1 spacing
     shift
     for spacing in "${spacings[@]}"; do
-        [ "$prefix" = speed ] || [ "$spacing" != '0.27 mm' ] || continue
         echo "  block, $spacing"
         bench "$prefix-${spacing%% *}mm" block "$@" --set "particles.spacing=\"$spacing\""
     done
@@ -118,6 +118,10 @@ tests() {
 bullet() { run_bullets bullet "${card[@]}"; }
 processor() { run_bullets processor --engine cpu; }
 speed() { by_size speed "${card[@]}"; }
+large() {
+    echo "  block, $largest"
+    bench "speed-${largest%% *}mm" block "${card[@]}" --strategy every-step --strategy skin --set "particles.spacing=\"$largest\""
+}
 cases() {
     local coarse=()
     # The sets are of all cases: coarse ones are those that have such a key.

@@ -97,6 +97,11 @@ CALL cuDriverGetVersion(int *version) {
     *version = 13000;
     return SUCCESS;
 }
+// NVIDIA's own compiler asks for a table of its cache, and does without one, but not without this call.
+CALL cuGetExportTable(const void **table, const void *) {
+    *table = nullptr;
+    return NOT_FOUND;
+}
 CALL cuGetErrorName(Result error, const char **text) {
     switch (error) {
     case SUCCESS: *text = "CUDA_SUCCESS"; return SUCCESS;
