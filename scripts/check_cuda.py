@@ -15,6 +15,7 @@ from pathlib import Path
 
 # Of a multiprocessor of compute capability 9.0: registers, and threads at most.
 REGISTERS, THREADS, BLOCK = 65536, 2048, 64
+OPTIONS = [b"--fmad=false", b"--prec-div=false", b"--prec-sqrt=false"]
 
 
 def wheel(pattern):
@@ -27,7 +28,8 @@ def wheel(pattern):
 def ptx(nvrtc, path, architecture):
     program = ctypes.c_void_p()
     nvrtc.nvrtcCreateProgram(ctypes.byref(program), path.read_bytes(), path.name.encode(), 0, None, None)
-    options = [f"--gpu-architecture=compute_{architecture}".encode()]
+    # Those of crates/sphorge-gpu/src/device/cuda/compile.rs.
+    options = [f"--gpu-architecture=compute_{architecture}".encode(), *OPTIONS]
     failed = nvrtc.nvrtcCompileProgram(program, len(options), (ctypes.c_char_p * len(options))(*options))
     size = ctypes.c_size_t()
     if failed:

@@ -205,12 +205,13 @@ fn is_known_shell(words: &[String]) -> bool {
     match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         [] | ["git", "clone", ..] | ["cd", ..] | ["paraview", ..] => true,
         ["cargo", "test", "--workspace"] | ["cargo", "clippy", ..] | ["cargo", "doc", ..] => true,
-        ["cargo", "test", "-p", package] | ["cargo", "mutants", "-p", package, ..] => {
-            root().join("crates").join(package).exists()
-        }
+        ["cargo", "build", "--release", "--features", "gpu" | "mpi"] => true,
+        ["cargo", "test" | "mutants", "-p", package, ..] => root().join("crates").join(package).exists(),
         ["mdbook", "build", folder] => root().join(folder).join("book.toml").exists(),
         ["cargo", "install", "--path", path] => root().join(path).join("Cargo.toml").exists(),
-        [script] | ["python3", script, ..] | [script @ "scripts/fuzz.sh", _] => root().join(script).exists(),
+        [script] | ["python3", script, ..] | [script @ ("scripts/fuzz.sh" | "scripts/measure_gpu.sh"), ..] => {
+            root().join(script).exists()
+        }
         _ => false,
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use clap::Args;
+use sphorge::bench::KernelClock;
 use sphorge::engine::{Cpu, EngineKind};
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ pub(crate) fn engines(device: Option<&str>) -> Vec<Arc<dyn EngineKind>> {
     vec![
         Arc::new(Cpu),
         #[cfg(feature = "gpu")]
-        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned) }),
+        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned), profile: None }),
     ]
 }
 
@@ -39,12 +40,40 @@ pub(crate) struct EngineArguments {
     /// What computes: `cpu`, the processor, or `gpu`, a graphics card (in a program built with `--features gpu`)
     #[arg(long, value_name = "ENGINE", default_value_t = Cpu.name().to_owned())]
     engine: String,
-    /// Words of the name of the graphics card [default: the first that `sphorge devices` lists]
+    /// Words of the name of the graphics card, or `cuda`, `vulkan`, `metal` [default: the first that `sphorge devices` lists]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
 }
 
+/// What a card can do at most.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct CardLimits {
+    /// Its name.
+    pub(crate) name: String,
+    /// Bytes that a copy reads and writes in a second.
+    pub(crate) bytes_per_second: f64,
+    /// Operations per second of products that are added to something, two each.
+    pub(crate) operations_per_second: f64,
+    /// Seconds of a launch that does next to nothing, waited for.
+    pub(crate) launch_seconds: f64,
+}
+
+/// What times the kernels of a card.
+pub(crate) struct KernelTimes {
+    pub(crate) limits: CardLimits,
+    pub(crate) clock: KernelClock,
+}
+
 impl EngineArguments {
+    /// What times single kernels, where the engine has such.
+    pub(crate) fn kernel_times(&self) -> Result<Option<KernelTimes>, Failure> {
+        #[cfg(feature = "gpu")]
+        if self.engine == "gpu" {
+            return of_card(self.device.as_deref()).map(Some);
+        }
+        Ok(None)
+    }
+
     /// The engine of that name.
     pub(crate) fn find(&self) -> Result<Arc<dyn EngineKind>, Failure> {
         let name = self.engine.as_str();
@@ -64,4 +93,51 @@ impl EngineArguments {
             ),
         })
     }
+}
+
+/// Measures what a card can do, and makes an engine that waits for each of its kernels.
+#[cfg(feature = "gpu")]
+fn of_card(device: Option<&str>) -> Result<KernelTimes, Failure> {
+    use sphorge::bench::KernelRow;
+    use sphorge_gpu::Gpu;
+    use sphorge_gpu::device::{Card, CardFault, Profile};
+
+    let failed = |fault: CardFault| match fault {
+        CardFault::NotFound { what, help } => Failure::bad_input(what, help),
+        fault => Failure::bad_input(fault.to_string(), "`sphorge devices` lists what there is".to_owned()),
+    };
+    let card = Card::open(device).map_err(failed)?;
+    let measured = card.yardstick().map_err(failed)?;
+    let limits = CardLimits {
+        name: card.found().title(),
+        bytes_per_second: measured.bytes_per_second,
+        operations_per_second: measured.operations_per_second,
+        launch_seconds: measured.launch_seconds,
+    };
+    let profile = Profile::default();
+    let (clearing, taking) = (profile.clone(), profile.clone());
+    let take = move |steps: u64| {
+        let times = taking.take();
+        let all: f64 = times.iter().map(|of| of.seconds).sum();
+        let row = |of: sphorge_gpu::device::KernelTime| {
+            let seconds = of.seconds / of.launches as f64;
+            KernelRow {
+                launches_per_step: of.launches as f64 / steps.max(1) as f64,
+                seconds,
+                share: of.seconds / all,
+                bytes: of.work.map(|work| work.bytes),
+                operations: of.work.map(|work| work.operations),
+                share_of_bandwidth: of.work.map(|work| work.bytes / seconds / measured.bytes_per_second),
+                share_of_arithmetic: of.work.map(|work| work.operations / seconds / measured.operations_per_second),
+                kernel: of.kernel,
+            }
+        };
+        times.into_iter().map(row).collect()
+    };
+    let clock = KernelClock {
+        engine: Arc::new(Gpu { device: device.map(str::to_owned), profile: Some(profile) }),
+        clear: Arc::new(move || clearing.clear()),
+        take: Arc::new(take),
+    };
+    Ok(KernelTimes { limits, clock })
 }

@@ -2,11 +2,14 @@
 
 use super::run::parse_threads;
 use crate::{
+    deck_arguments::parse_override,
+    engine_arguments::{EngineArguments, KernelTimes},
     failure::{Ending, Failure, Outcome},
     readable, table, terminal,
 };
 use clap::Args;
 use sphorge::bench::{BenchOptions, BenchReport, CASES, bench};
+use sphorge::deck::search_words;
 
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
@@ -15,13 +18,24 @@ Examples:
   sphorge bench
   sphorge bench block --threads 1
   sphorge bench --threads 1 --json > speed.json
+  sphorge bench block --engine gpu --strategy every-step --set 'particles.spacing=\"0.46 mm\"'
 
-Rates are per core: per thread in use. Pairs are ordered pairs inside the
-kernel support, counted once a step.")]
+Rates are per core: per thread in use; those of a graphics card are of the
+whole card. Pairs are ordered pairs inside the kernel support, counted once a
+step. With `--engine gpu` each case is stepped a second time, and each kernel
+waited for: shares of stages and times of kernels are of that.")]
 pub(crate) struct BenchArguments {
     /// Cases to measure [default: all]
     #[arg(value_name = "CASE", value_parser = clap::builder::PossibleValuesParser::new(CASES.iter().map(|case| case.deck)))]
     cases: Vec<String>,
+    #[command(flatten)]
+    engine: EngineArguments,
+    /// Strategies to measure, again for each [default: all]
+    #[arg(long = "strategy", value_name = "WORD", value_parser = clap::builder::PossibleValuesParser::new(search_words()))]
+    strategies: Vec<String>,
+    /// Change a key of the cases, again for each
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
+    overrides: Vec<(String, String)>,
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
@@ -33,6 +47,15 @@ pub(crate) struct BenchArguments {
     seconds: f64,
 }
 
+/// The report, with what the card can do.
+#[derive(serde::Serialize)]
+struct WithLimits<'a> {
+    #[serde(flatten)]
+    report: &'a BenchReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    card: Option<&'a crate::engine_arguments::CardLimits>,
+}
+
 fn parse_seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (0.0..=3600.0).contains(&seconds) => Ok(seconds),
@@ -41,15 +64,30 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn execute(arguments: BenchArguments) -> Ending {
-    let options = BenchOptions { cases: arguments.cases, threads: arguments.threads, seconds: arguments.seconds };
+    let engine = arguments.engine.find()?;
+    let times = arguments.engine.kernel_times()?;
+    let options = BenchOptions {
+        engine,
+        kernels: times.as_ref().map(|times| times.clock.clone()),
+        cases: arguments.cases,
+        strategies: arguments.strategies,
+        overrides: arguments.overrides,
+        threads: arguments.threads,
+        seconds: arguments.seconds,
+    };
     let report = bench(&options, &mut |what| terminal::note(&format!("measuring {what}")))
         .map_err(|error| Failure::Failed(error.into()))?;
-    let text = if arguments.json { terminal::json(&report)? + "\n" } else { tables(&report) };
+    let text = if arguments.json {
+        let limits = times.as_ref().map(|times| &times.limits);
+        terminal::json(&WithLimits { report: &report, card: limits })? + "\n"
+    } else {
+        tables(&report, times.as_ref())
+    };
     terminal::print(&text)?;
     Ok(Outcome::Done)
 }
 
-fn tables(report: &BenchReport) -> String {
+fn tables(report: &BenchReport, times: Option<&KernelTimes>) -> String {
     let mut text =
         format!("sphorge {} on {}, {} in use\n", report.version, report.machine, readable::threads(report.threads));
     for case in CASES {
@@ -64,16 +102,29 @@ fn tables(report: &BenchReport) -> String {
             bare.forces,
         );
     }
+    if let Some(KernelTimes { limits, .. }) = times {
+        text += &format!(
+            "{}: copies {:.0} GB/s, {:.2} tera-operations/s by products that are added to something, a launch that is waited for takes {}\n",
+            limits.name,
+            limits.bytes_per_second / 1e9,
+            limits.operations_per_second / 1e12,
+            readable::quantity(limits.launch_seconds, "s"),
+        );
+    }
     text.push('\n');
     let million = |value: f64| format!("{:.3}", value / 1e6);
+    let (rate, pair_rate) = match times {
+        Some(_) => ("M particle-steps/s", "M pairs/s"),
+        None => ("M particle-steps/s/core", "M pairs/s/core"),
+    };
     let head = [
         "case",
         "precision",
         "strategy",
         "particles",
         "neighbours",
-        "M particle-steps/s/core",
-        "M pairs/s/core",
+        rate,
+        pair_rate,
         "of the bare loop",
         "bytes/particle",
     ];
@@ -111,5 +162,32 @@ fn tables(report: &BenchReport) -> String {
         names.into_iter().chain(numbers).collect()
     });
     text += &table::columns(&head, &[3, 4, 5, 6, 7, 8], rows.collect());
+    for row in report.rows.iter().filter(|row| !row.kernels.is_empty()) {
+        text += &format!("\nKernels of {}, {}\n\n", row.case, row.search);
+        let of = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.1}", 100.0 * share));
+        let kernels = row.kernels.iter().map(|kernel| {
+            vec![
+                kernel.kernel.clone(),
+                format!("{:.2}", kernel.launches_per_step),
+                format!("{:.1}", 1e6 * kernel.seconds),
+                format!("{:.1}", 100.0 * kernel.share),
+                of(kernel.share_of_bandwidth),
+                of(kernel.share_of_arithmetic),
+            ]
+        });
+        let head = ["kernel", "launches/step", "us", "% of time", "% of bandwidth", "% of arithmetic"];
+        text += &table::columns(&head, &[1, 2, 3, 4, 5], kernels.collect());
+    }
+    if times.is_some() {
+        text += "\nBandwidth is of what threads read and write, also from caches, beside a copy; arithmetic beside products that are added to something.\n";
+    }
+    if !report.skipped.is_empty() {
+        text += "\nNot measured\n\n";
+        let rows = report
+            .skipped
+            .iter()
+            .map(|of| vec![of.case.clone(), of.precision.clone(), of.search.clone(), of.why.clone()]);
+        text += &table::columns(&["case", "precision", "strategy", "why"], &[], rows.collect());
+    }
     text
 }

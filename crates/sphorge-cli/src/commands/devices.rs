@@ -9,11 +9,12 @@ use clap::Args;
 Examples:
   sphorge devices
   sphorge run taylor-plate --engine gpu --device nvidia
+  sphorge run taylor-plate --engine gpu --device \"radeon vulkan\"
 
-A card is reached by Vulkan, Metal or Direct3D 12; on Linux its driver and
-the package libvulkan1 must be there. A software renderer (Debian:
-mesa-vulkan-drivers) shows that a deck runs, and is slower than the
-processor's own engine.")]
+NVIDIA's cards are reached by CUDA, which needs their driver and the
+compiler NVRTC; all cards by Vulkan, Metal or Direct3D 12, which need their
+driver. A software renderer (Debian: mesa-vulkan-drivers) shows that a deck
+runs, and is slower than the processor's own engine.")]
 pub(crate) struct DevicesArguments {}
 
 #[cfg(feature = "gpu")]
@@ -22,20 +23,29 @@ pub(crate) fn execute(_: DevicesArguments) -> Ending {
         failure::{Failure, Outcome},
         readable, table, terminal,
     };
-    let found = sphorge_gpu::device::find();
-    if found.is_empty() {
-        return Err(Failure::bad_input(
-            "no graphics card is reached by Vulkan, Metal or Direct3D 12".to_owned(),
-            "install the driver of the card; on Linux also `libvulkan1`, and `mesa-vulkan-drivers` to try without a card".to_owned(),
-        ));
+    let survey = sphorge_gpu::device::find();
+    let missing = survey.missing.iter().map(|of| format!("{}: {}; {}", of.interface, of.why, of.cure));
+    let missing = missing.collect::<Vec<_>>().join("\n");
+    if survey.cards.is_empty() {
+        return Err(Failure::bad_input("no graphics card is reached".to_owned(), missing));
     }
-    let rows = found.iter().map(|card| {
+    let rows = survey.cards.iter().map(|card| {
         let kind = if card.is_software { "software, slower than the processor" } else { "graphics card" };
-        let largest = readable::bytes(card.largest_buffer as f64);
-        vec![card.name.clone(), card.interface.to_owned(), card.driver.clone(), kind.to_owned(), largest]
+        let bytes = |bytes: u64| readable::bytes(bytes as f64);
+        vec![
+            card.name.clone(),
+            card.interface.to_string(),
+            card.driver.clone(),
+            kind.to_owned(),
+            card.memory.map_or("not told".to_owned(), |memory| bytes(memory.total)),
+            bytes(card.largest_buffer),
+        ]
     });
-    let table = table::columns(&["name", "by", "driver", "what", "largest column"], &[], rows.collect());
-    terminal::print(&format!("{table}\n`--device` chooses by words of the name; the first is taken without.\n"))?;
+    let table = table::columns(&["name", "by", "driver", "what", "memory", "largest column"], &[], rows.collect());
+    let missing = if missing.is_empty() { missing } else { format!("\n{missing}\n") };
+    terminal::print(&format!(
+        "{table}\n`--device` chooses by words of name and interface; the first is taken without.\n{missing}"
+    ))?;
     Ok(Outcome::Done)
 }
 

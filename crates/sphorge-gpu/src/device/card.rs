@@ -1,53 +1,74 @@
-//! A card that is open: its memory, and launches.
+//! A card that is open: its memory, kernels compiled for it, and launches.
 
-use super::found::adapters;
-use super::{CardFault, Found, Program};
-use crate::source::WORKGROUP;
+use super::found::{Candidate, candidates, choose};
+use super::graphics::{self, Graphics};
+use super::{CardFault, Found, Memory, Profile, cuda};
+use crate::record::Kernel;
+use crate::source;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use wgpu::{BufferUsages, ErrorFilter};
-
-/// Workgroups of a row of a launch; no card allows fewer.
-const ROW: u32 = 65_535;
 
 /// A card that is open.
 #[derive(Debug)]
 pub struct Card {
     found: Found,
-    pub(super) device: wgpu::Device,
-    queue: wgpu::Queue,
-    /// The first thing that went wrong with a launch, a copy or the card itself. They are told when they are waited for.
-    trouble: Trouble,
+    way: Way,
+    /// Kernels by their text: lists that grow are bound anew, not compiled.
+    compiled: Mutex<HashMap<String, Compiled>>,
+    /// Where times of kernels go, if they are asked for.
+    profile: Option<Profile>,
 }
 
-/// What went wrong first, if anything did.
-#[derive(Clone, Debug, Default)]
-struct Trouble(Arc<Mutex<Option<String>>>);
+/// How a card is reached.
+#[derive(Debug)]
+enum Way {
+    Cuda(cuda::Cuda),
+    Graphics(Graphics),
+}
 
-impl Trouble {
-    fn keep(&self, why: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
-    }
+/// A kernel compiled for a card.
+#[derive(Clone, Debug)]
+pub struct Program {
+    name: String,
+    compiled: Compiled,
+    /// The same that counts what it does, where times are asked for.
+    counted: Option<Compiled>,
+}
 
-    fn first(&self) -> Option<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
+#[derive(Clone, Debug)]
+enum Compiled {
+    Cuda(cuda::Compiled),
+    Graphics(graphics::Pipeline),
 }
 
 /// A kernel with its buffers.
 #[derive(Debug)]
 pub struct Launch {
-    pipeline: wgpu::ComputePipeline,
-    group: wgpu::BindGroup,
-    /// Workgroups of a row, and rows.
-    groups: [u32; 2],
+    name: String,
+    bound: Bound,
+    /// The same that counts what it does, and the counts.
+    counted: Option<(Bound, Array)>,
+}
+
+#[derive(Debug)]
+enum Bound {
+    Cuda(cuda::Bound),
+    Graphics(graphics::Bound),
 }
 
 /// Numbers or whole numbers in the memory of a card.
 #[derive(Debug)]
 pub struct Array {
-    buffer: wgpu::Buffer,
+    buffer: Buffer,
     /// Number of elements, of four bytes each.
     count: usize,
+}
+
+#[derive(Debug)]
+enum Buffer {
+    Cuda(Arc<cuda::Block>),
+    Graphics(wgpu::Buffer),
 }
 
 impl Array {
@@ -57,36 +78,45 @@ impl Array {
     }
 }
 
+/// What is of one card is used with another.
+const OTHER_CARD: &str = "it is of another card";
+
 impl Card {
-    /// Opens a card: the first whose name contains the words asked for, whatever their case, or the first of all.
+    /// Opens a card: the first of whose name and interface all words are that are asked for, whatever their case, or the first of all.
     ///
     /// # Errors
     /// There is none, or it does not open.
     pub fn open(asked: Option<&str>) -> Result<Self, CardFault> {
-        let adapters = adapters();
-        let is_asked = |adapter: &&wgpu::Adapter| {
-            asked.is_none_or(|words| adapter.get_info().name.to_lowercase().contains(&words.to_lowercase()))
+        let (candidates, missing) = candidates();
+        let chosen = choose(asked, candidates, &missing).map_err(|(what, help)| CardFault::NotFound { what, help })?;
+        let mut found = chosen.found().clone();
+        let way = match &chosen {
+            Candidate::Cuda(candidate) => Way::Cuda(candidate.open()?),
+            Candidate::Graphics(adapter, _) => Way::Graphics(Graphics::open(adapter)?),
         };
-        let Some(adapter) = adapters.iter().find(is_asked) else {
-            return Err(not_found(asked, &adapters));
-        };
-        let found = Found::of(adapter);
-        let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
-        match pollster::block_on(adapter.request_device(&descriptor)) {
-            Ok((device, queue)) => {
-                let trouble = Trouble::default();
-                let (of_commands, of_device) = (trouble.clone(), trouble.clone());
-                device.on_uncaptured_error(Arc::new(move |error| of_commands.keep(error.to_string())));
-                device.set_device_lost_callback(move |_, why| of_device.keep(why));
-                Ok(Self { found, device, queue, trouble })
-            }
-            Err(why) => Err(CardFault::DoesNotOpen { name: found.name, why: why.to_string() }),
+        if let Way::Cuda(cuda) = &way {
+            found.memory = cuda.memory().or(found.memory);
         }
+        Ok(Self { found, way, compiled: Mutex::default(), profile: None })
     }
 
-    /// What it is.
+    /// Times every kernel from here on, each by itself.
+    #[must_use]
+    pub fn profiled(self, profile: Profile) -> Self {
+        Self { profile: Some(profile), ..self }
+    }
+
+    /// What it is, and what of its memory was free when it was opened.
     pub fn found(&self) -> &Found {
         &self.found
+    }
+
+    /// Its memory now, where its driver says.
+    pub fn memory(&self) -> Option<Memory> {
+        match &self.way {
+            Way::Cuda(cuda) => cuda.memory(),
+            Way::Graphics(_) => self.found.memory,
+        }
     }
 
     /// Room for that many elements, all zero.
@@ -96,25 +126,12 @@ impl Card {
     pub fn zeros(&self, count: usize) -> Result<Array, CardFault> {
         // No binding is empty.
         let bytes = 4 * count.max(1) as u64;
-        if bytes > self.found.largest_buffer {
-            let why = format!("columns are up to {} bytes", self.found.largest_buffer);
-            return Err(CardFault::Memory { name: self.found.name.clone(), bytes, why });
-        }
-        let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Validation].map(|of| self.device.push_error_scope(of));
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes,
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        // The innermost first.
-        for scope in scopes.into_iter().rev() {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                let name = self.found.name.clone();
-                return Err(CardFault::Memory { name, bytes, why: error.to_string() });
-            }
-        }
-        Ok(Array { buffer, count })
+        let buffer = match &self.way {
+            Way::Cuda(cuda) => cuda.zeros(bytes).map(Buffer::Cuda),
+            Way::Graphics(graphics) => graphics.zeros(bytes).map(Buffer::Graphics),
+        };
+        let refused = |why| CardFault::Memory { name: self.found.name.clone(), bytes, why };
+        Ok(Array { buffer: buffer.map_err(refused)?, count })
     }
 
     /// Numbers, copied to the card.
@@ -123,7 +140,7 @@ impl Card {
     /// There is no room.
     pub fn numbers(&self, numbers: &[f32]) -> Result<Array, CardFault> {
         let array = self.zeros(numbers.len())?;
-        self.queue.write_buffer(&array.buffer, 0, bytemuck::cast_slice(numbers));
+        self.write_bytes(&array, bytemuck::cast_slice(numbers));
         Ok(array)
     }
 
@@ -133,13 +150,67 @@ impl Card {
     /// There is no room.
     pub fn indices(&self, indices: &[u32]) -> Result<Array, CardFault> {
         let array = self.zeros(indices.len())?;
-        self.queue.write_buffer(&array.buffer, 0, bytemuck::cast_slice(indices));
+        self.write_bytes(&array, bytemuck::cast_slice(indices));
         Ok(array)
     }
 
     /// Overwrites the first numbers of an array, after everything that was launched.
     pub fn write(&self, array: &Array, numbers: &[f32]) {
-        self.queue.write_buffer(&array.buffer, 0, bytemuck::cast_slice(&numbers[..numbers.len().min(array.count)]));
+        self.write_bytes(array, bytemuck::cast_slice(&numbers[..numbers.len().min(array.count)]));
+    }
+
+    fn write_bytes(&self, array: &Array, bytes: &[u8]) {
+        match (&self.way, &array.buffer) {
+            (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.write(block, bytes),
+            (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.write(buffer, bytes),
+            _ => debug_assert!(false, "{OTHER_CARD}"),
+        }
+    }
+
+    /// Compiles a kernel, or takes what was made of its text before.
+    ///
+    /// # Errors
+    /// The driver does not take it.
+    pub fn compile(&self, kernel: &Kernel) -> Result<Program, CardFault> {
+        let compile = |kernel: &Kernel| {
+            let refused = |why| CardFault::Kernel { kernel: kernel.name.clone(), why };
+            self.compiled(kernel).map_err(refused)
+        };
+        let counted = self.profile.as_ref().map(|_| compile(&kernel.counted())).transpose()?;
+        Ok(Program { name: kernel.name.clone(), compiled: compile(kernel)?, counted })
+    }
+
+    fn compiled(&self, kernel: &Kernel) -> Result<Compiled, String> {
+        let text = match self.way {
+            Way::Cuda(_) => source::cuda(kernel),
+            Way::Graphics(_) => source::wgsl(kernel),
+        };
+        let known = || self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(compiled) = known().get(&text) {
+            return Ok(compiled.clone());
+        }
+        // Others may compile meanwhile.
+        let compiled = match &self.way {
+            Way::Cuda(cuda) => Compiled::Cuda(cuda.compile(kernel, &text)?),
+            Way::Graphics(graphics) => Compiled::Graphics(graphics.compile(kernel, &text)?),
+        };
+        known().insert(text, compiled.clone());
+        Ok(compiled)
+    }
+
+    /// Compiles kernels side by side, so that each is there when it is asked for. What fails is told then.
+    pub fn compile_ahead(&self, kernels: &[&Kernel]) {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(kernels.len());
+        let next = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    while let Some(kernel) = kernels.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        let _ = self.compile(kernel);
+                    }
+                });
+            }
+        });
     }
 
     /// Binds a kernel to its buffers, in their order, for launches of that many threads.
@@ -147,41 +218,93 @@ impl Card {
     /// # Errors
     /// There is no room for the arguments, or the buffers are not those of the kernel.
     pub fn bind(&self, program: &Program, arrays: &[&Array], threads: u32) -> Result<Launch, CardFault> {
-        let groups = threads.div_ceil(WORKGROUP);
-        let rows = groups.div_ceil(ROW).max(1);
-        let row = groups.div_ceil(rows);
-        let arguments = self.indices(&[threads, row * WORKGROUP, 0])?;
-        let entries: Vec<_> = arrays
-            .iter()
-            .copied()
-            .chain([&arguments])
-            .enumerate()
-            .map(|(k, array)| wgpu::BindGroupEntry { binding: k as u32, resource: array.buffer.as_entire_binding() })
-            .collect();
-        let scope = self.device.push_error_scope(ErrorFilter::Validation);
-        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &program.layout,
-            entries: &entries,
-        });
-        match pollster::block_on(scope.pop()) {
-            None => Ok(Launch { pipeline: program.pipeline.clone(), group, groups: [row, rows] }),
-            Some(error) => Err(CardFault::Kernel { kernel: program.name.clone(), why: error.to_string() }),
+        let refused = |why| CardFault::Kernel { kernel: program.name.clone(), why };
+        let bound = self.bound(&program.compiled, arrays, threads).map_err(refused)?;
+        let counted = match &program.counted {
+            None => None,
+            Some(counted) => {
+                let counts = self.zeros(2 * threads as usize)?;
+                let arrays: Vec<_> = arrays.iter().copied().chain([&counts]).collect();
+                Some((self.bound(counted, &arrays, threads).map_err(refused)?, counts))
+            }
+        };
+        Ok(Launch { name: program.name.clone(), bound, counted })
+    }
+
+    fn bound(&self, compiled: &Compiled, arrays: &[&Array], threads: u32) -> Result<Bound, String> {
+        match (&self.way, compiled) {
+            (Way::Cuda(cuda), Compiled::Cuda(of)) => {
+                let block = |array: &&Array| match &array.buffer {
+                    Buffer::Cuda(block) => Some(block.clone()),
+                    Buffer::Graphics(_) => None,
+                };
+                let blocks: Option<Vec<_>> = arrays.iter().map(block).collect();
+                cuda.bind(of, blocks.ok_or(OTHER_CARD)?, threads).map(Bound::Cuda)
+            }
+            (Way::Graphics(graphics), Compiled::Graphics(of)) => {
+                let buffer = |array: &&Array| match &array.buffer {
+                    Buffer::Graphics(buffer) => Some(buffer.clone()),
+                    Buffer::Cuda(_) => None,
+                };
+                let buffers: Option<Vec<_>> = arrays.iter().map(buffer).collect();
+                graphics.bind(of, &buffers.ok_or(OTHER_CARD)?, threads).map(Bound::Graphics)
+            }
+            _ => Err(OTHER_CARD.to_owned()),
         }
     }
 
     /// Launches kernels one after the other, each when what the last has written is there.
     pub fn launch<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) {
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            for launch in launches {
-                pass.set_pipeline(&launch.pipeline);
-                pass.set_bind_group(0, &launch.group, &[]);
-                pass.dispatch_workgroups(launch.groups[0], launch.groups[1], 1);
+        let bounds = launches.into_iter();
+        let Some(profile) = &self.profile else { return self.launch_all(bounds.map(|launch| &launch.bound)) };
+        for launch in bounds {
+            match &launch.counted {
+                Some((counted, counts)) if profile.counts_next(&launch.name) => {
+                    self.launch_all([counted]);
+                    let counts = self.read(counts).unwrap_or_default();
+                    let sum = |k: usize| counts.iter().skip(k).step_by(2).map(|count| f64::from(*count)).sum();
+                    profile.count(&launch.name, sum(0), sum(1));
+                }
+                // What goes wrong is told when something is read.
+                _ => {
+                    if let Ok(seconds) = self.time([launch]) {
+                        profile.add(&launch.name, seconds);
+                    }
+                }
             }
         }
-        self.queue.submit([encoder.finish()]);
+    }
+
+    fn launch_all<'a>(&self, bounds: impl IntoIterator<Item = &'a Bound>) {
+        let bounds = bounds.into_iter();
+        match &self.way {
+            Way::Cuda(cuda) => cuda.launch(bounds.filter_map(|bound| match bound {
+                Bound::Cuda(bound) => Some(bound),
+                Bound::Graphics(_) => None,
+            })),
+            Way::Graphics(graphics) => graphics.launch(bounds.filter_map(|bound| match bound {
+                Bound::Graphics(bound) => Some(bound),
+                Bound::Cuda(_) => None,
+            })),
+        }
+    }
+
+    /// Seconds that launches take, waited for: by the clock of the card with CUDA, else by that of the processor, which counts the wait as well.
+    ///
+    /// # Errors
+    /// The card does not answer.
+    pub fn time<'a>(&self, launches: impl IntoIterator<Item = &'a Launch>) -> Result<f64, CardFault> {
+        let bounds = launches.into_iter().map(|launch| &launch.bound);
+        match &self.way {
+            Way::Cuda(cuda) => cuda.time(|| self.launch_all(bounds)),
+            Way::Graphics(graphics) => {
+                graphics.wait()?;
+                let start = std::time::Instant::now();
+                self.launch_all(bounds);
+                graphics.wait()?;
+                Ok(start.elapsed().as_secs_f64())
+            }
+        }
     }
 
     /// Copies numbers back, after everything that was launched.
@@ -189,52 +312,20 @@ impl Card {
     /// # Errors
     /// The card does not answer, or something that was asked of it before went wrong.
     pub fn read(&self, array: &Array) -> Result<Vec<f32>, CardFault> {
-        let bytes = array.buffer.size();
-        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes,
-            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&array.buffer, 0, &copy, 0, bytes);
-        self.queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        copy.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody waits any more where the card was lost.
-            let _ = sender.send(result);
-        });
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|why| self.lost(&why))?;
-        receiver.recv().map_err(|why| self.lost(&why))?.map_err(|why| self.lost(&why))?;
-        if let Some(why) = self.trouble.first() {
-            return Err(self.lost(&why));
+        match (&self.way, &array.buffer) {
+            (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.read(block, array.count),
+            (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.read(buffer, array.count),
+            _ => Err(CardFault::Lost { name: self.found.name.clone(), why: OTHER_CARD.to_owned() }),
         }
-        let view = copy.slice(..).get_mapped_range().map_err(|why| self.lost(&why))?;
-        Ok(bytemuck::cast_slice::<u8, f32>(&view)[..array.count].to_vec())
     }
-
-    fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
-        CardFault::Lost { name: self.found.name.clone(), why: why.to_string() }
-    }
-}
-
-fn not_found(asked: Option<&str>, adapters: &[wgpu::Adapter]) -> CardFault {
-    let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
-    let (what, help) = match asked {
-        Some(words) if !names.is_empty() => (format!("no card is called `{words}`"), format!("there are: {}", names.join(", "))),
-        _ => (
-            "no card is reached by Vulkan, Metal or Direct3D 12".to_owned(),
-            "install the driver of the card; on Linux also `libvulkan1`, and `mesa-vulkan-drivers` to try kernels without one"
-                .to_owned(),
-        ),
-    };
-    CardFault::NotFound { what, help }
 }
 
 #[cfg(test)]
 impl Array {
-    /// Takes the memory of an array away, as a card that is lost does.
+    /// Takes the memory of an array away, as a card that is lost does. With CUDA that would end every card of the process.
     pub(crate) fn destroy(&self) {
-        self.buffer.destroy();
+        if let Buffer::Graphics(buffer) = &self.buffer {
+            buffer.destroy();
+        }
     }
 }

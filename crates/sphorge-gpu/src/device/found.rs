@@ -1,57 +1,211 @@
-//! What cards there are.
+//! What cards there are, and what is in the way of others.
 
-use wgpu::{Backends, DeviceType, Instance, InstanceDescriptor};
+use super::{cuda, graphics};
+
+/// Through what a card is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interface {
+    /// NVIDIA's own.
+    Cuda,
+    /// On Linux and Windows.
+    Vulkan,
+    /// On macOS.
+    Metal,
+    /// On Windows.
+    Direct3d12,
+}
+
+impl std::fmt::Display for Interface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Cuda => "CUDA",
+            Self::Vulkan => "Vulkan",
+            Self::Metal => "Metal",
+            Self::Direct3d12 => "Direct3D 12",
+        })
+    }
+}
+
+/// Memory of a card, bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// All of it.
+    pub total: u64,
+    /// What nobody has taken, where that is known.
+    pub free: Option<u64>,
+}
 
 /// A card, or what stands for one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// As its driver calls it.
     pub name: String,
-    /// Through which interface it is reached: `Vulkan`, `Metal` or `Direct3D 12`.
-    pub interface: &'static str,
+    /// Through what it is reached.
+    pub interface: Interface,
     /// Its driver, with the version.
     pub driver: String,
     /// Whether it is a program on the processor: kernels are checked on it, but nothing is faster.
     pub is_software: bool,
     /// Largest buffer, bytes.
     pub largest_buffer: u64,
+    /// Its memory, where its driver says.
+    pub memory: Option<Memory>,
 }
 
 impl Found {
-    pub(super) fn of(adapter: &wgpu::Adapter) -> Self {
-        let info = adapter.get_info();
-        let limits = adapter.limits();
-        let interface = match info.backend {
-            wgpu::Backend::Vulkan => "Vulkan",
-            wgpu::Backend::Metal => "Metal",
-            wgpu::Backend::Dx12 => "Direct3D 12",
-            wgpu::Backend::Noop | wgpu::Backend::Gl | wgpu::Backend::BrowserWebGpu => "another interface",
-        };
-        Self {
-            name: info.name,
-            interface,
-            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-            is_software: info.device_type == DeviceType::Cpu,
-            largest_buffer: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+    /// Whether every word, whatever its case, is one of the name or of the interface.
+    fn is_called(&self, words: &str) -> bool {
+        let text = format!("{} {}", self.name, self.interface).to_lowercase();
+        words.to_lowercase().split_whitespace().all(|word| text.contains(word))
+    }
+
+    /// Name and interface.
+    pub fn title(&self) -> String {
+        format!("{} by {}", self.name, self.interface)
+    }
+}
+
+/// Why no card is reached through an interface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The interface.
+    pub interface: Interface,
+    /// What is not there.
+    pub why: String,
+    /// What helps.
+    pub cure: String,
+}
+
+/// Everything that was looked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Survey {
+    /// Every card that is reached, once for each interface, the one that is taken without being asked for first.
+    pub cards: Vec<Found>,
+    /// What is in the way of others.
+    pub missing: Vec<Missing>,
+}
+
+/// A card that can be opened.
+pub(super) enum Candidate {
+    Cuda(cuda::Candidate),
+    Graphics(Box<wgpu::Adapter>, Found),
+}
+
+impl Candidate {
+    pub(super) fn found(&self) -> &Found {
+        match self {
+            Self::Cuda(candidate) => &candidate.found,
+            Self::Graphics(_, found) => found,
         }
     }
 }
 
-/// Adapters, cards before what stands for one.
-pub(super) fn adapters() -> Vec<wgpu::Adapter> {
-    let backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
-    let instance = Instance::new(InstanceDescriptor { backends, ..InstanceDescriptor::new_without_display_handle() });
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
-    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
-        DeviceType::DiscreteGpu => 0,
-        DeviceType::IntegratedGpu => 1,
-        DeviceType::VirtualGpu | DeviceType::Other => 2,
-        DeviceType::Cpu => 3,
-    });
-    adapters
+/// What can be opened, and what cannot. NVIDIA's cards come first, by their own interface, and what runs on the processor last.
+pub(super) fn candidates() -> (Vec<Candidate>, Vec<Missing>) {
+    let (mut candidates, mut missing) = (Vec::new(), Vec::new());
+    match cuda::candidates() {
+        Ok(cards) => candidates.extend(cards.into_iter().map(Candidate::Cuda)),
+        Err(why) => missing.push(why),
+    }
+    let by_graphics: Vec<_> = graphics::adapters()
+        .into_iter()
+        .map(|adapter| {
+            let found = graphics::found(&adapter);
+            Candidate::Graphics(Box::new(adapter), found)
+        })
+        .collect();
+    missing.extend(missing_graphics(by_graphics.iter().map(Candidate::found)));
+    candidates.extend(by_graphics);
+    (candidates, missing)
 }
 
-/// Every card that is reached, the one that is taken without being asked for first.
-pub fn find() -> Vec<Found> {
-    adapters().iter().map(Found::of).collect()
+/// What is in the way of cards by the interface of graphics of this system.
+fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Missing> {
+    let mut software = None;
+    let is_card = found.any(|card| {
+        if card.is_software {
+            software = Some(card.name.clone());
+        }
+        !card.is_software
+    });
+    if is_card {
+        return None;
+    }
+    let (interface, cure) = if cfg!(target_os = "macos") {
+        (Interface::Metal, "run it at a Mac that has a card")
+    } else if cfg!(windows) {
+        (Interface::Direct3d12, "install the driver of the card")
+    } else {
+        (
+            Interface::Vulkan,
+            "install the driver of the card: `mesa-vulkan-drivers` for AMD and Intel (its user in the group `render`), that of NVIDIA with its Vulkan \
+             part; and `libvulkan1`",
+        )
+    };
+    let why = software.map_or_else(
+        || format!("no driver of {interface} is there"),
+        |name| format!("there is a software renderer alone, {name}: it runs on the processor"),
+    );
+    Some(Missing { interface, why, cure: cure.to_owned() })
+}
+
+/// Looks for cards.
+pub fn find() -> Survey {
+    let (candidates, missing) = candidates();
+    Survey { cards: candidates.iter().map(|candidate| candidate.found().clone()).collect(), missing }
+}
+
+/// The first that is called so, or the first of all.
+///
+/// # Errors
+/// What was looked for and the way out.
+pub(super) fn choose(
+    asked: Option<&str>,
+    candidates: Vec<Candidate>,
+    missing: &[Missing],
+) -> Result<Candidate, (String, String)> {
+    let names: Vec<_> = candidates.iter().map(|candidate| candidate.found().title()).collect();
+    let is_asked = |candidate: &Candidate| asked.is_none_or(|words| candidate.found().is_called(words));
+    if let Some(chosen) = candidates.into_iter().find(is_asked) {
+        return Ok(chosen);
+    }
+    let in_the_way = missing.iter().map(|of| format!("{}: {} ({})", of.interface, of.why, of.cure));
+    let in_the_way = in_the_way.collect::<Vec<_>>().join("; ");
+    Err(match asked {
+        Some(words) if !names.is_empty() => {
+            let others = if in_the_way.is_empty() { String::new() } else { format!("; others are not: {in_the_way}") };
+            (format!("no card is called `{words}`"), format!("there are: {}{others}", names.join(", ")))
+        }
+        _ => ("no graphics card is reached".to_owned(), in_the_way),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn card(name: &str, interface: Interface, is_software: bool) -> Found {
+        Found { name: name.to_owned(), interface, driver: String::new(), is_software, largest_buffer: 0, memory: None }
+    }
+
+    #[test]
+    fn a_card_is_called_by_words_of_its_name_and_its_interface() {
+        let card = card("NVIDIA H100 80GB HBM3", Interface::Cuda, false);
+        for words in ["nvidia", "H100", "cuda", "CUDA h100", "80gb hbm3", ""] {
+            assert!(card.is_called(words), "{words}");
+        }
+        for words in ["vulkan", "cuda radeon", "h200"] {
+            assert!(!card.is_called(words), "{words}");
+        }
+    }
+
+    #[test]
+    fn a_software_renderer_alone_is_said_to_be_one_and_a_card_is_not_missed() {
+        let software = card("llvmpipe", Interface::Vulkan, true);
+        let missing = missing_graphics([&software].into_iter()).unwrap();
+        assert!(missing.why.contains("llvmpipe") && missing.why.contains("software"), "{missing:?}");
+        let real = card("Radeon", Interface::Vulkan, false);
+        assert_eq!(missing_graphics([&real, &software].into_iter()), None);
+        assert!(missing_graphics([].into_iter()).unwrap().why.contains("no driver"));
+    }
 }

@@ -1,11 +1,17 @@
-//! Cards that Vulkan, Metal and Direct3D 12 reach: what there is, kernels compiled for one, and their launches.
+//! Cards that CUDA, Vulkan, Metal and Direct3D 12 reach: what there is, kernels compiled for one, and their launches.
 
 mod card;
+mod cuda;
 mod fault;
 mod found;
-mod program;
+mod graphics;
+mod profile;
+mod trouble;
+mod yardstick;
 
-pub use card::{Array, Card, Launch};
+pub use card::{Array, Card, Launch, Program};
+pub use cuda::NVRTC_FOLDER;
 pub use fault::CardFault;
-pub use found::{Found, find};
-pub use program::Program;
+pub use found::{Found, Interface, Memory, Missing, Survey, find};
+pub use profile::{KernelTime, KernelWork, Profile};
+pub use yardstick::Yardstick;

@@ -62,8 +62,9 @@ pub(super) enum Group {
     /// Least time steps by sound and by acceleration, s, four changes of the step, whether a number is none, and whether the particle is
     /// stretched beyond the bound of the reference configuration, of each particle.
     Limits,
-    /// The same of each chunk of particles.
+    /// The same of so many particles each, and what passes leave of it.
     Extremes,
+    ExtremesLeft(usize),
     /// Place in the reference configuration, m, its rest, and volume there, m^d, with its rest.
     Reference,
     /// Gradient correction there, or in the present configuration.
@@ -117,6 +118,8 @@ pub(super) enum Group {
     StrainCorrection,
     /// Of each chunk of particles how far they are from there, and what was searched: see [`super::kernels::kept`].
     Ways,
+    /// What passes leave of it.
+    WaysLeft(usize),
     /// Prescribed motion of a particle, by its number and one; zero for none.
     Motion,
     /// Numbers of the step: see [`super::step_numbers`].
@@ -125,7 +128,8 @@ pub(super) enum Group {
     Section(usize),
     /// Particles of a material.
     Members(usize),
-    /// Cells: how many particles they have, which place each takes, where each cell starts, sums of chunks of cells.
+    /// Cells: how many particles they have, which place each takes, where each cell starts, sums and starts of chunks of cells and of chunks of
+    /// chunks.
     CellCounts,
     Slots,
     CellStarts,
@@ -302,7 +306,7 @@ impl Binder<'_> {
 /// A kernel with the groups of its buffers.
 pub(super) struct Recording {
     pub(super) kernel: Kernel,
-    groups: Vec<Group>,
+    pub(super) groups: Vec<Group>,
 }
 
 /// Records a kernel of `count` particles.

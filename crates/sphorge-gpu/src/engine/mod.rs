@@ -10,6 +10,7 @@ mod heat;
 mod kernels;
 mod lists;
 mod plan;
+mod room;
 mod search;
 mod snapshot;
 mod start;
@@ -19,7 +20,7 @@ mod surfaces;
 
 pub use start::{KernelText, kernel_texts};
 
-use crate::device::{Card, Launch};
+use crate::device::{Card, Launch, Profile};
 use columns::Columns;
 use plan::Plan;
 use search::Kept;
@@ -31,8 +32,10 @@ use std::sync::Arc;
 /// The engine for graphics cards, to be started on a model.
 #[derive(Clone, Debug, Default)]
 pub struct Gpu {
-    /// Words of the name of the card; the best there is if nothing is asked for.
+    /// Words of the name and the interface of the card; the best there is if nothing is asked for.
     pub device: Option<String>,
+    /// Where times of kernels go: with it, each is waited for by itself.
+    pub profile: Option<Profile>,
 }
 
 /// Places in the numbers of the step.
@@ -115,7 +118,7 @@ struct GpuEngine {
     /// Start and length of the step, s.
     time: f64,
     dt: f64,
-    /// Least limits, s, largest changes, and whether a number is none, at the end of the last step.
+    /// Least limits, s, largest changes, whether a number is none, and neighbours of all, at the end of the last step.
     extremes: [f64; kernels::limits::FIELDS],
     /// Where heat flows, when it is summed again.
     heat: Option<HeatClock>,
@@ -135,7 +138,7 @@ impl EngineKind for Gpu {
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        let engine = GpuEngine::new(model, particles, self.device.as_deref())?;
+        let engine = GpuEngine::new(model, particles, self)?;
         Ok(Box::new(engine))
     }
 }

@@ -4,9 +4,10 @@ use super::columns::{Group, Recording};
 use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::{
-    conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reference,
-    reference_forces, smoothing, stress, walls, wrap,
+    conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reduce,
+    reference, reference_forces, smoothing, stress, walls, wrap,
 };
+use super::search::WAYS_TOGETHER;
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
 use sphorge_engine::model::{Formulation, Integrator, Search, TemperatureSource, Wall};
@@ -34,6 +35,11 @@ fn sorting(grid: &Grid, stride: usize, of: Sorted, threads: Threads) -> Result<V
         SortingThreads::OfSorted => Planned { kernel, threads },
     };
     Ok(grid::sorting(grid, stride, of)?.into_iter().map(planned).collect())
+}
+
+/// Passes that bring rows together.
+fn reduced(passes: Vec<(Recording, usize)>) -> impl Iterator<Item = Planned> {
+    passes.into_iter().map(|(kernel, threads)| Planned { kernel, threads: Threads::Of(threads) })
 }
 
 /// Every kernel of a run, in groups that are launched together.
@@ -107,7 +113,9 @@ impl Plan {
                     let rule = kept::adaptive(model);
                     let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
                     let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
-                    plan.ways.push(of_chunks(kept::ways(since, p.len(), stride)?));
+                    if model.search != Search::EveryStep {
+                        plan.ways.push(of_chunks(kept::ways(since, p.len(), stride)?));
+                    }
                     if let Some(rule) = rule {
                         plan.mark.push(of_particles(kept::mark(rule, stride)?));
                         plan.mark.push(of_chunks(kept::count_marked(stride)?));
@@ -128,18 +136,18 @@ impl Plan {
                     if is_guarded && !pairs::is_corrected(model) {
                         let due = &mut plan.corrected_gradients;
                         due.push(of_particles(pairs::weigh(model, stride)?));
-                        due.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, true, stride)));
+                        due.push(of_particles(in_dimension!(model, pairs::gradients, model, true, stride)));
                     }
                     plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
                     plan.search.push(of_chunks(kept::longest_rows(stride)?));
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
-                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, grid, false, stride)));
+                plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, false, stride)));
                 if pairs::is_corrected(model) && model.numerics.integrator == Integrator::Leapfrog {
-                    plan.correct.push(of_particles(in_dimension!(model, pairs::correct, model, grid, stride)));
+                    plan.correct.push(of_particles(in_dimension!(model, pairs::correct, model, stride)));
                 }
                 if model.numerics.mls_interval.is_some() {
-                    let estimate = in_dimension!(model, moving_least_squares::estimate, model, grid, stride);
+                    let estimate = in_dimension!(model, moving_least_squares::estimate, model, stride);
                     plan.restore.push(of_particles(estimate));
                     plan.restore.push(of_particles(moving_least_squares::restore(model, stride)?));
                 }
@@ -188,7 +196,7 @@ impl Plan {
                 if pairs::is_corrected(model) {
                     plan.stress.push(of_particles(pairs::correct_stress(stride)?));
                 }
-                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, grid, None, stride)));
+                plan.forces.push(of_particles(in_dimension!(model, pairs::forces, model, None, stride)));
             }
             Formulation::TotalLagrangian { hourglass, .. } => {
                 plan.stress.push(of_particles(reference_forces::pull_back(model, hourglass, stride)?));
@@ -215,7 +223,7 @@ impl Plan {
             let mut kernels = Vec::new();
             match model.formulation {
                 Formulation::UpdatedLagrangian => {
-                    kernels.push(of_particles(in_dimension!(model, pairs::forces, model, grid, through, stride)));
+                    kernels.push(of_particles(in_dimension!(model, pairs::forces, model, through, stride)));
                 }
                 Formulation::TotalLagrangian { hourglass, .. } => {
                     let forces = in_dimension!(model, reference_forces::forces, model, through, stride);
@@ -240,7 +248,16 @@ impl Plan {
         }
         plan.finish.insert(0, of_particles(finish));
         plan.finish.push(of_particles(limits::of_particles(model, stride)?));
-        plan.finish.push(Planned { kernel: limits::of_chunks(stride)?, threads: Threads::Of(stride / limits::CHUNK) });
+        let rows = limits::rows(stride);
+        plan.finish.push(Planned { kernel: limits::extremes(stride)?, threads: Threads::Of(rows) });
+        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, rows, limits::together())?));
+        if keeps_lists(model) {
+            for stage in [&mut plan.ways, &mut plan.mark, &mut plan.search, &mut plan.search_marked] {
+                if !stage.is_empty() {
+                    stage.extend(reduced(reduce::reduce(Group::Ways, stride / limits::CHUNK, WAYS_TOGETHER)?));
+                }
+            }
+        }
         Ok(plan)
     }
 
@@ -272,9 +289,9 @@ impl Plan {
     }
 }
 
-/// Whether lists of the present configuration are kept from one search to the next.
+/// Whether sums go through lists of the present configuration, which stay from one search to the next: two sums share what one search finds.
 pub(super) fn keeps_lists(model: &Model) -> bool {
-    model.formulation == Formulation::UpdatedLagrangian && model.search != Search::EveryStep
+    model.formulation == Formulation::UpdatedLagrangian
 }
 
 /// Particles of a material.

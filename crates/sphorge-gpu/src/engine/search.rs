@@ -2,8 +2,9 @@
 
 use super::columns::Group;
 use super::kernels::images::Planes;
-use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, keeps_distances};
+use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, WAYS, keeps_distances};
 use super::kernels::limits::CHUNK;
+use super::kernels::reduce::{self, Together};
 use super::snapshot::read;
 use super::start::stages;
 use super::{GpuEngine, failure};
@@ -14,7 +15,17 @@ use sphorge_engine::{ContactCandidates, RunFailure, SearchReport, SearchedMateri
 use sphorge_physics::Vector;
 
 /// Room beyond the longest list there was, as a share of it.
-const SPARE: f64 = 0.25;
+pub(super) const SPARE: f64 = 0.25;
+
+/// How the numbers of [`Group::Ways`] come together.
+pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
+    let mut together = [Together::Largest; WAYS];
+    together[LOW] = Together::Least;
+    together[LOW + 1] = Together::Least;
+    together[LOW + 2] = Together::Least;
+    together[MARKED_ROWS] = Together::Sum;
+    together
+};
 
 /// What is known of lists that are kept.
 #[derive(Debug, Default)]
@@ -43,7 +54,8 @@ impl GpuEngine {
         let due = match self.model.search {
             Search::Skin { fraction } => !self.kept.is_made || self.moved_beyond_skin(fraction)?,
             Search::Adaptive(rule) if self.kept.is_made => return self.search_adaptively(rule),
-            Search::EveryStep | Search::Adaptive(_) | Search::Initial => !self.kept.is_made,
+            Search::EveryStep => true,
+            Search::Adaptive(_) | Search::Initial => !self.kept.is_made,
         };
         if due {
             self.search_all()?;
@@ -70,7 +82,7 @@ impl GpuEngine {
             self.refresh_candidates()?;
         }
         self.card.launch(&self.stages.mark);
-        let marked = self.of_chunks()?(MARKED_ROWS).sum::<f64>();
+        let marked = self.of_rows()?(MARKED_ROWS).sum::<f64>();
         let share = marked / self.initial.len() as f64;
         if rule.guard.is_some() && share > AdaptiveSearch::ALL_ABOVE {
             self.search_all()?;
@@ -142,24 +154,24 @@ impl GpuEngine {
     }
 
     fn longest_row(&self) -> Result<f64, RunFailure> {
-        Ok(self.of_chunks()?(LONGEST_ROW).fold(0.0, f64::max))
+        Ok(self.of_rows()?(LONGEST_ROW).fold(0.0, f64::max))
     }
 
     fn ways(&self) -> Result<Ways, RunFailure> {
         self.card.launch(&self.stages.ways);
-        let numbers = self.of_chunks()?;
+        let numbers = self.of_rows()?;
         let largest = |k: usize| numbers(k).fold(f64::NEG_INFINITY, f64::max);
         let least = |k: usize| numbers(k).fold(f64::INFINITY, f64::min);
         let diagonal = (0..3).map(|a| (largest(HIGH + a) - least(LOW + a)).powi(2)).sum();
         Ok(Ways { longest: largest(LONGEST), diagonal })
     }
 
-    /// The numbers of chunks, by their place.
-    fn of_chunks(&self) -> Result<impl Fn(usize) -> Box<dyn Iterator<Item = f64>>, RunFailure> {
-        let numbers = read(&self.card, &self.columns, Group::Ways)?;
-        let chunks = self.stride / CHUNK;
+    /// The numbers of the rows that are left, by their place.
+    fn of_rows(&self) -> Result<impl Fn(usize) -> Box<dyn Iterator<Item = f64>>, RunFailure> {
+        let numbers = read(&self.card, &self.columns, reduce::left(Group::Ways, self.stride / CHUNK))?;
+        let rows = numbers.len() / WAYS;
         Ok(move |k: usize| {
-            let of = numbers[k * chunks..(k + 1) * chunks].to_vec();
+            let of = numbers[k * rows..(k + 1) * rows].to_vec();
             Box::new(of.into_iter().map(f64::from)) as Box<dyn Iterator<Item = f64>>
         })
     }

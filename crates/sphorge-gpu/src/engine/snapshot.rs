@@ -99,6 +99,9 @@ pub(super) const STATE: &[Group] = &[
     Group::Boundaries,
 ];
 
+/// Those among them that are lists, and where particles were when they were made.
+pub(super) const LISTS: &[Group] = &[Group::Kept, Group::Rows, Group::SearchedAt];
+
 /// What a card holds after a step.
 pub(super) struct Snapshot {
     pub(super) particles: Particles,

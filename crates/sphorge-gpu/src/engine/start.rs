@@ -2,12 +2,13 @@
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
 use super::kernels::smoothing::{AT_START, largest_factor};
-use super::kernels::{conduction, contact, grid, kept, limits, walls};
+use super::kernels::{conduction, contact, grid, kept, limits, reduce, walls};
 use super::lists::{self, bound};
 use super::plan::{Plan, Planned, keeps_lists, members};
+use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::snapshot::fields;
-use super::{GpuEngine, Stages, failure};
+use super::{Gpu, GpuEngine, Stages, failure};
 use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
@@ -15,6 +16,7 @@ use sphorge_engine::model::{Dimensions, Search};
 use sphorge_engine::{HeatClock, Model, Particles, RunFailure, complete_initial_state};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
+use std::iter;
 use std::sync::Arc;
 
 /// Particles that exact whole numbers of single precision can count.
@@ -27,15 +29,18 @@ const MARGIN: f64 = 1.0 + 1e-4;
 const SPARE: f64 = 1.5;
 
 impl GpuEngine {
-    pub(super) fn new(model: Arc<Model>, mut p: Particles, device: Option<&str>) -> Result<Self, RunFailure> {
+    pub(super) fn new(model: Arc<Model>, mut p: Particles, kind: &Gpu) -> Result<Self, RunFailure> {
         if p.len() >= MOST {
             let message = format!("{} particles: the engine for graphics cards takes up to {}", p.len(), MOST - 1);
             return Err(failure(message));
         }
-        let card = Card::open(device).map_err(|fault| match &fault {
+        let mut card = Card::open(kind.device.as_deref()).map_err(|fault| match &fault {
             CardFault::NotFound { help, .. } => failure(format!("{fault}; {help}")),
             _ => failure(&fault),
         })?;
+        if let Some(profile) = &kind.profile {
+            card = card.profiled(profile.clone());
+        }
         if !keeps_rests(&card).map_err(failure)? {
             let name = &card.found().name;
             return Err(failure(format!(
@@ -47,8 +52,10 @@ impl GpuEngine {
         p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
         let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
         let grid = grid_of(&model, &p);
+        refuse_what_has_no_room(&card, (&model, &p), stride, &grid)?;
         let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
         let plan = Plan::of(&model, &p, stride, &grid).map_err(failure)?;
+        card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
         lists::make(&card, &mut columns, &plan, (&model, &p))?;
         let stages = stages(&card, &columns, &plan)?;
         let extremes = [0.0; limits::FIELDS];
@@ -169,7 +176,10 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     }
     let wall_fields = (walls::FIELDS * model.walls.len()).max(1);
     columns.insert(Group::Walls, card.zeros(wall_fields * stride)?);
-    columns.insert(Group::Extremes, card.zeros(limits::FIELDS * stride / limits::CHUNK)?);
+    let rows = limits::rows(stride);
+    for (group, rows) in iter::once((Group::Extremes, rows)).chain(reduce::groups(Group::Extremes, rows)) {
+        columns.insert(group, card.zeros(limits::FIELDS * rows)?);
+    }
     columns.insert(Group::Step, card.zeros(super::step_numbers::count(model) as usize)?);
     columns.insert(Group::Motion, card.indices(&motions(model, p))?);
     columns.insert(Group::Body, card.indices(&p.body)?);
@@ -196,7 +206,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     let cells = grid.chunks() * grid::CHUNK;
     columns.insert(Group::CellCounts, card.zeros(cells)?);
     columns.insert(Group::CellStarts, card.zeros(cells + 1)?);
-    columns.insert(Group::ChunkStarts, card.zeros(grid.chunks() + 1)?);
+    columns.insert(Group::ChunkStarts, card.zeros(grid.sums())?);
     for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
         columns.insert(group, card.zeros(count)?);
     }
@@ -217,7 +227,10 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             columns.insert(Group::Candidates, card.zeros(stride)?);
             columns.insert(Group::StrainCorrection, card.zeros((kept::STRAINED + 1) * stride)?);
         }
-        columns.insert(Group::Ways, card.zeros(kept::WAYS * stride / limits::CHUNK)?);
+        let rows = stride / limits::CHUNK;
+        for (group, rows) in iter::once((Group::Ways, rows)).chain(reduce::groups(Group::Ways, rows)) {
+            columns.insert(group, card.zeros(kept::WAYS * rows)?);
+        }
     }
     columns.insert(Group::Around, card.indices(&grid.around())?);
     Ok(columns)

@@ -1,9 +1,9 @@
 //! The stages of the step.
 
 use super::columns::Group;
-use super::kernels::{contact, limits};
+use super::kernels::{contact, limits, reduce};
 use super::plan::keeps_lists;
-use super::snapshot::{STATE, read};
+use super::snapshot::{LISTS, STATE, read};
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, Search, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
@@ -44,11 +44,15 @@ impl GpuEngine {
     }
 
     fn read_extremes(&mut self) -> Result<(), RunFailure> {
-        let numbers = read(&self.card, &self.columns, Group::Extremes)?;
-        let chunks = self.stride / limits::CHUNK;
+        let numbers = read(&self.card, &self.columns, reduce::left(Group::Extremes, limits::rows(self.stride)))?;
+        let rows = numbers.len() / limits::FIELDS;
         for (k, extreme) in self.extremes.iter_mut().enumerate() {
-            let of = numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
-            *extreme = if k < limits::LIMITS { of.fold(f64::INFINITY, f64::min) } else { of.fold(0.0, f64::max) };
+            let of = numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
+            *extreme = match k {
+                _ if k < limits::LIMITS => of.fold(f64::INFINITY, f64::min),
+                limits::NEIGHBORS => of.sum(),
+                _ => of.fold(0.0, f64::max),
+            };
         }
         Ok(())
     }
@@ -185,7 +189,7 @@ impl Engine for GpuEngine {
 
     fn guard(&self) -> Result<(), RunFailure> {
         self.guard_heat()?;
-        let [_, _, _, density, stretch, energy, jump, broken, _] = self.extremes;
+        let [_, _, _, density, stretch, energy, jump, broken, ..] = self.extremes;
         if broken > 0.0 {
             return Err(self.broken()?);
         }
@@ -231,7 +235,7 @@ impl Engine for GpuEngine {
     }
 
     fn pairs(&self) -> u64 {
-        self.snapshot().map_or(0, |now| now.particles.neighbors.iter().map(|n| u64::from(*n)).sum())
+        self.extremes[limits::NEIGHBORS] as u64
     }
 
     fn ledger(&self) -> Result<Ledger, RunFailure> {
@@ -263,7 +267,9 @@ impl Engine for GpuEngine {
             clock.persist("heat", archive)?;
         }
         let sections = (0..self.model.sections.len()).map(Group::Section);
-        for group in STATE.iter().copied().chain(sections) {
+        // Lists that the next step makes anew are not kept.
+        let is_kept = |group: &Group| self.model.search != Search::EveryStep || !LISTS.contains(group);
+        for group in STATE.iter().copied().filter(is_kept).chain(sections) {
             let name = format!("{group:?}").to_lowercase();
             let Some(array) = self.columns.array(group) else { continue };
             if archive.is_saving() {
@@ -288,6 +294,6 @@ impl Engine for GpuEngine {
     }
 
     fn device(&self) -> Option<String> {
-        Some(self.card.found().name.clone())
+        Some(self.card.found().title())
     }
 }

@@ -4,6 +4,7 @@
 //! comes of it is a list of operations in an order they can be executed in, with the branches and iterations of
 //! [`sphorge_physics::Elementary`]; [`crate::source`] writes it in the language of a card.
 
+mod counted;
 mod double;
 mod index;
 mod kernel;

@@ -12,6 +12,8 @@ mod engine;
 mod kept;
 mod laws;
 #[cfg(feature = "device")]
+mod measured;
+#[cfg(feature = "device")]
 mod motion;
 mod pairs;
 #[cfg(feature = "device")]

@@ -3,7 +3,7 @@
 use super::{BenchRow, StageShares};
 use crate::{
     deck::Setup,
-    engine::{RunFailure, Simulation},
+    engine::{EngineKind, RunFailure, Simulation},
 };
 use std::time::Instant;
 
@@ -13,39 +13,70 @@ const WARM_UP_STEPS: u64 = 3;
 const LEAST_STEPS: u64 = 5;
 
 /// Steps a model for `seconds` of wall-clock time in the present thread pool.
-pub(super) fn measure(setup: Setup, precision: &str, search: &str, seconds: f64) -> Result<BenchRow, RunFailure> {
+pub(super) fn measure(
+    kind: &dyn EngineKind,
+    setup: Setup,
+    precision: &str,
+    search: &str,
+    seconds: f64,
+) -> Result<BenchRow, RunFailure> {
     let case = setup.model.name.clone();
     let particles = setup.particles.len();
-    let mut simulation = Simulation::new(setup.model, setup.particles);
-    for _ in 0..WARM_UP_STEPS {
-        simulation.step(None)?;
-    }
+    let mut simulation = warm(kind, setup)?;
     let before = simulation.stage_seconds();
-    let start = Instant::now();
-    let (mut steps, mut pairs, mut searched) = (0, 0, 0.0);
-    while steps < LEAST_STEPS || start.elapsed().as_secs_f64() < seconds {
-        let report = simulation.step(None)?;
-        steps += 1;
-        pairs += report.pairs;
-        searched += report.searched_fraction;
-    }
-    let wall_seconds = start.elapsed().as_secs_f64();
-    let per_second_per_core = 1.0 / (wall_seconds * rayon::current_num_threads() as f64);
+    let measured = steps(&mut simulation, seconds)?;
+    let after = simulation.stage_seconds();
+    let device = simulation.device();
+    let parts = if device.is_some() { 1 } else { rayon::current_num_threads() };
+    let per_second_per_core = 1.0 / (measured.wall_seconds * parts as f64);
     Ok(BenchRow {
         case,
         precision: precision.to_owned(),
         search: search.to_owned(),
         particles,
         mean_neighbors: simulation.mean_neighbors(),
-        steps,
-        wall_seconds,
-        particle_steps_per_second_per_core: (particles as u64 * steps) as f64 * per_second_per_core,
+        steps: measured.steps,
+        wall_seconds: measured.wall_seconds,
+        particle_steps_per_second_per_core: (particles as u64 * measured.steps) as f64 * per_second_per_core,
         share_of_bare_loop: None,
-        pairs_per_second_per_core: pairs as f64 * per_second_per_core,
-        searched_fraction: searched / steps as f64,
-        stage_shares: StageShares::between(before, simulation.stage_seconds()),
+        pairs_per_second_per_core: measured.pairs as f64 * per_second_per_core,
+        searched_fraction: measured.searched / measured.steps as f64,
+        stage_shares: StageShares::between(before, after),
         bytes_per_particle: simulation.memory_bytes() as f64 / particles.max(1) as f64,
+        device,
+        kernels: Vec::new(),
     })
+}
+
+/// A simulation after the first steps.
+pub(super) fn warm(kind: &dyn EngineKind, setup: Setup) -> Result<Simulation, RunFailure> {
+    let mut simulation = Simulation::start(kind, setup.model, setup.particles)?;
+    for _ in 0..WARM_UP_STEPS {
+        simulation.step(None)?;
+    }
+    Ok(simulation)
+}
+
+/// What steps have done.
+pub(super) struct Measured {
+    pub(super) steps: u64,
+    pairs: u64,
+    searched: f64,
+    wall_seconds: f64,
+}
+
+/// Steps for so many seconds, and a few times at least.
+pub(super) fn steps(simulation: &mut Simulation, seconds: f64) -> Result<Measured, RunFailure> {
+    let start = Instant::now();
+    let mut measured = Measured { steps: 0, pairs: 0, searched: 0.0, wall_seconds: 0.0 };
+    while measured.steps < LEAST_STEPS || start.elapsed().as_secs_f64() < seconds {
+        let report = simulation.step(None)?;
+        measured.steps += 1;
+        measured.pairs += report.pairs;
+        measured.searched += report.searched_fraction;
+    }
+    measured.wall_seconds = start.elapsed().as_secs_f64();
+    Ok(measured)
 }
 
 #[cfg(test)]
@@ -65,7 +96,7 @@ mod tests {
             shape = { box = { min = ["0 mm", "0 mm"], max = ["10 mm", "10 mm"] } }
         "#;
         let setup = crate::deck::load_text("square", deck, &[]).unwrap();
-        let row = measure(setup, "mixed", "skin", 0.0).unwrap();
+        let row = measure(&crate::engine::Cpu, setup, "mixed", "skin", 0.0).unwrap();
         assert_eq!((row.case.as_str(), row.particles, row.steps), ("square", 100, LEAST_STEPS));
         // At rest every step has the same pairs.
         let ratio = row.pairs_per_second_per_core / row.particle_steps_per_second_per_core;

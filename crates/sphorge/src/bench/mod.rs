@@ -2,10 +2,12 @@
 //!
 //! Each case is stepped until it is warm, then for a given wall-clock time; nothing is written meanwhile. Rates are per core:
 //! per thread in use, so leave hyper-threads out with the number of threads when comparing machines. Pairs are ordered
-//! pairs `i != j` inside the kernel support, counted once a step whatever the number of sweeps over them.
+//! pairs `i != j` inside the kernel support, counted once a step whatever the number of sweeps over them. Rates of an engine on a card are
+//! those of the card.
 
 mod bare;
 mod error;
+mod kernels;
 mod measure;
 mod row;
 mod stage_shares;
@@ -13,12 +15,15 @@ mod stage_shares;
 pub use crate::machine::Machine;
 pub use bare::BareLoop;
 pub use error::BenchError;
+pub use kernels::{KernelClock, KernelRow};
 pub use row::BenchRow;
 pub use stage_shares::StageShares;
 
+use crate::engine::{Cpu, EngineKind};
 use crate::{deck, decks};
 use measure::measure;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// A case of the benchmark: a shipped deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,10 +51,18 @@ pub const CASES: &[BenchCase] = &[
 const PRECISIONS: &[&str] = &["mixed", "double"];
 
 /// How to measure.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct BenchOptions {
+    /// What computes.
+    pub engine: Arc<dyn EngineKind>,
+    /// What times single kernels, where the engine has such.
+    pub kernels: Option<KernelClock>,
     /// Names of the cases to measure; all if empty.
     pub cases: Vec<String>,
+    /// Words of the strategies to measure; all if empty.
+    pub strategies: Vec<String>,
+    /// Keys of the decks and what they are to be.
+    pub overrides: Vec<(String, String)>,
     /// Number of threads; all the machine has if not given.
     pub threads: Option<usize>,
     /// Wall-clock seconds of each measurement, after the warm-up.
@@ -69,6 +82,22 @@ pub struct BenchReport {
     pub bare_loop: Option<BareLoop>,
     /// The measurements, in the order they were made.
     pub rows: Vec<BenchRow>,
+    /// What the engine does not run, or had no room for, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<Skipped>,
+}
+
+/// A case that was not measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Skipped {
+    /// Name of the deck.
+    pub case: String,
+    /// `mixed` or `double`.
+    pub precision: String,
+    /// Search strategy.
+    pub search: String,
+    /// What the engine cannot do.
+    pub why: String,
 }
 
 /// Measures every case with every precision and strategy. `observe` is called before each measurement with what it is.
@@ -80,21 +109,48 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|e| BenchError::Threads(e.to_string()))?;
-    observe("the bare loop");
-    let bare_loop = BareLoop::measure();
+    // It is a yardstick of the processor.
+    let is_own = options.engine.name() == Cpu.name();
+    if is_own {
+        observe("the bare loop");
+    }
+    let bare_loop = is_own.then(BareLoop::measure).flatten();
     pool.install(|| {
-        let mut rows = Vec::new();
+        let (mut rows, mut skipped) = (Vec::new(), Vec::new());
         let asked = |case: &&BenchCase| options.cases.is_empty() || options.cases.iter().any(|name| name == case.deck);
         for case in CASES.iter().filter(asked) {
             for &precision in PRECISIONS {
                 for search in deck::search_words() {
+                    if !options.strategies.is_empty() && !options.strategies.iter().any(|word| word == search) {
+                        continue;
+                    }
                     observe(&format!("{}, {precision}, {search}", case.deck));
-                    let overrides = [("numerics.precision", precision), ("search", search)]
+                    let own = [("numerics.precision", precision), ("search", search)]
                         .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
+                    let overrides: Vec<_> = options.overrides.iter().cloned().chain(own).collect();
                     let text = decks::find(case.deck).map_or("", |deck| deck.text);
                     let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
                     let dimensions = setup.model.dimensions;
-                    let mut row = measure(setup, precision, search, options.seconds)?;
+                    let mut skip = |why: String| {
+                        let [case, precision, search] = [case.deck, precision, search].map(str::to_owned);
+                        skipped.push(Skipped { case, precision, search, why });
+                    };
+                    if let Err(unsupported) = options.engine.supports(&setup.model) {
+                        skip(unsupported.what);
+                        continue;
+                    }
+                    let measured = measure(&*options.engine, setup.clone(), precision, search, options.seconds);
+                    let mut row = match measured {
+                        // That of the processor runs whatever fits.
+                        Err(failure) if options.engine.name() != Cpu.name() => {
+                            skip(failure.to_string());
+                            continue;
+                        }
+                        measured => measured?,
+                    };
+                    if let Some(clock) = &options.kernels {
+                        (row.stage_shares, row.kernels) = clock.measure(setup, options.seconds)?;
+                    }
                     let bare = bare_loop.filter(|_| dimensions == crate::model::Dimensions::Three);
                     row.share_of_bare_loop = bare.map(|bare| {
                         row.pairs_per_second_per_core / (bare.particle_steps_per_second() * bare.mean_neighbors)
@@ -109,6 +165,7 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
             threads: rayon::current_num_threads(),
             bare_loop,
             rows,
+            skipped,
         })
     })
 }

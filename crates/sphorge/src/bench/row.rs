@@ -1,6 +1,6 @@
 //! One measurement, as reported.
 
-use super::StageShares;
+use super::{KernelRow, StageShares};
 use serde::Serialize;
 
 /// One measurement.
@@ -32,4 +32,10 @@ pub struct BenchRow {
     pub stage_shares: StageShares,
     /// Bytes of columns, lists and scratch for one particle.
     pub bytes_per_particle: f64,
+    /// Name of the device that computed, where that is not the processor; rates are of the whole of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
+    /// Kernels of the device, the longest first, where they were timed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub kernels: Vec<KernelRow>,
 }

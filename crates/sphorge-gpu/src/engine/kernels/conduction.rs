@@ -201,7 +201,7 @@ fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Rec
             points.over_others::<_, D>(bind, model, grid, i, start, nearest)
         } else {
             let near = (points.place, points.constants);
-            over_neighbors::<_, D>(bind, model, grid, i, near, start, |state: [Recorded; 2], pair, j| {
+            over_neighbors::<_, D>(bind, model, i, near, start, |state: [Recorded; 2], pair, j| {
                 let is_other = different(points.body, i, j);
                 Recorded::if_lt(Recorded::of(0.5), is_other, || nearest(state, pair, j), || state)
             })
@@ -272,7 +272,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             })
         } else {
             let near = (points.place, points.constants);
-            over_neighbors::<_, D>(bind, model, grid, i, near, start, add)
+            over_neighbors::<_, D>(bind, model, i, near, start, add)
         };
         if meets_others(model) {
             sums = points.over_others::<_, D>(bind, model, grid, i, sums, add);

@@ -7,8 +7,8 @@ use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::{Real, Vector};
 
-/// Cells that one thread adds up.
-pub(in crate::engine) const CHUNK: usize = 256;
+/// Cells that one thread adds up, and chunks of them.
+pub(in crate::engine) const CHUNK: usize = 64;
 
 /// How cells lie.
 #[derive(Clone, Debug)]
@@ -30,6 +30,33 @@ impl Grid {
 
     pub(in crate::engine) fn chunks(&self) -> usize {
         self.cells().div_ceil(CHUNK)
+    }
+
+    /// How many chunks there are, chunks of chunks, and so on to one.
+    fn levels(&self) -> Vec<usize> {
+        let mut levels = vec![self.chunks()];
+        while let Some(count) = levels.last().copied().filter(|count| *count > 1) {
+            levels.push(count.div_ceil(CHUNK));
+        }
+        levels
+    }
+
+    /// Where the sums of each level are, and behind them the starts.
+    fn places(&self) -> Vec<[u32; 2]> {
+        let mut place = 0;
+        // Whole chunks, the rest of which stays zero.
+        let mut next = |count: &usize| {
+            let padded = count.div_ceil(CHUNK) * CHUNK;
+            let places = [place, place + padded].map(|place| place as u32);
+            place += 2 * padded;
+            places
+        };
+        self.levels().iter().map(&mut next).collect()
+    }
+
+    /// Numbers of [`Group::ChunkStarts`].
+    pub(in crate::engine) fn sums(&self) -> usize {
+        self.levels().iter().map(|count| 2 * count.div_ceil(CHUNK) * CHUNK).sum()
     }
 
     /// Steps to the cells around one, and to itself, three numbers each; negative ones count from `2^32` down.
@@ -116,32 +143,52 @@ pub(in crate::engine) fn sorting(
         let (counts, slots) = (bind.counters(Group::CellCounts), bind.index_output(Group::Slots));
         slots.set(i, counts.count(cell));
     })?;
-    let last = |chunk: Index| (chunk * Index::of(CHUNK as u32), CHUNK as u32);
+    let chunk_of = |chunk: Index| (chunk * Index::of(CHUNK as u32), CHUNK as u32);
+    let (levels, places) = (grid.levels(), grid.places());
     // The table of cells is as long as whole chunks, so that no chunk ends early.
     let chunk_sums = recording(&of.name("add_up_chunks"), count, |bind, chunk| {
         let (counts, sums) = (bind.indices(Group::CellCounts), bind.write(Group::ChunkStarts));
-        let (first, length) = last(chunk);
+        let (first, length) = chunk_of(chunk);
         let sum = bind
             .scope
             .fold(first, first + Index::of(length), Recorded::zero(), |_, sum, cell| sum + counts.at(cell).number());
-        sums.set(0, chunk, sum);
+        sums.set_at(Index::of(places[0][0]) + chunk, sum);
     })?;
-    let chunk_starts = recording(&of.name("start_chunks"), count, |bind, one| {
-        let sums = bind.write(Group::ChunkStarts);
-        let end = one + Index::of(grid.chunks() as u32);
-        let total = bind.scope.fold(one, end, Recorded::zero(), |_, start, chunk| {
-            let sum = sums.get(0, chunk);
-            sums.set(0, chunk, start);
-            start + sum
-        });
-        sums.set(0, end, total);
-    })?;
+    let mut adding_up = vec![(chunk_sums, levels[0])];
+    for level in 1..levels.len() {
+        let name = format!("{}_{level}", of.name("add_up_chunks"));
+        let kernel = recording(&name, count, |bind, chunk| {
+            let sums = bind.write(Group::ChunkStarts);
+            let (first, length) = chunk_of(chunk);
+            let first = Index::of(places[level - 1][0]) + first;
+            let sum =
+                bind.scope.fold(first, first + Index::of(length), Recorded::zero(), |_, sum, at| sum + sums.get(0, at));
+            sums.set_at(Index::of(places[level][0]) + chunk, sum);
+        })?;
+        adding_up.push((kernel, levels[level]));
+    }
+    // The one chunk of all starts at zero, as its place in the column does for ever.
+    for level in (1..levels.len()).rev() {
+        let name = format!("{}_{level}", of.name("start_chunks"));
+        let kernel = recording(&name, count, |bind, chunk| {
+            let sums = bind.write(Group::ChunkStarts);
+            let (first, length) = chunk_of(chunk);
+            let [own, starts] = places[level - 1].map(Index::of);
+            let start = sums.get(0, Index::of(places[level][1]) + chunk);
+            bind.scope.fold(first, first + Index::of(length), start, |_, start, below| {
+                sums.set_at(starts + below, start);
+                start + sums.get(0, own + below)
+            });
+        })?;
+        adding_up.push((kernel, levels[level]));
+    }
     let starts = recording(&of.name("start_cells"), count, |bind, chunk| {
         let (counts, sums) = (bind.indices(Group::CellCounts), bind.read(Group::ChunkStarts));
         let starts = bind.index_output(Group::CellStarts);
-        let (first, length) = last(chunk);
+        let (first, length) = chunk_of(chunk);
         let end = first + Index::of(length);
-        let total = bind.scope.fold(first, end, sums.get(0, chunk), |_, start, cell| {
+        let start = sums.get_at(Index::of(places[0][1]) + chunk);
+        let total = bind.scope.fold(first, end, start, |_, start, cell| {
             starts.set(cell, Index::floor(start));
             start + counts.at(cell).number()
         });
@@ -165,17 +212,55 @@ pub(in crate::engine) fn sorting(
         });
         sorted.set(first + Index::floor(before), i);
     })?;
-    let chunks = grid.chunks();
-    let padded = chunks * CHUNK;
+    let padded = grid.chunks() * CHUNK;
     debug_assert!(padded >= cells);
     let (of, sorted) = (SortingThreads::Of, SortingThreads::OfSorted);
-    Ok(vec![
-        (clear, of(padded)),
-        (counting, sorted),
-        (chunk_sums, of(chunks)),
-        (chunk_starts, of(1)),
-        (starts, of(chunks)),
-        (scatter, sorted),
-        (rank, sorted),
-    ])
+    let adding_up = adding_up.into_iter().map(|(kernel, chunks)| (kernel, of(chunks)));
+    let before = [(clear, of(padded)), (counting, sorted)];
+    let after = [(starts, of(levels[0])), (scatter, sorted), (rank, sorted)];
+    Ok(before.into_iter().chain(adding_up).chain(after).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluation;
+    use std::collections::HashMap;
+
+    #[test]
+    fn particles_are_sorted_by_cells_of_which_there_are_chunks_of_chunks() {
+        let count = 700;
+        let grid = Grid { origin: [0.0; 3], reach: 1.0, edge: 1.0, counts: [32; 3] };
+        assert_eq!(grid.levels(), [512, 8, 1]);
+        let place = |axis: usize, i: usize| ((i * [37, 59, 83][axis]) % 320) as f32 / 10.0 + 0.01;
+        let cell = |i: usize| (0..3).rev().fold(0, |cell, axis| 32 * cell + place(axis, i) as usize);
+        let mut columns: HashMap<String, Vec<f32>> = HashMap::new();
+        columns.insert("Place".into(), (0..3).flat_map(|axis| (0..count).map(move |i| place(axis, i))).collect());
+        let lengths = [("CellCounts", 32_768), ("CellStarts", 32_769), ("ChunkStarts", grid.sums())];
+        for (group, length) in lengths.into_iter().chain([("Slots", count), ("Unsorted", count), ("Sorted", count)]) {
+            columns.insert(group.to_owned(), vec![0.0; length]);
+        }
+        // Twice, so that what the first time left is in the way of nothing.
+        for _ in 0..2 {
+            for (recording, threads) in sorting(&grid, count, Sorted::Particles).unwrap() {
+                let names: Vec<_> = recording.groups.iter().map(|group| format!("{group:?}")).collect();
+                let mut buffers: Vec<_> = names.iter().map(|name| columns[name].clone()).collect();
+                let threads = match threads {
+                    SortingThreads::Of(threads) => threads,
+                    SortingThreads::OfSorted => count,
+                };
+                Evaluation::default().run(&recording.kernel, &mut buffers, threads as u32);
+                columns.extend(names.into_iter().zip(buffers));
+            }
+            let whole = |group: &str| columns[group].iter().map(|bits| bits.to_bits() as usize).collect::<Vec<_>>();
+            let mut expected: Vec<_> = (0..count).collect();
+            expected.sort_by_key(|i| (cell(*i), *i));
+            assert_eq!(whole("Sorted"), expected);
+            let before = |of: usize| (0..count).filter(|i| cell(*i) < of).count();
+            let starts = whole("CellStarts");
+            for of in (0..32_769).step_by(511).chain([32_768]) {
+                assert_eq!(starts[of], before(of), "cell {of}");
+            }
+        }
+    }
 }

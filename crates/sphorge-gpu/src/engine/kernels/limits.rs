@@ -2,6 +2,7 @@
 
 use super::contact;
 use super::motion::Motions;
+use super::reduce::Together;
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -13,17 +14,21 @@ use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, sound_limit};
 use sphorge_physics::total_lagrangian::limiting_length;
 
-/// Particles that one thread looks through.
+/// Columns are as long as whole chunks of so many particles.
 pub(in crate::engine) const CHUNK: usize = 256;
 
-/// Numbers of a particle: the limits, four changes, one where a number is none, and one where it is stretched beyond a bound.
-pub(in crate::engine) const FIELDS: usize = 9;
+/// Particles that one thread looks through.
+const EACH: usize = 32;
+
+/// Numbers of a particle: the limits, four changes, one where a number is none, one where it is stretched beyond a bound, and its neighbours.
+pub(in crate::engine) const FIELDS: usize = 10;
 
 /// Limits among them: by sound, by acceleration and by the contact.
 pub(in crate::engine) const LIMITS: usize = 3;
 
 /// The last of them.
 pub(in crate::engine) const STRETCHED: usize = 8;
+pub(in crate::engine) const NEIGHBORS: usize = 9;
 
 /// Numbers beyond this are none: no state of a metal comes near.
 const BEYOND: f64 = 1e30;
@@ -73,31 +78,45 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         limits.set(2, i, if contact::meets(model) { by_contact() } else { Recorded::of(BEYOND) });
         limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
         limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
+        limits.set(NEIGHBORS, i, bind.read(Group::Weight).get(1, i));
     })
 }
 
-/// Of each chunk of particles: the least limits, the largest changes.
-pub(in crate::engine) fn of_chunks(count: usize) -> Result<Recording, KernelFault> {
-    let chunks = count.div_ceil(CHUNK);
-    recording("extremes", count, |bind, chunk| {
+/// Rows of [`Group::Extremes`].
+pub(in crate::engine) fn rows(count: usize) -> usize {
+    count / EACH
+}
+
+/// How the numbers of particles come together.
+pub(in crate::engine) fn together() -> [Together; FIELDS] {
+    core::array::from_fn(|k| match k {
+        _ if k < LIMITS => Together::Least,
+        NEIGHBORS => Together::Sum,
+        _ => Together::Largest,
+    })
+}
+
+/// Of so many particles each: the least limits, the largest changes.
+pub(in crate::engine) fn extremes(count: usize) -> Result<Recording, KernelFault> {
+    let rows = rows(count);
+    recording("extremes", count, |bind, row| {
         let (limits, extremes) = (bind.read(Group::Limits), bind.write(Group::Extremes));
-        let first = chunk * Index::of(CHUNK as u32);
         let start = {
             let mut start = [Recorded::zero(); FIELDS];
             start[..LIMITS].fill(Recorded::of(BEYOND));
             start
         };
-        // Columns are padded to whole chunks with what limits nothing.
-        let end = first + Index::of(CHUNK as u32);
-        let least = bind.scope.fold(first, end, start, |_, mut least, i| {
+        // Columns are padded to whole chunks with what limits nothing. Threads side by side read numbers side by side.
+        let (zero, end) = (Index::of(0), Index::of(EACH as u32));
+        let least = bind.scope.fold(zero, end, start, |_, mut least, k| {
+            let i = row + k * Index::of(rows as u32);
             for (k, number) in least.iter_mut().enumerate() {
-                let here = limits.get(k, i);
-                *number = if k < LIMITS { number.min(here) } else { number.max(here) };
+                *number = together()[k].of(*number, limits.get(k, i));
             }
             least
         });
         for (k, number) in least.into_iter().enumerate() {
-            extremes.set(0, Index::of((k * chunks) as u32) + chunk, number);
+            extremes.set_at(Index::of((k * rows) as u32) + row, number);
         }
     })
 }

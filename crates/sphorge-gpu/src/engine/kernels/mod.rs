@@ -13,6 +13,7 @@ pub(super) mod moving_least_squares;
 mod neighbors;
 pub(super) mod pairs;
 pub(super) mod predictor_corrector;
+pub(super) mod reduce;
 pub(super) mod reference;
 pub(super) mod reference_forces;
 pub(super) mod section;

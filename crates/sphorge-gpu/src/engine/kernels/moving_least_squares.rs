@@ -1,6 +1,5 @@
-//! Densities that are put right by moving least squares now and then.
+//! Densities restored by moving least squares now and then.
 
-use super::grid::Grid;
 use super::neighbors::{different, over_neighbors};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::HALF;
@@ -26,11 +25,7 @@ fn moments([zeroth, x, y, z, xx, yy, zz, xy, yz, xz]: [Recorded; 10]) -> Moments
 }
 
 /// The density of every particle that its neighbours of the same body make out; its own where they do not span the space.
-pub(in crate::engine) fn estimate<const D: usize>(
-    model: &Model,
-    grid: &Grid,
-    count: usize,
-) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn estimate<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let (kernel, dimension) = (model.numerics.kernel, model.dimensions.into());
     recording("estimate_density", count, |bind, i| {
         let near = (bind.read(Group::Place), bind.read(Group::Constants));
@@ -46,7 +41,7 @@ pub(in crate::engine) fn estimate<const D: usize>(
         let itself = value(PairScale::new::<D>(sigma, h), zero);
         let mut start = Moments::default();
         start.add(origin, volume(i) * itself);
-        let all = over_neighbors::<_, D>(bind, model, grid, i, near, state(&start), |sums: [Recorded; 10], pair, j| {
+        let all = over_neighbors::<_, D>(bind, model, i, near, state(&start), |sums: [Recorded; 10], pair, j| {
             let add = || {
                 let mut sums = moments(sums);
                 sums.add(pair.x, volume(j) * value(pair.scale, pair.r2));
@@ -57,7 +52,7 @@ pub(in crate::engine) fn estimate<const D: usize>(
         let [constant, x, y, z, is_one] = moments(all).coefficients(h, dimension);
         let beta = Coefficients { constant, linear: [x, y, z] };
         let start = near.1.get(0, i) * beta.factor(origin) * itself;
-        let sum = over_neighbors::<_, D>(bind, model, grid, i, near, start, |sum: Recorded, pair, j| {
+        let sum = over_neighbors::<_, D>(bind, model, i, near, start, |sum: Recorded, pair, j| {
             let mass = near.1.get(0, j);
             let add = || sum + mass * beta.factor(pair.x) * value(pair.scale, pair.r2);
             Recorded::if_lt(other(j), half, add, || sum)

@@ -112,26 +112,8 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     state
 }
 
-/// The same for those in the sums of the particle, where lists are not kept.
+/// Takes a state through the list of a particle, and those of it that are within the kernel support now.
 pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
-    bind: &mut Binder<'_>,
-    model: &Model,
-    grid: &Grid,
-    i: Index,
-    near: (Reading, Reading),
-    start: S,
-    add: impl Fn(S, &Pair, Index) -> S,
-) -> S {
-    match model.search {
-        Search::EveryStep => over_own_body::<S, D>(bind, model, grid, i, near, start, add),
-        Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => {
-            over_kept::<S, D>(bind, model, i, near, start, add)
-        }
-    }
-}
-
-/// Takes a state through the kept list of a particle, and those of it that are within the kernel support now.
-fn over_kept<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     i: Index,
@@ -153,6 +135,10 @@ fn over_kept<S: Numbers<Recorded>, const D: usize>(
                 pair.x[a] = stored.get_at(stored_place(k, a, stride, i));
                 pair.r2 = pair.x[a].mul_add(pair.x[a], pair.r2);
             }
+        }
+        if model.search == Search::EveryStep {
+            // All are: they were found in this step.
+            return add(state, &pair, j);
         }
         let reach = support * pair.scale.h;
         Recorded::if_lt(pair.r2, reach * reach, || add(state, &pair, j), || state)

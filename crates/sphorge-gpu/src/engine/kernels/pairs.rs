@@ -1,6 +1,5 @@
 //! The pair sums: every particle goes through the cells around its own.
 
-use super::grid::Grid;
 use super::kept;
 use super::motion::Motions;
 use super::neighbors::{Pair, over_neighbors};
@@ -64,7 +63,6 @@ pub(in crate::engine) fn is_corrected(model: &Model) -> bool {
 /// at its end.
 pub(in crate::engine) fn gradients<const D: usize>(
     model: &Model,
-    grid: &Grid,
     corrects_strain: bool,
     count: usize,
 ) -> Result<Recording, KernelFault> {
@@ -85,7 +83,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
         let zero = Recorded::zero();
         let has_moment = corrects_strain || is_corrected(model);
         let start = Gradients { gradient: [[zero; 3]; 3], moment: has_moment.then_some([[zero; 3]; 3]), inside: zero };
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, |mut state: Gradients, pair, j| {
+        let sums = over_neighbors::<_, D>(bind, model, i, near, start, |mut state: Gradients, pair, j| {
             let other = pair.image.vector(velocity.vector(0, j));
             let v = [0, 1, 2].map(|a| other[a] - own[a]);
             let (mut x, mut r2) = (pair.x, pair.r2);
@@ -153,11 +151,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
 
 /// The gradient correction at the positions and densities that the forces of the leapfrog are evaluated with. Torques cancel only if force and
 /// correction see the same.
-pub(in crate::engine) fn correct<const D: usize>(
-    model: &Model,
-    grid: &Grid,
-    count: usize,
-) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn correct<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let (kernel, form) = (numerics.kernel, numerics.pair_form);
     recording("correct_gradients", count, |bind, i| {
@@ -165,7 +159,7 @@ pub(in crate::engine) fn correct<const D: usize>(
         let (density, correction) = (bind.read(Group::Density), bind.write(Group::Correction));
         let zero = Recorded::zero();
         let start = [[zero; 3]; 3];
-        let moment = over_neighbors::<_, D>(bind, model, grid, i, near, start, |moment: Tensor<Recorded>, pair, j| {
+        let moment = over_neighbors::<_, D>(bind, model, i, near, start, |moment: Tensor<Recorded>, pair, j| {
             let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
             let weight = gradient_weight(form, near.1.get(0, j), density.get(0, j));
             let f = pair.scale.weighted(weight).f(kernel.dw_over_q_by(q, inverse_q));
@@ -200,7 +194,6 @@ pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recor
 /// Where a section is given, the force of the pairs that cross it alone.
 pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
-    grid: &Grid,
     through: Option<Through<'_>>,
     count: usize,
 ) -> Result<Recording, KernelFault> {
@@ -300,13 +293,13 @@ pub(in crate::engine) fn forces<const D: usize>(
         if let Some(through) = through {
             let crossing = Crossing::of(bind, model, through, i, near.0);
             let none = [Recorded::zero(); 3];
-            let sum = over_neighbors::<_, D>(bind, model, grid, i, near, none, |sum: Vector<Recorded>, pair, j| {
+            let sum = over_neighbors::<_, D>(bind, model, i, near, none, |sum: Vector<Recorded>, pair, j| {
                 crossing.add(sum, &pair.image, j, || add(start, pair, j), |sums| [sums[0], sums[1], sums[2]])
             });
             crossing.set(sum.map(|of| of * factor * near.1.get(0, i)), false);
             return;
         }
-        let sums = over_neighbors::<_, D>(bind, model, grid, i, near, start, add);
+        let sums = over_neighbors::<_, D>(bind, model, i, near, start, add);
         let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         let mut smoothed = [4, 5, 6].map(|k| sums[k] * Recorded::of(numerics.xsph));
         if numerics.xsph != 0.0 {

@@ -1,0 +1,219 @@
+//! The context of a card, and what is made in it.
+
+use cudarc::driver::result::{self, DriverError};
+use cudarc::driver::sys::{self, CUcontext, CUdevice, CUdeviceptr, CUevent, CUfunction, CUmodule, CUstream};
+use std::ffi::{CString, c_void};
+use std::sync::Arc;
+
+/// A context with the one stream everything goes through.
+#[derive(Debug)]
+pub(super) struct Context {
+    device: CUdevice,
+    context: CUcontext,
+    stream: CUstream,
+}
+
+// SAFETY: the driver's handles may be used on every thread on which the context is current; `enter` makes it so before each use.
+unsafe impl Send for Context {}
+// SAFETY: as above; calls of the driver are safe from several threads at once.
+unsafe impl Sync for Context {}
+
+impl Context {
+    pub(super) fn new(device: CUdevice) -> Result<Arc<Self>, DriverError> {
+        // SAFETY: the device is one the driver has given; the context is given back when this is dropped.
+        let context = unsafe { result::primary_ctx::retain(device) }?;
+        let mut new = Self { device, context, stream: std::ptr::null_mut() };
+        new.enter()?;
+        // Nobody else waits for it.
+        new.stream = result::stream::create(result::stream::StreamKind::NonBlocking)?;
+        Ok(Arc::new(new))
+    }
+
+    /// Makes it the context of this thread.
+    pub(super) fn enter(&self) -> Result<(), DriverError> {
+        // SAFETY: the context lives as long as this.
+        unsafe { result::ctx::set_current(self.context) }
+    }
+
+    /// Waits for everything that was asked for.
+    pub(super) fn wait(&self) -> Result<(), DriverError> {
+        self.enter()?;
+        // SAFETY: the stream is one of this context.
+        unsafe { result::stream::synchronize(self.stream) }
+    }
+
+    /// Free and all memory of the card, bytes.
+    pub(super) fn memory(&self) -> Result<(usize, usize), DriverError> {
+        self.enter()?;
+        result::mem_get_info()
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        // There is nobody to tell of a card that is lost by now.
+        let _ = self.enter();
+        if !self.stream.is_null() {
+            // SAFETY: made in `new`, and nothing that uses it is left: blocks and modules hold the context.
+            let _ = unsafe { result::stream::destroy(self.stream) };
+        }
+        // SAFETY: retained in `new`.
+        let _ = unsafe { result::primary_ctx::release(self.device) };
+    }
+}
+
+/// What the driver says of an error.
+pub(super) fn told(error: DriverError) -> String {
+    let text = |of: Result<&std::ffi::CStr, DriverError>| of.map(|text| text.to_string_lossy().into_owned()).ok();
+    match (text(error.error_string()), text(error.error_name())) {
+        (Some(string), Some(name)) => format!("{string} ({name})"),
+        _ => format!("error {} of the driver", error.0 as u32),
+    }
+}
+
+/// Memory of a card.
+#[derive(Debug)]
+pub(in crate::device) struct Block {
+    context: Arc<Context>,
+    pointer: CUdeviceptr,
+    bytes: usize,
+}
+
+impl Block {
+    /// Memory of so many bytes, more than none, all zero.
+    pub(super) fn zeros(context: &Arc<Context>, bytes: usize) -> Result<Self, DriverError> {
+        context.enter()?;
+        // SAFETY: freed when this is dropped.
+        let pointer = unsafe { result::malloc_sync(bytes) }?;
+        let block = Self { context: context.clone(), pointer, bytes };
+        // SAFETY: as long as it was asked for.
+        unsafe { result::memset_d8_async(pointer, 0, bytes, context.stream) }?;
+        Ok(block)
+    }
+
+    /// Overwrites the first bytes, after everything that was asked for.
+    pub(super) fn write(&self, bytes: &[u8]) -> Result<(), DriverError> {
+        self.context.enter()?;
+        let bytes = &bytes[..bytes.len().min(self.bytes)];
+        // SAFETY: within the block. The source is pageable memory, which the driver has copied when it returns.
+        unsafe { result::memcpy_htod_async(self.pointer, bytes, self.context.stream) }
+    }
+
+    /// Copies the first bytes back, after everything that was asked for.
+    pub(super) fn read(&self, into: &mut [u8]) -> Result<(), DriverError> {
+        self.context.enter()?;
+        let length = into.len().min(self.bytes);
+        // SAFETY: within the block, and waited for before `into` can go.
+        let copied = unsafe { result::memcpy_dtoh_async(&mut into[..length], self.pointer, self.context.stream) };
+        self.context.wait()?;
+        copied
+    }
+}
+
+impl Drop for Block {
+    fn drop(&mut self) {
+        if self.context.enter().is_ok() {
+            // SAFETY: taken in `zeros`; the driver waits for what uses it.
+            let _ = unsafe { result::free_sync(self.pointer) };
+        }
+    }
+}
+
+/// Code on a card.
+#[derive(Debug)]
+pub(super) struct Function {
+    context: Arc<Context>,
+    module: CUmodule,
+    function: CUfunction,
+}
+
+// SAFETY: as for the context.
+unsafe impl Send for Function {}
+// SAFETY: as for the context.
+unsafe impl Sync for Function {}
+
+impl Function {
+    /// Loads a kernel of code that was compiled for this card.
+    pub(super) fn load(context: &Arc<Context>, name: &str, code: &[u8]) -> Result<Self, DriverError> {
+        context.enter()?;
+        // SAFETY: the code is what the compiler gave, with its own end.
+        let module = unsafe { result::module::load_data(code.as_ptr().cast()) }?;
+        let mut new = Self { context: context.clone(), module, function: std::ptr::null_mut() };
+        // Names of kernels are letters, digits and underscores.
+        let name = CString::new(name).unwrap_or_default();
+        // SAFETY: the module was just loaded, and lives as long as this.
+        new.function = unsafe { result::module::get_function(module, name) }?;
+        Ok(new)
+    }
+
+    /// Launches it on blocks of memory, in their order, and a number of threads, the last argument.
+    pub(super) fn launch(&self, blocks: &[Arc<Block>], threads: u32, group: u32) -> Result<(), DriverError> {
+        if threads == 0 {
+            return Ok(());
+        }
+        self.context.enter()?;
+        let pointers: Vec<CUdeviceptr> = blocks.iter().map(|block| block.pointer).collect();
+        let of = |pointer: &CUdeviceptr| std::ptr::from_ref(pointer).cast_mut().cast::<c_void>();
+        let mut arguments: Vec<*mut c_void> = pointers.iter().map(of).collect();
+        arguments.push(std::ptr::from_ref(&threads).cast_mut().cast());
+        let groups = (threads.div_ceil(group), 1, 1);
+        // SAFETY: as many pointers as the kernel has buffers, which was checked when it was bound, to memory that the launch keeps; the driver
+        // copies the arguments before it returns.
+        unsafe {
+            let stream = self.context.stream;
+            result::launch_kernel(self.function, groups, (group, 1, 1), 0, stream, &mut arguments)
+        }
+    }
+}
+
+impl Drop for Function {
+    fn drop(&mut self) {
+        if self.context.enter().is_ok() {
+            // SAFETY: loaded in `load`.
+            let _ = unsafe { result::module::unload(self.module) };
+        }
+    }
+}
+
+/// A moment of the stream.
+#[derive(Debug)]
+pub(super) struct Event {
+    context: Arc<Context>,
+    event: CUevent,
+}
+
+impl Event {
+    /// The moment when everything that was asked for so far is done.
+    pub(super) fn now(context: &Arc<Context>) -> Result<Self, DriverError> {
+        context.enter()?;
+        let event = result::event::create(sys::CUevent_flags::CU_EVENT_DEFAULT)?;
+        let new = Self { context: context.clone(), event };
+        // SAFETY: event and stream are of this context.
+        unsafe { result::event::record(event, context.stream) }?;
+        Ok(new)
+    }
+
+    /// Seconds from an earlier moment to this one, both waited for.
+    pub(super) fn since(&self, earlier: &Self) -> Result<f64, DriverError> {
+        type Elapsed = unsafe extern "C" fn(*mut f32, CUevent, CUevent) -> sys::CUresult;
+        self.context.wait()?;
+        let mut milliseconds = 0.0;
+        // The call of that name is in every driver; what cudarc calls instead, in those since CUDA 12.8 alone.
+        // SAFETY: the driver is loaded, and this is how it declares the call.
+        let Ok(elapsed) = (unsafe { sys::culib().get::<Elapsed>(b"cuEventElapsedTime\0") }) else {
+            return Err(DriverError(sys::CUresult::CUDA_ERROR_NOT_SUPPORTED));
+        };
+        // SAFETY: both were recorded in this stream.
+        unsafe { elapsed(&raw mut milliseconds, earlier.event, self.event) }.result()?;
+        Ok(1e-3 * f64::from(milliseconds))
+    }
+}
+
+impl Drop for Event {
+    fn drop(&mut self) {
+        if self.context.enter().is_ok() {
+            // SAFETY: made in `now`.
+            let _ = unsafe { result::event::destroy(self.event) };
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Cards that NVIDIA's CUDA driver reaches. Nothing of CUDA is needed to build or to start the program: driver and compiler are loaded where they are there.
+
+mod compile;
+mod context;
+mod library;
+
+use super::trouble::Trouble;
+use super::{CardFault, Found, Interface, Memory, Missing};
+use crate::record::Kernel;
+use crate::source::WORKGROUP;
+use compile::{Architecture, advice, compile};
+use context::{Context, Event, Function, told};
+use cudarc::driver::result::{self, DriverError};
+use cudarc::driver::sys::{self, CUdevice, CUdevice_attribute};
+use library::Versions;
+use std::sync::Arc;
+
+pub(in crate::device) use context::Block;
+pub use library::NVRTC_FOLDER;
+
+/// A card that is open.
+#[derive(Debug)]
+pub(super) struct Cuda {
+    name: String,
+    versions: Versions,
+    architecture: Architecture,
+    context: Arc<Context>,
+    /// The first thing that went wrong with a launch or a copy. They are told when they are waited for.
+    trouble: Trouble,
+}
+
+/// A kernel with its memory.
+#[derive(Debug)]
+pub(super) struct Bound {
+    function: Arc<Function>,
+    blocks: Vec<Arc<Block>>,
+    threads: u32,
+}
+
+/// A kernel compiled for a card.
+#[derive(Clone, Debug)]
+pub(super) struct Compiled {
+    function: Arc<Function>,
+    /// How many it is bound to.
+    buffers: usize,
+}
+
+/// A card by its number, and what it is.
+pub(super) struct Candidate {
+    number: i32,
+    pub(super) found: Found,
+}
+
+fn device(number: i32) -> Result<CUdevice, DriverError> {
+    result::device::get(number)
+}
+
+fn attribute(device: CUdevice, of: CUdevice_attribute) -> Result<i32, DriverError> {
+    // SAFETY: the device is one the driver has given.
+    unsafe { result::device::get_attribute(device, of) }
+}
+
+/// Ten times the compute capability.
+fn capability(device: CUdevice) -> Result<i32, DriverError> {
+    let major = attribute(device, CUdevice_attribute::CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR)?;
+    let minor = attribute(device, CUdevice_attribute::CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR)?;
+    Ok(10 * major + minor)
+}
+
+/// Every card that driver and compiler serve, in the driver's order, which is the fastest first.
+///
+/// # Errors
+/// There is no driver, no card or no compiler.
+pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
+    let versions = library::reach()?;
+    let silent = |error: DriverError| Missing {
+        interface: Interface::Cuda,
+        why: format!("NVIDIA's driver does not tell of its cards: {}", told(error)),
+        cure: "see what `nvidia-smi` says".to_owned(),
+    };
+    let candidate = |number: i32| -> Result<Candidate, DriverError> {
+        let of = device(number)?;
+        // SAFETY: the device is one the driver has given.
+        let total = unsafe { result::device::total_mem(of) }? as u64;
+        let capability = capability(of)?;
+        let Versions { driver, compiler } = versions;
+        let found = Found {
+            name: result::device::get_name(of)?,
+            interface: Interface::Cuda,
+            driver: format!(
+                "CUDA {}.{}, NVRTC {}.{}, compute capability {}.{}",
+                driver.0,
+                driver.1,
+                compiler.0,
+                compiler.1,
+                capability / 10,
+                capability % 10
+            ),
+            is_software: false,
+            largest_buffer: total,
+            // What is free, a context must be asked for.
+            memory: Some(Memory { total, free: None }),
+        };
+        Ok(Candidate { number, found })
+    };
+    let count = result::device::get_count().map_err(silent)?;
+    (0..count).map(candidate).collect::<Result<_, _>>().map_err(silent)
+}
+
+impl Candidate {
+    pub(super) fn open(&self) -> Result<Cuda, CardFault> {
+        let refused = |why: String| CardFault::DoesNotOpen { name: self.found.name.clone(), why };
+        let by_driver = |error: DriverError| refused(told(error));
+        let device = device(self.number).map_err(by_driver)?;
+        let versions = library::reach().map_err(|missing| refused(missing.why))?;
+        let architecture = Architecture::of(capability(device).map_err(by_driver)?).map_err(refused)?;
+        let context = Context::new(device).map_err(by_driver)?;
+        let name = self.found.name.clone();
+        Ok(Cuda { name, versions, architecture, context, trouble: Trouble::default() })
+    }
+}
+
+impl Cuda {
+    /// Free and all memory, where the driver says.
+    pub(super) fn memory(&self) -> Option<Memory> {
+        let (free, total) = self.context.memory().ok()?;
+        Some(Memory { total: total as u64, free: Some(free as u64) })
+    }
+
+    pub(super) fn zeros(&self, bytes: u64) -> Result<Arc<Block>, String> {
+        Block::zeros(&self.context, bytes as usize).map(Arc::new).map_err(|error| match (error.0, self.memory()) {
+            (sys::CUresult::CUDA_ERROR_OUT_OF_MEMORY, Some(Memory { total, free: Some(free) })) => {
+                format!("{free} of its {total} bytes are free")
+            }
+            _ => told(error),
+        })
+    }
+
+    pub(super) fn write(&self, block: &Block, bytes: &[u8]) {
+        self.note(block.write(bytes));
+    }
+
+    pub(super) fn compile(&self, kernel: &Kernel, text: &str) -> Result<Compiled, String> {
+        let code = compile(&kernel.name, text, &self.architecture)?;
+        let function = Function::load(&self.context, &kernel.name, &code)
+            .map_err(|error| format!("{}{}", told(error), advice(self.versions)))?;
+        Ok(Compiled { function: Arc::new(function), buffers: kernel.buffers.len() })
+    }
+
+    pub(super) fn bind(&self, of: &Compiled, blocks: Vec<Arc<Block>>, threads: u32) -> Result<Bound, String> {
+        if blocks.len() != of.buffers {
+            return Err(format!("it has {} buffers, and {} are given", of.buffers, blocks.len()));
+        }
+        Ok(Bound { function: of.function.clone(), blocks, threads })
+    }
+
+    pub(super) fn launch<'a>(&self, launches: impl Iterator<Item = &'a Bound>) {
+        for launch in launches {
+            self.note(launch.function.launch(&launch.blocks, launch.threads, WORKGROUP));
+        }
+    }
+
+    /// Seconds that what is launched takes on the card.
+    pub(super) fn time(&self, launch: impl FnOnce()) -> Result<f64, CardFault> {
+        let lost = |error| self.lost(&told(error));
+        let start = Event::now(&self.context).map_err(lost)?;
+        launch();
+        let end = Event::now(&self.context).map_err(lost)?;
+        end.since(&start).map_err(lost)
+    }
+
+    pub(super) fn read(&self, block: &Block, count: usize) -> Result<Vec<f32>, CardFault> {
+        let mut numbers = vec![0.0f32; count];
+        let read = block.read(bytemuck::cast_slice_mut(&mut numbers));
+        if let Some(why) = self.trouble.first() {
+            return Err(self.lost(&why));
+        }
+        read.map_err(|error| self.lost(&told(error)))?;
+        Ok(numbers)
+    }
+
+    fn note(&self, done: Result<(), DriverError>) {
+        if let Err(error) = done {
+            self.trouble.keep(told(error));
+        }
+    }
+
+    fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
+        CardFault::Lost { name: self.name.clone(), why: why.to_string() }
+    }
+}

@@ -1,0 +1,81 @@
+//! Times of kernels, and what they do in them.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Which launch of a kernel counts what it does instead of being timed: the first steps are of a start.
+const COUNTED: u64 = 3;
+
+/// Times of kernels, each waited for by itself; copies share them.
+#[derive(Clone, Debug, Default)]
+pub struct Profile(Arc<Mutex<Vec<KernelTime>>>);
+
+/// What the launches of a kernel took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KernelTime {
+    /// Name of the kernel.
+    pub kernel: String,
+    /// How often it was timed.
+    pub launches: u64,
+    /// Seconds of all these.
+    pub seconds: f64,
+    /// What one launch did, where it was counted.
+    pub work: Option<KernelWork>,
+}
+
+/// What one launch of a kernel does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelWork {
+    /// Bytes that its threads read or write; what a cache has of them need not come from memory.
+    pub bytes: f64,
+    /// Additions, multiplications, divisions, roots and functions; a product that is added to something is two.
+    pub operations: f64,
+}
+
+impl Profile {
+    /// Forgets the times, not the work.
+    pub fn clear(&self) {
+        for of in self.kernels().iter_mut() {
+            (of.launches, of.seconds) = (0, 0.0);
+        }
+    }
+
+    /// Forgets everything, and gives back what there was of kernels that were timed, the longest first.
+    pub fn take(&self) -> Vec<KernelTime> {
+        let mut times = std::mem::take(&mut *self.kernels());
+        times.retain(|of| of.launches > 0);
+        times.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        times
+    }
+
+    fn kernels(&self) -> MutexGuard<'_, Vec<KernelTime>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn change(&self, kernel: &str, change: impl FnOnce(&mut KernelTime)) {
+        let mut kernels = self.kernels();
+        match kernels.iter_mut().find(|of| of.kernel == kernel) {
+            Some(of) => change(of),
+            None => {
+                let mut new = KernelTime { kernel: kernel.to_owned(), ..KernelTime::default() };
+                change(&mut new);
+                kernels.push(new);
+            }
+        }
+    }
+
+    pub(super) fn add(&self, kernel: &str, seconds: f64) {
+        self.change(kernel, |of| {
+            of.launches += 1;
+            of.seconds += seconds;
+        });
+    }
+
+    /// Whether the next launch counts what it does.
+    pub(super) fn counts_next(&self, kernel: &str) -> bool {
+        self.kernels().iter().any(|of| of.kernel == kernel && of.launches == COUNTED && of.work.is_none())
+    }
+
+    pub(super) fn count(&self, kernel: &str, numbers: f64, operations: f64) {
+        self.change(kernel, |of| of.work = Some(KernelWork { bytes: 4.0 * numbers, operations }));
+    }
+}

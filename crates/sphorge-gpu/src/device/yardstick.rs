@@ -1,0 +1,79 @@
+//! What a card can do at most, measured on the spot.
+
+use super::{Card, CardFault};
+use crate::record::{Index, Kernel, KernelFault, Recorded};
+use sphorge_physics::Real;
+
+/// What a card can do at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yardstick {
+    /// Bytes that a copy reads and writes in a second.
+    pub bytes_per_second: f64,
+    /// Operations per second of products that are added to something, two each, in single precision.
+    pub operations_per_second: f64,
+    /// Seconds of a launch that does next to nothing, waited for.
+    pub launch_seconds: f64,
+}
+
+/// What a measurement takes at least, s.
+const LONG_ENOUGH: f64 = 0.02;
+/// Threads of the largest.
+const MOST: usize = 1 << 26;
+/// Independent sums of a thread, and additions to each.
+const SUMS: usize = 16;
+const ADDITIONS: u32 = 256;
+
+impl Card {
+    /// Measures what it can do.
+    ///
+    /// # Errors
+    /// It does not answer, or has no room.
+    pub fn yardstick(&self) -> Result<Yardstick, CardFault> {
+        let recorded = |kernel: Result<Kernel, KernelFault>| {
+            kernel.map_err(|fault| CardFault::Kernel { kernel: fault.kernel, why: fault.what.to_owned() })
+        };
+        let copy = recorded(Kernel::record("copy", |scope| {
+            let (x, y) = (scope.input("x"), scope.output("y"));
+            let i = scope.thread();
+            y.set(i, x.at(i));
+        }))?;
+        let multiply = recorded(Kernel::record("multiply", |scope| {
+            let (x, y) = (scope.input("x"), scope.output("y"));
+            let i = scope.thread();
+            let factor = x.at(i);
+            // Each another, so that no compiler finds that one would do.
+            let start: [_; SUMS] = std::array::from_fn(|k| Recorded::of(k as f64));
+            let sums = scope.fold(Index::of(0), Index::of(ADDITIONS), start, |_, sums, _| {
+                sums.map(|sum| sum.mul_add(factor, factor))
+            });
+            y.set(i, sums.into_iter().reduce(|a, b| a + b).unwrap_or(factor));
+        }))?;
+        let (copies, seconds) = self.largest(&copy, MOST.min(self.found().largest_buffer as usize / 4))?;
+        let (threads, multiplying) = self.largest(&multiply, copies)?;
+        let (_, launch_seconds) = self.largest(&copy, 1)?;
+        Ok(Yardstick {
+            bytes_per_second: 8.0 * copies as f64 / seconds,
+            operations_per_second: 2.0 * (SUMS * threads) as f64 * f64::from(ADDITIONS) / multiplying,
+            launch_seconds,
+        })
+    }
+
+    /// Threads of a launch that takes long enough, or as many as there may be, and the least seconds of a few.
+    fn largest(&self, kernel: &Kernel, most: usize) -> Result<(usize, f64), CardFault> {
+        let program = self.compile(kernel)?;
+        let mut threads = most.min(1 << 14);
+        loop {
+            let (x, y) = (self.zeros(threads)?, self.zeros(threads)?);
+            let launch = self.bind(&program, &[&x, &y], threads as u32)?;
+            let mut least = f64::INFINITY;
+            // The first touches memory for the first time.
+            for _ in 0..5 {
+                least = least.min(self.time([&launch])?);
+            }
+            if least >= LONG_ENOUGH || threads >= most {
+                return Ok((threads, least));
+            }
+            threads = most.min(4 * threads);
+        }
+    }
+}

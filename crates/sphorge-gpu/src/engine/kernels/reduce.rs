@@ -1,0 +1,124 @@
+//! Numbers of parts of the particles brought together until a few rows are left, which is what is copied back.
+
+use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::record::{Index, KernelFault, Recorded};
+use sphorge_physics::Real;
+
+/// Rows that one thread brings together.
+const WIDTH: usize = 64;
+
+/// So few rows are copied back as they are.
+const FEW: usize = 16;
+
+/// How numbers of a column come together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Together {
+    Least,
+    Largest,
+    Sum,
+}
+
+impl Together {
+    pub(in crate::engine) fn of(self, a: Recorded, b: Recorded) -> Recorded {
+        match self {
+            Self::Least => a.min(b),
+            Self::Largest => a.max(b),
+            Self::Sum => a + b,
+        }
+    }
+}
+
+/// Rows after each pass, of so many.
+fn passes(rows: usize) -> Vec<usize> {
+    let mut passes = Vec::new();
+    let mut left = rows;
+    while left > FEW {
+        left = left.div_ceil(WIDTH);
+        passes.push(left);
+    }
+    passes
+}
+
+/// The group that is left of one with so many rows.
+pub(in crate::engine) fn left(group: Group, rows: usize) -> Group {
+    match passes(rows).len() {
+        0 => group,
+        count => reduced(group, count - 1),
+    }
+}
+
+/// What a pass makes of a group.
+fn reduced(group: Group, pass: usize) -> Group {
+    match group {
+        Group::Ways => Group::WaysLeft(pass),
+        _ => Group::ExtremesLeft(pass),
+    }
+}
+
+/// Groups that passes over one with so many rows write, with their rows.
+pub(in crate::engine) fn groups(group: Group, rows: usize) -> impl Iterator<Item = (Group, usize)> {
+    passes(rows).into_iter().enumerate().map(move |(pass, rows)| (reduced(group, pass), rows))
+}
+
+/// The passes over a group of columns of so many rows, one behind the other, with the threads of each.
+pub(in crate::engine) fn reduce<const COLUMNS: usize>(
+    group: Group,
+    rows: usize,
+    columns: [Together; COLUMNS],
+) -> Result<Vec<(Recording, usize)>, KernelFault> {
+    let (mut from, mut length) = (group, rows);
+    let mut kernels = Vec::new();
+    for (to, left) in groups(group, rows) {
+        // Names are letters, digits and underscores.
+        let name = format!("{to:?}").to_lowercase().replace('(', "_").replace(')', "");
+        let kernel = recording(&name, length, |bind, row| {
+            let (rows, sums) = (bind.read(from), bind.write(to));
+            let first = row * Index::of(WIDTH as u32);
+            let end = Index::floor((first + Index::of(WIDTH as u32)).number().min(Recorded::of(length as f64)));
+            let start: [Recorded; COLUMNS] = core::array::from_fn(|k| rows.get(k, first));
+            let all = bind.scope.fold(first + Index::of(1), end, start, |_, mut all, i| {
+                for (k, number) in all.iter_mut().enumerate() {
+                    *number = columns[k].of(*number, rows.get(k, i));
+                }
+                all
+            });
+            for (k, number) in all.into_iter().enumerate() {
+                sums.set_at(Index::of((k * left) as u32) + row, number);
+            }
+        })?;
+        kernels.push((kernel, left));
+        (from, length) = (to, left);
+    }
+    Ok(kernels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluation;
+
+    #[test]
+    fn rows_come_together_to_a_few_whatever_their_number() {
+        use Together::{Largest, Least, Sum};
+        for count in [1, 16, 17, 64, 65, 1000, 64 * 64 + 1, 300_000] {
+            let number = |k: usize, i: usize| ((i * 7919 + k * 31) % 1009) as f32 - 500.0;
+            let mut rows: Vec<f32> = (0..3).flat_map(|k| (0..count).map(move |i| number(k, i))).collect();
+            let expected = [
+                (0..count).map(|i| number(0, i)).fold(f32::INFINITY, f32::min),
+                (0..count).map(|i| number(1, i)).fold(f32::NEG_INFINITY, f32::max),
+                (0..count).map(|i| number(2, i)).sum(),
+            ];
+            for (kernel, left) in reduce(Group::Extremes, count, [Least, Largest, Sum]).unwrap() {
+                let mut buffers = [rows, vec![f32::NAN; 3 * left]];
+                Evaluation::default().run(&kernel.kernel, &mut buffers, left as u32);
+                let [_, sums] = buffers;
+                rows = sums;
+            }
+            let left = rows.len() / 3;
+            assert!(left <= FEW, "{left} of {count}");
+            let of = |k: usize| rows[k * left..(k + 1) * left].iter().copied();
+            let found = [of(0).fold(f32::INFINITY, f32::min), of(1).fold(f32::NEG_INFINITY, f32::max), of(2).sum()];
+            assert_eq!(found, expected, "{count}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! What is counted and timed on a card.
+
+use super::card::card;
+use super::engine::start;
+use crate::Gpu;
+use crate::device::Profile;
+
+const PLATE: (&str, &[(&str, &str)]) =
+    ("taylor-plate", &[("particles.spacing", "\"0.6 mm\""), ("search", "\"every-step\"")]);
+
+#[test]
+fn neighbours_of_a_step_are_those_of_all_particles() {
+    if card().is_none() {
+        return;
+    }
+    // One row is left of the finer, several of the coarser, which needs no pass.
+    for spacing in ["\"0.6 mm\"", "\"0.9 mm\""] {
+        let mut simulation = start(&Gpu::default(), PLATE.0, &[("particles.spacing", spacing), PLATE.1[1]]);
+        for _ in 0..3 {
+            let pairs = simulation.step(None).unwrap().pairs;
+            let particles = simulation.particles().unwrap();
+            let neighbors: u64 = particles.neighbors.iter().map(|count| u64::from(*count)).sum();
+            assert!(neighbors > 10 * particles.len() as u64);
+            assert_eq!(pairs, neighbors);
+        }
+    }
+}
+
+#[test]
+fn kernels_are_timed_and_what_they_do_is_counted_and_a_run_stays_the_same() {
+    let Some(card) = card() else { return };
+    let profile = Profile::default();
+    let timed = Gpu { profile: Some(profile.clone()), ..Gpu::default() };
+    let [plain, timed] = [Gpu::default(), timed].map(|kind| {
+        let mut simulation = start(&kind, PLATE.0, PLATE.1);
+        for _ in 0..6 {
+            simulation.step(None).unwrap();
+        }
+        let particles = simulation.particles().unwrap();
+        (particles.len(), simulation.mean_neighbors(), particles.velocity)
+    });
+    assert!(plain == timed, "what is counted changes what is computed");
+    let kernels = profile.take();
+    let (count, neighbors, _) = plain;
+    let forces = kernels.iter().find(|of| of.kernel == "forces").unwrap();
+    // Seven evaluations, one of which was counted instead.
+    assert_eq!(forces.launches, 6);
+    assert!(forces.seconds > 0.0);
+    let work = forces.work.unwrap();
+    let per_pair = work.operations / (count as f64 * neighbors);
+    assert!((30.0..300.0).contains(&per_pair), "{per_pair} operations of a pair");
+    assert!(kernels.windows(2).all(|pair| pair[0].seconds >= pair[1].seconds));
+    assert!(profile.take().is_empty());
+    let limits = card.yardstick().unwrap();
+    assert!(limits.bytes_per_second > 1e6 && limits.operations_per_second > 1e6 && limits.launch_seconds > 0.0);
+}
