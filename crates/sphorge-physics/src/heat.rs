@@ -34,6 +34,13 @@ pub fn temperature_from_energy<T: Real>(
     reference_temperature + (energy - cold_energy - elastic_energy - stored_plastic) / specific_heat
 }
 
+/// One where a metal is liquid, else zero: at the temperature of melting by its temperature or by that of its energy
+/// ([`temperature_from_energy`]). A temperature from plastic work does not know what a shock heats, the energy does.
+#[inline(always)]
+pub fn melted<T: Real>(temperature: T, temperature_of_energy: T, melting_temperature: T) -> T {
+    T::select_lt(temperature.max(temperature_of_energy), melting_temperature, T::zero(), T::one())
+}
+
 /// Specific elastic energy of shape change, `S:S / (4 G rho)`; zero without shear modulus.
 #[inline(always)]
 pub fn elastic_energy<T: Real>(deviator: SymmetricTensor<T>, shear_modulus: T, density: T) -> T {
@@ -58,6 +65,14 @@ mod tests {
     fn energy_gives_temperature_by_hand() {
         assert_eq!(temperature_from_energy(300.0f64, 90.0e3, 30.0e3, 5.0e3, 10.0e3, 450.0), 400.0);
         assert_eq!(temperature_from_energy(280.0f64, -1.0e3, 3.0e3, 0.5e3, 0.5e3, 500.0), 270.0);
+    }
+
+    #[test]
+    fn either_temperature_melts() {
+        let cases = [(999.9, 300.0, 0.0), (1000.0, 300.0, 1.0), (300.0, 999.9, 0.0), (300.0, 1000.0, 1.0)];
+        for (temperature, of_energy, is_liquid) in cases {
+            assert_eq!(melted(temperature, of_energy, 1000.0f64), is_liquid);
+        }
     }
 
     #[test]

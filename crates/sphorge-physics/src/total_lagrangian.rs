@@ -43,6 +43,10 @@ pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
     smallest_principal_value(c).max(T::zero()).sqrt()
 }
 
+/// Principal stretch at which a body comes apart where it is liquid, if its bound is not smaller: what bears no shear keeps its initial
+/// neighbours for no reason. With 16, the bound of a solid, the sheets of liquid metal in `penetration` fling their joint out.
+pub const LARGEST_STRETCH_OF_A_LIQUID: f64 = 4.0;
+
 /// Whether a principal stretch is above a bound.
 #[inline(always)]
 pub fn is_stretched(f: &Tensor<f64>, bound: f64) -> bool {

@@ -13,17 +13,13 @@ use crate::neighbors::BLOCK;
 use crate::particles::Owner;
 use rayon::prelude::*;
 use sphorge_physics::tensor::{identity, multiply};
-use sphorge_physics::total_lagrangian::is_stretched;
+use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, is_stretched};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Principal stretch, or one over it, at which the reference configuration of a body that has come apart is renewed. The crater of
 /// `penetration` at 0.4 mm is 31.4, 31.1, 29.6 mm wide with 1.5, 2, 3 (linear viscosity 1); below, noise of the springs that are set
 /// anew takes energy.
 const AGAIN: f64 = 2.0;
-
-/// Principal stretch at which a body comes apart where it is liquid, if the bound of the model is not smaller: what bears no shear keeps
-/// its initial neighbours for no reason. With the bound of a solid, 16, the sheets of liquid metal in `penetration` fling their joint out.
-const OF_A_LIQUID: f64 = 4.0;
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Makes the present configuration of the bodies that are deformed too far their reference. The lists are stale then. Returns whether
@@ -47,7 +43,12 @@ impl<T: PairScalar> CpuEngine<T> {
             };
             let too_far = match has_come_apart[body as usize] {
                 true => is_stretched(f, AGAIN) || smallest * AGAIN < 1.0,
-                false => is_stretched(f, bound) || bound > OF_A_LIQUID && is_stretched(f, OF_A_LIQUID) && is_liquid(),
+                false => {
+                    is_stretched(f, bound)
+                        || bound > LARGEST_STRETCH_OF_A_LIQUID
+                            && is_stretched(f, LARGEST_STRETCH_OF_A_LIQUID)
+                            && is_liquid()
+                }
             };
             if too_far {
                 is_due[body as usize].store(true, Ordering::Relaxed);

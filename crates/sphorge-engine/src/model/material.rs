@@ -3,7 +3,7 @@
 use sphorge_physics::conduction::effusivity;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
-use sphorge_physics::heat::{elastic_energy, temperature_from_energy};
+use sphorge_physics::heat::{elastic_energy, melted, temperature_from_energy};
 use sphorge_physics::total_lagrangian::young_modulus;
 use sphorge_physics::{Real, SymmetricTensor, return_mapping::ReturnRule};
 
@@ -109,13 +109,13 @@ impl Material {
         temperature_from_energy(self.reference_temperature, energy, cold, elastic, stored, self.specific_heat)
     }
 
-    /// Whether a particle bears no shear: its material never does, or has melted at the temperature (K) it has or at that of its energy. A
-    /// temperature from plastic work does not know what a shock heats, the energy does.
+    /// Whether a particle bears no shear: its material never does, or has melted at the temperature (K) it has or at that of its energy.
     pub fn is_liquid(&self, temperature: f64, state: &EnergyState) -> bool {
         let Some(melting) = self.flow_law.melting_temperature() else {
             return !self.flow_law.has_shear();
         };
-        temperature >= melting || self.heats() && self.temperature_of_energy(state, self.shear_modulus) >= melting
+        let of_energy = if self.heats() { self.temperature_of_energy(state, self.shear_modulus) } else { temperature };
+        melted(temperature, of_energy, melting) > 0.0
     }
 
     /// Young's modulus at rest, Pa.

@@ -11,6 +11,7 @@ use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
+use sphorge_physics::total_lagrangian::LARGEST_STRETCH_OF_A_LIQUID;
 
 impl GpuEngine {
     /// Time from the start of the step to where forces are evaluated, s.
@@ -109,7 +110,7 @@ impl Engine for GpuEngine {
             && self.extremes[limits::STRETCHED] > 0.0
         {
             return Err(failure(format!(
-                "a body is stretched beyond {bound} and has come apart; the engine for graphics cards does not renew the reference configuration: \
+                "a body is stretched beyond {bound}, or is liquid and stretched beyond {LARGEST_STRETCH_OF_A_LIQUID}, and has come apart; the engine for graphics cards does not renew the reference configuration: \
                  run with `--engine cpu`, or keep the initial one with `search.total-lagrangian.renewal = 0`"
             )));
         }

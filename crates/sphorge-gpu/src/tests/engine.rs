@@ -355,6 +355,21 @@ fn a_body_that_comes_apart_stops_the_run_and_says_what_to_do() {
 }
 
 #[test]
+fn a_liquid_comes_apart_when_it_does_on_the_processor() {
+    if card().is_none() {
+        return;
+    }
+    let melted = [IRON.1[0], IRON.1[1], ("body.bar.temperature", "\"1900 K\"")];
+    let mut simulation = start(&Gpu::default(), IRON.0, &melted);
+    let stops = (1..2000).find(|_| simulation.step(None).is_err()).expect("a liquid that is stretched");
+    let mut simulation = start(&Cpu, IRON.0, &melted);
+    simulation.step(None).unwrap();
+    let renews = (2..2000).find(|_| simulation.step(None).unwrap().searched_fraction > 0.0).unwrap();
+    println!("step {stops}, on the processor {renews}");
+    assert!(i32::abs_diff(stops, renews) <= 1, "step {stops}, on the processor {renews}");
+}
+
+#[test]
 fn bodies_of_two_metals_that_strike_are_those_of_the_processor() {
     let overrides = [
         ("search", "\"every-step\""),

@@ -6,14 +6,15 @@ use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Double, Index, KernelFault, Recorded};
-use sphorge_engine::model::{Model, TemperatureSource};
+use sphorge_engine::model::{Formulation, Material, Model, TemperatureSource};
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::FlowState;
-use sphorge_physics::heat::{elastic_energy, temperature_from_energy, temperature_rise_from_plastic_work};
+use sphorge_physics::heat::{elastic_energy, melted, temperature_from_energy, temperature_rise_from_plastic_work};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
 use sphorge_physics::stress::trial_deviator;
+use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, stretched};
 use sphorge_physics::viscosity::{ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power};
 use sphorge_physics::{Real, SymmetricTensor};
 
@@ -113,14 +114,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                             heat -= half * energy.get(4, i);
                         }
                     }
-                    let warm = temperature_from_energy(
-                        Recorded::of(material.reference_temperature),
-                        heat,
-                        material.cold_energies::<Recorded>().at(rho),
-                        elastic_energy(returned.deviator, shear_modulus, rho),
-                        Recorded::of(1.0 - material.taylor_quinney) * plastic.get(4, i),
-                        Recorded::of(material.specific_heat),
-                    );
+                    let elastic = elastic_energy(returned.deviator, shear_modulus, rho);
+                    let warm = temperature_of_energy(material, heat, rho, elastic, plastic.get(4, i));
                     temperature.set_all(0, i, &[warm, Recorded::zero()]);
                 }
             }
@@ -142,6 +137,32 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             accounts.add(10, 11, i, constants.get(0, i) * dt * power);
             stretch.set(1, i, q);
             pressure += q;
+            if let Formulation::TotalLagrangian { renewal: Some(bound), .. } = model.formulation
+                && bound > LARGEST_STRETCH_OF_A_LIQUID
+            {
+                let is_liquid = match material.flow_law.melting_temperature() {
+                    None => {
+                        if material.flow_law.has_shear() {
+                            Recorded::zero()
+                        } else {
+                            Recorded::one()
+                        }
+                    }
+                    Some(melting) => {
+                        let warm = temperature.get(0, i);
+                        let at_rest = Recorded::of(material.shear_modulus);
+                        let elastic = elastic_energy(returned.deviator, at_rest, rho);
+                        let of_energy = match material.heats() {
+                            true => temperature_of_energy(material, e, rho, elastic, plastic.get(4, i)),
+                            false => warm,
+                        };
+                        melted(warm, of_energy, Recorded::of(melting))
+                    }
+                };
+                let f = bind.read(Group::Deformation).tensor(0, i);
+                let flows = is_liquid * stretched(&f, Recorded::of(LARGEST_STRETCH_OF_A_LIQUID));
+                stretch.set(2, i, stretch.get(2, i).max(flows));
+            }
         }
         let sigma = (returned.deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
         packed.set_all(0, i, &sigma.to_array());
@@ -154,6 +175,24 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         }
         packed.set(13, i, state.sound_speed);
     })
+}
+
+/// Temperature of an internal energy, from it, density, elastic energy and plastic work.
+fn temperature_of_energy(
+    material: &Material,
+    energy: Recorded,
+    density: Recorded,
+    elastic: Recorded,
+    plastic_work: Recorded,
+) -> Recorded {
+    temperature_from_energy(
+        Recorded::of(material.reference_temperature),
+        energy,
+        material.cold_energies::<Recorded>().at(density),
+        elastic,
+        Recorded::of(1.0 - material.taylor_quinney) * plastic_work,
+        Recorded::of(material.specific_heat),
+    )
 }
 
 /// Warms the particles of material `k` by the friction of the step.
