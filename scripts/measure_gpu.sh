@@ -10,7 +10,7 @@
 #   --tests     tests of the crate, built with `cargo test -p sphorge-gpu --features device --release --no-run`
 #   --small     sizes that a software renderer does in a minute: shows that all of this works
 #
-# Parts, all if none is named, each below ten minutes:
+# Parts, all if none is named:
 #   devices     what there is
 #   tests       parity of laws, pair sums and whole runs with the processor, where --tests names them
 #   bullet      the bullet of the paper by every strategy
@@ -73,6 +73,11 @@ if [ $small = 1 ]; then
     spacings=('6 mm' '4 mm') largest='3 mm' seconds=0.2
 fi
 
+# is_done FILE: whether a run has reached its end, as its summary says.
+is_done() {
+    case $(text "$1" status 2>/dev/null) in completed*) return 0 ;; *) return 1 ;; esac
+}
+
 # run_bullets FOLDER ENGINE...: the bullet by every strategy; what is there already is kept, what fails is told and left out.
 run_bullets() {
     local folder=$out/$1 row name search
@@ -80,7 +85,7 @@ run_bullets() {
     mkdir -p "$folder"
     for row in "${strategies[@]}"; do
         name=${row%%|*} search=${row#*|}
-        [ -s "$folder/$name/summary.json" ] && continue
+        is_done "$folder/$name/summary.json" && continue
         echo "  $name"
         "$program" run bullet "$@" "${bullet[@]}" --set "search=$search" --overwrite -o "$folder/$name" >"$folder/$name.txt" 2>&1 ||
             { echo "    failed:"; tail -n 5 "$folder/$name.txt"; }
@@ -153,12 +158,12 @@ bullet_table() {
     echo "|---|---|---|---|---|---|---|---|---|"
     for row in "${strategies[@]}"; do
         name=${row%%|*} own=$out/bullet/$name/summary.json other=$out/processor/$name/summary.json
-        [ -s "$own" ] || { echo "| $name | did not run | | | | | | | |"; continue; }
+        is_done "$own" || { echo "| $name | did not run | | | | | | | |"; continue; }
         seconds=$(stages "$own")
         [ $name != every-step ] || every=$seconds
         speed_up=$(awk -v a="$every" -v b="$seconds" 'BEGIN { if (a != "") printf "%.2f", a / b }')
         velocity=$(number "$own" residual_velocity) beside='' difference=''
-        if [ -s "$other" ]; then
+        if is_done "$other"; then
             beside=$(number "$other" residual_velocity)
             difference=$(awk -v a="$velocity" -v b="$beside" 'BEGIN { printf "%+.2f %%", 100 * (a / b - 1) }')
         fi

@@ -44,7 +44,7 @@ pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
 }
 
 /// Principal stretch at which a body comes apart where it is liquid, if its bound is not smaller: what bears no shear keeps its initial
-/// neighbours for no reason. With 16, the bound of a solid, the sheets of liquid metal in `penetration` fling their joint out.
+/// neighbours for no reason. With 16, the bound of a solid, the sheets of liquid metal in `penetration` throw the material at their joint outwards.
 pub const LARGEST_STRETCH_OF_A_LIQUID: f64 = 4.0;
 
 /// Whether a principal stretch is above a bound.

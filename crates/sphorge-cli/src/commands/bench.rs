@@ -8,7 +8,7 @@ use crate::{
     readable, table, terminal,
 };
 use clap::Args;
-use sphorge::bench::{BenchOptions, BenchReport, CASES, bench};
+use sphorge::bench::{BenchError, BenchOptions, BenchReport, CASES, bench};
 use sphorge::deck::search_words;
 
 /// Arguments of `bench`.
@@ -75,8 +75,11 @@ pub(crate) fn execute(arguments: BenchArguments) -> Ending {
         threads: arguments.threads,
         seconds: arguments.seconds,
     };
-    let report = bench(&options, &mut |what| terminal::note(&format!("measuring {what}")))
-        .map_err(|error| Failure::Failed(error.into()))?;
+    let report =
+        bench(&options, &mut |what| terminal::note(&format!("measuring {what}"))).map_err(|error| match error {
+            BenchError::Deck(_) => Failure::BadInput(error.into()),
+            BenchError::Threads(_) | BenchError::Failed(_) => Failure::Failed(error.into()),
+        })?;
     let text = if arguments.json {
         let limits = times.as_ref().map(|times| &times.limits);
         terminal::json(&WithLimits { report: &report, card: limits })? + "\n"

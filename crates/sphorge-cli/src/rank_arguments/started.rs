@@ -2,7 +2,7 @@
 
 use std::env;
 
-/// Number of the process among them, of those who start processes of MPI: Open MPI, MPICH and its kin, PMIx (Slurm), Slurm without MPI.
+/// Number of the process among them, set by what starts processes of MPI: Open MPI, MPICH and its kin, PMIx (Slurm), Slurm without MPI.
 const NUMBER: [&str; 4] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"];
 /// How many they are. Of Slurm those of a step: its job has tasks that may not be started yet.
 const COUNT: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];

@@ -95,7 +95,7 @@ tables! {
         /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs soften and yield with the material.
         hourglass: Option<Given<Number>>, example 3.0, default 12.0;
         /// Principal stretch at which a body of the corrected form has come apart, 1.1 to 100, or 0 for never; at most 4 where it is liquid: bears no shear, or
-        /// has the temperature of melting, or the energy of it. Its sums are taken in its present configuration from then on, set anew whenever it is stretched or pressed by a factor of two: what has no neighbours in common is two pieces.
+        /// is at its melting temperature, or has the energy of that. Its sums are taken in its present configuration from then on, set anew whenever it is stretched or pressed by a factor of two: what has no neighbours in common is two pieces.
         renewal: Option<Given<Number>>, example 4.0, default 16.0;
         /// Whether bodies of the corrected form meet themselves, in the contact they meet each other in: where different sides of the surface
         /// come together that are no neighbours in the reference configuration. Not in a periodic cell, nor in one dimension.

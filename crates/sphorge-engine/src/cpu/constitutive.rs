@@ -5,7 +5,7 @@ use super::prefetch::prefetch_behind;
 use super::records::{extra, force, kinematic};
 use super::stress_columns::{ElasticInputs, PackStress, StressColumns, StressForm};
 use crate::lanes::{Instructions, PairScalar, run};
-use crate::model::{EnergyState, Integrator, Material, Model, TemperatureSource};
+use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -169,9 +169,9 @@ impl<'a> FlowColumns<'a> {
                 self.temperature[k] += heat::temperature_rise_from_plastic_work(beta, update.plastic_work, density, cp);
             }
             TemperatureSource::Energy => {
-                let (deviator, plastic_work) = (update.deviator, self.plastic_work[k]);
-                let state = EnergyState { energy, density, deviator, plastic_work };
-                self.temperature[k] = material.temperature_of_energy(&state, shear_modulus);
+                let elastic = heat::elastic_energy(update.deviator, shear_modulus, density);
+                let cold = material.cold_energy(density);
+                self.temperature[k] = material.temperature_of_energy(energy, cold, elastic, self.plastic_work[k]);
             }
         }
     }

@@ -100,22 +100,37 @@ impl Material {
         ColdEnergy::new(&self.bounded_pressure(), self.reference_temperature, self.specific_heat)
     }
 
-    /// Temperature of the internal energy in a state, K, with the energy of shape change of a shear modulus (Pa).
-    pub fn temperature_of_energy(&self, state: &EnergyState, shear_modulus: f64) -> f64 {
-        let EnergyState { energy, density, deviator, plastic_work } = *state;
-        let cold = self.cold_energy(density);
-        let elastic = elastic_energy(deviator, shear_modulus, density);
-        let stored = (1.0 - self.taylor_quinney) * plastic_work;
-        temperature_from_energy(self.reference_temperature, energy, cold, elastic, stored, self.specific_heat)
+    /// Temperature of an internal energy, K, from it and what of it is no heat: the energy of the density on the isotherm
+    /// ([`Self::cold_energy`]), that of shape change, and a share of the plastic work; all J/kg.
+    #[inline(always)]
+    pub fn temperature_of_energy<T: Real>(&self, energy: T, cold_energy: T, elastic_energy: T, plastic_work: T) -> T {
+        temperature_from_energy(
+            T::of(self.reference_temperature),
+            energy,
+            cold_energy,
+            elastic_energy,
+            T::of(1.0 - self.taylor_quinney) * plastic_work,
+            T::of(self.specific_heat),
+        )
     }
 
-    /// Whether a particle bears no shear: its material never does, or has melted at the temperature (K) it has or at that of its energy.
+    /// One where a particle bears no shear, else zero: its material never does, or has melted at the temperature (K) it has or at that of its
+    /// energy, which is asked for where energy heats.
+    #[inline(always)]
+    pub fn liquid<T: Real>(&self, temperature: T, of_energy: impl FnOnce() -> T) -> T {
+        match self.flow_law.melting_temperature() {
+            Some(melting) => melted(temperature, if self.heats() { of_energy() } else { temperature }, T::of(melting)),
+            None if self.flow_law.has_shear() => T::zero(),
+            None => T::one(),
+        }
+    }
+
+    /// Whether a particle of a temperature (K) and a state is liquid: see [`Self::liquid`].
     pub fn is_liquid(&self, temperature: f64, state: &EnergyState) -> bool {
-        let Some(melting) = self.flow_law.melting_temperature() else {
-            return !self.flow_law.has_shear();
-        };
-        let of_energy = if self.heats() { self.temperature_of_energy(state, self.shear_modulus) } else { temperature };
-        melted(temperature, of_energy, melting) > 0.0
+        let EnergyState { energy, density, deviator, plastic_work } = *state;
+        let elastic = || elastic_energy(deviator, self.shear_modulus, density);
+        let of_energy = || self.temperature_of_energy(energy, self.cold_energy(density), elastic(), plastic_work);
+        self.liquid(temperature, of_energy) > 0.0
     }
 
     /// Young's modulus at rest, Pa.
@@ -156,7 +171,7 @@ mod tests {
         let state = |energy: f64| EnergyState { energy, density: 8000.0, deviator: shear(4e8), plastic_work: 50e3 };
         assert!(!metal.is_liquid(999.9, &state(0.0)) && metal.is_liquid(1000.0, &state(0.0)));
         // 400 (1000 - 293.15) + 0.1 50e3 + 4e8^2/(2 80e9 8000) = 282 740 + 5000 + 125 J/kg.
-        assert!((metal.temperature_of_energy(&state(287_865.0), 80e9) - 1000.0).abs() < 1e-9);
+        assert!((metal.temperature_of_energy(287_865.0f64, 0.0, 125.0, 50e3) - 1000.0).abs() < 1e-9);
         assert!(!metal.is_liquid(300.0, &state(287_864.0)) && metal.is_liquid(300.0, &state(287_866.0)));
         // Without a specific heat energy says nothing of temperature.
         let cold = Material { specific_heat: NO_HEATING, ..metal };

@@ -61,7 +61,7 @@ impl<'a> SharedArchive<'a> {
         Self { way: Way::ToEach, ..Self::to_save(ranks, Some(part)) }
     }
 
-    /// To load from: the first rank gives an archive, of other ranks who has one. Parts may be of another number of ranks, or one the whole.
+    /// To load from: the first rank gives an archive, and so does any other rank that has one. Parts may come from another number of ranks, or one part may be the whole.
     pub fn to_load(ranks: &'a Ranks, part: Option<&'a mut dyn Archive>) -> Self {
         Self { way: Way::Out, ..Self::to_save(ranks, part) }
     }

@@ -126,11 +126,14 @@ impl Card {
     pub fn zeros(&self, count: usize) -> Result<Array, CardFault> {
         // No binding is empty.
         let bytes = 4 * count.max(1) as u64;
+        let refused = |why| CardFault::Memory { name: self.found.name.clone(), bytes, why };
+        if u32::try_from(count).is_err() {
+            return Err(refused(format!("kernels count up to {} numbers of a column", u32::MAX)));
+        }
         let buffer = match &self.way {
             Way::Cuda(cuda) => cuda.zeros(bytes).map(Buffer::Cuda),
             Way::Graphics(graphics) => graphics.zeros(bytes).map(Buffer::Graphics),
         };
-        let refused = |why| CardFault::Memory { name: self.found.name.clone(), bytes, why };
         Ok(Array { buffer: buffer.map_err(refused)?, count })
     }
 

@@ -9,7 +9,7 @@ pub enum BenchError {
     #[error("cannot start the threads: {0}")]
     #[diagnostic(help("ask for fewer with `--threads N`"))]
     Threads(String),
-    /// A shipped deck cannot be read.
+    /// A case cannot be read with the changes that were asked for.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Deck(DeckReport),

@@ -149,7 +149,10 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
                         measured => measured?,
                     };
                     if let Some(clock) = &options.kernels {
-                        (row.stage_shares, row.kernels) = clock.measure(setup, options.seconds)?;
+                        match clock.measure(setup, options.seconds) {
+                            Ok(measured) => (row.stage_shares, row.kernels) = measured,
+                            Err(failure) => skip(format!("its kernels: {failure}")),
+                        }
                     }
                     let bare = bare_loop.filter(|_| dimensions == crate::model::Dimensions::Three);
                     row.share_of_bare_loop = bare.map(|bare| {

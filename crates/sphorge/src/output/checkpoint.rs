@@ -92,7 +92,7 @@ pub(crate) fn write_checkpoint(
     let mut unsupported = false;
     let written = write_file(&path, Durability::Disk, |out| {
         let mut writer = Writer::new(out);
-        writer.parts = parts.as_ref().map(PartSet::request);
+        writer.parts = parts.as_ref().map(PartSet::request).transpose()?;
         writer.add(ABOUT, &serde_json::to_vec_pretty(&about)?);
         writer.add(DECK, deck.as_bytes());
         if let Err(error) = state(&mut writer) {
@@ -327,7 +327,8 @@ impl Archive for Checkpoint {
         Ok(bytes)
     }
     fn parts(&self) -> Option<Parts> {
-        self.parts.as_ref().map(PartSet::request)
+        // That it can be told was seen when it was opened.
+        self.parts.as_ref().and_then(|parts| parts.request().ok())
     }
 }
 

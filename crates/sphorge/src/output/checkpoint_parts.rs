@@ -64,7 +64,9 @@ impl PartSet {
             return Err(format!("it names {count} parts in `{folder}`, as no checkpoint does"));
         }
         let run = std::path::absolute(checkpoint).map_err(|error| error.to_string())?;
-        Ok(Self { folder: run.with_file_name(folder), count: *count })
+        let parts = Self { folder: run.with_file_name(folder), count: *count };
+        parts.request().map_err(|error| error.to_string())?;
+        Ok(parts)
     }
 
     /// How a checkpoint names them.
@@ -73,8 +75,11 @@ impl PartSet {
     }
 
     /// How other processes are told of them.
-    pub(super) fn request(&self) -> Parts {
-        Parts::Files(serde_json::to_string(self).unwrap_or_default())
+    ///
+    /// # Errors
+    /// Its folder has a name that is no text.
+    pub(super) fn request(&self) -> io::Result<Parts> {
+        serde_json::to_string(self).map(Parts::Files).map_err(io::Error::other)
     }
 
     /// Understands what a process is told.

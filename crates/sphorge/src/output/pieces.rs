@@ -18,7 +18,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Who reads a frame in pieces puts its particles in order by this field.
+/// Readers of a frame in pieces put its particles in order by this field.
 pub(super) const ORDER: &str = "id";
 
 /// What one process asks the others to write.
@@ -104,6 +104,10 @@ pub(crate) fn write_pieces(
         write_file(&file, Durability::Process, |out| out.write_all(text.as_bytes()))?;
         Ok([piece, file])
     });
+    if named.is_err() {
+        // All processes have ended what they wrote; a frame that is not named is of no use.
+        let _ = remove_pieces(&folder);
+    }
     Ok(named)
 }
 

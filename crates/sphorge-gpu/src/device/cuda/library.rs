@@ -11,6 +11,9 @@ use std::sync::OnceLock;
 /// Names a folder with the libraries of NVRTC.
 pub const NVRTC_FOLDER: &str = "SPHORGE_NVRTC";
 
+/// The oldest CUDA whose driver and compiler have all that is called.
+const OLDEST: i32 = 12;
+
 /// Versions of the driver's interface and of the compiler, such as `(13, 0)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Versions {
@@ -51,7 +54,14 @@ fn driver() -> Result<(i32, i32), Missing> {
     // SAFETY: writes one number.
     let asked = unsafe { sys::cuDriverGetVersion(&raw mut version) };
     asked.result().map_err(|error| failed("NVIDIA's driver does not say its version", error))?;
-    Ok((version / 1000, version % 1000 / 10))
+    let (major, minor) = (version / 1000, version % 1000 / 10);
+    if major < OLDEST {
+        return Err(missing(
+            format!("NVIDIA's driver knows CUDA {major}.{minor}, and {OLDEST}.0 is needed"),
+            "install a newer driver (525 or later on Linux)",
+        ));
+    }
+    Ok((major, minor))
 }
 
 fn cure_of(error: result::DriverError) -> &'static str {
@@ -78,6 +88,9 @@ fn compiler() -> Result<(i32, i32), Missing> {
     // SAFETY: writes two numbers.
     let asked = unsafe { nvrtc::sys::nvrtcVersion(&raw mut major, &raw mut minor) };
     asked.result().map_err(|error| missing(format!("NVRTC does not say its version: {error}"), CURE))?;
+    if major < OLDEST {
+        return Err(missing(format!("NVRTC is of CUDA {major}.{minor}, and {OLDEST}.0 is needed"), CURE));
+    }
     Ok((major, minor))
 }
 

@@ -78,11 +78,15 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
         why: format!("NVIDIA's driver does not tell of its cards: {}", told(error)),
         cure: "see what `nvidia-smi` says".to_owned(),
     };
-    let candidate = |number: i32| -> Result<Candidate, DriverError> {
+    let candidate = |number: i32| -> Result<Option<Candidate>, DriverError> {
         let of = device(number)?;
         // SAFETY: the device is one the driver has given.
         let total = unsafe { result::device::total_mem(of) }? as u64;
         let capability = capability(of)?;
+        // Cards that the compiler does not know are left to other routes.
+        if Architecture::of(capability).is_err() {
+            return Ok(None);
+        }
         let Versions { driver, compiler } = versions;
         let found = Found {
             name: result::device::get_name(of)?,
@@ -101,10 +105,21 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
             // What is free, a context must be asked for.
             memory: Some(Memory { total, free: None }),
         };
-        Ok(Candidate { number, found })
+        Ok(Some(Candidate { number, found }))
     };
     let count = result::device::get_count().map_err(silent)?;
-    (0..count).map(candidate).collect::<Result<_, _>>().map_err(silent)
+    // One card that does not answer hides no other.
+    let (known, silent_ones): (Vec<_>, Vec<_>) = (0..count).map(candidate).partition(Result::is_ok);
+    let known: Vec<Candidate> = known.into_iter().flatten().flatten().collect();
+    match silent_ones.into_iter().find_map(Result::err) {
+        Some(error) if known.is_empty() => Err(silent(error)),
+        None if known.is_empty() => Err(Missing {
+            interface: Interface::Cuda,
+            why: "NVRTC does not compile for the NVIDIA cards that are there".to_owned(),
+            cure: "install an NVRTC that knows them, such as that of CUDA 12 for cards older than Turing".to_owned(),
+        }),
+        _ => Ok(known),
+    }
 }
 
 impl Candidate {

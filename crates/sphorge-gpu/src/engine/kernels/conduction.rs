@@ -51,7 +51,7 @@ pub(in crate::engine) fn laws(model: &Model) -> Vec<f32> {
     (0..model.bodies.len()).flat_map(|body| table.of_body(body)).map(|number| number as f32).collect()
 }
 
-/// Who belongs to which boundary.
+/// Which particles belong to which boundary.
 pub(in crate::engine) fn claims(model: &Model, p: &Particles, stride: usize) -> Vec<f32> {
     let boundaries = &model.thermal.boundaries;
     let mut numbers = vec![0.0; (BOUNDARY * boundaries.len()).max(1) * stride];

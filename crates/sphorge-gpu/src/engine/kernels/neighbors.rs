@@ -1,4 +1,4 @@
-//! Who a particle sums over: those in the cells around its own, or those of a list.
+//! What a particle sums over: those in the cells around its own, or those of a list.
 
 use super::contact::meets;
 use super::grid::Grid;

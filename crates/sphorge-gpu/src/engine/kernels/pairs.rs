@@ -1,4 +1,4 @@
-//! The pair sums: every particle goes through the cells around its own.
+//! The pair sums over the list of each particle.
 
 use super::kept;
 use super::motion::Motions;

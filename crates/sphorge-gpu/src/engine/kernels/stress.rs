@@ -6,11 +6,11 @@ use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Double, Index, KernelFault, Recorded};
-use sphorge_engine::model::{Formulation, Material, Model, TemperatureSource};
+use sphorge_engine::model::{Formulation, Model, TemperatureSource};
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::FlowState;
-use sphorge_physics::heat::{elastic_energy, melted, temperature_from_energy, temperature_rise_from_plastic_work};
+use sphorge_physics::heat::{elastic_energy, temperature_rise_from_plastic_work};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
 use sphorge_physics::stress::trial_deviator;
@@ -115,7 +115,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                         }
                     }
                     let elastic = elastic_energy(returned.deviator, shear_modulus, rho);
-                    let warm = temperature_of_energy(material, heat, rho, elastic, plastic.get(4, i));
+                    let cold = material.cold_energies::<Recorded>().at(rho);
+                    let warm = material.temperature_of_energy(heat, cold, elastic, plastic.get(4, i));
                     temperature.set_all(0, i, &[warm, Recorded::zero()]);
                 }
             }
@@ -140,25 +141,11 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             if let Formulation::TotalLagrangian { renewal: Some(bound), .. } = model.formulation
                 && bound > LARGEST_STRETCH_OF_A_LIQUID
             {
-                let is_liquid = match material.flow_law.melting_temperature() {
-                    None => {
-                        if material.flow_law.has_shear() {
-                            Recorded::zero()
-                        } else {
-                            Recorded::one()
-                        }
-                    }
-                    Some(melting) => {
-                        let warm = temperature.get(0, i);
-                        let at_rest = Recorded::of(material.shear_modulus);
-                        let elastic = elastic_energy(returned.deviator, at_rest, rho);
-                        let of_energy = match material.heats() {
-                            true => temperature_of_energy(material, e, rho, elastic, plastic.get(4, i)),
-                            false => warm,
-                        };
-                        melted(warm, of_energy, Recorded::of(melting))
-                    }
-                };
+                let is_liquid = material.liquid(temperature.get(0, i), || {
+                    let elastic = elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
+                    let cold = material.cold_energies::<Recorded>().at(rho);
+                    material.temperature_of_energy(e, cold, elastic, plastic.get(4, i))
+                });
                 let f = bind.read(Group::Deformation).tensor(0, i);
                 let flows = is_liquid * stretched(&f, Recorded::of(LARGEST_STRETCH_OF_A_LIQUID));
                 stretch.set(2, i, stretch.get(2, i).max(flows));
@@ -175,24 +162,6 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         }
         packed.set(13, i, state.sound_speed);
     })
-}
-
-/// Temperature of an internal energy, from it, density, elastic energy and plastic work.
-fn temperature_of_energy(
-    material: &Material,
-    energy: Recorded,
-    density: Recorded,
-    elastic: Recorded,
-    plastic_work: Recorded,
-) -> Recorded {
-    temperature_from_energy(
-        Recorded::of(material.reference_temperature),
-        energy,
-        material.cold_energies::<Recorded>().at(density),
-        elastic,
-        Recorded::of(1.0 - material.taylor_quinney) * plastic_work,
-        Recorded::of(material.specific_heat),
-    )
 }
 
 /// Warms the particles of material `k` by the friction of the step.
