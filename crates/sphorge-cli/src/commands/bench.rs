@@ -63,7 +63,25 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What is measured for each case is not for `--set`.
+fn refuse_what_is_measured(overrides: &[(String, String)]) -> Result<(), Failure> {
+    let is_of = |key: &str, of: &str| key == of || key.strip_prefix(of).is_some_and(|rest| rest.starts_with('.'));
+    for (key, _) in overrides {
+        if is_of(key, "search") {
+            return Err(Failure::bad_input(
+                format!("`--set {key}` is not for `bench`"),
+                "`--strategy` chooses the search",
+            ));
+        }
+        if key == "numerics.precision" {
+            return Err(Failure::bad_input(format!("`--set {key}` is not for `bench`"), "it measures both precisions"));
+        }
+    }
+    Ok(())
+}
+
 pub(crate) fn execute(arguments: BenchArguments) -> Ending {
+    refuse_what_is_measured(&arguments.overrides)?;
     let engine = arguments.engine.find()?;
     let times = arguments.engine.kernel_times()?;
     let options = BenchOptions {
