@@ -48,6 +48,11 @@ fn extent(p: &Particles, axis: usize) -> f64 {
 
 /// Runs of the two engines, and how near they must be: lengths, energies, strains.
 fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
+    compare_with_springs(deck, overrides, end, near, true);
+}
+
+/// The same, of the work of the hourglass springs too where that is asked for.
+fn compare_with_springs(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64, of_springs: bool) {
     if card().is_none() {
         return;
     }
@@ -78,7 +83,9 @@ fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
     // Small parts of the energies, so each beside itself.
     close("viscosity", a.viscous_energy, b.viscous_energy, b.viscous_energy);
     // Springs resist what the noise of pressures drives, too.
-    close("hourglass springs", a.hourglass_energy, b.hourglass_energy, 10.0 * b.hourglass_energy.abs());
+    if of_springs {
+        close("hourglass springs", a.hourglass_energy, b.hourglass_energy, 10.0 * b.hourglass_energy.abs());
+    }
     assert!(b.viscous_energy > 1e-3 * scale, "nothing is damped");
     close(
         "artificial stress",
@@ -237,8 +244,10 @@ fn the_default_method_is_that_of_the_processor() {
     let moves = ("wall.0.velocity", "[\"0 m/s\", [[\"0 us\", \"0 m/s\"], [\"4 us\", \"60 m/s\"]]]");
     let falls = ("gravity", "[\"2e6 m/s^2\", \"-3e6 m/s^2\"]");
     // At 5 us what sticks and what slips is for rounding to say: the springs' work of the processor itself is 111.9 to 112.2 J/m there, by its
-    // precision and by where output cuts its steps.
-    compare(IRON.0, &[spacing, wall, rubs, moves, falls], 3e-6, 1e-4);
+    // precision and by where output cuts its steps. All else is compared there as well.
+    let pressed = [spacing, wall, rubs, moves, falls];
+    compare(IRON.0, &pressed, 3e-6, 1e-4);
+    compare_with_springs(IRON.0, &pressed, 5e-6, 1e-4, false);
     compare("taylor-bar", &[("method", "\"total-lagrangian\""), ("particles.spacing", "\"1.2 mm\"")], 8e-6, 1e-4);
 }
 
