@@ -114,7 +114,7 @@ def run(work):
         except (FloatingPointError, RuntimeError) as error:
             answer = {"failed": str(error)}
     row = {"body": body, "speed": speed, "friction": friction, "lets_go": lets_go, "elements": list(mesh)} | answer
-    print({k: v for k, v in row.items() if k not in ("outline", "below_side")}, f"{time.time() - began:.0f} s", flush=True)
+    print({k: v for k, v in row.items() if k not in ("outline", "below_side", "about_axis")}, f"{time.time() - began:.0f} s", flush=True)
     return row
 
 
