@@ -433,6 +433,33 @@ mod tests {
         }
     }
 
+    /// A square of material and a lone particle a little more than the kernel reach beside it, which has no neighbour and so no normal that could face the
+    /// square. Whether particles near the lone one, far in the square, and it itself are candidates.
+    fn beside_a_square(body: u32) -> [bool; 3] {
+        let mut points: Vec<Vector<f64>> = (0..400).map(|k| [f64::from(k % 20), f64::from(k / 20), 0.0]).collect();
+        points.push([20.5, 10.0, 0.0]);
+        let mut particles = Particles::new(points.len());
+        particles.position.clone_from(&points);
+        (particles.searched_at, particles.origin) = (points.clone(), points.clone());
+        particles.smoothing_length.fill(0.6);
+        particles.body[400] = body;
+        let list = brute_force(&points, points.len(), &Reach::new(&particles.smoothing_length, 2.0));
+        assert!(list.row(400).is_empty());
+        let mut candidates = ContactCandidates::default();
+        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.6, 2.0).unwrap();
+        [10 * 20 + 19, 10 * 20 + 2, 400].map(|i| candidates.is_candidate(i))
+    }
+
+    #[test]
+    fn another_body_is_a_candidate_without_a_surface() {
+        assert_eq!(beside_a_square(1), [true, false, true]);
+    }
+
+    #[test]
+    fn a_fragment_of_the_same_body_is_a_candidate_without_a_surface() {
+        assert_eq!(beside_a_square(0), [true, false, true]);
+    }
+
     #[test]
     fn faces_are_found_as_by_all_pairs_around_every_cell() {
         // A cloud whose particles, a third of which are exposed, look anywhere.

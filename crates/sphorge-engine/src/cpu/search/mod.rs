@@ -71,8 +71,9 @@ impl<T> Lists<T> {
             + self.searcher.bytes()
             + self.permutation.bytes()
             + self.stored.as_ref().map_or(0, StoredPairs::bytes)
-            + 32 * self.points.capacity()
-            + 5 * self.marks.capacity()
+            + 24 * self.points.capacity()
+            + 8 * self.smoothing_length.capacity()
+            + self.marks.capacity()
             + 4 * self.to_search.capacity()
             + self.candidates.bytes()
     }
