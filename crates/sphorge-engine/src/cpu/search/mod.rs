@@ -398,6 +398,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_way_is_as_long_as_its_three_axes_say() {
+        let then = vec![[1.0, 2.0, 3.0]; 3];
+        for way in [[2.0, 3.0, 6.0], [-6.0, 2.0, -3.0], [3.0, -6.0, 2.0]] {
+            let mut now = then.clone();
+            now[1] = [0, 1, 2].map(|a| then[1][a] + way[a]);
+            assert!(moved_beyond(&now, &then, 7.0 - 1e-9) && !moved_beyond(&now, &then, 7.0 + 1e-9), "{way:?}");
+            assert!(differ_beyond(&now, &then, 7.0 - 1e-9) && !differ_beyond(&now, &then, 7.0 + 1e-9), "{way:?}");
+        }
+    }
+
+    #[test]
     fn ways_differ_by_what_is_left_without_the_motion_all_share() {
         let then: Vec<Vector<f64>> = (0..10_000).map(|i| [f64::from(i), 2.0, 3.0]).collect();
         let mut now: Vec<Vector<f64>> = then.iter().map(|x| [x[0] + 100.0, x[1] - 7.0, x[2]]).collect();
