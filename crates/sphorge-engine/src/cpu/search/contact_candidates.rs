@@ -461,6 +461,31 @@ mod tests {
     }
 
     #[test]
+    fn a_slot_that_has_closed_still_has_its_surfaces() {
+        // Millimetres; the halves were five spacings apart.
+        let places: Vec<[usize; 2]> = (0..200).map(|k| [k / 10, k % 10]).collect();
+        let at = |gap: f64| {
+            let place =
+                |&[x, y]: &[usize; 2]| [1e-3 * (x as f64 + if x < 10 { 0.0 } else { gap }), 1e-3 * y as f64, 0.0];
+            places.iter().map(place).collect::<Vec<Vector<f64>>>()
+        };
+        let mut particles = Particles::new(places.len());
+        (particles.position, particles.origin, particles.searched_at) = (at(0.0), at(5.0), at(0.0));
+        particles.smoothing_length.fill(0.6e-3);
+        let list = brute_force(&particles.position, places.len(), &Reach::new(&particles.smoothing_length, 2.0));
+        let mut candidates = ContactCandidates::default();
+        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.2e-3, 2.0).unwrap();
+        for (&[x, y], normal) in places.iter().zip(&candidates.normals).filter(|([_, y], _)| (1..9).contains(y)) {
+            let expected = match x {
+                9 | 19 => [1.0, 0.0, 0.0],
+                0 | 10 => [-1.0, 0.0, 0.0],
+                _ => [0.0; 3],
+            };
+            assert!((0..3).all(|a| (normal[a] - expected[a]).abs() < 1e-9), "{x} {y}: {normal:?}");
+        }
+    }
+
+    #[test]
     fn faces_are_found_as_by_all_pairs_around_every_cell() {
         // A cloud whose particles, a third of which are exposed, look anywhere.
         let mut seed = 7u64;
