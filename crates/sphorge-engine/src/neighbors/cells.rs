@@ -205,6 +205,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_bulk_is_four_deviations_about_the_mean() {
+        // 99 points at zero and one at (1, -2, 3): mean 0.01, deviation sqrt(99) / 100 of these.
+        let mut points = vec![[0.0; 3]; 100];
+        points[70] = [1.0, -2.0, 3.0];
+        let (low, high) = bounds(&points);
+        let (l, h) = bulk(&points, low, high);
+        let edge = 0.01 + 4.0 * 99.0_f64.sqrt() / 100.0;
+        for (a, (below, above)) in [(0.0, edge), (-2.0 * edge, 0.0), (0.0, 3.0 * edge)].into_iter().enumerate() {
+            assert!((l[a] - below).abs() < 1e-12 && (h[a] - above).abs() < 1e-12, "{a}: {} {}", l[a], h[a]);
+        }
+    }
+
+    #[test]
     fn every_point_is_in_the_order_once_and_runs_reach_all_close_points() {
         let points: Vec<Vector<f64>> =
             (0..60).map(|k| [(k * 7 % 13) as f64 * 0.3, (k * 5 % 11) as f64 * 0.4, (k % 4) as f64 * 0.5]).collect();
