@@ -2,13 +2,17 @@
 //! of other ranks.
 //!
 //! Ghosts own their columns. A [`Halo`] makes them with each neighbour search and brings their fields to those of the particles they
-//! stand for at the points of the step that [`FieldSet`] names; readers never ask whom a ghost stands for.
+//! stand for at the points of the step that [`FieldSet`] names, all fields of a set together; readers never ask whom a ghost stands for.
 
+mod bytes;
 mod images;
+mod parcels;
 mod remote;
 
 pub(crate) use images::Image;
 pub use images::Images;
+pub(crate) use parcels::{Arrival, Exchanged, begin, fill, finish};
+pub use parcels::{Incoming, Outgoing};
 pub(crate) use remote::Remote;
 
 use crate::persist::{Archive, ArchiveError};
@@ -54,6 +58,9 @@ pub enum Mirror {
     Tensor,
 }
 
+/// Where a particle is, m, by its number.
+pub type Place<'a> = Box<dyn Fn(usize) -> Vector<f64> + Sync + 'a>;
+
 /// A column of particles, and that of the ghosts to be filled from it.
 pub enum GhostColumn<'a> {
     /// Numbers that are the same in every image.
@@ -63,7 +70,7 @@ pub enum GhostColumn<'a> {
     /// Points, m.
     Point(&'a [Vector<f64>], &'a mut [Vector<f64>]),
     /// Points worked out for the particles that are asked for, m.
-    PointOf(&'a (dyn Fn(usize) -> Vector<f64> + Sync), &'a mut [Vector<f64>]),
+    PointOf(Place<'a>, &'a mut [Vector<f64>]),
     /// Vectors.
     Vector(&'a [Vector<f64>], &'a mut [Vector<f64>]),
     /// Symmetric tensors.
@@ -103,8 +110,10 @@ pub trait Halo: Send + Sync {
     /// Makes the ghosts of all particles within `reach` (m) of where they are needed. Says whether they are others than before: then
     /// their numbers mean other points.
     fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool;
-    /// Fills a column of the ghosts.
-    fn fill(&self, column: GhostColumn<'_>);
+    /// Adds what ghosts of other ranks take over of these columns to the messages to them, and what those here do to what is to come from them.
+    fn pack(&self, columns: &[GhostColumn<'_>], outgoing: &mut Outgoing);
+    /// Fills the columns of the ghosts, the same ones, from the messages that have come and from particles of this domain.
+    fn unpack(&self, columns: Vec<GhostColumn<'_>>, incoming: &mut Incoming);
     /// The point each ghost is an image of: a particle of this domain or, where that is of another rank, the ghost that stands for it; what is no
     /// image is its own.
     fn sources(&self) -> &[u32];

@@ -21,11 +21,23 @@ pub trait Communicator: Send + Sync + std::fmt::Debug {
     fn rank(&self) -> usize;
     /// Number of ranks.
     fn size(&self) -> usize;
-    /// Sends `to[r]` to rank `r` and fills `from[r]` with what rank `r` has sent, which is as long. Nothing is sent where it is empty.
+    /// Begins to send `to[r]` to rank `r` and to take `lengths[r]` bytes from it, and does not wait. Nothing is sent where there are none. What is begun
+    /// is finished before there is more.
     ///
     /// # Errors
     /// A rank is lost, with the reason.
-    fn exchange(&self, to: &[Vec<u8>], from: &mut [Vec<u8>]) -> Result<(), String>;
+    fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String>;
+}
+
+/// Messages on their way from a rank to others and from them to it.
+pub trait Messages: Send + Sync {
+    /// Lets them get on, where that needs the processor, and does not wait.
+    fn advance(&mut self) {}
+    /// Waits for all of them; what has come from each rank.
+    ///
+    /// # Errors
+    /// A rank is lost, with the reason.
+    fn finish(self: Box<Self>) -> Result<Vec<Vec<u8>>, String>;
 }
 
 /// The ranks of a run, as an engine sees them: values in place of bytes.
@@ -36,6 +48,23 @@ pub struct Ranks {
     lost: Arc<OnceLock<RunFailure>>,
     /// Nanoseconds spent in exchanges.
     waited: Arc<AtomicU64>,
+}
+
+/// An exchange that has been begun.
+pub(crate) struct UnderWay {
+    ranks: Ranks,
+    messages: Box<dyn Messages>,
+}
+
+impl UnderWay {
+    /// Waits for what was sent by every rank.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(crate) fn finish(self) -> Result<Vec<Vec<u8>>, RunFailure> {
+        let Self { ranks, messages } = self;
+        ranks.timed(|| messages.finish()).map_err(lost)
+    }
 }
 
 impl Ranks {
@@ -58,12 +87,25 @@ impl Ranks {
     ///
     /// # Errors
     /// Here and below: a rank is lost.
-    pub fn exchange(&self, to: &[Vec<u8>], lengths: &[usize]) -> Result<Vec<Vec<u8>>, RunFailure> {
-        let mut from: Vec<Vec<u8>> = lengths.iter().map(|&length| vec![0; length]).collect();
+    pub fn exchange(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Vec<Vec<u8>>, RunFailure> {
+        self.begin(to, lengths)?.finish()
+    }
+
+    /// The same without waiting. Nothing else is exchanged until it is finished.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub(crate) fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<UnderWay, RunFailure> {
+        let messages = self.timed(|| self.communicator.begin(to, lengths)).map_err(lost)?;
+        Ok(UnderWay { ranks: self.clone(), messages })
+    }
+
+    /// Does what counts as waiting.
+    fn timed<R>(&self, exchange: impl FnOnce() -> R) -> R {
         let start = Instant::now();
-        let exchanged = self.communicator.exchange(to, &mut from).map_err(lost);
+        let done = exchange();
         self.waited.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        exchanged.map(|()| from)
+        done
     }
 
     /// Seconds that this rank has waited for messages or sent them.
@@ -87,7 +129,7 @@ impl Ranks {
             let expected: Vec<usize> = (0..count).map(|k| counts[(from + k) % size] * V::SIZE).collect();
             let mut lengths = vec![0; size];
             lengths[from] = expected.iter().sum();
-            let received = self.exchange(&sent, &lengths)?;
+            let received = self.exchange(sent, &lengths)?;
             let mut rest = &received[from][..];
             for length in expected {
                 let (piece, behind) = rest.split_at(length);
@@ -121,7 +163,7 @@ impl Ranks {
         let lengths = self.lengths(counts, V::SIZE, |_| is_first);
         let mut to = vec![Vec::new(); self.size()];
         to[0] = encoded(own);
-        let from = self.exchange(&self.to_others(to), &lengths)?;
+        let from = self.exchange(self.to_others(to), &lengths)?;
         if is_first { self.joined(own, &from) } else { Ok(Vec::new()) }
     }
 
@@ -142,7 +184,7 @@ impl Ranks {
         let length = self.gather_one(if is_sender { own.len() } else { 0 })?[rank];
         let to = vec![if is_sender { own.to_vec() } else { Vec::new() }; self.size()];
         let lengths = self.lengths(&vec![length; self.size()], 1, |r| r == rank);
-        let mut from = self.exchange(&self.to_others(to), &lengths)?;
+        let mut from = self.exchange(self.to_others(to), &lengths)?;
         Ok(if is_sender { own.to_vec() } else { std::mem::take(&mut from[rank]) })
     }
 
@@ -159,11 +201,11 @@ impl Ranks {
             if rank < way && rank + way < size {
                 let mut sent = vec![Vec::new(); size];
                 sent[rank + way].clone_from(&bytes);
-                self.exchange(&sent, &vec![0; size])?;
+                self.exchange(sent, &vec![0; size])?;
             } else if (way..2 * way).contains(&rank) {
                 let mut lengths = vec![0; size];
                 lengths[rank - way] = length;
-                bytes = std::mem::take(&mut self.exchange(&vec![Vec::new(); size], &lengths)?[rank - way]);
+                bytes = std::mem::take(&mut self.exchange(vec![Vec::new(); size], &lengths)?[rank - way]);
             }
             way *= 2;
         }
@@ -179,10 +221,10 @@ impl Ranks {
         if self.rank() > 0 {
             let mut to = vec![Vec::new(); self.size()];
             to[0] = own;
-            self.exchange(&to, &vec![0; self.size()])?;
+            self.exchange(to, &vec![0; self.size()])?;
             return Ok(Vec::new());
         }
-        let mut from = self.exchange(&vec![Vec::new(); self.size()], &self.lengths(&counts, 1, |_| true))?;
+        let mut from = self.exchange(vec![Vec::new(); self.size()], &self.lengths(&counts, 1, |_| true))?;
         from[0] = own;
         Ok(from)
     }
@@ -206,7 +248,7 @@ impl Ranks {
         }
         let length =
             |(other, place): (usize, &Range<usize>)| if other == rank { 0 } else { common(place, &after[rank]).len() };
-        let mut from = self.exchange(&to, &before.iter().enumerate().map(length).collect::<Vec<_>>())?;
+        let mut from = self.exchange(to, &before.iter().enumerate().map(length).collect::<Vec<_>>())?;
         from[rank] = sent(&after[rank]);
         Ok(from.concat())
     }
@@ -233,14 +275,14 @@ impl Ranks {
         let mut lengths = vec![0; size];
         if rank > 0 {
             lengths[rank - 1] = sums.len() * V::SIZE;
-            let from = self.exchange(&vec![Vec::new(); size], &lengths)?;
+            let from = self.exchange(vec![Vec::new(); size], &lengths)?;
             sums.copy_from_slice(&decoded(&from[rank - 1])?);
         }
         add(sums);
         if rank + 1 < size {
             let mut to = vec![Vec::new(); size];
             to[rank + 1] = encoded(sums);
-            self.exchange(&to, &vec![0; size])?;
+            self.exchange(to, &vec![0; size])?;
         }
         let of_last = self.broadcast_from(size - 1, &encoded(sums))?;
         sums.copy_from_slice(&decoded(&of_last)?);
@@ -307,6 +349,10 @@ pub(crate) fn encoded<V: Fixed>(values: &[V]) -> Vec<u8> {
 
 /// Values of the bytes that another rank has made of them.
 pub(crate) fn decoded<V: Fixed>(bytes: &[u8]) -> Result<Vec<V>, RunFailure> {
-    let values = bytes.chunks_exact(V::SIZE).map(V::read).collect::<Option<_>>();
-    values.ok_or_else(|| lost("it has sent what means nothing; all ranks must be of one program".to_owned()))
+    bytes.chunks_exact(V::SIZE).map(V::read).collect::<Option<_>>().ok_or_else(unreadable)
+}
+
+/// Another rank has sent bytes that are no values.
+pub(crate) fn unreadable() -> RunFailure {
+    lost("it has sent what means nothing; all ranks must be of one program".to_owned())
 }

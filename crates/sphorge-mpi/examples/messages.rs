@@ -7,7 +7,7 @@
 
 use sphorge::engine::{EngineKind, Simulation};
 use sphorge::run::FilesOfRank;
-use sphorge_engine::ranks::Communicator;
+use sphorge_engine::ranks::{Communicator, Messages};
 use sphorge_mpi::{Leader, follow, threads};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -48,14 +48,14 @@ impl Communicator for Counting {
         self.inner.size()
     }
 
-    fn exchange(&self, to: &[Vec<u8>], from: &mut [Vec<u8>]) -> Result<(), String> {
+    fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String> {
         let sent = &self.sent[self.rank()];
         let messages = to.iter().enumerate().filter(|(rank, bytes)| *rank != self.rank() && !bytes.is_empty());
         let (count, bytes) = messages.fold((0, 0), |sums, (_, bytes)| (sums.0 + 1, sums.1 + bytes.len() as u64));
         sent.exchanges.fetch_add(1, Ordering::Relaxed);
         sent.messages.fetch_add(count, Ordering::Relaxed);
         sent.bytes.fetch_add(bytes, Ordering::Relaxed);
-        self.inner.exchange(to, from)
+        self.inner.begin(to, lengths)
     }
 }
 

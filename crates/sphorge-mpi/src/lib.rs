@@ -5,6 +5,8 @@
 //! their shares what it does ([`follow`]). Ranks are processes that MPI joins (feature `mpi`), or threads of one process ([`threads`]).
 
 mod follower;
+#[cfg(feature = "mpi")]
+mod in_flight;
 mod leader;
 #[cfg(feature = "mpi")]
 mod process;

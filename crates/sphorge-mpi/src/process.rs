@@ -1,15 +1,11 @@
 //! Ranks that are processes of MPI.
 
+use crate::in_flight::InFlight;
 use mpi::Threading;
 use mpi::environment::{Universe, initialize_with_threading};
-use mpi::request::{WaitGuard, scope};
 use mpi::topology::Communicator as _;
-use mpi::traits::{Destination, Source};
-use sphorge_engine::ranks::Communicator;
+use sphorge_engine::ranks::{Communicator, Messages};
 use std::sync::Arc;
-
-/// Bytes of a message at most: MPI counts them in 32 bits.
-const LARGEST_MESSAGE: usize = 1 << 30;
 
 /// All processes that were started together.
 pub struct Processes {
@@ -66,23 +62,7 @@ impl Communicator for Processes {
         self.size
     }
 
-    fn exchange(&self, to: &[Vec<u8>], from: &mut [Vec<u8>]) -> Result<(), String> {
-        let world = self.universe.world();
-        scope(|scope| {
-            let mut guards = Vec::new();
-            for (rank, bytes) in from.iter_mut().enumerate().filter(|(rank, _)| *rank != self.rank) {
-                for part in bytes.chunks_mut(LARGEST_MESSAGE) {
-                    let request = world.process_at_rank(rank as i32).immediate_receive_into(scope, part);
-                    guards.push(WaitGuard::from(request));
-                }
-            }
-            let mut sent = Vec::new();
-            for (rank, bytes) in to.iter().enumerate().filter(|(rank, _)| *rank != self.rank) {
-                for part in bytes.chunks(LARGEST_MESSAGE) {
-                    sent.push(WaitGuard::from(world.process_at_rank(rank as i32).immediate_send(scope, part)));
-                }
-            }
-        });
-        Ok(())
+    fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String> {
+        Ok(Box::new(InFlight::begin(&self.universe.world(), to, lengths)))
     }
 }

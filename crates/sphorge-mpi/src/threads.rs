@@ -1,6 +1,6 @@
 //! Ranks that are threads of one process.
 
-use sphorge_engine::ranks::Communicator;
+use sphorge_engine::ranks::{Communicator, Messages};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,18 +9,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 struct Thread {
     rank: usize,
     to: Vec<Sender<Vec<u8>>>,
-    from: Vec<Mutex<Receiver<Vec<u8>>>>,
+    from: Vec<Arc<Mutex<Receiver<Vec<u8>>>>>,
 }
 
 /// Communicators of as many ranks, one for each thread. A rank whose communicator is dropped is lost to the others.
 pub fn threads(size: usize) -> Vec<Arc<dyn Communicator>> {
     let mut to: Vec<Vec<Sender<_>>> = (0..size).map(|_| Vec::new()).collect();
-    let mut from: Vec<Vec<Mutex<Receiver<_>>>> = (0..size).map(|_| Vec::new()).collect();
+    let mut from: Vec<Vec<Arc<Mutex<Receiver<_>>>>> = (0..size).map(|_| Vec::new()).collect();
     for sender in &mut to {
         for receiver in &mut from {
             let (send, receive) = channel();
             sender.push(send);
-            receiver.push(Mutex::new(receive));
+            receiver.push(Arc::new(Mutex::new(receive)));
         }
     }
     let ranks = to.into_iter().zip(from).enumerate();
@@ -36,22 +36,40 @@ impl Communicator for Thread {
         self.to.len()
     }
 
-    fn exchange(&self, to: &[Vec<u8>], from: &mut [Vec<u8>]) -> Result<(), String> {
-        let others = |bytes: &(usize, &Vec<u8>)| bytes.0 != self.rank && !bytes.1.is_empty();
-        for (rank, bytes) in to.iter().enumerate().filter(others) {
-            self.to[rank].send(bytes.clone()).map_err(|_| format!("rank {rank} has ended"))?;
+    fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String> {
+        let is_sent = |(rank, bytes): &(usize, Vec<u8>)| *rank != self.rank && !bytes.is_empty();
+        for (rank, bytes) in to.into_iter().enumerate().filter(is_sent) {
+            self.to[rank].send(bytes).map_err(|_| ended(rank))?;
         }
-        for (rank, bytes) in from.iter_mut().enumerate().filter(|(rank, bytes)| *rank != self.rank && !bytes.is_empty())
-        {
-            let receiver = self.from[rank].lock().unwrap_or_else(PoisonError::into_inner);
-            let received = receiver.recv().map_err(|_| format!("rank {rank} has ended"))?;
-            if received.len() != bytes.len() {
-                return Err(format!("rank {rank} has sent {} bytes in place of {}", received.len(), bytes.len()));
-            }
-            *bytes = received;
-        }
-        Ok(())
+        let of_others = |(rank, length): (usize, &usize)| if rank == self.rank { 0 } else { *length };
+        let lengths = lengths.iter().enumerate().map(of_others).collect();
+        Ok(Box::new(Awaited { from: self.from.clone(), lengths }))
     }
+}
+
+/// Messages that are to come.
+struct Awaited {
+    from: Vec<Arc<Mutex<Receiver<Vec<u8>>>>>,
+    lengths: Vec<usize>,
+}
+
+impl Messages for Awaited {
+    fn finish(self: Box<Self>) -> Result<Vec<Vec<u8>>, String> {
+        let mut come = vec![Vec::new(); self.from.len()];
+        for (rank, &length) in self.lengths.iter().enumerate().filter(|(_, length)| **length > 0) {
+            let receiver = self.from[rank].lock().unwrap_or_else(PoisonError::into_inner);
+            let bytes = receiver.recv().map_err(|_| ended(rank))?;
+            if bytes.len() != length {
+                return Err(format!("rank {rank} has sent {} bytes in place of {length}", bytes.len()));
+            }
+            come[rank] = bytes;
+        }
+        Ok(come)
+    }
+}
+
+fn ended(rank: usize) -> String {
+    format!("rank {rank} has ended")
 }
 
 #[cfg(test)]
@@ -66,8 +84,7 @@ mod tests {
                 scope.spawn(move || {
                     let rank = communicator.rank();
                     let to: Vec<Vec<u8>> = (0..3).map(|other| vec![10 * rank as u8 + other; rank + 1]).collect();
-                    let mut from: Vec<Vec<u8>> = (0..3).map(|other| vec![0; other + 1]).collect();
-                    communicator.exchange(&to, &mut from).unwrap();
+                    let from = communicator.begin(to, &[1, 2, 3]).unwrap().finish().unwrap();
                     for other in (0..3).filter(|other| *other != rank) {
                         assert_eq!(from[other], vec![(10 * other + rank) as u8; other + 1]);
                     }
@@ -115,7 +132,8 @@ mod tests {
     fn a_rank_that_has_ended_is_named() {
         let mut ranks = threads(2);
         drop(ranks.pop());
-        let lost = ranks[0].exchange(&[vec![], vec![]], &mut [vec![], vec![0]]);
+        let lost = ranks[0].begin(vec![vec![], vec![]], &[0, 1]).unwrap().finish();
         assert_eq!(lost, Err("rank 1 has ended".to_owned()));
+        assert_eq!(ranks[0].begin(vec![vec![], vec![0]], &[0, 0]).err(), Some("rank 1 has ended".to_owned()));
     }
 }

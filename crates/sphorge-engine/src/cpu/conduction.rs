@@ -8,7 +8,7 @@ use super::conduction_table::ConductionTable;
 use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
-use crate::halo::GhostColumn;
+use crate::halo::{self, Exchanged, GhostColumn};
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
@@ -143,9 +143,9 @@ fn add_by_boundary(partial: &[f64], totals: &mut [f64], share: Option<&Share>) -
 }
 
 /// What ghosts have of a column.
-fn fill_touched(ghosts: &Ghosts, touched: &[u32], of_ghosts: &mut Vec<u32>) {
+fn touched_of<'a>(ghosts: &'a Ghosts, touched: &'a [u32], of_ghosts: &'a mut Vec<u32>) -> Exchanged<'a> {
     of_ghosts.resize(ghosts.count(), 0);
-    ghosts.halo.fill(GhostColumn::Integer(touched, of_ghosts));
+    Exchanged { halo: ghosts.halo.as_ref(), columns: vec![GhostColumn::Integer(touched, of_ghosts)] }
 }
 
 /// Particles and ghosts, as a flow is summed from them.
@@ -272,8 +272,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     *touched = nearest.map_or(0, |(_, body)| body + 1);
                 }
             });
-            fill_touched(&self.ghosts, touched, touched_near);
-            fill_touched(touching, touched, touched_far);
+            halo::fill(vec![
+                touched_of(&self.ghosts, touched, touched_near),
+                touched_of(touching, touched, touched_far),
+            ]);
         }
         let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near));
         let touching = HeatPoints::new(p, touching, WithGhosts::new(touched, touched_far));

@@ -380,15 +380,6 @@ impl<T: PairScalar> CpuEngine<T> {
         });
     }
 
-    /// Brings the force records of ghosts to those of the particles they stand for.
-    pub(super) fn pack_ghost_stress(&mut self) {
-        if !self.ghosts.halo.is_empty() {
-            let ghosts = &self.ghosts.columns;
-            let places = if self.formulation.is_initial() { &ghosts.reference_position } else { &ghosts.position };
-            self.records.fill_force_ghosts(self.particles.len(), self.ghosts.halo.as_ref(), places);
-        }
-    }
-
     /// Takes the stress through the whole step with the gradient of mid-step, for good.
     pub(super) fn commit_stress(&mut self) {
         let model: &Model = &self.model;

@@ -336,6 +336,11 @@ impl BodyContacts {
         self.search.as_ref().map_or(of_list, |search| &search.ghosts)
     }
 
+    /// The same to be filled, if there are any.
+    pub(super) fn ghosts_of_search(&mut self) -> Option<&mut Ghosts> {
+        self.search.as_mut().map(|search| &mut search.ghosts)
+    }
+
     /// Adds up the blocks in their order, of all ranks where there are others.
     fn close(&mut self, share: Option<&Share>) -> Result<(), RunFailure> {
         self.now.fill(PairSums::default());

@@ -6,7 +6,6 @@
 
 use super::CpuEngine;
 use super::common_points::CommonPoints;
-use super::contact::BodyContacts;
 use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::search::closed_in_beyond;
@@ -257,8 +256,7 @@ impl ContactSearch {
 
     /// Brings what a search reads of ghosts to that of the particles.
     fn exchange_all(&mut self, particles: &Particles) {
-        self.ghosts.exchange(FieldSet::Search, particles);
-        self.ghosts.exchange(FieldSet::Contact, particles);
+        self.ghosts.exchange(&[FieldSet::Search, FieldSet::Contact], particles);
     }
 
     /// Finds who is searched; how many of them are particles.
@@ -311,26 +309,6 @@ impl<T: PairScalar> CpuEngine<T> {
         p.contact_direction.fill([0.0; 3]);
         p.contact_weight.fill(0.0);
         Ok(())
-    }
-
-    /// Brings what the contact reads of ghosts, be they its own or those of the neighbour list, to that of the particles.
-    pub(super) fn exchange_contact(&mut self, fields: FieldSet) {
-        match &self.contacts {
-            None => {}
-            Some(contacts) if contacts.search.is_some() => self.exchange_contact_ghosts(fields),
-            Some(_) => self.ghosts.exchange(fields, &self.particles),
-        }
-    }
-
-    /// Brings the columns of the images the contact reads to those of the particles.
-    pub(super) fn exchange_contact_ghosts(&mut self, fields: FieldSet) {
-        // Another rank may read particles of this one.
-        let is_alone = self.domain.is_none();
-        let is_met = |contacts: &&mut BodyContacts| !(is_alone && contacts.foreign.is_empty());
-        let Some(contacts) = self.contacts.as_mut().filter(is_met) else { return };
-        if let Some(search) = &mut contacts.search {
-            search.ghosts.exchange(fields, &self.particles);
-        }
     }
 }
 
@@ -393,7 +371,7 @@ impl ContactSearch {
             foreign.renumber(|point| self.common.number(point));
         }
         // They take what does not change between searches with each search, and the next one may be far.
-        self.ghosts.exchange(FieldSet::Search, particles);
+        self.ghosts.exchange(&[FieldSet::Search], particles);
         Ok(())
     }
 }

@@ -314,7 +314,7 @@ impl Relocation {
         let length = |(r, count): (usize, &usize)| if r == rank { 0 } else { count * V::SIZE };
         let lengths: Vec<usize> = self.coming.iter().enumerate().map(length).collect();
         let mut come = Vec::with_capacity(to.len());
-        for bytes in self.ranks.exchange(&to, &lengths)? {
+        for bytes in self.ranks.exchange(to, &lengths)? {
             come.push(crate::ranks::decoded::<V>(&bytes)?.into_iter());
         }
         come[rank] = values(&self.leaving[rank]).into_iter();

@@ -23,7 +23,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         self.find_normals();
         if !self.has_come_apart.contains(&true) {
-            self.ghosts.exchange(FieldSet::Search, &self.particles);
+            self.ghosts.exchange(&[FieldSet::Search], &self.particles);
             self.find_depths();
         }
         if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {

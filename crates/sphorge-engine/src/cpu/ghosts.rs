@@ -1,6 +1,6 @@
 //! The ghosts of this engine: who they are, and the columns they own.
 
-use crate::halo::{FieldSet, Halo};
+use crate::halo::{self, Exchanged, FieldSet, Halo};
 use crate::particles::Particles;
 
 /// A column of particles with that of the ghosts behind it.
@@ -36,11 +36,17 @@ impl Ghosts {
         Self { halo, columns: Particles::default() }
     }
 
-    /// Brings the columns of a set to those of the particles.
-    pub(crate) fn exchange(&mut self, fields: FieldSet, particles: &Particles) {
-        if !self.halo.is_empty() {
-            particles.exchange(fields, &mut self.columns, self.halo.as_ref());
-        }
+    /// The columns that ghosts take over of sets.
+    pub(crate) fn exchanged<'a>(&'a mut self, sets: &[FieldSet], particles: &'a Particles) -> Exchanged<'a> {
+        let halo = self.halo.as_ref();
+        let columns =
+            if halo.is_empty() { Vec::new() } else { particles.exchanged(sets, &mut self.columns, halo.count()) };
+        Exchanged { halo, columns }
+    }
+
+    /// Brings the columns of sets to those of the particles.
+    pub(crate) fn exchange(&mut self, sets: &[FieldSet], particles: &Particles) {
+        halo::fill(vec![self.exchanged(sets, particles)]);
     }
 
     pub(crate) fn count(&self) -> usize {

@@ -8,6 +8,7 @@ mod constitutive;
 mod contact;
 mod contact_search;
 mod domain;
+mod exchange;
 mod external;
 mod faces;
 mod forces;
@@ -45,7 +46,7 @@ pub use initial::complete_initial_state;
 pub use search::{ContactCandidates, SearchedMaterial};
 
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
-use crate::halo::{FieldSet, Halo, Images};
+use crate::halo::{Arrival, FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Precision};
 use crate::neighbors::range_of;
@@ -104,6 +105,8 @@ struct CpuEngine<T: PairScalar> {
     formulation: &'static dyn Formulation<T>,
     particles: Particles,
     ghosts: Ghosts,
+    /// What ghosts take over, while it is on its way.
+    arrival: Option<Arrival>,
     /// The share of this rank, where there are others.
     domain: Option<Domain>,
     records: Records<T>,
@@ -191,6 +194,7 @@ impl<T: PairScalar> CpuEngine<T> {
             formulation,
             contacts: BodyContacts::new(&model, count, (!formulation.sees_other_bodies()).then(|| halo.another())),
             ghosts: Ghosts::new(halo),
+            arrival: None,
             domain,
             walls: Walls::new(&model, count),
             motions: Motions::new(&model),
@@ -265,41 +269,8 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
-        let still = self.idle(self.step.dt);
-        match fields {
-            FieldSet::Search => self.ghosts.exchange(fields, &self.particles),
-            FieldSet::Audit if self.audit_is_due() => self.ghosts.exchange(fields, &self.particles),
-            FieldSet::Stress if still => {
-                self.ghosts.exchange(fields, &self.particles);
-                self.exchange_contact_ghosts(fields);
-            }
-            FieldSet::Audit => {}
-            FieldSet::Motion | FieldSet::Density | FieldSet::Volume | FieldSet::Contact | FieldSet::Overlaps
-                if still => {}
-            FieldSet::Motion => {
-                self.ghosts.exchange(fields, &self.particles);
-                self.exchange_contact_ghosts(fields);
-                self.formulation.pack_motion(self);
-            }
-            FieldSet::Density => {
-                if self.restoration_is_due() {
-                    self.ghosts.exchange(fields, &self.particles);
-                }
-            }
-            FieldSet::Volume => self.formulation.pack_volumes(self),
-            FieldSet::Contact | FieldSet::Overlaps => self.exchange_contact(fields),
-            FieldSet::Stress => {
-                self.ghosts.exchange(fields, &self.particles);
-                self.exchange_contact_ghosts(fields);
-                self.pack_ghost_stress();
-            }
-            FieldSet::IntermediateSums => {
-                if self.heat.as_ref().is_some_and(HeatFlow::is_due) {
-                    self.ghosts.exchange(fields, &self.particles);
-                }
-            }
-        }
-        self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())
+        self.begin_exchange_of(fields);
+        self.finish_exchange_of(fields)
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {

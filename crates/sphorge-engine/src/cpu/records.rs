@@ -1,6 +1,6 @@
 //! What a pair sum reads of a neighbour, one record per particle, so that a neighbour costs one or two cache lines.
 
-use crate::halo::{GhostColumn, Halo, Packed};
+use crate::halo::{GhostColumn, Packed, Place};
 use crate::lanes::PairScalar;
 use crate::neighbors::Frame;
 use bytemuck::{cast_slice, cast_slice_mut};
@@ -121,39 +121,46 @@ impl<T: PairScalar> Records<T> {
         }
     }
 
-    /// Fills the kinematic records of ghosts, which follow those of the `count` particles; `place` tells where a particle is.
-    pub(super) fn fill_kinematic_ghosts(
-        &mut self,
+    /// The kinematic records of so many ghosts, which follow those of the `count` particles; `place` tells where a particle is. Coordinates are
+    /// written by [`Self::place_kinematic_ghosts`].
+    pub(super) fn kinematic_of_ghosts<'a>(
+        &'a mut self,
         count: usize,
-        halo: &dyn Halo,
-        place: &(dyn Fn(usize) -> Vector<f64> + Sync),
-    ) {
-        if halo.is_empty() {
-            return;
-        }
-        self.ghost_places.resize(halo.count(), [0.0; 3]);
-        halo.fill(GhostColumn::PointOf(place, &mut self.ghost_places));
+        ghosts: usize,
+        place: Place<'a>,
+    ) -> [GhostColumn<'a>; 2] {
+        self.ghost_places.resize(ghosts, [0.0; 3]);
         let (own, ghosts) = self.kinematic.split_at_mut(count);
-        halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &kinematic::AXES));
-        for (record, place) in ghosts.iter_mut().zip(&self.ghost_places) {
+        let records = packed(own.as_flattened(), ghosts.as_flattened_mut(), &kinematic::AXES);
+        [GhostColumn::PointOf(place, &mut self.ghost_places), records]
+    }
+
+    /// Writes the coordinates of ghosts where they are for the velocity gradient.
+    pub(super) fn place_kinematic_ghosts(&mut self, count: usize) {
+        for (record, place) in self.kinematic[count..].iter_mut().zip(&self.ghost_places) {
             record[kinematic::X..kinematic::X + 3].copy_from_slice(&self.frame.encode::<T>(place));
         }
     }
 
-    /// Fills the force records of ghosts; `places` are those of the ghosts, m.
-    pub(super) fn fill_force_ghosts(&mut self, count: usize, halo: &dyn Halo, places: &[Vector<f64>]) {
+    /// The force records of ghosts, and what else is packed for the forces.
+    pub(super) fn forces_of_ghosts(&mut self, count: usize) -> Vec<GhostColumn<'_>> {
         let (own, ghosts) = self.force.split_at_mut(count);
-        halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &force::AXES));
-        for (record, place) in ghosts.iter_mut().zip(places) {
-            record[force::X..force::X + 3].copy_from_slice(&self.frame.encode::<T>(place));
-        }
+        let mut columns = vec![packed(own.as_flattened(), ghosts.as_flattened_mut(), &force::AXES)];
         if !self.extra.is_empty() {
             let (own, ghosts) = self.extra.split_at_mut(count);
-            halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &extra::AXES));
+            columns.push(packed(own.as_flattened(), ghosts.as_flattened_mut(), &extra::AXES));
         }
         if !self.corrected.is_empty() {
             let (own, ghosts) = self.corrected.split_at_mut(count);
-            halo.fill(packed(own.as_flattened(), ghosts.as_flattened_mut(), &CORRECTED_AXES));
+            columns.push(packed(own.as_flattened(), ghosts.as_flattened_mut(), &CORRECTED_AXES));
+        }
+        columns
+    }
+
+    /// Writes the coordinates of ghosts at `places` (m) for the forces.
+    pub(super) fn place_force_ghosts(&mut self, count: usize, places: &[Vector<f64>]) {
+        for (record, place) in self.force[count..].iter_mut().zip(places) {
+            record[force::X..force::X + 3].copy_from_slice(&self.frame.encode::<T>(place));
         }
     }
 

@@ -8,7 +8,7 @@ use super::CpuEngine;
 use super::ghosts::Ghosts;
 use super::records::force;
 use crate::RunFailure;
-use crate::halo::GhostColumn;
+use crate::halo::{self, Exchanged, GhostColumn};
 use crate::lanes::PairScalar;
 use crate::model::Section;
 use crate::neighbors::{BLOCK, Block};
@@ -29,7 +29,8 @@ impl<'a> Standing<'a> {
     /// Images stand where they were exchanged, particles of other ranks where these have them.
     fn new(own: &'a [Vector<f64>], ghosts: &Ghosts) -> Self {
         let mut places = vec![[0.0; 3]; ghosts.count()];
-        ghosts.halo.fill(GhostColumn::PointOf(&|i| own[i], &mut places));
+        let columns = vec![GhostColumn::Point(own, &mut places)];
+        halo::fill(vec![Exchanged { halo: ghosts.halo.as_ref(), columns }]);
         for (k, (place, &source)) in places.iter_mut().zip(ghosts.halo.sources()).enumerate() {
             let is_image = source as usize != own.len() + k;
             if is_image {

@@ -1,6 +1,6 @@
 //! Mirror images behind symmetry planes and copies beyond periodic ends.
 
-use super::{GhostColumn, Halo, Packed};
+use super::{GhostColumn, Halo, Incoming, Outgoing, Packed};
 use crate::model::{Model, SymmetryPlane};
 use crate::persist::{Archive, ArchiveError, Persist, require};
 use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
@@ -209,8 +209,10 @@ impl Halo for Images {
         self.images != self.former
     }
 
-    fn fill(&self, column: GhostColumn<'_>) {
-        reflect(&self.images, usize::MAX, 0, column);
+    fn pack(&self, _: &[GhostColumn<'_>], _: &mut Outgoing) {}
+
+    fn unpack(&self, columns: Vec<GhostColumn<'_>>, _: &mut Incoming) {
+        columns.into_iter().for_each(|column| reflect(&self.images, usize::MAX, 0, column));
     }
 
     fn sources(&self) -> &[u32] {
@@ -240,7 +242,12 @@ impl Halo for Images {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Exchanged, parcels};
     use super::*;
+
+    fn fill(halo: &Images, column: GhostColumn<'_>) {
+        parcels::fill(vec![Exchanged { halo, columns: vec![column] }]);
+    }
 
     #[test]
     fn two_planes_and_a_corner_make_three_images() {
@@ -249,7 +256,7 @@ mod tests {
         let p = [[0.2, 0.3, 5.0]];
         assert!(halo.rebuild(&p, 1.0) && !halo.rebuild(&p, 1.0));
         let mut images = vec![[0.0; 3]; halo.count()];
-        halo.fill(GhostColumn::Point(&p, &mut images));
+        fill(&halo, GhostColumn::Point(&p, &mut images));
         images.sort_by(|a, b| a.partial_cmp(b).unwrap());
         assert_eq!(images, [[-0.2, -0.3, 5.0], [-0.2, 0.3, 5.0], [0.2, -0.3, 5.0]]);
     }
@@ -261,22 +268,22 @@ mod tests {
         halo.rebuild(&[[1.0, 2.5, 3.0]], 1.0);
         assert_eq!(halo.sources(), [0]);
         let mut vector = [[0.0; 3]];
-        halo.fill(GhostColumn::Vector(&[[4.0, 5.0, 6.0]], &mut vector));
+        fill(&halo, GhostColumn::Vector(&[[4.0, 5.0, 6.0]], &mut vector));
         assert_eq!(vector, [[4.0, -5.0, 6.0]]);
         let mut point = [[0.0; 3]];
-        halo.fill(GhostColumn::PointOf(&|_| [1.0, 2.25, 3.0], &mut point));
+        fill(&halo, GhostColumn::PointOf(Box::new(|_| [1.0, 2.25, 3.0]), &mut point));
         assert_eq!(point, [[1.0, 1.75, 3.0]]);
         let stress = SymmetricTensor { xx: 1.0, yy: 2.0, zz: 3.0, xy: 4.0, yz: 5.0, xz: 6.0 };
         let mut symmetric = [SymmetricTensor::zero()];
-        halo.fill(GhostColumn::Symmetric(&[stress], &mut symmetric));
+        fill(&halo, GhostColumn::Symmetric(&[stress], &mut symmetric));
         assert_eq!(symmetric[0], SymmetricTensor { xy: -4.0, yz: -5.0, ..stress });
         let mut tensor = [[[0.0; 3]; 3]];
-        halo.fill(GhostColumn::Tensor(&[[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]], &mut tensor));
+        fill(&halo, GhostColumn::Tensor(&[[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]], &mut tensor));
         assert_eq!(tensor[0], [[1.0, -2.0, 3.0], [-4.0, 5.0, -6.0], [7.0, -8.0, 9.0]]);
         // A scalar, a y component and an xy component.
         let mut ghosts = [0.0f32; 3];
         let axes = [(0, 0), (2, 0), (1, 2)];
-        halo.fill(GhostColumn::Single(Packed { own: &[1.0, 2.0, 3.0], ghosts: &mut ghosts, axes: &axes }));
+        fill(&halo, GhostColumn::Single(Packed { own: &[1.0, 2.0, 3.0], ghosts: &mut ghosts, axes: &axes }));
         assert_eq!(ghosts, [1.0, -2.0, -3.0]);
     }
 
@@ -288,7 +295,7 @@ mod tests {
         assert_eq!(p, [[1.25, 0.0, 0.0], [2.5, 0.0, 0.0], [2.0, 0.0, 0.0]]);
         assert!(halo.rebuild(&p, 0.6));
         let mut images = vec![[0.0; 3]; halo.count()];
-        halo.fill(GhostColumn::Point(&p, &mut images));
+        fill(&halo, GhostColumn::Point(&p, &mut images));
         assert_eq!((halo.sources(), images[0][0], images[1][0]), ([0, 1].as_slice(), 3.25, 0.5));
         // As many, of others.
         p.swap(1, 2);

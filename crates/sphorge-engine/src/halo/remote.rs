@@ -1,7 +1,7 @@
 //! Particles of other ranks that rows of this one read, and images of them and of its own.
 
 use super::images::reflect;
-use super::{GhostColumn, Halo, Image, Images, Packed};
+use super::{GhostColumn, Halo, Image, Images, Incoming, Outgoing, bytes};
 use crate::RunFailure;
 use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Ranks, decoded, encoded};
@@ -56,13 +56,13 @@ impl Remote {
         let counts = self.filled_by.iter().map(|&count| encoded(&[count])).collect::<Vec<_>>();
         let mut lengths = vec![usize::SIZE; size];
         lengths[rank] = 0;
-        let mut lengths_of = self.ranks.exchange(&counts, &lengths)?;
+        let mut lengths_of = self.ranks.exchange(counts, &lengths)?;
         lengths_of[rank] = encoded(&[0usize]);
         let mut lengths = Vec::with_capacity(size);
         for bytes in &lengths_of {
             lengths.push(decoded::<usize>(bytes)?.iter().sum::<usize>() * u32::SIZE);
         }
-        let asked = self.ranks.exchange(&wanted, &lengths)?;
+        let asked = self.ranks.exchange(wanted, &lengths)?;
         let own = self.starts[rank];
         self.read_by.clear();
         for bytes in asked {
@@ -85,39 +85,6 @@ impl Remote {
     fn of_rank(&self, places: &[u32], r: usize) -> std::ops::Range<usize> {
         let place = |start: usize| places.partition_point(|&source| (source as usize) < start);
         place(self.starts[r])..place(self.starts[r + 1])
-    }
-
-    /// Fills values of the ghosts that are no images, `width` to each, from those that `write` writes of particles.
-    fn carry<V: Fixed>(&self, width: usize, write: impl Fn(usize, &mut Vec<u8>), ghosts: &mut [V]) {
-        let bytes = |particles: &Vec<u32>| {
-            let mut bytes = Vec::with_capacity(particles.len() * width * V::SIZE);
-            particles.iter().for_each(|&i| write(i as usize, &mut bytes));
-            bytes
-        };
-        let to: Vec<Vec<u8>> = self.read_by.iter().map(bytes).collect();
-        let lengths: Vec<usize> = self.filled_by.iter().map(|count| count * width * V::SIZE).collect();
-        let result = self.ranks.exchange(&to, &lengths).and_then(|from| {
-            let mut ghosts = &mut ghosts[..];
-            for bytes in &from {
-                let values = decoded::<V>(bytes)?;
-                let (filled, rest) = std::mem::take(&mut ghosts).split_at_mut(values.len());
-                filled.iter_mut().zip(values).for_each(|(ghost, value)| *ghost = value);
-                ghosts = rest;
-            }
-            Ok(())
-        });
-        // The engine tells of it at the end of the stage; until then ghosts are as they were.
-        result.unwrap_or_else(|failure| self.ranks.note_loss(failure));
-    }
-
-    fn values<V: Fixed>(&self, own: &[V], ghosts: &mut [V]) {
-        self.carry(1, |i, bytes| own[i].write(bytes), ghosts);
-    }
-
-    fn records<V: Fixed>(&self, records: &mut Packed<'_, V>) {
-        let Packed { own, ghosts, axes } = records;
-        let width = axes.len();
-        self.carry(width, |i, bytes| own[i * width..][..width].iter().for_each(|v| v.write(bytes)), ghosts);
     }
 }
 
@@ -151,18 +118,27 @@ impl Halo for Remote {
         false
     }
 
-    fn fill(&self, mut column: GhostColumn<'_>) {
-        match &mut column {
-            GhostColumn::Scalar(own, ghosts) => self.values(own, ghosts),
-            GhostColumn::Integer(own, ghosts) => self.values(own, ghosts),
-            GhostColumn::Point(own, ghosts) | GhostColumn::Vector(own, ghosts) => self.values(own, ghosts),
-            GhostColumn::PointOf(place, ghosts) => self.carry(1, |i, bytes| place(i).write(bytes), ghosts),
-            GhostColumn::Symmetric(own, ghosts) => self.values(own, ghosts),
-            GhostColumn::Tensor(own, ghosts) => self.values(own, ghosts),
-            GhostColumn::Single(records) => self.records(records),
-            GhostColumn::Double(records) => self.records(records),
+    fn pack(&self, columns: &[GhostColumn<'_>], outgoing: &mut Outgoing) {
+        let width: usize = columns.iter().map(bytes::width).sum();
+        let (to, lengths) = outgoing.among(&self.ranks);
+        for (message, particles) in to.iter_mut().zip(&self.read_by) {
+            message.reserve(particles.len() * width);
+            columns.iter().for_each(|column| bytes::write(column, particles, message));
         }
-        reflect(&self.images, self.own_count(), self.places.len(), column);
+        lengths.iter_mut().zip(&self.filled_by).for_each(|(length, ghosts)| *length += ghosts * width);
+    }
+
+    fn unpack(&self, columns: Vec<GhostColumn<'_>>, incoming: &mut Incoming) {
+        for mut column in columns {
+            let (width, mut first) = (bytes::width(&column), 0);
+            for (rank, &ghosts) in self.filled_by.iter().enumerate() {
+                if let Some(come) = incoming.take(rank, ghosts * width) {
+                    bytes::read(&mut column, first, come).unwrap_or_else(|failure| self.ranks.note_loss(failure));
+                }
+                first += ghosts;
+            }
+            reflect(&self.images, self.own_count(), self.places.len(), column);
+        }
     }
 
     fn sources(&self) -> &[u32] {

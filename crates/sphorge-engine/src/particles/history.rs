@@ -133,7 +133,7 @@ impl Persist for History {
 mod tests {
     use super::*;
     use crate::particles::{Column, Particles};
-    use crate::ranks::{Communicator, Ranks};
+    use crate::ranks::{Communicator, Messages, Ranks};
     use sphorge_physics::parameter::Bound;
     use std::sync::Arc;
 
@@ -175,8 +175,17 @@ mod tests {
         fn size(&self) -> usize {
             1
         }
-        fn exchange(&self, _: &[Vec<u8>], _: &mut [Vec<u8>]) -> Result<(), String> {
-            Ok(())
+        fn begin(&self, to: Vec<Vec<u8>>, _: &[usize]) -> Result<Box<dyn Messages>, String> {
+            Ok(Box::new(Nothing(to.len())))
+        }
+    }
+
+    /// Of so many ranks.
+    struct Nothing(usize);
+
+    impl Messages for Nothing {
+        fn finish(self: Box<Self>) -> Result<Vec<Vec<u8>>, String> {
+            Ok(vec![Vec::new(); self.0])
         }
     }
 

@@ -6,7 +6,7 @@
 use super::value::Value;
 use super::{Column, History, Permutation};
 use crate::cpu::Relocation;
-use crate::halo::{FieldSet, Halo, Mirror};
+use crate::halo::{FieldSet, GhostColumn, Mirror};
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
@@ -186,12 +186,14 @@ macro_rules! columns {
                 }
             }
 
-            /// Brings the columns of ghosts that belong to a set to those of the particles they stand for.
-            pub(crate) fn exchange(&self, fields: FieldSet, ghosts: &mut Self, halo: &dyn Halo) {
-                $( if [$(FieldSet::$set),*].contains(&fields) && !self.$name.is_empty() {
-                    ghosts.$name.resize(halo.count(), $initial);
-                    halo.fill(Value::ghosts(Mirror::$mirror, &self.$name, &mut ghosts.$name));
+            /// The columns that belong to sets, with those of so many ghosts that take them over.
+            pub(crate) fn exchanged<'a>(&'a self, sets: &[FieldSet], ghosts: &'a mut Self, count: usize) -> Vec<GhostColumn<'a>> {
+                let mut columns = Vec::new();
+                $( if [$(FieldSet::$set),*].iter().any(|set| sets.contains(set)) && !self.$name.is_empty() {
+                    ghosts.$name.resize(count, $initial);
+                    columns.push(Value::ghosts(Mirror::$mirror, &self.$name, &mut ghosts.$name));
                 } )+
+                columns
             }
 
             /// The first field of particle `i`, in the order of the table, that is not what the guard asks for; columns that a run does not

@@ -6,6 +6,8 @@ mod total_lagrangian;
 mod updated_lagrangian;
 
 use super::CpuEngine;
+use super::integrate::Motions;
+use crate::halo::{FieldSet, Place};
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::particles::Particles;
@@ -29,13 +31,17 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     /// Viscosity as a pressure of the particle.
     fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
 
-    /// Packs what the velocity gradient reads of particles and ghosts.
+    /// Packs what the velocity gradient reads of particles.
     fn pack_motion(&self, engine: &mut CpuEngine<T>);
     /// Velocity gradient and density.
     fn kinematics(&self, engine: &mut CpuEngine<T>);
-    /// Packs what the gradient correction of the forces reads, where that is not the one of the velocity gradient.
+    /// Where particles are for what reads the kinematic records of a set of fields, [`FieldSet::Motion`] or [`FieldSet::Volume`].
+    fn places<'a>(&self, fields: FieldSet, standing: Standing<'a>) -> Place<'a>;
+    /// Whether forces have a gradient correction that is not the one of the velocity gradient.
+    fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool;
+    /// Packs what that reads of particles.
     fn pack_volumes(&self, engine: &mut CpuEngine<T>);
-    /// That gradient correction.
+    /// That gradient correction, where there is one.
     fn correct_gradients(&self, engine: &mut CpuEngine<T>);
     /// The tensor whose sum is the force of particle `i`, of its scaled stress and its gradient correction.
     fn force_tensor(
@@ -47,6 +53,16 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     ) -> Tensor<f64>;
     /// Forces beside those of the stress.
     fn add_forces(&self, engine: &mut CpuEngine<T>);
+}
+
+/// What places of particles follow from.
+#[derive(Clone, Copy)]
+pub(super) struct Standing<'a> {
+    pub(super) model: &'a Model,
+    pub(super) particles: &'a Particles,
+    pub(super) motions: &'a Motions,
+    /// Size of the step, s.
+    pub(super) dt: f64,
 }
 
 /// The form a model asks for.

@@ -5,11 +5,12 @@
 //! artificial stress, XSPH and density restoration are left out of the model. Viscosity is a pressure of the particle: a viscosity of
 //! pairs at initial positions would brake rigid rotation. Other bodies are not seen.
 
-use super::Formulation;
+use super::{Formulation, Standing};
 use crate::cpu::CpuEngine;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
+use crate::halo::{FieldSet, Place};
 use crate::lanes::{Job, Lanes, PairScalar, run};
 use crate::model::Model;
 use crate::neighbors::{BLOCK, PAD};
@@ -66,7 +67,6 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             record[kinematic::WEIGHT] = T::of(reference_volume[i]);
             record[kinematic::H] = T::of(smoothing_length[i]);
         });
-        engine.records.fill_kinematic_ghosts(count, engine.ghosts.halo.as_ref(), &|i| reference_position[i]);
     }
 
     /// Deformation gradient, velocity gradient and density.
@@ -120,6 +120,14 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                 }
             });
         engine.count_pairs();
+    }
+
+    fn places<'a>(&self, _: FieldSet, Standing { particles, .. }: Standing<'a>) -> Place<'a> {
+        Box::new(|i| particles.reference_position[i])
+    }
+
+    fn corrects_forces(&self, _: &CpuEngine<T>) -> bool {
+        false
     }
 
     fn pack_volumes(&self, _: &mut CpuEngine<T>) {}

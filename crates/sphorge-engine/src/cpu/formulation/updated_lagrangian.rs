@@ -1,10 +1,11 @@
 //! The updated Lagrangian form of both papers: Cauchy stress over the neighbours as they are.
 
-use super::Formulation;
+use super::{Formulation, Standing};
 use crate::cpu::CpuEngine;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
+use crate::halo::{FieldSet, Place};
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, GradientCorrection, Integrator, Model, Search};
 use crate::neighbors::BLOCK;
@@ -42,10 +43,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
     /// With leapfrog the gradient is taken with the positions of mid-step, where its velocities are: the step is then the same
     /// forwards and backwards in time, and what stress gains in it is the work of the forces before and after it, to second order.
     fn pack_motion(&self, engine: &mut CpuEngine<T>) {
-        let half = 0.5 * engine.step.dt;
-        // The predictor has its positions at mid-step already.
-        let leapfrog = engine.model.numerics.integrator == Integrator::Leapfrog;
-        pack(engine, if leapfrog { half } else { 0.0 }, half);
+        pack(engine, FieldSet::Motion, 0.5 * engine.step.dt);
     }
 
     fn kinematics(&self, engine: &mut CpuEngine<T>) {
@@ -128,16 +126,24 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         engine.count_pairs();
     }
 
+    fn places<'a>(&self, fields: FieldSet, standing: Standing<'a>) -> Place<'a> {
+        Box::new(place(fields, standing))
+    }
+
+    /// Where forces are evaluated elsewhere than the velocity gradient.
+    fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool {
+        let moved = engine.model.numerics.integrator == Integrator::Leapfrog && engine.step.dt > 0.0;
+        self.is_corrected_form(&engine.model) && moved
+    }
+
     fn pack_volumes(&self, engine: &mut CpuEngine<T>) {
-        if self.corrects_forces(engine) {
-            pack(engine, 0.0, 0.0);
-        }
+        pack(engine, FieldSet::Volume, 0.0);
     }
 
     /// Gradient correction at the positions and densities forces are evaluated with. Torques cancel only if force and correction see
     /// the same.
     fn correct_gradients(&self, engine: &mut CpuEngine<T>) {
-        if !self.corrects_forces(engine) {
+        if !Formulation::<T>::corrects_forces(self, engine) {
             return;
         }
         let model = &*engine.model;
@@ -174,29 +180,19 @@ impl UpdatedLagrangian {
     fn is_corrected_form(&self, model: &Model) -> bool {
         <Self as Formulation<f64>>::is_corrected(self, model)
     }
-
-    /// Whether forces are evaluated elsewhere than the velocity gradient, with a correction of their own.
-    fn corrects_forces<T: PairScalar>(&self, engine: &CpuEngine<T>) -> bool {
-        let moved = engine.model.numerics.integrator == Integrator::Leapfrog && engine.step.dt > 0.0;
-        self.is_corrected_form(&engine.model) && moved
-    }
 }
 
-/// Writes velocity, smoothing length, the position a time `back` (s) ago and the weight expected a time `ahead` (s) of the present
-/// density, of every particle and ghost, into its kinematic record.
-fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, back: f64, ahead: f64) {
+/// Writes velocity, smoothing length, the place for a set of fields and the weight expected a time `ahead` (s) of the present density, of every
+/// particle, into its kinematic record.
+fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, fields: FieldSet, ahead: f64) {
     engine.make_records();
     let form = engine.model.numerics.pair_form;
     let count = engine.particles.len();
     let frame = engine.records.frame;
-    let Particles { position, velocity, velocity_gradient, mass, density, smoothing_length, xsph, motion, .. } =
-        &engine.particles;
-    let motions = &engine.motions;
-    let place = |i: usize| match back {
-        0.0 => position[i],
-        _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
-    };
-    engine.records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
+    let CpuEngine { model, particles, motions, records, step, .. } = engine;
+    let place = place(fields, Standing { model, particles, motions, dt: step.dt });
+    let Particles { velocity, velocity_gradient, mass, density, smoothing_length, .. } = &*particles;
+    records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
         for (k, record) in records.iter_mut().enumerate() {
             let i = b * BLOCK + k;
             let x = frame.encode::<T>(&place(i));
@@ -209,7 +205,19 @@ fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, back: f64, ahead: f64) {
             record[kinematic::H] = T::of(smoothing_length[i]);
         }
     });
-    engine.records.fill_kinematic_ghosts(count, engine.ghosts.halo.as_ref(), &place);
+}
+
+/// Where particles are for the velocity gradient or for the gradient correction of the forces, m.
+fn place<'a>(fields: FieldSet, standing: Standing<'a>) -> impl Fn(usize) -> Vector<f64> + Sync + 'a {
+    let Standing { model, particles, motions, dt } = standing;
+    let Particles { position, velocity, xsph, motion, .. } = particles;
+    // The predictor has its positions at mid-step already.
+    let is_back = fields == FieldSet::Motion && model.numerics.integrator == Integrator::Leapfrog;
+    let back = if is_back { 0.5 * dt } else { 0.0 };
+    move |i| match back {
+        0.0 => position[i],
+        _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
+    }
 }
 
 /// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.

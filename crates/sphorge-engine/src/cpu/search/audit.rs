@@ -114,8 +114,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 let (common, halo) =
                     domain.also_here(named.chain((0..own.len()).flat_map(|i| ours(i).into_owned())))?;
                 let mut ghosts = Ghosts::new(Box::new(halo));
-                ghosts.exchange(FieldSet::Search, &self.particles);
-                ghosts.exchange(FieldSet::Audit, &self.particles);
+                ghosts.exchange(&[FieldSet::Search, FieldSet::Audit], &self.particles);
                 domain.ranks.check_lost()?;
                 Some((common, ghosts))
             }

@@ -238,7 +238,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Positions of particles and ghosts and the smoothing lengths they are searched with, for the searcher.
     fn place_points(&mut self) {
-        self.ghosts.exchange(FieldSet::Search, &self.particles);
+        self.ghosts.exchange(&[FieldSet::Search], &self.particles);
         let Lists { points, smoothing_length, .. } = &mut self.lists;
         place(&self.particles, &self.ghosts, self.formulation.is_initial(), points, smoothing_length);
         if let Some(least) = least_searched(&self.model, self.contacts.as_ref()) {

@@ -63,7 +63,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if stored.is_some() {
             self.place_points();
         } else if are_new {
-            self.ghosts.exchange(FieldSet::Search, &self.particles);
+            self.ghosts.exchange(&[FieldSet::Search], &self.particles);
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::super::CpuEngine;
 use super::super::stored::StoredPairs;
 use super::{Lists, Reach};
 use crate::RunFailure;
-use crate::halo::{FieldSet, GhostColumn};
+use crate::halo::{self, Exchanged, FieldSet, GhostColumn};
 use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{are_places, is_place};
@@ -115,7 +115,7 @@ impl<T: PairScalar> CpuEngine<T> {
             domain.forget_smoothing_lengths();
         }
         // Ghosts take what does not change between searches with each search, and the next one may be far.
-        self.ghosts.exchange(FieldSet::Search, &self.particles);
+        self.ghosts.exchange(&[FieldSet::Search], &self.particles);
         if is_again {
             self.place_ghost_points();
             let (count, factor) = (self.particles.len(), self.reach_factor());
@@ -141,8 +141,9 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         let (mut places, mut lengths) = (vec![[0.0; 3]; ghosts], vec![0.0; ghosts]);
-        self.ghosts.halo.fill(GhostColumn::Point(points, &mut places));
-        self.ghosts.halo.fill(GhostColumn::Scalar(smoothing_length, &mut lengths));
+        let columns =
+            vec![GhostColumn::Point(points, &mut places), GhostColumn::Scalar(smoothing_length, &mut lengths)];
+        halo::fill(vec![Exchanged { halo: self.ghosts.halo.as_ref(), columns }]);
         self.lists.points.extend(places);
         self.lists.smoothing_length.extend(lengths);
     }

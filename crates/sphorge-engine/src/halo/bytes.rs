@@ -1,0 +1,68 @@
+//! Columns of ghosts as bytes between ranks.
+
+use super::{GhostColumn, Packed};
+use crate::RunFailure;
+use crate::persist::Fixed;
+
+/// Bytes a ghost takes over.
+pub(super) fn width(column: &GhostColumn<'_>) -> usize {
+    fn of<V: Fixed>(_: &[V]) -> usize {
+        V::SIZE
+    }
+    match column {
+        GhostColumn::Scalar(own, _) => of(own),
+        GhostColumn::Integer(own, _) => of(own),
+        GhostColumn::Point(own, _) | GhostColumn::Vector(own, _) => of(own),
+        GhostColumn::PointOf(_, ghosts) => of(ghosts),
+        GhostColumn::Symmetric(own, _) => of(own),
+        GhostColumn::Tensor(own, _) => of(own),
+        GhostColumn::Single(records) => records.axes.len() * of(records.own),
+        GhostColumn::Double(records) => records.axes.len() * of(records.own),
+    }
+}
+
+/// Writes what ghosts of these particles take over.
+pub(super) fn write(column: &GhostColumn<'_>, particles: &[u32], bytes: &mut Vec<u8>) {
+    fn values<V: Fixed>(own: &[V], particles: &[u32], bytes: &mut Vec<u8>) {
+        particles.iter().for_each(|&i| own[i as usize].write(bytes));
+    }
+    fn records<V: Fixed>(records: &Packed<'_, V>, particles: &[u32], bytes: &mut Vec<u8>) {
+        let width = records.axes.len();
+        let record = |&i: &u32| records.own[i as usize * width..][..width].iter();
+        particles.iter().flat_map(record).for_each(|value| value.write(bytes));
+    }
+    match column {
+        GhostColumn::Scalar(own, _) => values(own, particles, bytes),
+        GhostColumn::Integer(own, _) => values(own, particles, bytes),
+        GhostColumn::Point(own, _) | GhostColumn::Vector(own, _) => values(own, particles, bytes),
+        GhostColumn::PointOf(place, _) => particles.iter().for_each(|&i| place(i as usize).write(bytes)),
+        GhostColumn::Symmetric(own, _) => values(own, particles, bytes),
+        GhostColumn::Tensor(own, _) => values(own, particles, bytes),
+        GhostColumn::Single(of) => records(of, particles, bytes),
+        GhostColumn::Double(of) => records(of, particles, bytes),
+    }
+}
+
+/// Fills ghosts from number `first` on with what was written of the particles they stand for.
+///
+/// # Errors
+/// The bytes mean nothing.
+pub(super) fn read(column: &mut GhostColumn<'_>, first: usize, bytes: &[u8]) -> Result<(), RunFailure> {
+    fn values<V: Fixed>(ghosts: &mut [V], bytes: &[u8]) -> Result<(), RunFailure> {
+        for (ghost, bytes) in ghosts.iter_mut().zip(bytes.chunks_exact(V::SIZE)) {
+            *ghost = V::read(bytes).ok_or_else(crate::ranks::unreadable)?;
+        }
+        Ok(())
+    }
+    match column {
+        GhostColumn::Scalar(_, ghosts) => values(&mut ghosts[first..], bytes),
+        GhostColumn::Integer(_, ghosts) => values(&mut ghosts[first..], bytes),
+        GhostColumn::Point(_, ghosts) | GhostColumn::Vector(_, ghosts) | GhostColumn::PointOf(_, ghosts) => {
+            values(&mut ghosts[first..], bytes)
+        }
+        GhostColumn::Symmetric(_, ghosts) => values(&mut ghosts[first..], bytes),
+        GhostColumn::Tensor(_, ghosts) => values(&mut ghosts[first..], bytes),
+        GhostColumn::Single(records) => values(&mut records.ghosts[first * records.axes.len()..], bytes),
+        GhostColumn::Double(records) => values(&mut records.ghosts[first * records.axes.len()..], bytes),
+    }
+}
