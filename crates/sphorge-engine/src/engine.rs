@@ -133,9 +133,23 @@ pub trait Engine: Send {
     fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
         Ok(None)
     }
-    /// Brings the fields of a set, of all ghosts, to those of the particles they stand for.
-    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+    /// Sends what ghosts take over of a set of fields and does not wait for it. Until it is finished, ghosts are not read and particles keep these fields.
+    fn begin_exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
         let _ = fields;
+        Ok(())
+    }
+    /// Brings the fields of the set that is on its way, of all ghosts, to those of the particles they stand for.
+    fn finish_exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        let _ = fields;
+        Ok(())
+    }
+    /// Both at once.
+    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        self.begin_exchange(fields)?;
+        self.finish_exchange(fields)
+    }
+    /// Velocity gradient and density of particles that read no ghost, while these are on their way; [`Self::kinematics`] leaves them out then.
+    fn inner_kinematics(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
     /// Velocity gradient and density.
@@ -166,6 +180,10 @@ pub trait Engine: Send {
     fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
         Ok(())
     }
+    /// What pairs do to particles that read no ghost, while these are on their way; [`Self::forces`] leaves it out then.
+    fn inner_forces(&mut self) -> Result<(), RunFailure> {
+        Ok(())
+    }
     /// Momentum, energy, viscosity, artificial stress, XSPH, heat; contact, walls and gravity as they were worked out.
     fn forces(&mut self) -> Result<(), RunFailure>;
     /// Closes the step: correction or second kick.
@@ -183,6 +201,10 @@ pub trait Engine: Send {
     /// Most work of one of them over the mean of all, counted in pairs, in the last step.
     fn imbalance(&self) -> f64 {
         1.0
+    }
+    /// Share of the particles whose pairs are summed while ghosts are on their way.
+    fn inner_share(&self) -> f64 {
+        0.0
     }
     /// Seconds that this process has waited for messages of others or sent its own.
     fn waited(&self) -> f64 {

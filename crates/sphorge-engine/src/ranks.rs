@@ -57,6 +57,11 @@ pub(crate) struct UnderWay {
 }
 
 impl UnderWay {
+    /// See [`Messages::advance`].
+    pub(crate) fn advance(&mut self) {
+        self.ranks.timed(|| self.messages.advance());
+    }
+
     /// Waits for what was sent by every rank.
     ///
     /// # Errors

@@ -173,6 +173,11 @@ impl Simulation {
         self.engine.imbalance()
     }
 
+    /// Share of the particles whose pairs are summed while ghosts are on their way between processes.
+    pub fn inner_share(&self) -> f64 {
+        self.engine.inner_share()
+    }
+
     /// Name of the engine whose saved states these are.
     pub fn saved_as(&self) -> &'static str {
         self.saved_as

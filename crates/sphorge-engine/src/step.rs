@@ -35,7 +35,9 @@ pub fn advance(
     engine.exchange(FieldSet::Audit)?;
     let audit = engine.audit()?;
     clock.skip(engine);
-    engine.exchange(FieldSet::Motion)?;
+    engine.begin_exchange(FieldSet::Motion)?;
+    engine.inner_kinematics()?;
+    engine.finish_exchange(FieldSet::Motion)?;
     engine.kinematics()?;
     engine.exchange(FieldSet::Density)?;
     engine.restore_density()?;
@@ -49,8 +51,10 @@ pub fn advance(
     engine.push_faces()?;
     clock.lap(engine, &mut seconds.forces, &mut waiting.forces);
     engine.stress()?;
-    engine.exchange(FieldSet::Stress)?;
+    engine.begin_exchange(FieldSet::Stress)?;
     clock.lap(engine, &mut seconds.stress, &mut waiting.stress);
+    engine.inner_forces()?;
+    engine.finish_exchange(FieldSet::Stress)?;
     engine.intermediate_sums()?;
     engine.exchange(FieldSet::IntermediateSums)?;
     engine.forces()?;

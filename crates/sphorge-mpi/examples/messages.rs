@@ -3,7 +3,7 @@
 //!     cargo run --release -p sphorge-mpi --example messages -- copper-bar particles.spacing='"0.25 mm"'
 //!
 //! Prints, for each number of ranks, per step: exchanges a rank takes part in, messages and bytes that the rank that sends most of them sends, and
-//! ranks it sends ghosts' values to; and bytes of the start.
+//! of the last step, the imbalance and the share of the rows that read no ghost.
 
 use sphorge::engine::{EngineKind, Simulation};
 use sphorge::run::FilesOfRank;
@@ -59,8 +59,8 @@ impl Communicator for Counting {
     }
 }
 
-/// What each of so many ranks sends in the steps that are counted, after the first two, and the particles there are and how unlike the shares.
-fn count(name: &str, deck: &str, ranks: usize) -> (Vec<[u64; 3]>, usize, f64) {
+/// What each of so many ranks sends in the steps that are counted, after the first two, how unlike the shares are and which share of the rows is inner.
+fn count(name: &str, deck: &str, ranks: usize) -> (Vec<[u64; 3]>, [f64; 2]) {
     let sent: Arc<Vec<Sent>> = Arc::new((0..ranks).map(|_| Sent::default()).collect());
     let counting = |inner| Arc::new(Counting { inner, sent: sent.clone() }) as Arc<dyn Communicator>;
     let mut communicators: Vec<_> = threads(ranks).into_iter().map(counting).collect();
@@ -70,7 +70,6 @@ fn count(name: &str, deck: &str, ranks: usize) -> (Vec<[u64; 3]>, usize, f64) {
         }
         let leader = Leader::new(communicators.remove(0));
         let setup = sphorge::deck::load_text(name, deck, &[]).expect("it was loaded before");
-        let particles = setup.particles.len();
         leader.take_deck(name, deck);
         let mut simulation = Simulation::start(&leader, setup.model, setup.particles).expect("ranks share it");
         let mut steps = |count| {
@@ -83,7 +82,7 @@ fn count(name: &str, deck: &str, ranks: usize) -> (Vec<[u64; 3]>, usize, f64) {
         steps(STEPS);
         let after = sent.iter().map(Sent::read).zip(before);
         let of_steps = after.map(|(after, before)| [0, 1, 2].map(|k| after[k] - before[k])).collect();
-        (of_steps, particles, simulation.imbalance())
+        (of_steps, [simulation.imbalance(), simulation.inner_share()])
     })
 }
 
@@ -95,11 +94,16 @@ fn main() {
     let shipped = sphorge::decks::find(&name).expect("the name of a shipped deck");
     let setup = sphorge::deck::load_text(&name, shipped.text, &changes).expect("changes that the deck can have");
     println!("{name}, {} particles, {STEPS} steps", setup.particles.len());
-    println!("ranks  exchanges  messages     bytes  bytes, mean  imbalance");
+    println!("ranks  exchanges  messages     bytes  bytes, mean  imbalance  inner rows");
     for ranks in RANKS {
-        let (sent, _, imbalance) = count(&name, &setup.deck_text, ranks);
+        let (sent, [imbalance, inner]) = count(&name, &setup.deck_text, ranks);
         let most = |k: usize| sent.iter().map(|sent| sent[k]).max().unwrap_or(0) as f64 / STEPS as f64;
         let mean = sent.iter().map(|sent| sent[2]).sum::<u64>() as f64 / (STEPS * ranks as u64) as f64;
-        println!("{ranks:5}  {:9.1}  {:8.1}  {:8.0}  {mean:11.0}  {imbalance:9.3}", most(0), most(1), most(2));
+        println!(
+            "{ranks:5}  {:9.1}  {:8.1}  {:8.0}  {mean:11.0}  {imbalance:9.3}  {inner:10.3}",
+            most(0),
+            most(1),
+            most(2)
+        );
     }
 }

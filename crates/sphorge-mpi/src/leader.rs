@@ -178,8 +178,14 @@ impl Engine for LeadingEngine {
     fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
         self.part.audit()
     }
-    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
-        self.part.exchange(fields)
+    fn begin_exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        self.part.begin_exchange(fields)
+    }
+    fn finish_exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+        self.part.finish_exchange(fields)
+    }
+    fn inner_kinematics(&mut self) -> Result<(), RunFailure> {
+        self.part.inner_kinematics()
     }
     fn kinematics(&mut self) -> Result<(), RunFailure> {
         self.part.kinematics()
@@ -205,6 +211,9 @@ impl Engine for LeadingEngine {
     fn intermediate_sums(&mut self) -> Result<(), RunFailure> {
         self.part.intermediate_sums()
     }
+    fn inner_forces(&mut self) -> Result<(), RunFailure> {
+        self.part.inner_forces()
+    }
     fn forces(&mut self) -> Result<(), RunFailure> {
         self.part.forces()
     }
@@ -225,6 +234,9 @@ impl Engine for LeadingEngine {
     }
     fn count(&self) -> usize {
         self.part.total()
+    }
+    fn inner_share(&self) -> f64 {
+        self.part.inner_share()
     }
     fn waited(&self) -> f64 {
         self.part.waited()

@@ -4,7 +4,6 @@
 //! no shortcuts. What it says of a deck is what the equations say of it.
 
 use pairs::{Image, plus};
-use sphorge_engine::halo::FieldSet;
 use sphorge_engine::model::{Integrator, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource};
 use sphorge_engine::persist::{Archive, ArchiveError};
 use sphorge_engine::reduction::{self, Reduction};
@@ -308,11 +307,6 @@ impl Engine for Oracle {
 
     fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
         Ok(None)
-    }
-
-    /// Images are worked out where they are read.
-    fn exchange(&mut self, _: FieldSet) -> Result<(), RunFailure> {
-        Ok(())
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {

@@ -40,17 +40,20 @@ pub(super) struct Domain {
     smoothing_length: Vec<f64>,
     /// Most work of a rank over the mean of all, in counted pairs of the last step.
     pub(super) imbalance: f64,
+    /// Share of the rows of all ranks that read no ghost, and are summed before these have come.
+    pub(super) inner_share: f64,
 }
 
 impl Domain {
     fn new(share: Share, model: &Model) -> Self {
         let points = CommonPoints::new(Images::new(model));
-        Self { share, points, smoothing_length: Vec::new(), imbalance: 1.0 }
+        Self { share, points, smoothing_length: Vec::new(), imbalance: 1.0, inner_share: 0.0 }
     }
 
-    /// Adds up the pairs of all ranks, and notes how unlike their works are.
-    pub(super) fn sum_pairs(&mut self, own: u64) -> Result<u64, RunFailure> {
-        let pairs = self.ranks.gather_one(own)?;
+    /// Adds up the pairs of all ranks, and notes how unlike their works are, and how many of their rows are inner ones.
+    pub(super) fn sum_pairs(&mut self, own: u64, inner_rows: usize) -> Result<u64, RunFailure> {
+        let (pairs, rows): (Vec<u64>, Vec<usize>) = self.ranks.gather_one((own, inner_rows))?.into_iter().unzip();
+        self.inner_share = rows.iter().sum::<usize>() as f64 / self.count() as f64;
         let work = |(pairs, count): (&u64, usize)| pairs + balance::OF_A_PARTICLE * count as u64;
         let works: Vec<u64> = pairs.iter().zip(self.counts()).map(work).collect();
         self.imbalance = balance::imbalance(&works);

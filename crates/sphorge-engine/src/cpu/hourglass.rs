@@ -2,6 +2,7 @@
 //! [`sphorge_physics::hourglass`].
 
 use super::CpuEngine;
+use super::inner::Turn;
 use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
 use super::records::{Records, hourglass as entry};
@@ -164,12 +165,13 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Adds the hourglass forces to acceleration and energy rate.
-    pub(super) fn resist_hourglass(&mut self) {
+    pub(super) fn resist_hourglass(&mut self, turn: Turn) {
         let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return };
         if strength == 0.0 {
             return;
         }
-        self.pack_hourglass(strength);
+        self.pack_hourglass(strength, turn);
+        let inner = &self.inner;
         let list = &self.lists.list;
         let springs = SpringSweep {
             records: &self.records,
@@ -182,6 +184,7 @@ impl<T: PairScalar> CpuEngine<T> {
         (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK), work.power.par_iter_mut())
             .into_par_iter()
             .enumerate()
+            .filter(|(b, _)| inner.take_turn(*b, turn))
             .for_each(|(b, (acceleration, energy_rate, power))| {
                 let mut sums = [SpringSums::zero(); BLOCK];
                 springs.block(b, &list.blocks()[b], &mut sums);
@@ -199,8 +202,8 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation
-    /// gradients, springs.
-    fn pack_hourglass(&mut self, strength: f64) {
+    /// gradients, springs; of particles with the first rows, of ghosts when they have come.
+    fn pack_hourglass(&mut self, strength: f64, turn: Turn) {
         let young: Vec<f64> = self.model.materials.iter().map(Material::young_modulus).collect();
         let count = self.particles.len();
         let frame = self.records.frame;
@@ -208,8 +211,11 @@ impl<T: PairScalar> CpuEngine<T> {
         hourglass.resize(kinematic.len(), [T::zero(); entry::LEN]);
         let (own, ghost) = kinematic.split_at_mut(count);
         let (own_springs, ghost_springs) = hourglass.split_at_mut(count);
-        let parts = [(&self.particles, own, own_springs), (&self.ghosts.columns, ghost, ghost_springs)];
-        for (p, kinematic, springs) in parts {
+        let parts = [
+            (turn.is_first(), (&self.particles, own, own_springs)),
+            (turn.is_last(), (&self.ghosts.columns, ghost, ghost_springs)),
+        ];
+        for (p, kinematic, springs) in parts.into_iter().filter(|(is_now, _)| *is_now).map(|(_, part)| part) {
             kinematic.par_iter_mut().zip(springs).enumerate().for_each(|(i, (record, spring_record))| {
                 for a in 0..3 {
                     record[V + a] = T::of_velocity(p.evaluated_velocity[i][a]);

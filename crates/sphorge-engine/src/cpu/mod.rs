@@ -17,6 +17,7 @@ mod ghosts;
 mod guard;
 mod hourglass;
 mod initial;
+mod inner;
 mod integrate;
 mod kinematics;
 mod ledger;
@@ -60,6 +61,7 @@ use domain::Domain;
 use formulation::Formulation;
 use ghosts::Ghosts;
 use guard::Fault;
+use inner::{InnerBlocks, Turn};
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
 use numerical_work::NumericalWork;
@@ -107,6 +109,9 @@ struct CpuEngine<T: PairScalar> {
     ghosts: Ghosts,
     /// What ghosts take over, while it is on its way.
     arrival: Option<Arrival>,
+    inner: InnerBlocks,
+    /// Rows that read no ghost are summed already.
+    is_begun: bool,
     /// The share of this rank, where there are others.
     domain: Option<Domain>,
     records: Records<T>,
@@ -195,6 +200,8 @@ impl<T: PairScalar> CpuEngine<T> {
             contacts: BodyContacts::new(&model, count, (!formulation.sees_other_bodies()).then(|| halo.another())),
             ghosts: Ghosts::new(halo),
             arrival: None,
+            inner: InnerBlocks::default(),
+            is_begun: false,
             domain,
             walls: Walls::new(&model, count),
             motions: Motions::new(&model),
@@ -224,6 +231,30 @@ impl<T: PairScalar> CpuEngine<T> {
     /// bodies that could move.
     fn idle(&self, dt: f64) -> bool {
         !self.model.thermal.mechanics && dt > 0.0
+    }
+
+    /// Whether rows that read no ghost are summed before ghosts have come from other ranks.
+    fn begins_inside(&mut self) -> bool {
+        let has_others = self.domain.as_ref().is_some_and(|domain| domain.ranks.size() > 1);
+        if !has_others || self.idle(self.step.dt) {
+            return false;
+        }
+        self.inner.refresh(&self.lists.list, self.particles.len());
+        self.inner.parts() > 0
+    }
+
+    /// Sums the rows that read no ghost, and lets messages get on meanwhile.
+    fn sum_inside(&mut self, sum: impl Fn(&mut Self, Turn)) {
+        for part in 0..self.inner.parts() {
+            sum(self, Turn::Inner(part));
+            self.arrival.iter_mut().for_each(Arrival::advance);
+        }
+        self.is_begun = true;
+    }
+
+    /// The rows a stage has left.
+    fn turn_of_rest(&mut self) -> Turn {
+        if std::mem::take(&mut self.is_begun) { Turn::Rest } else { Turn::Whole }
     }
 
     /// Whether an audit is due in this step.
@@ -268,14 +299,27 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         due.then(|| self.audit_lists()).transpose()
     }
 
-    fn exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
+    fn begin_exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
         self.begin_exchange_of(fields);
+        Ok(())
+    }
+
+    fn finish_exchange(&mut self, fields: FieldSet) -> Result<(), RunFailure> {
         self.finish_exchange_of(fields)
+    }
+
+    fn inner_kinematics(&mut self) -> Result<(), RunFailure> {
+        // The gradient correction of the reference configuration reads ghosts.
+        if self.begins_inside() && (self.reference_corrected || !self.formulation.is_initial()) {
+            self.sum_inside(|engine, turn| engine.formulation.kinematics(engine, turn));
+        }
+        Ok(())
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
-            self.formulation.kinematics(self);
+            let turn = self.turn_of_rest();
+            self.formulation.kinematics(self, turn);
         }
         Ok(())
     }
@@ -328,13 +372,24 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         Ok(())
     }
 
+    fn inner_forces(&mut self) -> Result<(), RunFailure> {
+        if self.begins_inside() {
+            self.sum_inside(|engine, turn| {
+                engine.sum_forces(turn);
+                engine.formulation.add_forces(engine, turn);
+            });
+        }
+        Ok(())
+    }
+
     fn forces(&mut self) -> Result<(), RunFailure> {
         self.sum_heat()?;
         if self.idle(self.step.dt) {
             return Ok(());
         }
-        self.sum_forces();
-        self.formulation.add_forces(self);
+        let turn = self.turn_of_rest();
+        self.sum_forces(turn);
+        self.formulation.add_forces(self, turn);
         self.add_body_contact();
         self.add_external_forces();
         Ok(())
@@ -348,7 +403,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             }
             self.warm_by_friction();
             if let Some(domain) = &mut self.domain {
-                self.step.pairs = domain.sum_pairs(self.step.pairs)?;
+                self.step.pairs = domain.sum_pairs(self.step.pairs, self.inner.rows())?;
             }
         }
         self.accumulate_strain();
@@ -389,6 +444,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         self.domain.as_ref().map_or(1.0, |domain| domain.imbalance)
     }
 
+    fn inner_share(&self) -> f64 {
+        self.domain.as_ref().map_or(0.0, |domain| domain.inner_share)
+    }
+
     fn waited(&self) -> f64 {
         self.domain.as_ref().map_or(0.0, |domain| domain.ranks.waited())
     }
@@ -421,6 +480,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         let heat = self.heat.as_ref().map_or(0, HeatFlow::bytes);
         let ghosts = self.ghosts.halo.bytes() + self.ghosts.columns.bytes();
         let domain = self.domain.as_ref().map_or(0, Domain::bytes);
+        let ghosts = ghosts + self.inner.bytes();
         (self.particles.bytes() + ghosts + contacts + heat + domain + self.lists.bytes() + self.records.bytes()) as u64
     }
 }

@@ -2,6 +2,7 @@
 
 use super::CpuEngine;
 use super::forces::{ForceJob, ForceSum, ForceTerms};
+use super::inner::Turn;
 use super::kinematics::PairConstants;
 use super::kinematics::{GradientJob, GradientSum};
 use super::numerical_work::NumericalWork;
@@ -188,7 +189,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Acceleration by pair forces, energy rate, XSPH velocity.
-    pub(super) fn sum_forces(&mut self) {
+    pub(super) fn sum_forces(&mut self, turn: Turn) {
         let numerics = &self.model.numerics;
         let pair_form = numerics.pair_form;
         let viscosity_of_pairs = self.formulation.pair_viscosity(&self.model).is_some();
@@ -207,6 +208,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let Particles { acceleration, energy_rate, mass, xsph, mu, artificial_power, .. } = &mut self.particles;
         let NumericalWork { viscous, artificial_stress, .. } = &mut self.numerical_work;
         let mass = &*mass;
+        let inner = &self.inner;
         let room = || [ForceSum::zero(); BLOCK];
         let sum_block = |sums: &mut [ForceSum<T>; BLOCK], b: usize, columns: ForceColumns<'_>, powers: &mut [f64]| {
             let (a, e, x, mu, (viscous, repulsive)) = columns;
@@ -244,10 +246,13 @@ impl<T: PairScalar> CpuEngine<T> {
             .enumerate();
         // Where it is not asked for, the column is empty.
         if artificial_power.is_empty() {
-            blocks.for_each_init(room, |sums, (b, columns)| sum_block(sums, b, columns, &mut []));
+            blocks
+                .filter(|(b, _)| inner.take_turn(*b, turn))
+                .for_each_init(room, |sums, (b, columns)| sum_block(sums, b, columns, &mut []));
         } else {
             blocks
                 .zip(artificial_power.par_chunks_mut(BLOCK))
+                .filter(|((b, _), _)| inner.take_turn(*b, turn))
                 .for_each_init(room, |sums, ((b, columns), powers)| sum_block(sums, b, columns, powers));
         }
     }

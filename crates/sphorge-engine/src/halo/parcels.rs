@@ -51,6 +51,13 @@ impl Outgoing {
 }
 
 impl Arrival {
+    /// Lets the messages get on.
+    pub(crate) fn advance(&mut self) {
+        if let Some((_, under_way)) = &mut self.0 {
+            under_way.advance();
+        }
+    }
+
     /// Waits for the messages. The engine tells of a loss at the end of the stage; until then ghosts are as they were.
     fn wait(self) -> Incoming {
         let from = self.0.map_or_else(Vec::new, |(ranks, under_way)| {

@@ -17,6 +17,8 @@ pub const PAD: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub struct NeighborList {
     blocks: Vec<Block>,
+    /// Times blocks were given out to be changed.
+    changes: u64,
 }
 
 /// Rows of up to [`BLOCK`] consecutive particles.
@@ -35,6 +37,7 @@ impl NeighborList {
     /// Sets the number of particles; rows are empty until filled.
     pub fn resize(&mut self, particles: usize) {
         self.blocks.resize_with(particles.div_ceil(BLOCK), Block::default);
+        self.changes += 1;
     }
 
     /// The blocks, particle `i` in block `i / BLOCK`.
@@ -44,7 +47,13 @@ impl NeighborList {
 
     /// The blocks, to be filled.
     pub fn blocks_mut(&mut self) -> &mut [Block] {
+        self.changes += 1;
         &mut self.blocks
+    }
+
+    /// Another number whenever the list may be another one.
+    pub(crate) fn changes(&self) -> u64 {
+        self.changes
     }
 
     /// Neighbours of particle `i`, without padding.

@@ -6,6 +6,7 @@ mod total_lagrangian;
 mod updated_lagrangian;
 
 use super::CpuEngine;
+use super::inner::Turn;
 use super::integrate::Motions;
 use crate::halo::{FieldSet, Place};
 use crate::lanes::PairScalar;
@@ -34,7 +35,7 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     /// Packs what the velocity gradient reads of particles.
     fn pack_motion(&self, engine: &mut CpuEngine<T>);
     /// Velocity gradient and density.
-    fn kinematics(&self, engine: &mut CpuEngine<T>);
+    fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn);
     /// Where particles are for what reads the kinematic records of a set of fields, [`FieldSet::Motion`] or [`FieldSet::Volume`].
     fn places<'a>(&self, fields: FieldSet, standing: Standing<'a>) -> Place<'a>;
     /// Whether forces have a gradient correction that is not the one of the velocity gradient.
@@ -52,7 +53,7 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
         correction: &Tensor<f64>,
     ) -> Tensor<f64>;
     /// Forces beside those of the stress.
-    fn add_forces(&self, engine: &mut CpuEngine<T>);
+    fn add_forces(&self, engine: &mut CpuEngine<T>, turn: Turn);
 }
 
 /// What places of particles follow from.

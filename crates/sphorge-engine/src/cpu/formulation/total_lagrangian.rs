@@ -7,6 +7,7 @@
 
 use super::{Formulation, Standing};
 use crate::cpu::CpuEngine;
+use crate::cpu::inner::Turn;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
@@ -70,7 +71,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     }
 
     /// Deformation gradient, velocity gradient and density.
-    fn kinematics(&self, engine: &mut CpuEngine<T>) {
+    fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn) {
         if !engine.reference_corrected {
             correct_reference(engine);
             engine.reference_corrected = true;
@@ -92,6 +93,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             correction,
             ..
         } = &mut engine.particles;
+        let inner = &engine.inner;
         let (mass, volume, h, correction) = (&*mass, &*reference_volume, &*smoothing_length, &*correction);
         (
             velocity_gradient.par_chunks_mut(BLOCK),
@@ -103,6 +105,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         )
             .into_par_iter()
             .enumerate()
+            .filter(|(b, _)| inner.take_turn(*b, turn))
             .for_each(|(b, (l, n, rho, f, stretch, mu))| {
                 let mut sums = [GradientSum::zero(); BLOCK];
                 sweep.block(b, false, &mut sums);
@@ -119,7 +122,9 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
             });
-        engine.count_pairs();
+        if turn.is_last() {
+            engine.count_pairs();
+        }
     }
 
     fn places<'a>(&self, _: FieldSet, Standing { particles, .. }: Standing<'a>) -> Place<'a> {
@@ -144,8 +149,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         force_tensor(stress, &particles.deformation[i], &particles.face_stress[i], correction)
     }
 
-    fn add_forces(&self, engine: &mut CpuEngine<T>) {
-        engine.resist_hourglass();
+    fn add_forces(&self, engine: &mut CpuEngine<T>, turn: Turn) {
+        engine.resist_hourglass(turn);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Formulation, Standing};
 use crate::cpu::CpuEngine;
+use crate::cpu::inner::Turn;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
@@ -46,7 +47,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         pack(engine, FieldSet::Motion, 0.5 * engine.step.dt);
     }
 
-    fn kinematics(&self, engine: &mut CpuEngine<T>) {
+    fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn) {
         let step = engine.step.dt;
         let half = 0.5 * step;
         let model = &*engine.model;
@@ -71,12 +72,14 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             (sum.gradient.map(|row| row.map(|v| v.to_f64() * scale)), scale)
         };
         let corrected_by = gradient_correction::corrected::<f64>;
+        let inner = &engine.inner;
         let columns =
             (velocity_gradient.par_chunks_mut(BLOCK), neighbors.par_chunks_mut(BLOCK), density.par_chunks_mut(BLOCK));
         if corrected {
             (columns.0, columns.1, columns.2, correction.par_chunks_mut(BLOCK))
                 .into_par_iter()
                 .enumerate()
+                .filter(|(b, _)| inner.take_turn(*b, turn))
                 .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
                     sweep.block(b, true, sums);
                     for k in 0..l.len() {
@@ -100,6 +103,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             )
                 .into_par_iter()
                 .enumerate()
+                .filter(|(b, _)| inner.take_turn(*b, turn))
                 .for_each_init(room, |sums, (b, (l, n, rho, strain, correction))| {
                     sweep.block(b, is_due, sums);
                     for k in 0..l.len() {
@@ -114,7 +118,8 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                     }
                 });
         } else {
-            columns.into_par_iter().enumerate().for_each_init(room, |sums, (b, (l, n, rho))| {
+            let blocks = columns.into_par_iter().enumerate().filter(|(b, _)| inner.take_turn(*b, turn));
+            blocks.for_each_init(room, |sums, (b, (l, n, rho))| {
                 sweep.block(b, false, sums);
                 for k in 0..l.len() {
                     (l[k], _) = plain(&sums[k], rho[k], &l[k]);
@@ -123,7 +128,9 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                 }
             });
         }
-        engine.count_pairs();
+        if turn.is_last() {
+            engine.count_pairs();
+        }
     }
 
     fn places<'a>(&self, fields: FieldSet, standing: Standing<'a>) -> Place<'a> {
@@ -173,7 +180,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         tensor::multiply(&stress.to_tensor(), correction)
     }
 
-    fn add_forces(&self, _: &mut CpuEngine<T>) {}
+    fn add_forces(&self, _: &mut CpuEngine<T>, _: Turn) {}
 }
 
 impl UpdatedLagrangian {
