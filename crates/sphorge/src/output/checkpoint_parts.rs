@@ -7,8 +7,9 @@
 use super::{
     atomic::{Durability, write_file},
     checkpoint::{PREFIX, PartsRecord, Values, Writer, checkpoints, parts_of},
-    directory::{is_unfinished, name_of, remove_matching},
+    directory::name_of,
     error::{AtPath, OutputError},
+    numbered::{numbered, remove_numbered},
 };
 use crate::engine::persist::{Archive, ArchiveError, Parts};
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// How files of parts end.
+const EXTENSION: &str = "zip";
 /// What a part says of itself.
 const ABOUT: &str = "part.json";
 /// Between the step and what makes the name of the folder its own.
@@ -132,12 +135,12 @@ impl PartSet {
     }
 
     fn path(&self, number: usize) -> PathBuf {
-        self.folder.join(format!("{number:04}.zip"))
+        self.folder.join(numbered(number, EXTENSION))
     }
 
     /// Removes the parts and their folder.
     pub(super) fn remove(&self) -> Result<(), OutputError> {
-        remove_folder(&self.folder).writing(&self.folder)
+        remove_numbered(&self.folder, EXTENSION).writing(&self.folder)
     }
 }
 
@@ -167,10 +170,6 @@ pub(super) fn is_parts_folder(name: &str) -> bool {
     })
 }
 
-fn is_part(name: &str) -> bool {
-    name.strip_suffix(".zip").is_some_and(|stem| stem.len() >= 4 && stem.bytes().all(|b| b.is_ascii_digit()))
-}
-
 /// Folders of parts in the folder of a run.
 fn folders(run: &Path) -> io::Result<Vec<PathBuf>> {
     let mut folders = Vec::new();
@@ -183,18 +182,9 @@ fn folders(run: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// Removes a folder of parts; what no process has written stays, and the folder with it.
-fn remove_folder(folder: &Path) -> io::Result<()> {
-    remove_matching(folder, |name| is_part(name) || is_unfinished(name))?;
-    match fs::remove_dir(folder) {
-        Err(e) if e.kind() != io::ErrorKind::DirectoryNotEmpty && e.kind() != io::ErrorKind::NotFound => Err(e),
-        _ => Ok(()),
-    }
-}
-
 /// Removes all parts in the folder of a run.
 pub(super) fn remove_all_parts(run: &Path) -> io::Result<()> {
-    folders(run)?.iter().try_for_each(|folder| remove_folder(folder))
+    folders(run)?.iter().try_for_each(|folder| remove_numbered(folder, EXTENSION))
 }
 
 /// Removes parts that no checkpoint names, as one that was not completed or was written anew leaves them.
@@ -212,5 +202,7 @@ pub(super) fn remove_parts_of_none(run: &Path) -> Result<(), OutputError> {
         });
     }
     let is_named = |folder: &&PathBuf| named.iter().any(|name| !name.is_empty() && name_of(folder).starts_with(name));
-    all.iter().filter(|folder| !is_named(folder)).try_for_each(|folder| remove_folder(folder).writing(folder))
+    all.iter()
+        .filter(|folder| !is_named(folder))
+        .try_for_each(|folder| remove_numbered(folder, EXTENSION).writing(folder))
 }

@@ -7,6 +7,7 @@ mod directory;
 mod error;
 mod history;
 mod history_read;
+mod numbered;
 mod pieces;
 pub(crate) mod regular_file;
 mod series;

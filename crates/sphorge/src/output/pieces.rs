@@ -8,6 +8,7 @@ use super::{
     FrameHeader, FrameWriter, RunDirectory,
     atomic::{Durability, write_file},
     error::{AtPath, OutputError},
+    numbered::{numbered, remove_numbered},
     vtp::{array_element, unit_label, written_fields},
 };
 use crate::engine::{FieldSource, InPieces};
@@ -45,7 +46,7 @@ impl PieceRequest {
     ) -> Result<PathBuf, OutputError> {
         // Other processes may not see yet that it was made.
         fs::create_dir_all(&self.folder).writing(&self.folder)?;
-        let path = self.folder.join(piece_name(number));
+        let path = self.folder.join(numbered(number, EXTENSION));
         let header = FrameHeader::new(model, self.time, self.step);
         write_file(&path, Durability::Process, |mut out| {
             FrameWriter::new(model).write(&mut out, &header, particles, &with_order(&model.output.fields))
@@ -54,15 +55,8 @@ impl PieceRequest {
     }
 }
 
-/// Name of a piece in its folder.
-fn piece_name(number: usize) -> String {
-    format!("{number:04}.vtp")
-}
-
-/// Whether a file has the name of a piece.
-pub(super) fn is_piece(name: &str) -> bool {
-    name.strip_suffix(".vtp").is_some_and(|stem| stem.len() >= 4 && stem.bytes().all(|b| b.is_ascii_digit()))
-}
+/// How files of pieces end.
+const EXTENSION: &str = "vtp";
 
 fn with_order(fields: &[String]) -> Vec<String> {
     let has_order = fields.iter().any(|field| field == ORDER);
@@ -119,13 +113,9 @@ fn request(folder: &Path, time: f64, step: u64) -> Result<PieceRequest, OutputEr
     Ok(PieceRequest { folder, time, step })
 }
 
-/// Removes a folder of pieces with the pieces, whole or not, that are in it; what else is in it stays, and the folder with it.
+/// Removes a folder of pieces with the pieces that are in it.
 pub(super) fn remove_pieces(folder: &Path) -> io::Result<()> {
-    super::directory::remove_matching(folder, |name| is_piece(name) || super::directory::is_unfinished(name))?;
-    match fs::remove_dir(folder) {
-        Err(e) if !matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::DirectoryNotEmpty) => Err(e),
-        _ => Ok(()),
-    }
+    remove_numbered(folder, EXTENSION)
 }
 
 impl FrameWriter {
@@ -141,8 +131,9 @@ impl FrameWriter {
         let arrays: String =
             fields.iter().map(|field| format!("      {}", array_element("PDataArray", field, ""))).collect();
         let folder = folder.file_name().unwrap_or_default().to_string_lossy();
-        let pieces: String =
-            (0..pieces).map(|piece| format!("    <Piece Source=\"{folder}/{}\"/>\n", piece_name(piece))).collect();
+        let pieces: String = (0..pieces)
+            .map(|piece| format!("    <Piece Source=\"{folder}/{}\"/>\n", numbered(piece, EXTENSION)))
+            .collect();
         Ok(format!(
             r#"<?xml version="1.0"?>
 <VTKFile type="PPolyData" {attributes}>
