@@ -2,14 +2,19 @@
 //!
 //! An engine evaluates them where its columns are; [`evaluate`] does so for columns in memory.
 
+mod message;
 mod suspicion;
+mod turns;
 
+pub use message::ReductionMessage;
 pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion, TEARING_RADIUS, TEARING_SHARE};
 
 use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
 use crate::particles::{Column, Particles, stored_behind};
 use sphorge_physics::{Vector, tensor};
+use turns::best;
+pub use turns::{Alone, Turns};
 
 /// A number per particle: a field, of which one component may be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +113,7 @@ impl Reduction<'_> {
             | Self::Interpolation { quantity, .. }
             | Self::Slabs { quantity, .. }
             | Self::OfParticle { quantity, .. } => stored_behind(quantity.field),
-            Self::Suspects(_) => vec!["temperature", "energy", "pressure", "neighbors"],
+            Self::Suspects(_) => vec!["temperature", "energy", "pressure", "neighbors", "reference_position"],
             Self::Extent { .. } | Self::Diameter { .. } => vec!["deformation", "earlier_deformation"],
             Self::SectionForce(_) | Self::Nearest { .. } => Vec::new(),
         };
@@ -176,38 +181,68 @@ impl ParticleSource for (&Model, &Particles) {
 
 /// Evaluates a reduction over columns in memory, in their order.
 pub fn evaluate(reduction: &Reduction<'_>, model: &Model, particles: &Particles) -> Vec<f64> {
+    let Ok(found) = evaluate_in_turn(reduction, model, particles, &Alone);
+    found
+}
+
+/// Evaluates a reduction over the particles of all processes, each over its own columns in their order: to the bit what one process finds that has all of
+/// them. What looks at particles around others ([`Suspicion::Apart`] and those behind it) is right on one process alone.
+///
+/// # Errors
+/// A process is lost.
+pub fn evaluate_in_turn<R: Turns>(
+    reduction: &Reduction<'_>,
+    model: &Model,
+    particles: &Particles,
+    turns: &R,
+) -> Result<Vec<f64>, R::Lost> {
     let select = |selection| Selected { model, particles, selection };
+    let values = |quantity| Values::of(particles, quantity);
     let found = match *reduction {
-        Reduction::Extent { of, axis } => select(of).extent(axis),
-        Reduction::Diameter { of, axis } => select(of).diameter(axis),
+        Reduction::Extent { of, axis } => select(of).extent(axis, turns)?,
+        Reduction::Diameter { of, axis } => select(of).diameter(axis, turns)?,
         Reduction::Extremum { of, quantity, extremum } => {
             let better = match extremum {
                 Extremum::Maximum => f64::max,
                 Extremum::Minimum => f64::min,
             };
-            Values::of(particles, quantity).and_then(|v| select(of).indices().map(|i| v.at(i)).reduce(better))
+            let Some(values) = values(quantity) else { return Ok(Vec::new()) };
+            best(turns, better, select(of).indices().map(|i| values.at(i)))?
         }
-        Reduction::Mean { of, quantity } => Values::of(particles, quantity).and_then(|v| select(of).mean(&v)),
+        Reduction::Mean { of, quantity } => {
+            let Some(values) = values(quantity) else { return Ok(Vec::new()) };
+            select(of).mean(&values, turns)?
+        }
         Reduction::Interpolation { of, quantity, point } => {
-            Values::of(particles, quantity).and_then(|v| select(of).interpolate(&v, point))
+            let Some(values) = values(quantity) else { return Ok(Vec::new()) };
+            select(of).interpolate(&values, point, turns)?
         }
         Reduction::Slabs { of, quantity, axis, direction } => {
-            let Some(values) = Values::of(particles, quantity) else { return Vec::new() };
-            return select(of).slabs(&values, axis, direction);
+            let Some(values) = values(quantity) else { return Ok(Vec::new()) };
+            return select(of).slabs(&values, axis, direction, turns);
         }
         // Forces between particles are in no column.
         Reduction::SectionForce(_) => None,
         Reduction::Nearest { point, body } => {
-            let nearest = particles.nearest(point, body);
-            return nearest.map_or_else(Vec::new, |(i, distance)| vec![f64::from(particles.id[i]), distance]);
+            let mut nearest = [0.0; 3];
+            turns.pass(&mut nearest, |sums| {
+                let Some((i, squared)) = particles.nearest_squared(point, body) else { return };
+                let id = f64::from(particles.id[i]);
+                if sums[0] == 0.0 || squared.total_cmp(&sums[2]).then(id.total_cmp(&sums[1])).is_lt() {
+                    sums.copy_from_slice(&[1.0, id, squared]);
+                }
+            })?;
+            let [found, id, squared] = nearest;
+            return Ok(if found > 0.0 { vec![id, squared.sqrt()] } else { Vec::new() });
         }
-        Reduction::Suspects(suspicion) => return suspicion::evaluate(suspicion, model, particles),
+        Reduction::Suspects(suspicion) => return suspicion::evaluate(suspicion, model, particles, turns),
         Reduction::OfParticle { id, quantity } => {
+            let Some(values) = values(quantity) else { return Ok(Vec::new()) };
             let place = particles.id.iter().position(|&other| other == id);
-            Values::of(particles, quantity).and_then(|v| Some(v.at(place?)))
+            best(turns, |_, value| value, place.into_iter().map(|place| values.at(place)))?
         }
     };
-    found.into_iter().collect()
+    Ok(found.into_iter().collect())
 }
 
 /// The values of a quantity.
@@ -271,20 +306,40 @@ impl Selected<'_> {
         })
     }
 
-    fn mean(&self, values: &Values<'_>) -> Option<f64> {
-        let (sum, mass) = self.indices().fold((0.0, 0.0), |(sum, mass), i| {
-            let m = self.particles.mass[i];
-            (sum + m * values.at(i), mass + m)
-        });
-        (mass > 0.0).then(|| sum / mass)
+    fn mean<R: Turns>(&self, values: &Values<'_>, turns: &R) -> Result<Option<f64>, R::Lost> {
+        let mut sums = [0.0; 2];
+        turns.pass(&mut sums, |sums| {
+            for i in self.indices() {
+                let m = self.particles.mass[i];
+                sums[0] += m * values.at(i);
+                sums[1] += m;
+            }
+        })?;
+        let [sum, mass] = sums;
+        Ok((mass > 0.0).then(|| sum / mass))
     }
 
-    fn extent(&self, axis: usize) -> Option<f64> {
+    /// The smallest and the largest of pairs of numbers.
+    fn range<R: Turns>(&self, of: impl Fn(usize) -> (f64, f64), turns: &R) -> Result<Option<(f64, f64)>, R::Lost> {
+        let mut sums = [0.0; 3];
+        turns.pass(&mut sums, |sums| {
+            for i in self.indices() {
+                let (low, high) = of(i);
+                let is_first = sums[0] == 0.0;
+                sums[1] = if is_first { low } else { sums[1].min(low) };
+                sums[2] = if is_first { high } else { sums[2].max(high) };
+                sums[0] = 1.0;
+            }
+        })?;
+        Ok((sums[0] > 0.0).then_some((sums[1], sums[2])))
+    }
+
+    fn extent<R: Turns>(&self, axis: usize, turns: &R) -> Result<Option<f64>, R::Lost> {
         let ends = |i: usize| {
             let (x, reach) = (self.particles.position[i][axis], self.reach(i, unit(axis)));
             (x - reach, x + reach)
         };
-        let (mut low, mut high) = self.indices().map(ends).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+        let Some((mut low, mut high)) = self.range(ends, turns)? else { return Ok(None) };
         // Particles pressed against the plane are flatter than half a spacing.
         for plane in self.model.symmetry.iter().filter(|plane| plane.axis == axis) {
             if plane.side > 0.0 {
@@ -293,20 +348,22 @@ impl Selected<'_> {
                 high = high.min(plane.position);
             }
         }
-        Some(high - low)
+        Ok(Some(high - low))
     }
 
-    fn diameter(&self, axis: usize) -> Option<f64> {
+    fn diameter<R: Turns>(&self, axis: usize, turns: &R) -> Result<Option<f64>, R::Lost> {
         let positions = &self.particles.position;
-        let mut centre = [0.0; 3];
-        let mut count = 0.0;
-        for i in self.indices() {
-            for a in 0..3 {
-                centre[a] += positions[i][a];
+        let mut sums = [0.0; 4];
+        turns.pass(&mut sums, |sums| {
+            for i in self.indices() {
+                for a in 0..3 {
+                    sums[a] += positions[i][a];
+                }
+                sums[3] += 1.0;
             }
-            count += 1.0;
-        }
-        centre = centre.map(|sum| sum / count);
+        })?;
+        let [x, y, z, count] = sums;
+        let mut centre = [x, y, z].map(|sum| sum / count);
         for plane in self.model.symmetry.iter().filter(|plane| plane.axis != axis) {
             centre[plane.axis] = plane.position;
         }
@@ -317,40 +374,59 @@ impl Selected<'_> {
             let along = if distance > 0.0 { outward.map(|c| c / distance) } else { unit((axis + 1) % 3) };
             distance + self.reach(i, along)
         };
-        self.indices().map(radius).reduce(f64::max).map(|radius| 2.0 * radius)
+        Ok(best(turns, f64::max, self.indices().map(radius))?.map(|radius| 2.0 * radius))
     }
 
     /// The normalisation of the kernel cancels, but for its `1/h^d`.
-    fn interpolate(&self, values: &Values<'_>, point: Vector<f64>) -> Option<f64> {
+    fn interpolate<R: Turns>(
+        &self,
+        values: &Values<'_>,
+        point: Vector<f64>,
+        turns: &R,
+    ) -> Result<Option<f64>, R::Lost> {
         let p = self.particles;
         let kernel = self.model.numerics.kernel;
         let dimensions = self.model.dimensions.count();
-        let (sum, weight) = self.indices().fold((0.0, 0.0), |(sum, weight), i| {
-            let r = (0..dimensions).map(|a| (p.position[i][a] - point[a]).powi(2)).sum::<f64>().sqrt();
-            let h = p.smoothing_length[i];
-            let w = p.mass[i] / p.density[i] * kernel.w(r / h) / h.powi(dimensions as i32);
-            // The field may be anything where the kernel does not reach.
-            if w > 0.0 { (sum + w * values.at(i), weight + w) } else { (sum, weight) }
-        });
-        (weight > 0.0).then(|| sum / weight)
+        let mut sums = [0.0; 2];
+        turns.pass(&mut sums, |sums| {
+            for i in self.indices() {
+                let r = (0..dimensions).map(|a| (p.position[i][a] - point[a]).powi(2)).sum::<f64>().sqrt();
+                let h = p.smoothing_length[i];
+                let w = p.mass[i] / p.density[i] * kernel.w(r / h) / h.powi(dimensions as i32);
+                // The field may be anything where the kernel does not reach.
+                if w > 0.0 {
+                    sums[0] += w * values.at(i);
+                    sums[1] += w;
+                }
+            }
+        })?;
+        let [sum, weight] = sums;
+        Ok((weight > 0.0).then(|| sum / weight))
     }
 
-    fn slabs(&self, values: &Values<'_>, axis: usize, direction: f64) -> Vec<f64> {
+    fn slabs<R: Turns>(
+        &self,
+        values: &Values<'_>,
+        axis: usize,
+        direction: f64,
+        turns: &R,
+    ) -> Result<Vec<f64>, R::Lost> {
         let x = |i: usize| direction * self.particles.position[i][axis];
-        let Some((low, high)) = self.indices().map(|i| (x(i), x(i))).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
-            return Vec::new();
-        };
+        let Some((low, high)) = self.range(|i| (x(i), x(i)), turns)? else { return Ok(Vec::new()) };
         // Particles of a lattice fall in the middle of a slab. A flung-off particle must not ask for endless slabs.
         let width = self.model.spacing.max((high - low) / 1e6);
         let mut slabs = vec![[0.0; 3]; ((high - low) / width + 0.5) as usize + 1];
-        for i in self.indices() {
-            let [count, place, value] = &mut slabs[((x(i) - low) / width + 0.5) as usize];
-            *count += 1.0;
-            *place += x(i);
-            *value += values.at(i);
-        }
+        turns.pass(slabs.as_flattened_mut(), |sums| {
+            let slabs = sums.as_chunks_mut::<3>().0;
+            for i in self.indices() {
+                let [count, place, value] = &mut slabs[((x(i) - low) / width + 0.5) as usize];
+                *count += 1.0;
+                *place += x(i);
+                *value += values.at(i);
+            }
+        })?;
         let filled = slabs.into_iter().filter(|slab| slab[0] > 0.0);
-        filled.flat_map(|[count, place, value]| [place / count, value / count]).collect()
+        Ok(filled.flat_map(|[count, place, value]| [place / count, value / count]).collect())
     }
 }
 

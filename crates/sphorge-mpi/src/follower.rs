@@ -3,6 +3,7 @@
 use crate::protocol::Command;
 use sphorge_engine::persist::{Archive, MemoryArchive, Parts};
 use sphorge_engine::ranks::{Communicator, Loaded, RankFiles, Ranks, SharedArchive};
+use sphorge_engine::reduction::ReductionMessage;
 use sphorge_engine::{Engine, Model, Part, RunFailure, StageSeconds, advance, start_part};
 use std::sync::Arc;
 
@@ -74,6 +75,13 @@ impl Following {
             }
             Command::Collect(field) => {
                 let _ = part.collect(&field);
+            }
+            Command::Reduce(message) => {
+                let message = ReductionMessage::read(&message);
+                let Some(reduction) = message.as_ref().and_then(ReductionMessage::reduction) else {
+                    return Err(RunFailure::of_engine("the first rank asks for a sum that there is not".to_owned()));
+                };
+                part.reduce(&reduction)?;
             }
             Command::Section(section) => {
                 part.section_force(section)?;

@@ -5,7 +5,7 @@ use crate::protocol::Command;
 use sphorge_engine::halo::FieldSet;
 use sphorge_engine::persist::{Archive, ArchiveError, Parts, require};
 use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
-use sphorge_engine::reduction::{self, Reduction};
+use sphorge_engine::reduction::{self, Reduction, ReductionMessage};
 use sphorge_engine::{
     Audit, Column, Cpu, Engine, EngineKind, FieldSource, InPieces, Ledger, Model, Part, Particles, RunFailure,
     SearchReport, TimeStepLimit, Unsupported, start_part,
@@ -82,7 +82,7 @@ struct LeadingEngine {
     collected: RefCell<Collected>,
 }
 
-/// Fields of the particles of all ranks that sums were taken over since the last step, in the order they are summed in.
+/// Fields of the particles of all ranks that checks of what lies around particles have asked for since the last step, in the order of sums.
 #[derive(Default)]
 struct Collected {
     particles: Particles,
@@ -256,6 +256,11 @@ impl Engine for LeadingEngine {
             Command::Section(number).broadcast(&self.ranks)?;
             return self.part.section_force(number);
         }
+        if let Some(message) = ReductionMessage::of(reduction) {
+            Command::Reduce(message.to_bytes()).broadcast(&self.ranks)?;
+            return self.part.reduce(reduction);
+        }
+        // What looks at particles around others.
         self.keep(&reduction.fields())?;
         Ok(reduction::evaluate(reduction, &self.model, &self.collected.borrow().particles))
     }

@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Ledger,
     /// Bring the values of a field to the first rank.
     Collect(String),
+    /// Take a sum, mean or extremum, as a [`sphorge_engine::reduction::ReductionMessage`] says.
+    Reduce(Vec<u8>),
     /// Sum the force through a section, by its number among those of the model.
     Section(usize),
     /// Bring the state to the first rank.
@@ -36,45 +38,48 @@ pub(crate) enum Command {
     End,
 }
 
-/// Kind, number, lengths of two texts.
+/// Kind, number, lengths of two texts or other bytes.
 type Header = (u8, (f64, [usize; 2]));
 
 impl Command {
     /// Kind, number and texts.
-    fn parts(&self) -> (u8, f64, [&str; 2]) {
+    fn parts(&self) -> (u8, f64, [&[u8]; 2]) {
         match self {
-            Self::Start { name, deck } => (0, 0.0, [name, deck]),
-            Self::Step(dt) => (1, *dt, ["", ""]),
-            Self::Ledger => (2, 0.0, ["", ""]),
-            Self::Collect(field) => (3, 0.0, [field, ""]),
-            Self::Save => (4, 0.0, ["", ""]),
-            Self::Load => (5, 0.0, ["", ""]),
-            Self::End => (6, 0.0, ["", ""]),
+            Self::Start { name, deck } => (0, 0.0, [name.as_bytes(), deck.as_bytes()]),
+            Self::Step(dt) => (1, *dt, [&[], &[]]),
+            Self::Ledger => (2, 0.0, [&[], &[]]),
+            Self::Collect(field) => (3, 0.0, [field.as_bytes(), &[]]),
+            Self::Save => (4, 0.0, [&[], &[]]),
+            Self::Load => (5, 0.0, [&[], &[]]),
+            Self::End => (6, 0.0, [&[], &[]]),
             // Exact: there are not so many.
-            Self::Section(section) => (7, *section as f64, ["", ""]),
-            Self::SaveParts(Parts::Memory) => (8, 0.0, ["", ""]),
-            Self::SaveParts(Parts::Files(files)) => (9, 0.0, [files, ""]),
-            Self::LoadParts(Parts::Memory) => (10, 0.0, ["", ""]),
-            Self::LoadParts(Parts::Files(files)) => (11, 0.0, [files, ""]),
-            Self::Write(request) => (12, 0.0, [request, ""]),
+            Self::Section(section) => (7, *section as f64, [&[], &[]]),
+            Self::SaveParts(Parts::Memory) => (8, 0.0, [&[], &[]]),
+            Self::SaveParts(Parts::Files(files)) => (9, 0.0, [files.as_bytes(), &[]]),
+            Self::LoadParts(Parts::Memory) => (10, 0.0, [&[], &[]]),
+            Self::LoadParts(Parts::Files(files)) => (11, 0.0, [files.as_bytes(), &[]]),
+            Self::Write(request) => (12, 0.0, [request.as_bytes(), &[]]),
+            Self::Reduce(message) => (13, 0.0, [message, &[]]),
         }
     }
 
-    fn of(kind: u8, number: f64, [first, second]: [String; 2]) -> Option<Self> {
+    fn of(kind: u8, number: f64, [first, second]: [Vec<u8>; 2]) -> Option<Self> {
+        let text = |bytes| String::from_utf8(bytes).ok();
         Some(match kind {
-            0 => Self::Start { name: first, deck: second },
+            0 => Self::Start { name: text(first)?, deck: text(second)? },
             1 => Self::Step(number),
             2 => Self::Ledger,
-            3 => Self::Collect(first),
+            3 => Self::Collect(text(first)?),
             4 => Self::Save,
             5 => Self::Load,
             6 => Self::End,
             7 => Self::Section(number as usize),
             8 => Self::SaveParts(Parts::Memory),
-            9 => Self::SaveParts(Parts::Files(first)),
+            9 => Self::SaveParts(Parts::Files(text(first)?)),
             10 => Self::LoadParts(Parts::Memory),
-            11 => Self::LoadParts(Parts::Files(first)),
-            12 => Self::Write(first),
+            11 => Self::LoadParts(Parts::Files(text(first)?)),
+            12 => Self::Write(text(first)?),
+            13 => Self::Reduce(first),
             _ => return None,
         })
     }
@@ -82,12 +87,12 @@ impl Command {
     /// Sends the command to the other ranks; the first rank alone does.
     pub(crate) fn broadcast(&self, ranks: &Ranks) -> Result<(), RunFailure> {
         let (kind, number, texts) = self.parts();
-        let header: Header = (kind, (number, texts.map(str::len)));
+        let header: Header = (kind, (number, texts.map(<[u8]>::len)));
         let mut bytes = Vec::new();
         header.write(&mut bytes);
         ranks.broadcast(&bytes, Header::SIZE)?;
         for text in texts.into_iter().filter(|text| !text.is_empty()) {
-            ranks.broadcast(text.as_bytes(), text.len())?;
+            ranks.broadcast(text, text.len())?;
         }
         Ok(())
     }
@@ -100,9 +105,9 @@ impl Command {
         };
         let bytes = ranks.broadcast(&[], Header::SIZE)?;
         let (kind, (number, lengths)) = Header::read(&bytes).ok_or_else(unknown)?;
-        let mut texts = [String::new(), String::new()];
+        let mut texts = [Vec::new(), Vec::new()];
         for (text, length) in texts.iter_mut().zip(lengths).filter(|(_, length)| *length > 0) {
-            *text = String::from_utf8(ranks.broadcast(&[], length)?).map_err(|_| unknown())?;
+            *text = ranks.broadcast(&[], length)?;
         }
         Self::of(kind, number, texts).ok_or_else(unknown)
     }
@@ -121,6 +126,7 @@ mod tests {
             Command::Step(-0.1),
             Command::Collect("density".to_owned()),
             Command::Section(3),
+            Command::Reduce(vec![0, 255, 7]),
             Command::Save,
             Command::SaveParts(Parts::Memory),
             Command::SaveParts(Parts::Files("there".to_owned())),

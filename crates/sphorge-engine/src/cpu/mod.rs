@@ -463,7 +463,10 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
         Ok(match *reduction {
             Reduction::SectionForce(section) => self.section_force(section)?.map_or_else(Vec::new, |f| f.to_vec()),
-            _ => reduction::evaluate(reduction, &self.model, &self.particles),
+            _ => match &self.domain {
+                Some(domain) => reduction::evaluate_in_turn(reduction, &self.model, &self.particles, &domain.ranks)?,
+                None => reduction::evaluate(reduction, &self.model, &self.particles),
+            },
         })
     }
 

@@ -335,11 +335,15 @@ columns! {
 impl Particles {
     /// Index and distance, m, of the particle nearest to a point, of one body if given; of several as near the one with the least id.
     pub fn nearest(&self, point: Vector<f64>, body: Option<usize>) -> Option<(usize, f64)> {
+        self.nearest_squared(point, body).map(|(i, squared)| (i, squared.sqrt()))
+    }
+
+    /// The same with the distance squared, m².
+    pub(crate) fn nearest_squared(&self, point: Vector<f64>, body: Option<usize>) -> Option<(usize, f64)> {
         let squared = |i: usize| (0..3).map(|a| (self.position[i][a] - point[a]).powi(2)).sum::<f64>();
         (0..self.len())
             .filter(|&i| body.is_none_or(|body| self.body[i] as usize == body))
             .map(|i| (i, squared(i)))
             .min_by(|a, b| a.1.total_cmp(&b.1).then(self.id[a.0].cmp(&self.id[b.0])))
-            .map(|(i, squared)| (i, squared.sqrt()))
     }
 }

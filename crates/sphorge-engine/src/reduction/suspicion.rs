@@ -8,6 +8,7 @@ mod pieces;
 
 pub use pairs::{PAIR_DISTANCE, PAIR_GAP, TEARING_RADIUS, TEARING_SHARE};
 
+use super::Turns;
 use crate::model::{HeatBoundaryKind, Material, Model, SymmetryPlane};
 use crate::particles::Particles;
 use pairs::{Pairs, Torn};
@@ -124,13 +125,21 @@ fn suspect_below(number: f64, limit: f64) -> Verdict {
 }
 
 /// Goes through all particles; numbers as [`Suspects::of`] reads them.
-pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Vec<f64> {
+///
+/// # Errors
+/// A process is lost.
+pub(super) fn evaluate<R: Turns>(
+    suspicion: Suspicion,
+    model: &Model,
+    p: &Particles,
+    turns: &R,
+) -> Result<Vec<f64>, R::Lost> {
     let material = |i: usize| model.materials.get(p.material[i] as usize);
     match suspicion {
-        Suspicion::Cold(limit) => count(model, p, |i| suspect_below(p.temperature[i], limit)),
+        Suspicion::Cold(limit) => count(model, p, turns, |i| suspect_below(p.temperature[i], limit)),
         Suspicion::Hot(limit) => {
             let warmest = warmest(model);
-            count(model, p, |i| {
+            count(model, p, turns, |i| {
                 let Some(material) = material(i).filter(|material| material.heats()) else { return BLAMELESS };
                 // At least a kelvin: bodies may start at absolute zero.
                 let start = warmest.max(material.reference_temperature).max(1.0);
@@ -138,21 +147,21 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
                 suspect_above(p.temperature[i] / allowed, limit)
             })
         }
-        Suspicion::Compressed(limit) => count(model, p, |i| {
+        Suspicion::Compressed(limit) => count(model, p, turns, |i| {
             let Some(law) = material(i).map(|material| material.equation_of_state) else { return BLAMELESS };
             let chi = 1.0 - law.reference_density() / p.density[i];
             suspect_above(chi * law.shock_slope().unwrap_or(1.0), limit)
         }),
-        Suspicion::Expanded(limit) => count(model, p, |i| {
+        Suspicion::Expanded(limit) => count(model, p, turns, |i| {
             let Some(law) = material(i).map(|material| material.equation_of_state) else { return BLAMELESS };
             suspect_below(p.density[i] / law.reference_density(), limit)
         }),
-        Suspicion::Away { low, high, limit } => count(model, p, |i| {
+        Suspicion::Away { low, high, limit } => count(model, p, turns, |i| {
             let x = p.position[i];
             let outside = |a: usize| (low[a] - x[a]).max(x[a] - high[a]).max(0.0);
             suspect_above((0..3).map(|a| outside(a).powi(2)).sum::<f64>().sqrt(), limit)
         }),
-        Suspicion::Behind(limit) => count(model, p, |i| {
+        Suspicion::Behind(limit) => count(model, p, turns, |i| {
             let depth = |plane: &SymmetryPlane| (plane.position - p.position[i][plane.axis]) * plane.side;
             let deepest = model.symmetry.iter().map(depth).fold(f64::NEG_INFINITY, f64::max);
             suspect_above(deepest / model.bodies[p.body[i] as usize].spacing, limit)
@@ -160,12 +169,17 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
         Suspicion::Lonely => {
             let needed = model.dimensions.count() as f64 + 1.0;
             let is_whole = wholes(model, p);
-            count(model, p, |i| if is_whole(i) { suspect_below(f64::from(p.neighbors[i]), needed) } else { None })
+            count(
+                model,
+                p,
+                turns,
+                |i| if is_whole(i) { suspect_below(f64::from(p.neighbors[i]), needed) } else { None },
+            )
         }
         Suspicion::Apart => {
             let is_whole = wholes(model, p);
             let pieces = Pieces::find(model, p, &is_whole);
-            count(model, p, |i| match is_whole(i) {
+            count(model, p, turns, |i| match is_whole(i) {
                 true if pieces.is_largest(i, p) => BLAMELESS,
                 true => suspect_above(f64::from(pieces.size_of(i)), 0.0),
                 false => None,
@@ -173,7 +187,7 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
         }
         Suspicion::Paired => {
             let pairs = Pairs::find(model, p);
-            count(model, p, |i| match pairs.partner_of(i) {
+            count(model, p, turns, |i| match pairs.partner_of(i) {
                 None => BLAMELESS,
                 Some(_) => Some(Some((-pairs.distance(i), pairs.distance(i)))),
             })
@@ -181,7 +195,7 @@ pub(super) fn evaluate(suspicion: Suspicion, model: &Model, p: &Particles) -> Ve
         Suspicion::Torn => {
             let is_whole = wholes(model, p);
             let torn = Torn::find(model, p);
-            count(model, p, |i| if is_whole(i) { suspect_above(torn.share(i), TEARING_SHARE) } else { None })
+            count(model, p, turns, |i| if is_whole(i) { suspect_above(torn.share(i), TEARING_SHARE) } else { None })
         }
     }
 }
@@ -211,7 +225,15 @@ fn warmest(model: &Model) -> f64 {
 /// Particles one thread takes at a time.
 const CHUNK: usize = 4096;
 
-fn count(model: &Model, p: &Particles, verdict: impl Fn(usize) -> Verdict + Sync) -> Vec<f64> {
+/// What is found in one body, as processes tell each other: particles, suspects, whether there is a worst, how bad it is, its number, who has it and where.
+const TALLY_NUMBERS: usize = 9;
+
+fn count<R: Turns>(
+    model: &Model,
+    p: &Particles,
+    turns: &R,
+    verdict: impl Fn(usize) -> Verdict + Sync,
+) -> Result<Vec<f64>, R::Lost> {
     let bodies = model.bodies.len();
     let of_chunk = |chunk: usize| {
         let mut tallies = vec![Tally::default(); bodies];
@@ -228,12 +250,22 @@ fn count(model: &Model, p: &Particles, verdict: impl Fn(usize) -> Verdict + Sync
     };
     let chunks = (0..p.len().div_ceil(CHUNK)).into_par_iter();
     let tallies = chunks.map(of_chunk).reduce(|| vec![Tally::default(); bodies], merge);
-    let numbers = |tally: Tally| {
-        let (number, id, x) =
-            tally.worst.map_or((0.0, 0.0, [0.0; 3]), |(_, number, i)| (number, f64::from(p.id[i]), p.position[i]));
-        [tally.particles as f64, tally.suspects as f64, number, id, x[0], x[1], x[2]]
-    };
-    tallies.into_iter().flat_map(numbers).collect()
+    let mut all = vec![0.0; TALLY_NUMBERS * bodies];
+    turns.pass(&mut all, |sums| {
+        for (sums, tally) in sums.chunks_exact_mut(TALLY_NUMBERS).zip(&tallies) {
+            sums[0] += tally.particles as f64;
+            sums[1] += tally.suspects as f64;
+            let Some((badness, number, i)) = tally.worst else { continue };
+            let id = f64::from(p.id[i]);
+            let is_worse = badness.total_cmp(&sums[3]).then(sums[5].total_cmp(&id)).is_gt();
+            if sums[2] == 0.0 || is_worse {
+                let [x, y, z] = p.position[i];
+                sums[2..].copy_from_slice(&[1.0, badness, number, id, x, y, z]);
+            }
+        }
+    })?;
+    let shown = |sums: &[f64]| [sums[0], sums[1], sums[4], sums[5], sums[6], sums[7], sums[8]];
+    Ok(all.chunks_exact(TALLY_NUMBERS).flat_map(shown).collect())
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod audits;
 mod balance;
 mod contact;
 mod heat;
+mod messages;
 mod parts;
 mod pieces;
 mod saved;

@@ -1,0 +1,88 @@
+//! How many messages ranks send, and how long they are.
+
+use super::setup;
+use sphorge::engine::ranks::{Communicator, Messages};
+use sphorge::engine::{EngineKind, ParticleSource, Quantity, Reduction, Simulation};
+use sphorge::model::{Extremum, ParticleSelection};
+use sphorge::run::FilesOfRank;
+use sphorge_mpi::{Leader, follow, threads};
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+/// A communicator that notes the lengths of messages that its rank sends.
+#[derive(Debug)]
+struct Noting {
+    inner: Arc<dyn Communicator>,
+    lengths: Arc<Mutex<Vec<usize>>>,
+}
+
+impl Communicator for Noting {
+    fn rank(&self) -> usize {
+        self.inner.rank()
+    }
+    fn size(&self) -> usize {
+        self.inner.size()
+    }
+    fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String> {
+        self.lengths.lock().unwrap().extend(to.iter().map(Vec::len).filter(|length| *length > 0));
+        self.inner.begin(to, lengths)
+    }
+}
+
+/// Lengths of the messages that the second of two ranks sends while something is done with a deck after some steps.
+fn sent(deck: &str, changes: &[(&str, &str)], steps: u64, act: impl FnOnce(&mut Simulation)) -> Vec<usize> {
+    let lengths = Arc::<Mutex<Vec<usize>>>::default();
+    let [first, second]: [Arc<dyn Communicator>; 2] = threads(2).try_into().unwrap();
+    thread::scope(|scope| {
+        let second = Noting { inner: second, lengths: lengths.clone() };
+        scope.spawn(move || follow(Arc::new(second), Some(1), &FilesOfRank::new(1e9)));
+        let leader = Leader::new(first);
+        let setup = setup(deck, changes);
+        leader.take_deck("a-deck", &setup.deck_text);
+        let mut simulation = Simulation::start(&leader, setup.model, setup.particles).unwrap();
+        for _ in 0..steps {
+            simulation.step(None).unwrap();
+        }
+        // A rank tells the first one of itself when all of that is done.
+        simulation.ledger().unwrap();
+        lengths.lock().unwrap().clear();
+        act(&mut simulation);
+    });
+    let sent = lengths.lock().unwrap().clone();
+    sent
+}
+
+fn one_step(simulation: &mut Simulation) {
+    simulation.step(None).unwrap();
+}
+
+#[test]
+fn ghosts_take_over_a_set_of_fields_in_one_message() {
+    let long = |sent: &[usize]| sent.iter().filter(|length| **length > 2000).count();
+    // Motion and stress.
+    let initial = sent("copper-bar", &[("particles.spacing", "\"0.8 mm\"")], 5, one_step);
+    let present = [("particles.spacing", "\"0.2 mm\""), ("search", "\"skin\""), ("method", "\"updated-lagrangian\"")];
+    let present = sent("taylor-plate", &present, 5, one_step);
+    assert_eq!((long(&initial), long(&present)), (2, 2), "{initial:?} {present:?}");
+}
+
+#[test]
+fn a_measure_sends_sums_and_no_columns() {
+    let of = &ParticleSelection { body: Some(0), ..ParticleSelection::default() };
+    let quantity = Quantity { field: "von_mises_stress", component: None };
+    let asked = [
+        Reduction::Extent { of, axis: 0 },
+        Reduction::Diameter { of, axis: 1 },
+        Reduction::Extremum { of, quantity, extremum: Extremum::Maximum },
+        Reduction::Mean { of, quantity },
+        Reduction::Interpolation { of, quantity, point: [1e-3, 5e-3, 0.0] },
+        Reduction::Nearest { point: [1e-3, 5e-3, 0.0], body: None },
+        Reduction::OfParticle { id: 7, quantity },
+    ];
+    let lengths = sent("copper-bar", &[("particles.spacing", "\"0.8 mm\"")], 3, |simulation| {
+        for reduction in &asked {
+            assert!(!simulation.reduce(reduction).unwrap().is_empty(), "{reduction:?}");
+        }
+    });
+    assert!(lengths.len() >= asked.len() && lengths.iter().all(|length| *length <= 32), "{lengths:?}");
+}
