@@ -3,8 +3,10 @@
 use crate::in_flight::InFlight;
 use mpi::Threading;
 use mpi::environment::{Universe, initialize_with_threading};
-use mpi::topology::Communicator as _;
+use mpi::topology::{Color, Communicator as _};
 use sphorge_engine::ranks::{Communicator, Messages};
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// All processes that were started together.
@@ -12,6 +14,8 @@ pub struct Processes {
     universe: Universe,
     rank: usize,
     size: usize,
+    on_this_machine: usize,
+    on_these_processors: usize,
 }
 
 impl std::fmt::Debug for Processes {
@@ -31,7 +35,7 @@ impl Processes {
     ///
     /// # Errors
     /// MPI cannot be started, or does not let threads of a rank take turns.
-    pub fn join() -> Result<Arc<dyn Communicator>, String> {
+    pub fn join() -> Result<Arc<Self>, String> {
         let Some((universe, provided)) = initialize_with_threading(Threading::Serialized) else {
             return Err("MPI was started before".to_owned());
         };
@@ -40,8 +44,36 @@ impl Processes {
         }
         let world = universe.world();
         let (rank, size) = (world.rank() as usize, world.size() as usize);
-        Ok(Arc::new(Self { universe, rank, size }))
+        let machine = world.split_shared(world.rank());
+        let together = machine.split_by_color(Color::with_value(color_of(&processors())));
+        let (on_this_machine, on_these_processors) =
+            (machine.size() as usize, together.map_or(1, |together| together.size() as usize));
+        Ok(Arc::new(Self { universe, rank, size, on_this_machine, on_these_processors }))
     }
+
+    /// Processes that share the memory of this machine, this one among them.
+    pub fn on_this_machine(&self) -> usize {
+        self.on_this_machine
+    }
+
+    /// Those of them that may run on the same processors as this one.
+    pub fn on_these_processors(&self) -> usize {
+        self.on_these_processors
+    }
+}
+
+/// The processors that this process may run on, as Linux writes them; elsewhere nothing: they are those of all.
+fn processors() -> String {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let list = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:"));
+    list.unwrap_or_default().trim().to_owned()
+}
+
+/// A color for MPI: the same for the same text.
+fn color_of(text: &str) -> i32 {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    (hasher.finish() >> 33) as i32
 }
 
 impl Drop for Processes {

@@ -11,7 +11,7 @@ use crate::{
 };
 use miette::{IntoDiagnostic, WrapErr, miette};
 use sphorge::{
-    engine::{Cpu, EngineKind},
+    engine::{Cpu, EngineKind, ranks::Communicator},
     output::RunDirectory,
     run::FilesOfRank,
 };
@@ -34,8 +34,8 @@ pub(crate) enum Role {
     Alone,
     /// The one that starts so many ranks and waits for them.
     Launcher(usize),
-    /// The first rank, which drives the run.
-    First(Arc<dyn EngineKind>),
+    /// The first rank, which drives the run on so many threads unless told otherwise.
+    First(Arc<dyn EngineKind>, usize),
 }
 
 impl RankArguments {
@@ -49,7 +49,14 @@ impl RankArguments {
             memory::note_ranks(ranks, ranks);
             return Ok(Some(Role::Launcher(ranks)));
         }
-        let communicator = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
+        if !started::is_known_to_mpi() {
+            // MPI would end each of them with words of its own.
+            return Err(if started::is_first() { unknown_to_mpi(started::count()) } else { Failure::Told });
+        }
+        let processes = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
+        let own_threads = threads_of_a_rank(processes.on_these_processors());
+        let on_this_machine = processes.on_this_machine();
+        let communicator: Arc<dyn Communicator> = processes;
         let (rank, size) = (communicator.rank(), communicator.size());
         if size == 1 && started::count() > 1 {
             return Err(if started::is_first() { alone_among(started::count()) } else { Failure::Told });
@@ -59,15 +66,26 @@ impl RankArguments {
             return if rank > 0 { Ok(None) } else { Err(other_number(asked, size)) };
         }
         memory::note_rank(rank);
-        memory::note_ranks(size, started::on_this_machine().unwrap_or(1));
+        memory::note_ranks(size, on_this_machine);
         if rank == 0 {
-            return Ok(Some(Role::First(Arc::new(Leader::new(communicator)))));
+            return Ok(Some(Role::First(Arc::new(Leader::new(communicator)), own_threads)));
         }
         signals::leave_to_the_first_rank().into_diagnostic().map_err(Failure::Failed)?;
         let files = FilesOfRank::new(memory::particle_limit());
-        let followed = follow(communicator, threads_of_a_rank(threads), &files);
+        let followed = follow(communicator, threads.or(Some(own_threads)), &files);
         followed.map(|()| None).map_err(|failure| Failure::Failed(miette!("{failure}")))
     }
+}
+
+/// What is wrong where Slurm has started processes and does not tell MPI of them.
+fn unknown_to_mpi(count: usize) -> Failure {
+    Failure::bad_input(
+        format!("`srun` has started {count} processes, and nothing by which MPI could join them"),
+        format!(
+            "`srun --mpi=pmix`, or another kind that {}, which this program is linked to, knows: `srun --mpi=list` names those there are",
+            Processes::library()
+        ),
+    )
 }
 
 /// What is wrong where each of some processes sees itself alone.
@@ -89,17 +107,17 @@ fn other_number(asked: usize, started: usize) -> Failure {
     )
 }
 
-/// Threads of each rank: its share of the machine unless told otherwise.
-fn threads_of_a_rank(asked: Option<usize>) -> Option<usize> {
+/// Threads of a rank unless told otherwise: its share of the processors that it may run on, as so many ranks may.
+fn threads_of_a_rank(ranks: usize) -> usize {
     let processors = thread::available_parallelism().map_or(1, |n| n.get());
-    asked.or_else(|| started::on_this_machine().map(|ranks| (processors / ranks).max(1)))
+    (processors / ranks).max(1)
 }
 
 impl Role {
     /// Threads of this process.
     pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
         match self {
-            Self::First(_) => threads_of_a_rank(asked),
+            Self::First(_, own) => asked.or(Some(*own)),
             Self::Alone | Self::Launcher(_) => asked,
         }
     }
@@ -111,11 +129,11 @@ impl Role {
     pub(crate) fn engine(&self, asked: Arc<dyn EngineKind>) -> Result<Arc<dyn EngineKind>, Failure> {
         match self {
             Self::Alone => Ok(asked),
-            Self::Launcher(_) | Self::First(_) if asked.name() != Cpu.name() => Err(Failure::bad_input(
+            Self::Launcher(_) | Self::First(..) if asked.name() != Cpu.name() => Err(Failure::bad_input(
                 format!("ranks share the work of processors, and the engine is to be `{}`", asked.name()),
                 "leave `--engine` out, or run on one process",
             )),
-            Self::First(leader) => Ok(leader.clone()),
+            Self::First(leader, _) => Ok(leader.clone()),
             Self::Launcher(_) => Ok(asked),
         }
     }
@@ -123,7 +141,7 @@ impl Role {
     /// The engines of this process that a run may be resumed on, of those there are for a process alone.
     pub(crate) fn engines(&self, alone: Vec<Arc<dyn EngineKind>>) -> Vec<Arc<dyn EngineKind>> {
         match self {
-            Self::First(leader) => vec![leader.clone()],
+            Self::First(leader, _) => vec![leader.clone()],
             Self::Alone | Self::Launcher(_) => alone,
         }
     }

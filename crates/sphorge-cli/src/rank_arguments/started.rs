@@ -6,9 +6,6 @@ use std::env;
 const NUMBER: [&str; 4] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"];
 /// How many they are. Of Slurm those of a step: its job has tasks that may not be started yet.
 const COUNT: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
-/// How many of them are on this machine.
-#[cfg(feature = "mpi")]
-const ON_THIS_MACHINE: [&str; 3] = ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"];
 
 fn first(names: &[&str]) -> Option<usize> {
     names.iter().find_map(|name| env::var(name).ok()?.parse().ok())
@@ -24,15 +21,15 @@ pub(super) fn is_first() -> bool {
     first(&NUMBER).unwrap_or(0) == 0
 }
 
-/// Whether this process was started as one that MPI may join with others.
+/// Whether this process was started as one of several, or by what starts processes of MPI.
 #[cfg(feature = "mpi")]
 pub(super) fn by_mpi() -> bool {
-    // A script of Slurm has a number, too.
-    first(&NUMBER[..3]).is_some() || count() > 1
+    is_known_to_mpi() || count() > 1
 }
 
-/// Processes on this machine.
+/// Whether MPI is told which process this is; Slurm does so only on request.
 #[cfg(feature = "mpi")]
-pub(super) fn on_this_machine() -> Option<usize> {
-    first(&ON_THIS_MACHINE).filter(|&count| count > 0)
+pub(super) fn is_known_to_mpi() -> bool {
+    // A script of Slurm has a number, too.
+    first(&NUMBER[..3]).is_some()
 }
