@@ -27,8 +27,7 @@ impl std::fmt::Debug for Processes {
 impl Processes {
     /// Name and version of the MPI that this program is linked to, as it calls itself.
     pub fn library() -> String {
-        let told = mpi::environment::library_version().unwrap_or_default();
-        told.split(&[',', '\n', '\0'][..]).next().unwrap_or_default().trim().to_owned()
+        name_of(&mpi::environment::library_version().unwrap_or_default())
     }
 
     /// Joins the others; to be called once, on the thread that ends last. Where a process ends without saying so, MPI ends all.
@@ -60,6 +59,12 @@ impl Processes {
     pub fn on_these_processors(&self) -> usize {
         self.on_these_processors
     }
+}
+
+/// Name and version in what an MPI says of itself.
+fn name_of(told: &str) -> String {
+    let first = told.split(&[',', '\n', '\0'][..]).next().unwrap_or_default();
+    first.split_whitespace().filter(|word| *word != "Version:").collect::<Vec<_>>().join(" ")
 }
 
 /// The processors that this process may run on, as Linux writes them; elsewhere nothing: they are those of all.
@@ -96,5 +101,20 @@ impl Communicator for Processes {
 
     fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String> {
         Ok(Box::new(InFlight::begin(&self.universe.world(), to, lengths)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::name_of;
+
+    #[test]
+    fn names_of_libraries_are_short() {
+        let told = "Open MPI v4.1.4, package: Debian OpenMPI, ident: 4.1.4, repo rev: v4.1.4, May 26, 2022";
+        assert_eq!(name_of(told), "Open MPI v4.1.4");
+        assert_eq!(
+            name_of("MPICH Version:\t4.0.2\nMPICH Release date:\tThu Apr  7 12:34:45 CDT 2022\n"),
+            "MPICH 4.0.2"
+        );
     }
 }
