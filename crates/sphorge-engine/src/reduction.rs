@@ -113,7 +113,7 @@ impl Reduction<'_> {
             | Self::Interpolation { quantity, .. }
             | Self::Slabs { quantity, .. }
             | Self::OfParticle { quantity, .. } => stored_behind(quantity.field),
-            Self::Suspects(_) => vec!["temperature", "energy", "pressure", "neighbors", "reference_position"],
+            Self::Suspects(suspicion) => suspicion.fields(),
             Self::Extent { .. } | Self::Diameter { .. } => vec!["deformation", "earlier_deformation"],
             Self::SectionForce(_) | Self::Nearest { .. } => Vec::new(),
         };

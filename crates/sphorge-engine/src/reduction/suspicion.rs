@@ -60,6 +60,20 @@ pub enum Suspicion {
     Torn,
 }
 
+impl Suspicion {
+    /// The stored fields it looks at, beside those that every reduction may.
+    pub(super) fn fields(self) -> Vec<&'static str> {
+        match self {
+            Self::Cold(_) | Self::Hot(_) => vec!["temperature", "energy"],
+            Self::Lonely => vec!["neighbors"],
+            // In the total Lagrangian form bodies hang together in the reference configuration.
+            Self::Apart => vec!["reference_position"],
+            Self::Torn => vec!["pressure"],
+            Self::Compressed(_) | Self::Expanded(_) | Self::Away { .. } | Self::Behind(_) | Self::Paired => Vec::new(),
+        }
+    }
+}
+
 /// Numbers of one body in what comes back of a [`Suspicion`].
 const SUSPECT_NUMBERS: usize = 7;
 

@@ -8,6 +8,7 @@ mod heat;
 mod messages;
 mod parts;
 mod pieces;
+mod reductions;
 mod saved;
 mod sections;
 mod shipped;
