@@ -48,8 +48,7 @@ fn sent(deck: &str, changes: &[(&str, &str)], steps: u64, act: impl FnOnce(&mut 
         lengths.lock().unwrap().clear();
         act(&mut simulation);
     });
-    let sent = lengths.lock().unwrap().clone();
-    sent
+    lengths.lock().unwrap().clone()
 }
 
 fn one_step(simulation: &mut Simulation) {
