@@ -24,8 +24,8 @@ mod step;
 
 pub use contact_laws::ContactLaws;
 pub use cpu::{
-    ConductionTable, ContactCandidates, Cpu, SearchedMaterial, check_change, check_values, complete_initial_state,
-    start_part,
+    AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_change, check_values,
+    complete_initial_state, start_part,
 };
 pub use engine::{Engine, EngineKind, InPieces, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;

@@ -15,6 +15,7 @@
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
 pub mod artificial_stress;
+pub mod audit;
 pub mod conduction;
 pub mod contact;
 pub mod dimension;
@@ -31,6 +32,7 @@ pub mod pair;
 pub mod parameter;
 pub mod real;
 pub mod return_mapping;
+pub mod section;
 pub mod step_control;
 pub mod stress;
 pub mod surface;

@@ -44,7 +44,7 @@ pub(crate) use domain::Relocation;
 pub use domain::start_part;
 pub use guard::{check as check_values, check_change};
 pub use initial::complete_initial_state;
-pub use search::{ContactCandidates, SearchedMaterial};
+pub use search::{AuditedRow, ContactCandidates, SearchedMaterial, audit_of};
 
 use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{Arrival, FieldSet, Halo, Images};

@@ -15,9 +15,7 @@ use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
-
-/// An image that is shifted by less than this across the plane, in spacings, is shifted along it.
-const ALONG: f64 = 1e-3;
+use sphorge_physics::section::{counted_by_row, share_through};
 
 /// Where particles stood where forces were last evaluated, m, and ghosts.
 struct Standing<'a> {
@@ -47,8 +45,9 @@ struct Sides {
     ahead: Vec<f64>,
     /// Whether the particle, or the one a ghost stands for, counts.
     counts: Vec<bool>,
-    /// Whether the pair with a ghost crosses the plane a second time, as the pair of its particle with a ghost of the other.
-    twice: Vec<bool>,
+    /// How much of a pair with it the row of the other counts: that with a ghost may cross the plane a second time, as the pair of its particle with a
+    /// ghost of the other.
+    counted: Vec<f64>,
 }
 
 impl Sides {
@@ -59,23 +58,21 @@ impl Sides {
         let count = places.own.len();
         let ahead: Vec<f64> = places.own.iter().chain(&places.ghosts).map(ahead).collect();
         let bodies = particles.body.iter().chain(&ghosts.columns.body[..ghosts.count()]);
-        let along = |(ghost, &source): (usize, &u32)| {
+        let of_ghost = |(ghost, &source): (usize, &u32)| {
             let shift = ahead[count + ghost] - ahead[source as usize];
-            shift.abs() <= ALONG * spacing
+            counted_by_row(shift, spacing)
         };
-        let twice = std::iter::repeat_n(true, count).chain(ghosts.halo.sources().iter().enumerate().map(along));
-        Self { twice: twice.collect(), counts: bodies.map(of_body).collect(), ahead }
+        let of_particles = std::iter::repeat_n(counted_by_row(0.0, spacing), count);
+        let counted = of_particles.chain(ghosts.halo.sources().iter().enumerate().map(of_ghost));
+        Self { counted: counted.collect(), counts: bodies.map(of_body).collect(), ahead }
     }
 
     /// How much of the force of `j` on `i` goes through the plane, seen from behind.
     fn share(&self, i: usize, j: usize) -> f64 {
-        let (own, other) = (self.ahead[i] >= 0.0, self.ahead[j] >= 0.0);
-        if own == other || !self.counts[i] || !self.counts[j] {
+        if !self.counts[i] || !self.counts[j] {
             return 0.0;
         }
-        // The other half comes from the row of the other particle.
-        let whole = if self.twice[j] { 0.5 } else { 1.0 };
-        if own { -whole } else { whole }
+        share_through(self.ahead[i], self.ahead[j], self.counted[j])
     }
 }
 

@@ -12,6 +12,7 @@ use crate::neighbors::{BLOCK, Block, DisplacementBound, NeighborList, Reach, Sea
 use crate::particles::Particles;
 use crate::{Audit, RunFailure};
 use rayon::prelude::*;
+use sphorge_physics::audit::{AuditPair, AuditSums};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::{SymmetricTensor, Vector, tensor::dot};
 use std::borrow::Cow;
@@ -20,17 +21,44 @@ use std::ops::Range;
 /// Up to this many points every pair is tested; beyond, a cell search of its own finds the pairs.
 const EVERY_PAIR_UP_TO: usize = 2000;
 
-/// Sums of one particle in double precision: rate of `ln rho` and acceleration by stress alone.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    divergence: f64,
-    acceleration: Vector<f64>,
-    /// Acceleration by particles, not ghosts.
-    internal: Vector<f64>,
-    pairs: u64,
-    missed: u64,
-    missed_foreign: u64,
-    stale: u64,
+/// Sums of one particle, and what was counted.
+#[derive(Clone, Copy, Debug)]
+pub struct AuditedRow {
+    /// Rate of the density and acceleration by stress alone.
+    pub sums: AuditSums<f64>,
+    /// Acceleration by particles, not ghosts, m/s^2.
+    pub internal: Vector<f64>,
+    /// Pairs within the kernel support, in an exact row.
+    pub pairs: u64,
+    /// Those that the list lacks, and those of them with another body.
+    pub missed: u64,
+    /// See above.
+    pub missed_foreign: u64,
+    /// Pairs beyond the support, in a row of the list.
+    pub stale: u64,
+}
+
+impl Default for AuditedRow {
+    fn default() -> Self {
+        Self { sums: AuditSums::zero(), internal: [0.0; 3], pairs: 0, missed: 0, missed_foreign: 0, stale: 0 }
+    }
+}
+
+/// What comes of the rows of all particles, each of the list and exact, and of their masses (kg).
+pub fn audit_of(rows: &[(AuditedRow, AuditedRow)], mass: &[f64]) -> Audit {
+    let mut totals = Totals::default();
+    totals.add_all(rows, mass);
+    totals.audit(counts_of(rows))
+}
+
+/// Pairs, those that are missed, those among them with another body, and pairs that are stale.
+fn counts_of(rows: &[(AuditedRow, AuditedRow)]) -> [u64; 4] {
+    let mut counts = [0u64; 4];
+    for (ours, theirs) in rows {
+        let own = [theirs.pairs, theirs.missed, theirs.missed_foreign, ours.stale];
+        counts.iter_mut().zip(own).for_each(|(count, own)| *count += own);
+    }
+    counts
 }
 
 /// What is summed over all particles.
@@ -45,12 +73,17 @@ struct Totals {
 }
 
 impl Totals {
-    fn add(&mut self, mass: f64, ours: &Sums, theirs: &Sums) {
-        self.divergence_error += (ours.divergence - theirs.divergence).powi(2);
-        self.divergence += theirs.divergence.powi(2);
-        let difference = [0, 1, 2].map(|a| mass * (ours.acceleration[a] - theirs.acceleration[a]));
+    fn add_all(&mut self, rows: &[(AuditedRow, AuditedRow)], mass: &[f64]) {
+        rows.iter().zip(mass).for_each(|((ours, theirs), &mass)| self.add(mass, ours, theirs));
+    }
+
+    fn add(&mut self, mass: f64, ours: &AuditedRow, theirs: &AuditedRow) {
+        self.divergence_error += (ours.sums.divergence - theirs.sums.divergence).powi(2);
+        self.divergence += theirs.sums.divergence.powi(2);
+        let (own, exact) = (ours.sums.acceleration, theirs.sums.acceleration);
+        let difference = [0, 1, 2].map(|a| mass * (own[a] - exact[a]));
         self.force_error += dot(difference, difference);
-        self.force += mass * mass * dot(theirs.acceleration, theirs.acceleration);
+        self.force += mass * mass * dot(exact, exact);
         self.scale += mass * dot(ours.internal, ours.internal).sqrt();
         for a in 0..3 {
             self.momentum[a] += mass * ours.internal[a];
@@ -64,6 +97,19 @@ impl Totals {
 
     fn from_array([divergence_error, divergence, force_error, force, scale, x, y, z]: [f64; 8]) -> Self {
         Self { divergence_error, divergence, force_error, force, scale, momentum: [x, y, z] }
+    }
+
+    fn audit(&self, [pairs, missed_pairs, missed_foreign_pairs, stale_pairs]: [u64; 4]) -> Audit {
+        let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        Audit {
+            pairs,
+            missed_pairs,
+            missed_foreign_pairs,
+            stale_pairs,
+            density_rate_error: ratio(self.divergence_error, self.divergence).sqrt(),
+            force_error: ratio(self.force_error, self.force).sqrt(),
+            momentum_residual: ratio(dot(self.momentum, self.momentum).sqrt(), self.scale),
+        }
     }
 }
 
@@ -127,14 +173,14 @@ impl<T: PairScalar> CpuEngine<T> {
             ghosts: &on_ranks.as_ref().map_or(&self.ghosts, |(_, ghosts)| ghosts).columns,
             common: on_ranks.as_ref().map(|(common, _)| common),
         };
-        let sums: Vec<(Sums, Sums)> = (0..own.len())
+        let rows: Vec<(AuditedRow, AuditedRow)> = (0..own.len())
             .into_par_iter()
             .map(|i| {
                 let (ours, theirs) = (ours(i), exact.row(i));
                 (self.audit_row(i, &sight, &ours, true, theirs), self.audit_row(i, &sight, theirs, false, &ours))
             })
             .collect();
-        self.sum_audit(&sums)
+        self.sum_audit(&rows)
     }
 
     /// Rows of some of the points, with all their neighbours.
@@ -151,45 +197,24 @@ impl<T: PairScalar> CpuEngine<T> {
         exact
     }
 
-    /// What all ranks make of the sums of their particles over rows of the lists and exact ones.
-    fn sum_audit(&self, sums: &[(Sums, Sums)]) -> Result<Audit, RunFailure> {
+    /// What all ranks make of the rows of their particles.
+    fn sum_audit(&self, rows: &[(AuditedRow, AuditedRow)]) -> Result<Audit, RunFailure> {
         let mass = &self.particles.mass;
-        let add_all = |totals: &mut [[f64; 8]]| {
-            let mut of_all = Totals::from_array(totals[0]);
-            sums.iter().zip(mass).for_each(|((ours, theirs), &mass)| of_all.add(mass, ours, theirs));
-            totals[0] = of_all.to_array();
-        };
+        let Some(domain) = &self.domain else { return Ok(audit_of(rows, mass)) };
         let mut totals = [Totals::default().to_array()];
-        let mut counts = [0u64; 4];
-        for (ours, theirs) in sums {
-            let own = [theirs.pairs, theirs.missed, theirs.missed_foreign, ours.stale];
-            counts.iter_mut().zip(own).for_each(|(count, own)| *count += own);
-        }
-        match &self.domain {
-            None => add_all(&mut totals),
-            Some(domain) => {
-                domain.ranks.sum_in_turn(&mut totals, add_all)?;
-                let of_ranks = domain.ranks.gather_one(counts)?;
-                counts = [0, 1, 2, 3].map(|k| of_ranks.iter().map(|counts| counts[k]).sum());
-            }
-        }
-        let [pairs, missed_pairs, missed_foreign_pairs, stale_pairs] = counts;
-        let all = Totals::from_array(totals[0]);
-        let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-        Ok(Audit {
-            pairs,
-            missed_pairs,
-            missed_foreign_pairs,
-            stale_pairs,
-            density_rate_error: ratio(all.divergence_error, all.divergence).sqrt(),
-            force_error: ratio(all.force_error, all.force).sqrt(),
-            momentum_residual: ratio(dot(all.momentum, all.momentum).sqrt(), all.scale),
-        })
+        domain.ranks.sum_in_turn(&mut totals, |totals: &mut [[f64; 8]]| {
+            let mut of_all = Totals::from_array(totals[0]);
+            of_all.add_all(rows, mass);
+            totals[0] = of_all.to_array();
+        })?;
+        let of_ranks = domain.ranks.gather_one(counts_of(rows))?;
+        let counts = [0, 1, 2, 3].map(|k| of_ranks.iter().map(|counts| counts[k]).sum());
+        Ok(Totals::from_array(totals[0]).audit(counts))
     }
 
     /// Sums of particle `i` of this rank over a row of points; pairs that are not `known` are missed. With `kept`, distances are those of the last search
     /// where the strategy keeps them.
-    fn audit_row(&self, i: usize, sight: &Sight<'_>, row: &[u32], kept: bool, known: &[u32]) -> Sums {
+    fn audit_row(&self, i: usize, sight: &Sight<'_>, row: &[u32], kept: bool, known: &[u32]) -> AuditedRow {
         let (particles, points, reach) = (&self.particles, sight.points, &sight.reach);
         let lists = &self.lists;
         let kernel = self.model.numerics.kernel;
@@ -206,41 +231,43 @@ impl<T: PairScalar> CpuEngine<T> {
         let velocities = WithGhosts::new(&particles.velocity, &ghosts.velocity);
         let bodies = WithGhosts::new(&particles.body, &ghosts.body);
         let stress = |j: usize| deviators.at(j) - SymmetricTensor::isotropic(pressures.at(j));
-        let mut sums = Sums::default();
+        let mut audited = AuditedRow::default();
         let place = sight.first + i;
         for (n, &point) in row.iter().enumerate() {
             let other = point as usize;
             let now = [0, 1, 2].map(|a| points[place][a] - points[other][a]);
             let h = pair_smoothing_length(reach.smoothing_length[place], reach.smoothing_length[other]);
             let inside = dot(now, now).sqrt() < kernel.support() * h;
-            sums.stale += u64::from(kept && !inside);
+            audited.stale += u64::from(kept && !inside);
             let j = sight.number(point);
             if !kept {
                 if !inside {
                     continue;
                 }
-                sums.pairs += 1;
+                audited.pairs += 1;
                 let in_contact = || self.contacts.as_ref().is_some_and(|c| c.has_pair(i, point, self.domain.as_ref()));
                 if !known.contains(&point) && !in_contact() {
-                    sums.missed += 1;
-                    sums.missed_foreign += u64::from(bodies.at(i) != bodies.at(j));
+                    audited.missed += 1;
+                    audited.missed_foreign += u64::from(bodies.at(i) != bodies.at(j));
                 }
             }
             let x = stored.map_or(now, |s| s.distance(lists.list.blocks()[b].start(k) + n));
             let f = -kernel.slope(dimension, dot(x, x).sqrt(), h);
             let volume = masses.at(j) / densities.at(j);
             let (v_i, v_j) = (velocities.at(i), velocities.at(j));
-            let v: Vector<f64> = [0, 1, 2].map(|a| v_j[a] - v_i[a]);
-            sums.divergence += volume * f * dot(v, x);
-            let traction = (stress(i) + stress(j)).dot(x);
-            for a in 0..3 {
-                let acceleration = volume / particles.density[i] * f * traction[a];
-                sums.acceleration[a] += acceleration;
-                if other < sight.count {
-                    sums.internal[a] += acceleration;
-                }
+            let pair = AuditPair {
+                x,
+                v: [0, 1, 2].map(|a| v_j[a] - v_i[a]),
+                f,
+                volume,
+                density: particles.density[i],
+                stress: stress(i) + stress(j),
+            };
+            let acceleration = audited.sums.add(&pair);
+            if other < sight.count {
+                (0..3).for_each(|a| audited.internal[a] += acceleration[a]);
             }
         }
-        sums
+        audited
     }
 }

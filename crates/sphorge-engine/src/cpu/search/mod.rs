@@ -19,6 +19,7 @@ use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
+pub use audit::{AuditedRow, audit_of};
 pub use contact_candidates::{ContactCandidates, SearchedMaterial};
 use rayon::prelude::*;
 use sphorge_physics::Vector;

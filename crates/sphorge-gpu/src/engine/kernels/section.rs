@@ -5,10 +5,8 @@ use super::neighbors::places;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Writing};
 use crate::record::{Index, Indices, Recorded};
 use sphorge_engine::model::{Model, Section};
+use sphorge_physics::section::{counted_by_row, share_through};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
-
-/// An image that is shifted by less than this across the plane, in spacings, is shifted along it.
-const ALONG: f64 = 1e-3;
 
 /// A section with the number it has among those of the model, where a sum is of the pairs that cross it alone.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +29,7 @@ pub(super) struct Crossing<'a> {
     place: Reading,
     bodies: Option<Indices>,
     /// m.
-    along: f64,
+    spacing: f64,
     /// How far the particle is ahead of the plane, m.
     ahead: Recorded,
     i: Index,
@@ -44,8 +42,8 @@ impl<'a> Crossing<'a> {
         let section = through.section;
         let bodies = section.body.map(|_| bind.indices(Group::Body));
         let sums = bind.write(Group::Section(through.number));
-        let along = ALONG * model.spacing;
-        let mut crossing = Self { section, place, bodies, along, ahead: Recorded::zero(), i, sums };
+        let spacing = model.spacing;
+        let mut crossing = Self { section, place, bodies, spacing, ahead: Recorded::zero(), i, sums };
         crossing.ahead = crossing.ahead_of(None, i);
         crossing
     }
@@ -63,17 +61,12 @@ impl<'a> Crossing<'a> {
 
     /// How much of the force of `j` goes through the plane, seen from behind.
     fn share(&self, image: &Image, j: Index) -> Recorded {
-        let (zero, half, one) = (Recorded::zero(), Recorded::of(0.5), Recorded::one());
         let other = self.ahead_of(Some(image), j);
-        // One ahead of the plane, and in it.
-        let side = |ahead: Recorded| Recorded::select_lt(ahead, zero, zero, one);
-        // The other half comes from the row of the other particle, unless that is where its image is not.
-        let shift = (other - self.ahead_of(None, j)).abs();
-        let whole = Recorded::select_lt(Recorded::of(self.along), shift, one, half);
-        let share = (side(other) - side(self.ahead)) * whole;
+        let counted = counted_by_row(other - self.ahead_of(None, j), Recorded::of(self.spacing));
+        let share = share_through(self.ahead, other, counted);
         let Some((bodies, body)) = self.bodies.zip(self.section.body) else { return share };
         let strange = |of: Index| (bodies.at(of).number() - Recorded::of(body as f64)).abs();
-        Recorded::select_lt(strange(self.i).max(strange(j)), half, share, zero)
+        Recorded::select_lt(strange(self.i).max(strange(j)), Recorded::of(0.5), share, Recorded::zero())
     }
 
     /// Adds what a pair adds to a sum whose first three numbers are a force, times its share, where it crosses.
