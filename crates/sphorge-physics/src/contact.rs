@@ -281,6 +281,11 @@ pub fn stopping<T: Real>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) -> T
     T::select_lt(zero, dt, T::select_lt(zero, weight, reduced * share / dt, zero), zero)
 }
 
+/// Share, among those of all particles, that a particle with this overlap has of an energy a contact held and releases as heat.
+pub fn share_of_released(overlap: f64) -> f64 {
+    overlap.max(0.0).powi(2)
+}
+
 /// Stiffness and damping of the contacts of a particle: the diagonal of the second derivative of the energy by its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactStiffness<T> {

@@ -19,7 +19,7 @@ use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, persist_each};
 use crate::{ContactLaws, ContactLedger, RunFailure};
 use rayon::prelude::*;
-use sphorge_physics::contact::{ContactPair, ContactStiffness, Overlap, contact_force, stopping};
+use sphorge_physics::contact::{ContactPair, ContactStiffness, Overlap, contact_force, share_of_released, stopping};
 use sphorge_physics::surface::FaceShift;
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
@@ -242,7 +242,7 @@ impl BodyContacts {
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
         // By how far they are pressed; evenly where none is any more.
         let pressed =
-            |i: usize| if reference_normal[i] == [0.0; 3] { 0.0 } else { contact_overlap[i].max(0.0).powi(2) };
+            |i: usize| if reference_normal[i] == [0.0; 3] { 0.0 } else { share_of_released(contact_overlap[i]) };
         let sum = |part: &dyn Fn(usize) -> f64| -> Result<f64, RunFailure> {
             let of = |i: usize| if bodies[i] as usize == body { mass[i] * part(i) } else { 0.0 };
             let add = |sums: &mut [f64]| (0..mass.len()).for_each(|i| sums[0] += of(i));

@@ -13,13 +13,8 @@ use crate::neighbors::BLOCK;
 use crate::particles::Owner;
 use rayon::prelude::*;
 use sphorge_physics::tensor::{identity, multiply};
-use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, is_stretched};
+use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, is_deformed_again, is_stretched};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Principal stretch, or one over it, at which the reference configuration of a body that has come apart is renewed. The crater of
-/// `penetration` at 0.4 mm is 31.4, 31.1, 29.6 mm wide with 1.5, 2, 3 (linear viscosity 1); below, noise of the springs that are set
-/// anew takes energy.
-const AGAIN: f64 = 2.0;
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Makes the present configuration of the bodies that are deformed too far their reference. The lists are stale then. Returns whether
@@ -42,7 +37,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 materials[body as usize].is_liquid(temperature, &state)
             };
             let too_far = match has_come_apart[body as usize] {
-                true => is_stretched(f, AGAIN) || smallest * AGAIN < 1.0,
+                true => is_deformed_again(f, *smallest),
                 false => {
                     is_stretched(f, bound)
                         || bound > LARGEST_STRETCH_OF_A_LIQUID

@@ -136,6 +136,13 @@ pub enum Formulation {
     },
 }
 
+impl Formulation {
+    /// Whether reference configurations are renewed where bodies come apart.
+    pub fn renews(&self) -> bool {
+        matches!(self, Self::TotalLagrangian { renewal: Some(_), .. })
+    }
+}
+
 /// Which rows of the neighbour lists are rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveSearch {

@@ -328,7 +328,7 @@ columns! {
     pub(crate) contact_shift: Vector<f64> = [0.0; 3], Faces,
         Internal("m", "from the position to where the particle stands for the contact"), Vector[Contact], None;
     pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
-    pub(crate) earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
+    pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;
 }
 

@@ -162,6 +162,11 @@ impl Card {
         self.write_bytes(array, bytemuck::cast_slice(&numbers[..numbers.len().min(array.count)]));
     }
 
+    /// The same of whole numbers.
+    pub fn write_indices(&self, array: &Array, indices: &[u32]) {
+        self.write_bytes(array, bytemuck::cast_slice(&indices[..indices.len().min(array.count)]));
+    }
+
     fn write_bytes(&self, array: &Array, bytes: &[u8]) {
         match (&self.way, &array.buffer) {
             (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.write(block, bytes),

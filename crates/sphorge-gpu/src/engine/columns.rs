@@ -67,6 +67,10 @@ pub(super) enum Group {
     ExtremesLeft(usize),
     /// Place in the reference configuration, m, its rest, and volume there, m^d, with its rest.
     Reference,
+    /// Deformation gradient of that, and its rest, once it is not the initial one; by body, whether it has come apart, and whether its configuration is
+    /// to be renewed.
+    Earlier,
+    Apart,
     /// Gradient correction there, or in the present configuration.
     Correction,
     /// Scaled stress times the gradient correction, Pa.
@@ -347,6 +351,10 @@ impl Columns {
             Some((_, known)) => *known = array,
             None => self.arrays.push((group, array)),
         }
+    }
+
+    pub(super) fn remove(&mut self, group: Group) {
+        self.arrays.retain(|(of, _)| *of != group);
     }
 
     pub(super) fn array(&self, group: Group) -> Option<&Array> {

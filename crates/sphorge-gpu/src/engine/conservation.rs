@@ -1,12 +1,13 @@
 //! Conservation sums, taken when asked for.
 
 use super::columns::Group;
-use super::kernels::walls::{AtWall, of_wall};
+use super::kernels::walls::{AtWall, Deformed, of_wall};
 use super::snapshot::{Snapshot, read};
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Section, Wall};
 use sphorge_engine::{BodyLedger, Energies, Ledger, RunFailure};
 use sphorge_physics::heat::elastic_energy;
+use sphorge_physics::tensor::multiply;
 
 impl GpuEngine {
     pub(super) fn conservation(&self) -> Result<Ledger, RunFailure> {
@@ -91,7 +92,11 @@ impl GpuEngine {
             let body = &self.model.bodies[p.body[i] as usize];
             let sound_speed = self.model.materials[body.material].equation_of_state.reference_sound_speed();
             let x = [0, 1, 2].map(|a| p.position[i][a] - shift[a]);
-            let deformed = p.deformation.get(i).map(|f| (*f, p.velocity_gradient[i]));
+            let deformed = p.deformation.get(i).map(|f| {
+                let earlier = p.earlier_deformation.get(i).copied();
+                let whole = earlier.map_or(*f, |earlier| multiply(f, &earlier));
+                Deformed { whole, earlier, velocity_gradient: p.velocity_gradient[i] }
+            });
             let own = AtWall { h: body.smoothing_length, spacing: body.spacing, sound_speed, deformed };
             let push = of_wall(wall, &own, x, snapshot.evaluated[i], moving, self.dt);
             for a in 0..3 {

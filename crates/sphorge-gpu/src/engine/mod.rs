@@ -10,6 +10,7 @@ mod heat;
 mod kernels;
 mod lists;
 mod plan;
+mod renewal;
 mod room;
 mod search;
 mod snapshot;
@@ -70,6 +71,8 @@ mod step_numbers {
 
 /// Kernels of a step, in groups that are launched together.
 struct Stages {
+    /// Of bodies that come apart the reference configuration of now.
+    renew: Vec<Launch>,
     begin: Vec<Launch>,
     /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
     wrap: Vec<Launch>,
@@ -109,6 +112,8 @@ struct GpuEngine {
     plan: Plan,
     stages: Stages,
     kept: Kept,
+    /// By body, whether its reference configuration has been renewed.
+    has_come_apart: Vec<bool>,
     /// The particles as they came: ids, bodies, masses.
     initial: Particles,
     /// Particles, rounded up to whole chunks: the length of the columns.

@@ -1,6 +1,7 @@
 //! Which kernels the step of a model is made of.
 
 use super::columns::{Group, Recording};
+use super::kernels::reference::References;
 use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::{
@@ -45,7 +46,9 @@ fn reduced(passes: Vec<(Recording, usize)>) -> impl Iterator<Item = Planned> {
 /// Every kernel of a run, in groups that are launched together.
 #[derive(Default)]
 pub(super) struct Plan {
-    /// Once, where lists are those of the start: before their lengths are known, and when there is room for them.
+    /// Where references are renewed: those of now.
+    pub(super) renew: Vec<Planned>,
+    /// Where lists are those of the reference configuration: before their lengths are known, and when there is room for them.
     pub(super) count_lists: Vec<Planned>,
     pub(super) fill_lists: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
@@ -90,7 +93,13 @@ macro_rules! in_dimension {
 
 impl Plan {
     /// Columns are `stride` long.
-    pub(super) fn of(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> Result<Self, KernelFault> {
+    pub(super) fn of(
+        model: &Model,
+        p: &Particles,
+        stride: usize,
+        grid: &Grid,
+        references: References,
+    ) -> Result<Self, KernelFault> {
         let all = Threads::Of(p.len());
         let of_particles = |kernel| Planned { kernel, threads: all };
         let of_surface = |kernel| Planned { kernel, threads: Threads::OfSurface };
@@ -102,12 +111,11 @@ impl Plan {
             }
         };
         plan.begin.push(of_particles(begin));
-        let sorted = sorting(grid, stride, Sorted::Particles, all)?;
         match model.formulation {
             Formulation::UpdatedLagrangian => {
                 plan.wrap.extend(smoothing::follow(model, stride)?.map(of_particles));
                 plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
-                plan.sorting = sorted;
+                plan.sorting = sorting(grid, stride, Sorted::Particles, all)?;
                 if keeps_lists(model) {
                     let of_chunks = |kernel| Planned { kernel, threads: Threads::Of(stride / limits::CHUNK) };
                     let rule = kept::adaptive(model);
@@ -153,10 +161,14 @@ impl Plan {
                 }
             }
             Formulation::TotalLagrangian { renewal, .. } => {
-                plan.count_lists = sorted;
+                if references == References::Renewed {
+                    plan.renew.push(of_particles(reference::renew(model, stride)?));
+                }
+                plan.count_lists = sorting(grid, stride, Sorted::Reference, all)?;
                 plan.count_lists.push(of_particles(in_dimension!(model, reference::count, model, grid, stride)));
                 plan.fill_lists.push(of_particles(in_dimension!(model, reference::list, model, grid, stride)));
-                plan.fill_lists.push(of_particles(in_dimension!(model, reference::correct, model, stride)));
+                plan.fill_lists.push(of_particles(in_dimension!(model, reference::correct, model, references, stride)));
+                let renewal = (renewal, references);
                 plan.gradients.push(of_particles(in_dimension!(model, reference::deform, model, renewal, stride)));
             }
         }
@@ -164,16 +176,16 @@ impl Plan {
         let meets = contact::meets(model);
         if meets {
             if model.has_faces() {
-                plan.push.push(of_surface(contact::stand(stride)?));
+                plan.push.push(of_surface(contact::stand(references, stride)?));
                 plan.push.extend(sorting(grid, stride, Sorted::Surface, Threads::OfSurface)?);
             }
-            plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, stride)));
+            plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, references, stride)));
         }
         if meets || !is_alone {
-            plan.push.push(of_particles(walls::push(model, stride)?));
+            plan.push.push(of_particles(walls::push(model, references, stride)?));
         }
         if meets {
-            plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, None, stride)));
+            plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, None, references, stride)));
         }
         for k in 0..model.materials.len() {
             let threads = members(p, k).len();
@@ -235,7 +247,15 @@ impl Plan {
                 }
             }
             if meets {
-                kernels.push(of_surface(in_dimension!(model, contact::press, model, grid, through, stride)));
+                kernels.push(of_surface(in_dimension!(
+                    model,
+                    contact::press,
+                    model,
+                    grid,
+                    through,
+                    references,
+                    stride
+                )));
             }
             plan.sections.push(kernels);
         }
@@ -264,6 +284,7 @@ impl Plan {
     /// All of them, in the order of a run.
     pub(super) fn all(&self) -> impl Iterator<Item = &Recording> {
         let groups = [
+            &self.renew,
             &self.count_lists,
             &self.fill_lists,
             &self.begin,

@@ -3,6 +3,7 @@
 use super::failure;
 use super::kernels::grid::Grid;
 use super::plan::keeps_lists;
+use super::renewal::EARLIER;
 use super::search::SPARE;
 use super::snapshot::fields;
 use crate::device::{Card, Memory};
@@ -22,7 +23,9 @@ fn bytes(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> f64 {
         }
     };
     let neighbors = model.bodies.iter().map(of_body).fold(0.0, f64::max);
-    let spare = if keeps_lists(model) { 1.0 + SPARE } else { 1.0 };
+    let may_grow = keeps_lists(model) || model.formulation.renews();
+    let spare = if may_grow { 1.0 + SPARE } else { 1.0 };
+    let columns = columns + if model.formulation.renews() { EARLIER } else { 0 };
     // Counts, starts and particles of cells, twice.
     let cells = 2 * grid.cells() + 3 * p.len();
     4.0 * ((columns * stride + cells) as f64 + spare * neighbors * stride as f64)

@@ -84,7 +84,9 @@ pub(super) const STATE: &[Group] = &[
     Group::Accounts,
     Group::Walls,
     Group::Limits,
+    Group::Reference,
     Group::Deformation,
+    Group::Earlier,
     Group::Stretch,
     Group::Contact,
     Group::Meetings,
@@ -230,9 +232,14 @@ impl GpuEngine {
             meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));
         let contacts = contacts.map(|(of, pair)| contact_of(of, pair)).collect();
         if is_initial {
-            let f = self.group(Group::Deformation)?;
-            let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| f.double(3 * a + b, 9 + 3 * a + b, i)));
-            p.deformation = (0..count).map(at).collect();
+            let tensors = |of: Group64| {
+                let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of.double(3 * a + b, 9 + 3 * a + b, i)));
+                (0..count).map(at).collect()
+            };
+            p.deformation = tensors(self.group(Group::Deformation)?);
+            if self.is_renewed() {
+                p.earlier_deformation = tensors(self.group(Group::Earlier)?);
+            }
         }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),

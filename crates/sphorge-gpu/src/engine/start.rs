@@ -1,6 +1,7 @@
 //! Particles brought to the card, and kernels compiled for it.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
+use super::kernels::reference::References;
 use super::kernels::smoothing::{AT_START, largest_factor};
 use super::kernels::{conduction, contact, grid, kept, limits, reduce, walls};
 use super::lists::{self, bound};
@@ -54,7 +55,7 @@ impl GpuEngine {
         let grid = grid_of(&model, &p);
         refuse_what_has_no_room(&card, (&model, &p), stride, &grid)?;
         let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
-        let plan = Plan::of(&model, &p, stride, &grid).map_err(failure)?;
+        let plan = Plan::of(&model, &p, stride, &grid, References::Initial).map_err(failure)?;
         card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
         lists::make(&card, &mut columns, &plan, (&model, &p))?;
         let stages = stages(&card, &columns, &plan)?;
@@ -62,6 +63,7 @@ impl GpuEngine {
         let snapshot = OnceCell::new();
         let kept = Kept::default();
         let (steps, time, dt) = (0, 0.0, 0.0);
+        let has_come_apart = vec![false; model.bodies.len()];
         let heat = model.thermal.conduction.then(HeatClock::default);
         Ok(Self {
             model,
@@ -70,6 +72,7 @@ impl GpuEngine {
             plan,
             stages,
             kept,
+            has_come_apart,
             initial: p,
             stride,
             steps,
@@ -91,7 +94,7 @@ pub(super) fn skin(model: &Model) -> f64 {
     }
 }
 
-fn grid_of(model: &Model, p: &Particles) -> Grid {
+pub(super) fn grid_of(model: &Model, p: &Particles) -> Grid {
     let largest = p.smoothing_length.iter().fold(0.0f64, |a, h| a.max(*h));
     let reach = model.numerics.kernel.support() * (1.0 + skin(model));
     let edge = MARGIN * reach * largest * largest_factor(model);
@@ -112,7 +115,7 @@ fn grid_of(model: &Model, p: &Particles) -> Grid {
 }
 
 /// Numbers of a group, field by field.
-fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(usize, usize) -> f64) -> Vec<f32> {
+pub(super) fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(usize, usize) -> f64) -> Vec<f32> {
     let mut numbers = vec![0.0; stride * fields];
     for field in 0..fields {
         for i in 0..count {
@@ -123,7 +126,7 @@ fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(usize, usize
 }
 
 /// A number, or what single precision leaves of it.
-fn part(number: f64, rest: bool) -> f64 {
+pub(super) fn part(number: f64, rest: bool) -> f64 {
     let high = f64::from(number as f32);
     if rest { number - high } else { high }
 }
@@ -131,6 +134,14 @@ fn part(number: f64, rest: bool) -> f64 {
 /// Prescribed motion of every particle, by its number and one; zero for none.
 pub(super) fn motions(model: &Model, p: &Particles) -> Vec<u32> {
     p.regions.iter().map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1)).collect()
+}
+
+/// The initial configuration: place, m, and volume, m^d.
+pub(super) fn reference(p: &Particles, field: usize, i: usize) -> f64 {
+    match field {
+        6 | 7 => part(p.mass[i] / p.density[i], field == 7),
+        _ => part(p.position[i][field % 3], field >= 3),
+    }
 }
 
 fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid) -> Result<Columns, CardFault> {
@@ -163,8 +174,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             (Group::Constants, _) => model.materials[p.material[i] as usize].equation_of_state.reference_sound_speed(),
             (Group::Packed, 12) => 1.0,
             (Group::Contact, contact::LIMIT) => f64::from(f32::MAX),
-            (Group::Reference, 6 | 7) => part(p.mass[i] / p.density[i], field == 7),
-            (Group::Reference, _) => vector(&p.position, field, i),
+            (Group::Reference, _) => reference(p, field, i),
             (Group::Deformation, 0 | 4 | 8) | (Group::Stretch, 0) => 1.0,
             _ => 0.0,
         };
@@ -253,18 +263,29 @@ pub struct KernelText {
 /// A law cannot be written for a card.
 pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
-    let plan = Plan::of(model, particles, stride, &grid_of(model, particles))?;
+    let of = |references| Plan::of(model, particles, stride, &grid_of(model, particles), references);
     let text = |recording: &Recording| KernelText {
         name: recording.kernel.name.clone(),
         wgsl: crate::source::wgsl(&recording.kernel),
         cuda: crate::source::cuda(&recording.kernel),
     };
-    Ok(plan.all().map(text).collect())
+    let mut texts: Vec<_> = of(References::Initial)?.all().map(text).collect();
+    if model.formulation.renews() {
+        // Those that are others once a body has come apart.
+        for mut other in of(References::Renewed)?.all().map(text) {
+            if !texts.iter().any(|known| known.cuda == other.cuda) {
+                other.name += "_renewed";
+                texts.push(other);
+            }
+        }
+    }
+    Ok(texts)
 }
 
 pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stages, RunFailure> {
     let bound = |planned: &[Planned]| bound(card, columns, planned);
     Ok(Stages {
+        renew: bound(&plan.renew)?,
         begin: bound(&plan.begin)?,
         wrap: bound(&plan.wrap)?,
         sorting: bound(&plan.sorting)?,

@@ -5,13 +5,12 @@ use super::kernels::{contact, limits, reduce};
 use super::plan::keeps_lists;
 use super::snapshot::{LISTS, STATE, read};
 use super::{GpuEngine, failure, step_numbers};
-use sphorge_engine::model::{AdaptiveSearch, Formulation, Integrator, Material, Search, WallContact};
+use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallContact};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
-use sphorge_physics::total_lagrangian::LARGEST_STRETCH_OF_A_LIQUID;
 
 impl GpuEngine {
     /// Time from the start of the step to where forces are evaluated, s.
@@ -106,13 +105,8 @@ impl Engine for GpuEngine {
             let searches = self.model.search == Search::EveryStep;
             return Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) });
         }
-        if let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation
-            && self.extremes[limits::STRETCHED] > 0.0
-        {
-            return Err(failure(format!(
-                "a body is stretched beyond {bound}, or is liquid and stretched beyond {LARGEST_STRETCH_OF_A_LIQUID}, and has come apart; the engine for graphics cards does not renew the reference configuration: \
-                 run with `--engine cpu`, or keep the initial one with `search.total-lagrangian.renewal = 0`"
-            )));
+        if self.model.formulation.renews() && self.renew_references()? {
+            return Ok(SearchReport { searched_fraction: 1.0 });
         }
         if keeps_lists(&self.model) {
             return self.refresh_kept();
@@ -264,12 +258,19 @@ impl Engine for GpuEngine {
         extremes.persist("extremes", archive)?;
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
         self.persist_kept(archive)?;
+        let was_renewed = self.is_renewed();
+        self.persist_references(archive)?;
         if let Some(clock) = &mut self.heat {
             clock.persist("heat", archive)?;
         }
         let sections = (0..self.model.sections.len()).map(Group::Section);
         // Lists that the next step makes anew are not kept.
-        let is_kept = |group: &Group| self.model.search != Search::EveryStep || !LISTS.contains(group);
+        let is_renewed = self.is_renewed();
+        let is_kept = |group: &Group| match group {
+            // The initial configuration is that of the deck.
+            Group::Reference => is_renewed,
+            _ => self.model.search != Search::EveryStep || !LISTS.contains(group),
+        };
         for group in STATE.iter().copied().filter(is_kept).chain(sections) {
             let name = format!("{group:?}").to_lowercase();
             let Some(array) = self.columns.array(group) else { continue };
@@ -286,6 +287,9 @@ impl Engine for GpuEngine {
                 }
                 self.card.write(array, &numbers);
             }
+        }
+        if !archive.is_saving() && (was_renewed || is_renewed) {
+            self.make_lists_anew().map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
         }
         Ok(())
     }

@@ -17,6 +17,8 @@ mod measured;
 mod motion;
 mod pairs;
 #[cfg(feature = "device")]
+mod renewal;
+#[cfg(feature = "device")]
 mod sections;
 #[cfg(feature = "device")]
 mod self_contact;

@@ -6,7 +6,7 @@ use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// Copper whose upper half moves down and whose lower half moves up, 100 m/s.
-fn closing(shape: &str, more: &str) -> String {
+pub(super) fn closing(shape: &str, more: &str) -> String {
     format!(
         "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"0.5 mm\" }}\ntime = {{ end = \"60 us\" }}\n{more}\n\
          [[body]]\nname = \"both\"\nmaterial = \"ofhc-copper\"\nshape = {shape}\n\
@@ -15,13 +15,13 @@ fn closing(shape: &str, more: &str) -> String {
 }
 
 /// Two blocks as one body, the upper one 1 mm to the right.
-const BLOCKS: &str = "{ union = [{ box = { min = [\"-3 mm\", \"1 mm\"], max = [\"5 mm\", \"6 mm\"] } }, \
+pub(super) const BLOCKS: &str = "{ union = [{ box = { min = [\"-3 mm\", \"1 mm\"], max = [\"5 mm\", \"6 mm\"] } }, \
                       { box = { min = [\"-4 mm\", \"-6 mm\"], max = [\"4 mm\", \"-1 mm\"] } }] }";
 
 /// The upper one, above a plane a metre away from the origin.
 const UPPER: &str = "{ box = { min = [\"-3 mm\", \"1001 mm\"], max = [\"5 mm\", \"1006 mm\"] } }";
 
-const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
+pub(super) const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
 /// So stiff that the contact limits the step.
 const STIFF: &str = "contact = { penalty = { friction = 0.3, stiffness = 3.0 } }";
 const PLANE: &str = "symmetry = [{ axis = \"y\", at = \"1000 mm\", side = \"positive\" }]";

@@ -18,7 +18,9 @@ use crate::neighbors::{BLOCK, PAD};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
-use sphorge_physics::total_lagrangian::{deform, density as density_of, force_tensor, smallest_stretch};
+use sphorge_physics::total_lagrangian::{
+    LARGEST_CORRECTION_APART, deform, density as density_of, force_tensor, smallest_stretch,
+};
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor};
 
@@ -178,11 +180,6 @@ impl Job<f64> for SmallestStretches<'_> {
     }
 }
 
-/// Largest component of the correction in a body that has come apart, twice that at a flat free surface. What has few neighbours on one
-/// side is common there, and rates of ten times the plain gradient are noise that takes energy: with the usual bound the internal energy
-/// of the disc of `penetration` falls below zero.
-const LARGEST_APART: f64 = 4.0;
-
 /// The gradient correction of the reference configuration.
 fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
     let dimension: Dimension = crate::cpu::dimension(&engine.model);
@@ -194,7 +191,8 @@ fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
         sweep.block(b, true, &mut sums);
         for (k, b_i) in correction.iter_mut().enumerate() {
             let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
-            let bound = if has_come_apart[body[b * BLOCK + k] as usize] { LARGEST_APART } else { LARGEST_COMPONENT };
+            let bound =
+                if has_come_apart[body[b * BLOCK + k] as usize] { LARGEST_CORRECTION_APART } else { LARGEST_COMPONENT };
             *b_i = gradient_correction(&moment, dimension, bound);
         }
     });

@@ -3,6 +3,7 @@
 
 use super::grid::Grid;
 use super::neighbors::{Pair, apart, different, over_cells, places};
+use super::reference::{Apart, Deformations, References};
 use super::section::{Crossing, Through};
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, added, recording};
 use crate::engine::step_numbers::DT;
@@ -47,16 +48,16 @@ pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
 }
 
 /// Where particles near faces stand for the contact.
-pub(in crate::engine) fn stand(count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn stand(references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("stand", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
         let (place, outward, standing) =
             (bind.read(Group::Place), bind.read(Group::Outward), bind.write(Group::Standing));
-        let (deformation, gradient) = (bind.read(Group::Deformation), bind.read(Group::Gradient));
-        let (f, zero) = (deformation.tensor(0, i), Recorded::zero());
+        let (deformation, gradient) = (Deformations::of(bind, references), bind.read(Group::Gradient));
+        let (f, zero) = (deformation.since_reference(i), Recorded::zero());
         let (normal, arm) = (outward.vector(0, i), outward.vector(3, i));
         let near = || {
-            let face = FaceShift::of(&f, arm);
+            let face = FaceShift::of(&deformation.whole(i), arm);
             let ([x, y, z], [u, v, w]) = (face.shift(), face.rate(&gradient.tensor(0, i)));
             [x, y, z, u, v, w]
         };
@@ -83,6 +84,7 @@ struct Bodies {
     count: u32,
     surfaces: Option<Surfaces>,
     meets_itself: bool,
+    apart: Option<Apart>,
 }
 
 /// Surfaces of the total Lagrangian form.
@@ -94,7 +96,7 @@ struct Surfaces {
 }
 
 impl Bodies {
-    fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
+    fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
         let surfaces = model.has_faces().then(|| Surfaces {
             standing: bind.read(Group::Standing),
             reference: bind.read(Group::Reference),
@@ -108,6 +110,7 @@ impl Bodies {
             laws: bind.read(Group::ContactLaws),
             count: model.bodies.len() as u32,
             meets_itself: model.has_self_contact(),
+            apart: Apart::of(bind, model, references).filter(|_| model.has_self_contact()),
         }
     }
 
@@ -124,9 +127,12 @@ impl Bodies {
     ) -> S {
         over_cells::<_, D>(bind, model, grid, i, (self.place, self.constants), start, |state, pair, j| {
             let (zero, one) = (Recorded::zero(), Recorded::one());
-            let of_itself = || match self.surfaces.filter(|_| self.meets_itself) {
-                Some(surfaces) => surfaces.press::<D>(model, i, pair, j, self.constants),
-                None => zero,
+            let of_itself = || {
+                let Some(surfaces) = self.surfaces.filter(|_| self.meets_itself) else { return zero };
+                let press = || surfaces.press::<D>(model, i, pair, j, self.constants);
+                // What has come apart is renewed often, and meets itself in the sums.
+                let whole = |apart: Apart| Recorded::if_lt(apart.has_come_apart(i), Recorded::of(0.5), press, || zero);
+                self.apart.map_or_else(press, whole)
             };
             let presses = match self.count {
                 1 => of_itself(),
@@ -179,11 +185,12 @@ fn kernel_of(model: &Model, pair: &Pair) -> ContactKernel<Recorded> {
 pub(in crate::engine) fn overlap<const D: usize>(
     model: &Model,
     grid: &Grid,
+    references: References,
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("overlap", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
-        let bodies = Bodies::of(bind, model);
+        let bodies = Bodies::of(bind, model, references);
         let overlaps = bind.write(Group::Overlap);
         let volume = bodies.volume(i);
         let first = Overlap::before_the_first();
@@ -224,11 +231,12 @@ pub(in crate::engine) fn press<const D: usize>(
     model: &Model,
     grid: &Grid,
     through: Option<Through<'_>>,
+    references: References,
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording(&Through::name(through, "press"), count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
-        let bodies = Bodies::of(bind, model);
+        let bodies = Bodies::of(bind, model, references);
         let (overlaps, evaluated, step) =
             (bind.read(Group::Overlap), bind.read(Group::Evaluated), bind.read(Group::Step));
         let (dt, half, zero) = (step.get(0, Index::of(DT)), Recorded::of(0.5), Recorded::zero());
@@ -308,10 +316,10 @@ pub(in crate::engine) fn press<const D: usize>(
         external.set(4, i, external.get(4, i) + friction / mass);
         let mut along = zero;
         if let Some((surfaces, rate)) = bodies.surfaces.zip(rate_i) {
-            let (face_stress, deformation) = (bind.write(Group::FaceStress), bind.read(Group::Deformation));
+            let (face_stress, deformation) = (bind.write(Group::FaceStress), Deformations::of(bind, references));
             let arm = surfaces.outward.vector(3, i);
-            let f = deformation.tensor(0, i);
-            let moment = || FaceShift::of(&f, arm).stress(&f, force);
+            let f = deformation.since_reference(i);
+            let moment = || FaceShift::of(&deformation.whole(i), arm).stress(&f, force);
             let moment = Recorded::if_lt(zero, dot(arm, arm), moment, || [[zero; 3]; 3]);
             for (k, moment) in moment.into_iter().flatten().enumerate() {
                 face_stress.set(k, i, face_stress.get(k, i) + moment / surfaces.reference.get(6, i));

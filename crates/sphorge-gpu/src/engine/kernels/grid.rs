@@ -96,6 +96,8 @@ impl Grid {
 pub(in crate::engine) enum Sorted {
     /// All particles, where they are.
     Particles,
+    /// The same in the reference configuration.
+    Reference,
     /// Those of the surface, where they stand for the contact.
     Surface,
 }
@@ -113,6 +115,7 @@ impl Sorted {
     fn name(self, of: &str) -> String {
         match self {
             Self::Particles => of.to_owned(),
+            Self::Reference => format!("{of}_of_reference"),
             Self::Surface => format!("{of}_of_surface"),
         }
     }
@@ -121,6 +124,7 @@ impl Sorted {
     fn cell(self, bind: &mut Binder<'_>, grid: &Grid, thread: Index) -> (Index, Index) {
         let (i, place) = match self {
             Self::Particles => (thread, bind.read(Group::Place)),
+            Self::Reference => (thread, bind.read(Group::Reference)),
             Self::Surface => (bind.indices(Group::Surface).at(thread), bind.read(Group::Standing)),
         };
         (i, grid.cell(grid.steps(&|axis| place.get(axis, i))))

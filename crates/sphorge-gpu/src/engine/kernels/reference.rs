@@ -3,15 +3,116 @@
 use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{over_list, over_own_body};
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
 use crate::engine::step_numbers::DT;
-use crate::record::{Double, Index, KernelFault, Recorded};
+use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
-use sphorge_physics::Real;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::pair::GradientSums;
-use sphorge_physics::total_lagrangian::{density, smallest_stretch, stretched, velocity_gradient};
+use sphorge_physics::tensor::{identity, multiply};
+use sphorge_physics::total_lagrangian::{
+    LARGEST_CORRECTION_APART, deformed_again, density, smallest_stretch, stretched, velocity_gradient,
+};
 use sphorge_physics::viscosity::bulk_mu;
+use sphorge_physics::{Elementary, Real, Tensor};
+
+/// What the reference configurations of bodies are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum References {
+    Initial,
+    /// That of some body has been renewed.
+    Renewed,
+}
+
+/// By body, whether it has come apart, and whether its reference configuration is to be renewed: one or zero.
+#[derive(Clone, Copy)]
+pub(super) struct Apart {
+    flags: Reading,
+    body: Indices,
+    bodies: u32,
+}
+
+impl Apart {
+    /// Nothing where none has.
+    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Option<Self> {
+        (references == References::Renewed).then(|| Self {
+            flags: bind.read(Group::Apart),
+            body: bind.indices(Group::Body),
+            bodies: model.bodies.len() as u32,
+        })
+    }
+
+    /// Of the body of a particle.
+    pub(super) fn has_come_apart(self, i: Index) -> Recorded {
+        self.flags.get_at(self.body.at(i))
+    }
+
+    fn is_due(self, i: Index) -> Recorded {
+        self.flags.get_at(Index::of(self.bodies) + self.body.at(i))
+    }
+}
+
+/// Deformation gradients of particles.
+#[derive(Clone, Copy)]
+pub(super) struct Deformations {
+    since: Reading,
+    earlier: Option<Reading>,
+}
+
+impl Deformations {
+    pub(super) fn of(bind: &mut Binder<'_>, references: References) -> Self {
+        let since = bind.read(Group::Deformation);
+        Self { since, earlier: (references == References::Renewed).then(|| bind.read(Group::Earlier)) }
+    }
+
+    /// Since the reference configuration.
+    pub(super) fn since_reference(self, i: Index) -> Tensor<Recorded> {
+        self.since.tensor(0, i)
+    }
+
+    /// That of the reference configuration, where it is not the initial one.
+    pub(super) fn earlier(self, i: Index) -> Option<Tensor<Recorded>> {
+        self.earlier.map(|earlier| earlier.tensor(0, i))
+    }
+
+    /// Since the start.
+    pub(super) fn whole(self, i: Index) -> Tensor<Recorded> {
+        let f = self.since_reference(i);
+        self.earlier(i).map_or(f, |earlier| multiply(&f, &earlier))
+    }
+}
+
+/// Makes the present configuration of bodies that are due their reference one: places, volumes, and deformation gradients that begin at one.
+pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    recording("renew_reference", count, |bind, i| {
+        let Some(apart) = Apart::of(bind, model, References::Renewed) else { return };
+        let (place, density, constants) =
+            (bind.read(Group::Place), bind.read(Group::Density), bind.read(Group::Constants));
+        let (reference, stretch) = (bind.write(Group::Reference), bind.write(Group::Stretch));
+        let (since, earlier) = (bind.write(Group::Deformation), bind.write(Group::Earlier));
+        let renew = || {
+            for field in 0..6 {
+                reference.set(field, i, place.get(field, i));
+            }
+            let volume = Double::from(constants.get(0, i)) / Double::new(density.double(0, 1, i));
+            reference.set_all(6, i, &[volume.high, volume.low]);
+            let tensor =
+                |of: Writing| [0, 1, 2].map(|a| [0, 1, 2].map(|b| Double::new(of.double(3 * a + b, 9 + 3 * a + b, i))));
+            let whole = multiply(&tensor(since), &tensor(earlier));
+            for (k, component) in whole.into_iter().flatten().enumerate() {
+                earlier.set(k, i, component.high);
+                earlier.set(9 + k, i, component.low);
+            }
+            for (k, one) in identity::<Recorded>().into_iter().flatten().enumerate() {
+                since.set(k, i, one);
+                since.set(9 + k, i, Recorded::zero());
+            }
+            stretch.set(0, i, Recorded::one());
+            NOTHING
+        };
+        Recorded::if_lt(Recorded::of(0.5), apart.is_due(i), renew, || NOTHING);
+    })
+}
 
 /// Number of the neighbours of every particle.
 pub(in crate::engine) fn count<const D: usize>(
@@ -46,9 +147,14 @@ pub(in crate::engine) fn list<const D: usize>(
 }
 
 /// The gradient correction of every particle.
-pub(in crate::engine) fn correct<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn correct<const D: usize>(
+    model: &Model,
+    references: References,
+    count: usize,
+) -> Result<Recording, KernelFault> {
     let kernel = model.numerics.kernel;
     recording("correct_reference", count, |bind, i| {
+        let apart = Apart::of(bind, model, references);
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let correction = bind.write(Group::Correction);
         let zero = [[Recorded::zero(); 3]; 3];
@@ -59,7 +165,10 @@ pub(in crate::engine) fn correct<const D: usize>(model: &Model, count: usize) ->
             sums.add::<D, true>(&pair.x, &[Recorded::zero(); 3], f);
             sums.moment
         });
-        let b = gradient_correction(&moment, model.dimensions.into(), Recorded::of(LARGEST_COMPONENT));
+        let [usual, of_pieces] = [LARGEST_COMPONENT, LARGEST_CORRECTION_APART].map(Recorded::of);
+        let largest = apart
+            .map_or(usual, |apart| Recorded::select_lt(Recorded::of(0.5), apart.has_come_apart(i), of_pieces, usual));
+        let b = gradient_correction(&moment, model.dimensions.into(), largest);
         correction.set_all(0, i, b.as_flattened());
     })
 }
@@ -67,7 +176,7 @@ pub(in crate::engine) fn correct<const D: usize>(model: &Model, count: usize) ->
 /// Deformation gradient, velocity gradient and density.
 pub(in crate::engine) fn deform<const D: usize>(
     model: &Model,
-    renewal: Option<f64>,
+    (renewal, references): (Option<f64>, References),
     count: usize,
 ) -> Result<Recording, KernelFault> {
     let kernel = model.numerics.kernel;
@@ -77,6 +186,7 @@ pub(in crate::engine) fn deform<const D: usize>(
         let (gradient, of_density) = (bind.write(Group::Gradient), bind.write(Group::Density));
         let (deformation, stretch) = (bind.write(Group::Deformation), bind.write(Group::Stretch));
         let (rates, step) = (bind.write(Group::Rates), bind.read(Group::Step));
+        let apart = Apart::of(bind, model, references);
         let own = velocity.vector(0, i);
         let zero = [[Recorded::zero(); 3]; 3];
         let sum = over_list::<_, D>(bind, model, i, near, zero, |gradient: [[Recorded; 3]; 3], pair, j| {
@@ -101,7 +211,14 @@ pub(in crate::engine) fn deform<const D: usize>(
         let rho = density(Double::from(near.1.get(0, i)), Double::new(near.0.double(6, 7, i)), &whole);
         of_density.set_all(0, i, &[rho.high, rho.low]);
         stretch.set(0, i, smallest);
-        stretch.set(2, i, renewal.map_or_else(Recorded::zero, |bound| stretched(&f, Recorded::of(bound))));
+        let too_far = |bound: f64| {
+            let once = || stretched(&f, Recorded::of(bound));
+            apart.map_or_else(once, |apart| {
+                let again = || deformed_again(&f, smallest);
+                Recorded::if_lt(Recorded::of(0.5), apart.has_come_apart(i), again, once)
+            })
+        };
+        stretch.set(2, i, renewal.map_or_else(Recorded::zero, too_far));
         rates.set(6, i, bulk_mu(&l, near.1.get(1, i) * smallest));
     })
 }

@@ -1,11 +1,13 @@
 //! Walls and gravity.
 
 use super::contact;
+use super::reference::{Deformations, References};
 use super::smoothing::AT_START;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::{DT, GRAVITY, WALL_LENGTH, WALLS};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model, Wall, WallContact, WallSurface};
+use sphorge_physics::tensor::apply;
 use sphorge_physics::total_lagrangian::MeetingPoint;
 use sphorge_physics::wall::{FacePush, FacePushes, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
 use sphorge_physics::{Real, Tensor, Vector};
@@ -16,7 +18,7 @@ pub(in crate::engine) const SUMS: usize = 3;
 pub(in crate::engine) const FIELDS: usize = 3 * SUMS;
 
 /// Works out what walls and gravity do, to which the contact of a body with itself adds. A wall meets a particle of the total Lagrangian form at its face.
-pub(in crate::engine) fn push(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn push(model: &Model, references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("push", count, |bind, i| {
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let (constants, step) = (bind.read(Group::Constants), bind.read(Group::Step));
@@ -25,8 +27,8 @@ pub(in crate::engine) fn push(model: &Model, count: usize) -> Result<Recording, 
         let is_deformed = is_total_lagrangian(model) && walls.is_some();
         let has_faces = is_total_lagrangian(model) && (walls.is_some() || contact::meets(model));
         let deformed = is_deformed.then(|| {
-            let (f, l) = (bind.read(Group::Deformation), bind.read(Group::Gradient));
-            (f.tensor(0, i), l.tensor(0, i))
+            let (f, l) = (Deformations::of(bind, references), bind.read(Group::Gradient));
+            Deformed { whole: f.whole(i), earlier: f.earlier(i), velocity_gradient: l.tensor(0, i) }
         });
         let number = |k: u32| step.get(0, Index::of(k));
         let vector = |k: u32| [number(k), number(k + 1), number(k + 2)];
@@ -84,8 +86,19 @@ pub(in crate::engine) struct AtWall<T> {
     pub(in crate::engine) h: T,
     pub(in crate::engine) spacing: T,
     pub(in crate::engine) sound_speed: T,
-    /// Deformation gradient and velocity gradient, 1/s, where the form has particles that deform.
-    pub(in crate::engine) deformed: Option<(Tensor<T>, Tensor<T>)>,
+    /// Where the form has particles that deform.
+    pub(in crate::engine) deformed: Option<Deformed<T>>,
+}
+
+/// How a particle that meets a wall is deformed.
+#[derive(Clone, Copy)]
+pub(in crate::engine) struct Deformed<T> {
+    /// Deformation gradient since the start.
+    pub(in crate::engine) whole: Tensor<T>,
+    /// That of the reference configuration, where it is not the initial one.
+    pub(in crate::engine) earlier: Option<Tensor<T>>,
+    /// 1/s.
+    pub(in crate::engine) velocity_gradient: Tensor<T>,
 }
 
 /// What a wall, which moves with a velocity (m/s), does to a particle that is so far from where the wall stood at first (m) and has a velocity
@@ -116,7 +129,10 @@ pub(in crate::engine) fn of_wall<T: Real>(
                 PenaltyParameters::from_sound_speed(body.sound_speed, body.spacing, stiffness, damping, friction);
             let at = match &body.deformed {
                 None => MeetingPoint { radius: T::of(0.5) * body.spacing, place: [zero; 3], velocity },
-                Some((f, l)) => MeetingPoint::new(body.spacing, f, l, velocity, gap.normal),
+                Some(Deformed { whole, earlier, velocity_gradient }) => {
+                    let at = MeetingPoint::new(body.spacing, whole, velocity_gradient, velocity, gap.normal);
+                    MeetingPoint { place: earlier.map_or(at.place, |earlier| apply(&earlier, at.place)), ..at }
+                }
             };
             let WallPush { acceleration, heat, rubbed } =
                 penalty_contact(parameters, &gap, at.radius, relative(at.velocity), dt);

@@ -1,0 +1,167 @@
+//! Renewal of the reference configuration, where a body comes apart, as the engine of the processor does it.
+//!
+//! Each step marks particles that are deformed too far; whether there is one comes back with the limits of the step. The rest is rare: whose
+//! bodies they are is read back, what their contacts with themselves hold is released on the processor, and the configuration and the lists of
+//! it are made anew on the card. Until the first renewal kernels know of the initial configuration alone.
+
+use super::columns::Group;
+use super::kernels::contact::{MEETING, WORKS};
+use super::kernels::limits;
+use super::kernels::reference::References;
+use super::lists::make_anew;
+use super::plan::Plan;
+use super::snapshot::read;
+use super::start::{fill, grid_of, part, reference, stages};
+use super::{GpuEngine, failure};
+use sphorge_engine::RunFailure;
+use sphorge_engine::persist::{Archive, ArchiveError, Persist};
+use sphorge_physics::contact::share_of_released;
+
+/// Numbers of a deformation gradient, with what rounding leaves of them.
+pub(super) const EARLIER: usize = 18;
+
+/// Of a particle that is marked, in [`Group::Stretch`].
+const MARK: usize = 2;
+
+impl GpuEngine {
+    /// Whether some body has a reference configuration that is not the initial one.
+    pub(super) fn is_renewed(&self) -> bool {
+        self.has_come_apart.contains(&true)
+    }
+
+    /// Makes the present configuration of the bodies that are deformed too far their reference. Returns whether there was one.
+    pub(super) fn renew_references(&mut self) -> Result<bool, RunFailure> {
+        if self.extremes[limits::STRETCHED] <= 0.0 {
+            return Ok(false);
+        }
+        let marks = read(&self.card, &self.columns, Group::Stretch)?;
+        let mut is_due = vec![false; self.has_come_apart.len()];
+        for (body, mark) in self.initial.body.iter().zip(&marks[MARK * self.stride..]) {
+            is_due[*body as usize] |= *mark > 0.0;
+        }
+        let was_renewed = self.is_renewed();
+        for body in 0..is_due.len() {
+            if is_due[body] && !self.has_come_apart[body] {
+                self.release(body)?;
+                self.has_come_apart[body] = true;
+            }
+        }
+        if !was_renewed {
+            self.take_references(References::Renewed)?;
+        }
+        self.write_flags(&is_due)?;
+        self.card.launch(&self.stages.renew);
+        self.make_lists_anew()?;
+        self.kept.last_searched = self.steps;
+        Ok(true)
+    }
+
+    /// Finds the neighbours of the reference configuration again, as it is.
+    pub(super) fn make_lists_anew(&mut self) -> Result<(), RunFailure> {
+        if make_anew(&self.card, &mut self.columns, &self.plan, self.initial.len())? {
+            self.stages = stages(&self.card, &self.columns, &self.plan)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the kernels that know of renewed references, or those that do not.
+    fn take_references(&mut self, references: References) -> Result<(), RunFailure> {
+        let (model, p) = (&self.model, &self.initial);
+        if references == References::Renewed {
+            let bodies = self.has_come_apart.len();
+            let undeformed = |field: usize, _: usize| if matches!(field, 0 | 4 | 8) { 1.0 } else { 0.0 };
+            let earlier = fill(self.stride, EARLIER, p.len(), undeformed);
+            self.columns.insert(Group::Earlier, self.card.numbers(&earlier).map_err(failure)?);
+            self.columns.insert(Group::Apart, self.card.zeros(2 * bodies).map_err(failure)?);
+        } else {
+            self.columns.remove(Group::Earlier);
+            self.columns.remove(Group::Apart);
+        }
+        self.plan = Plan::of(model, p, self.stride, &grid_of(model, p), references).map_err(failure)?;
+        self.card.compile_ahead(&self.plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
+        self.stages = stages(&self.card, &self.columns, &self.plan)?;
+        Ok(())
+    }
+
+    /// Tells the card which bodies have come apart and which are to be renewed.
+    fn write_flags(&self, is_due: &[bool]) -> Result<(), RunFailure> {
+        let flags: Vec<f32> =
+            self.has_come_apart.iter().chain(is_due).map(|flag| if *flag { 1.0 } else { 0.0 }).collect();
+        let array = self.columns.array(Group::Apart).ok_or_else(|| failure("no flags of bodies"))?;
+        self.card.write(array, &flags);
+        Ok(())
+    }
+
+    /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
+    fn release(&self, body: usize) -> Result<(), RunFailure> {
+        if !self.model.has_self_contact() {
+            return Ok(());
+        }
+        let array = |group: Group| self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")));
+        let column = |group| read(&self.card, &self.columns, group);
+        let (mut meetings, mut energy) = (column(Group::Meetings)?, column(Group::Energy)?);
+        let (overlap, outward, stride) = (column(Group::Overlap)?, column(Group::Outward)?, self.stride);
+        let double = |of: &[f32], field: usize, i: usize| {
+            f64::from(of[field * stride + i]) + f64::from(of[(field + 1) * stride + i])
+        };
+        let set = |of: &mut [f32], field: usize, i: usize, number: f64| {
+            for (k, rest) in [false, true].into_iter().enumerate() {
+                of[(field + k) * stride + i] = part(number, rest) as f32;
+            }
+        };
+        let own: Vec<usize> = (0..self.initial.len()).filter(|i| self.initial.body[*i] as usize == body).collect();
+        let [stored, _, damped] = WORKS.map(|(field, _)| MEETING * body + field);
+        let mut held = 0.0;
+        for &i in &own {
+            // Of a pair of particles each has a half.
+            let here = double(&meetings, stored, i);
+            held += here;
+            let sum = double(&meetings, damped, i) + here;
+            set(&mut meetings, damped, i, sum);
+            set(&mut meetings, stored, i, 0.0);
+        }
+        // By how far they are pressed; evenly where none is any more.
+        let pressed = |i: usize| {
+            let is_exposed = (0..3).any(|a| outward[a * stride + i] != 0.0);
+            if is_exposed { share_of_released(f64::from(overlap[i])) } else { 0.0 }
+        };
+        let sum = |part: &dyn Fn(usize) -> f64| -> f64 { own.iter().map(|i| self.initial.mass[*i] * part(*i)).sum() };
+        let even = |_: usize| 1.0;
+        let part: &dyn Fn(usize) -> f64 = if sum(&pressed) > 0.0 { &pressed } else { &even };
+        let all = sum(part);
+        for &i in &own {
+            let after = double(&energy, 0, i) + held * part(i) / all;
+            set(&mut energy, 0, i, after);
+        }
+        self.card.write(array(Group::Meetings)?, &meetings);
+        self.card.write(array(Group::Energy)?, &energy);
+        Ok(())
+    }
+
+    /// Saves or loads which bodies have come apart; loading takes the kernels for that. Columns follow, and then [`Self::make_lists_anew`].
+    pub(super) fn persist_references(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let was_renewed = self.is_renewed();
+        self.has_come_apart.persist("has_come_apart", archive)?;
+        if self.has_come_apart.len() != self.model.bodies.len() {
+            return Err(ArchiveError::Mismatch("has_come_apart".to_owned()));
+        }
+        if archive.is_saving() || !(was_renewed || self.is_renewed()) {
+            return Ok(());
+        }
+        self.load_references(was_renewed).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))
+    }
+
+    fn load_references(&mut self, was_renewed: bool) -> Result<(), RunFailure> {
+        let is_renewed = self.is_renewed();
+        if is_renewed != was_renewed {
+            self.take_references(if is_renewed { References::Renewed } else { References::Initial })?;
+        }
+        if is_renewed {
+            return self.write_flags(&vec![false; self.has_come_apart.len()]);
+        }
+        let numbers = fill(self.stride, 8, self.initial.len(), |field, i| reference(&self.initial, field, i));
+        let array = self.columns.array(Group::Reference).ok_or_else(|| failure("no reference configuration"))?;
+        self.card.write(array, &numbers);
+        Ok(())
+    }
+}
