@@ -7,7 +7,7 @@ use crate::particles::{History, Owner, Particles};
 use sphorge_physics::artificial_stress;
 
 /// Completes the state of particles that have position, velocity, density and temperature: energy, what is held at a temperature, pressure and
-/// sound speed.
+/// sound speed, and what flow laws keep of the past.
 pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
     if model.numerics.temperature == TemperatureSource::Energy {
         // Temperature is that of the energy, from the start.
@@ -23,6 +23,7 @@ pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
         let state = law.pressure(particles.density[i], particles.energy[i]);
         (particles.pressure[i], particles.sound_speed[i]) = (state.pressure, state.sound_speed);
     }
+    particles.history = History::new(model, particles.len());
 }
 
 /// Adds the columns that the choices of a model need, and fills those that do not start at the value of the table.
@@ -47,7 +48,6 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
     if matches!(model.search, Search::Adaptive(_)) {
         particles.origin.clone_from(&particles.position);
     }
-    particles.history = History::new(model, particles.len());
 }
 
 /// Coefficient of the artificial stress of each body; nothing without one.

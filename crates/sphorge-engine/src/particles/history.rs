@@ -24,9 +24,18 @@ pub(super) fn declared(name: &str) -> Option<&'static HistoryVariable> {
     FLOW_LAWS.iter().flat_map(|law| law.history).find(|variable| variable.name == name)
 }
 
-impl History {
-    /// The variables of the laws of a model for `count` particles, at their initial values.
-    pub(crate) fn new(model: &Model, count: usize) -> Self {
+/// What the laws of a model keep of the past of a particle.
+#[derive(Clone, Debug, Default)]
+pub struct HistoryVariables {
+    /// Variables of all laws, each once.
+    pub variables: Vec<&'static HistoryVariable>,
+    /// For each material, the places among them of the variables of its law, in the law's order.
+    pub slots: Vec<Vec<usize>>,
+}
+
+impl HistoryVariables {
+    /// Those of the materials of a model.
+    pub fn of(model: &Model) -> Self {
         let mut variables: Vec<&'static HistoryVariable> = Vec::new();
         let mut slots = Vec::new();
         for material in &model.materials {
@@ -38,6 +47,14 @@ impl History {
             });
             slots.push(of_law.collect());
         }
+        Self { variables, slots }
+    }
+}
+
+impl History {
+    /// The variables of the laws of a model for `count` particles, at their initial values.
+    pub(crate) fn new(model: &Model, count: usize) -> Self {
+        let HistoryVariables { variables, slots } = HistoryVariables::of(model);
         Self::at_start(variables, slots, count)
     }
 

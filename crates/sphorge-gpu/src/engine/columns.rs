@@ -43,6 +43,8 @@ pub(super) enum Group {
     Pressure,
     /// Plastic strain and its rest, its last increment, yield stress, Pa, plastic work, J/kg, and its rest.
     Plastic,
+    /// Variables that flow laws keep, each with its rest.
+    History,
     /// Temperature, K, and its rest.
     Temperature,
     /// What forces read of a neighbour: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound speed, m/s; in the total
@@ -59,6 +61,8 @@ pub(super) enum Group {
     Accounts,
     /// Work of each wall, J, its rest, and the power of the last forces, W.
     Walls,
+    /// What an audit sums of the list of a particle and of all its neighbours: see [`super::kernels::audit`].
+    Audit,
     /// Least time steps by sound and by acceleration, s, four changes of the step, whether a number is none, and whether the particle is
     /// stretched beyond the bound of the reference configuration, of each particle.
     Limits,

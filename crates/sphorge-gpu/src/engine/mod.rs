@@ -83,6 +83,8 @@ struct Stages {
     /// In adaptive search: who is searched, and their search.
     mark: Vec<Launch>,
     search_marked: Vec<Launch>,
+    /// What the lists miss.
+    audit: Vec<Launch>,
     gradients: Vec<Launch>,
     /// The same with the corrections of the strain that the guard counts, where these are due now and then.
     corrected_gradients: Vec<Launch>,

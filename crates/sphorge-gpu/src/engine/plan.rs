@@ -5,7 +5,7 @@ use super::kernels::reference::References;
 use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::{
-    conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reduce,
+    audit, conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reduce,
     reference, reference_forces, smoothing, stress, walls, wrap,
 };
 use super::search::WAYS_TOGETHER;
@@ -61,6 +61,8 @@ pub(super) struct Plan {
     /// In adaptive search: who is searched, and their search.
     pub(super) mark: Vec<Planned>,
     pub(super) search_marked: Vec<Planned>,
+    /// What the lists miss.
+    pub(super) audit: Vec<Planned>,
     pub(super) gradients: Vec<Planned>,
     /// The same with the corrections of the strain that the guard of adaptive search counts.
     pub(super) corrected_gradients: Vec<Planned>,
@@ -148,6 +150,12 @@ impl Plan {
                     }
                     plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
                     plan.search.push(of_chunks(kept::longest_rows(stride)?));
+                }
+                if model.audit.is_some() {
+                    // Of the places that particles have by now.
+                    plan.audit = sorting(grid, stride, Sorted::Particles, all)?;
+                    plan.audit.push(of_particles(in_dimension!(model, audit::of_lists, model, stride)));
+                    plan.audit.push(of_particles(in_dimension!(model, audit::exact, model, grid, stride)));
                 }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
                 plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, false, stride)));
@@ -294,6 +302,7 @@ impl Plan {
             &self.search,
             &self.mark,
             &self.search_marked,
+            &self.audit,
             &self.gradients,
             &self.corrected_gradients,
             &self.restore,

@@ -1,6 +1,7 @@
 //! When lists that are kept are searched again.
 
 use super::columns::Group;
+use super::kernels::audit;
 use super::kernels::images::Planes;
 use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, WAYS, keeps_distances};
 use super::kernels::limits::CHUNK;
@@ -11,7 +12,7 @@ use super::{GpuEngine, failure};
 use sphorge_engine::model::{AdaptiveSearch, Search};
 use sphorge_engine::neighbors::{BLOCK, NeighborList};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
-use sphorge_engine::{ContactCandidates, RunFailure, SearchReport, SearchedMaterial};
+use sphorge_engine::{Audit, ContactCandidates, RunFailure, SearchReport, SearchedMaterial, audit_of};
 use sphorge_physics::Vector;
 
 /// Room beyond the longest list there was, as a share of it.
@@ -190,6 +191,18 @@ impl GpuEngine {
         self.kept.is_made = true;
         self.kept.last_searched = self.steps;
         Ok(())
+    }
+
+    /// What the lists miss where particles are now, if an audit is due.
+    pub(super) fn audit_lists(&self) -> Result<Option<Audit>, RunFailure> {
+        let due = |n: u64| self.dt > 0.0 && !self.is_idle() && u64::from(self.steps).is_multiple_of(n);
+        if !self.model.audit.is_some_and(due) {
+            return Ok(None);
+        }
+        self.card.launch(&self.stages.audit);
+        let audited = self.group(Group::Audit)?;
+        let rows: Vec<_> = (0..self.initial.len()).map(|i| audit::rows(|field| audited.at(field, i))).collect();
+        Ok(Some(audit_of(&rows, &self.initial.mass)))
     }
 
     /// Takes lists that have room for so many neighbours of each particle; what they held is lost.

@@ -1,18 +1,19 @@
 //! What a card holds, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::{conduction, contact, kept, limits, pairs, walls};
+use super::kernels::{audit, conduction, contact, kept, limits, pairs, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{Integrator, Model, Search, SmoothingLength};
-use sphorge_engine::{ContactLedger, HeatLedger, Particles, RunFailure, WallLedger};
+use sphorge_engine::particles::HistoryVariables;
+use sphorge_engine::{Column, ContactLedger, HeatLedger, Particles, RunFailure, WallLedger};
 use sphorge_physics::SymmetricTensor;
 
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
     let is_corrected = pairs::is_corrected(model);
-    let (meets, conducts) = (contact::meets(model), model.thermal.conduction);
+    let (meets, conducts, audits) = (contact::meets(model), model.thermal.conduction, model.audit.is_some());
     let is_needed = move |group: &Group| match group {
         Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
         Group::Ahead => integrator == Integrator::Leapfrog,
@@ -22,10 +23,13 @@ pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
         Group::Standing => meets && is_initial,
         Group::Overlap | Group::Contact => meets,
         Group::Heat => conducts,
+        Group::Audit => audits,
         _ => true,
     };
     let of_bodies = meets.then(|| (Group::Meetings, contact::MEETING * model.bodies.len()));
-    FIELDS.iter().copied().filter(move |(group, _)| is_needed(group)).chain(of_bodies)
+    let variables = HistoryVariables::of(model).variables.len();
+    let of_laws = (variables > 0).then_some((Group::History, 2 * variables));
+    FIELDS.iter().copied().filter(move |(group, _)| is_needed(group)).chain(of_bodies).chain(of_laws)
 }
 
 /// Columns of [`Group::Weight`]; the second is the number of neighbours.
@@ -63,6 +67,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Overlap, 5),
     (Group::Contact, 6),
     (Group::Heat, conduction::HEAT),
+    (Group::Audit, audit::AUDIT),
 ];
 
 /// Groups whose numbers the steps to come depend on.
@@ -80,6 +85,7 @@ pub(super) const STATE: &[Group] = &[
     Group::Deviator,
     Group::Pressure,
     Group::Plastic,
+    Group::History,
     Group::Temperature,
     Group::Accounts,
     Group::Walls,
@@ -123,13 +129,13 @@ pub(super) struct Snapshot {
 }
 
 /// A group read back.
-struct Group64 {
+pub(super) struct Group64 {
     numbers: Vec<f32>,
     stride: usize,
 }
 
 impl Group64 {
-    fn at(&self, field: usize, i: usize) -> f64 {
+    pub(super) fn at(&self, field: usize, i: usize) -> f64 {
         f64::from(self.numbers[field * self.stride + i])
     }
 
@@ -139,7 +145,7 @@ impl Group64 {
 }
 
 impl GpuEngine {
-    fn group(&self, group: Group) -> Result<Group64, RunFailure> {
+    pub(super) fn group(&self, group: Group) -> Result<Group64, RunFailure> {
         let numbers = read(&self.card, &self.columns, group)?;
         Ok(Group64 { numbers, stride: self.stride })
     }
@@ -231,6 +237,11 @@ impl GpuEngine {
         let contacts =
             meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));
         let contacts = contacts.map(|(of, pair)| contact_of(of, pair)).collect();
+        for (k, variable) in HistoryVariables::of(&self.model).variables.into_iter().enumerate() {
+            let history = self.group(Group::History)?;
+            let values: Vec<f64> = (0..count).map(|i| history.double(2 * k, 2 * k + 1, i)).collect();
+            p.set_column(variable.name, &Column::Scalar(values.into()));
+        }
         if is_initial {
             let tensors = |of: Group64| {
                 let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of.double(3 * a + b, 9 + 3 * a + b, i)));

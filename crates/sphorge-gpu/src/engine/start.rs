@@ -14,6 +14,7 @@ use crate::device::{Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
 use sphorge_engine::model::{Dimensions, Search};
+use sphorge_engine::particles::HistoryVariables;
 use sphorge_engine::{HeatClock, Model, Particles, RunFailure, complete_initial_state};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
@@ -149,6 +150,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     let count = p.len();
     let numerics = &model.numerics;
     let of_body = |i: usize| &model.bodies[p.body[i] as usize];
+    let variables = HistoryVariables::of(model).variables;
     let vector = |of: &[[f64; 3]], field: usize, i: usize| part(of[i][field % 3], field >= 3);
     for (group, fields) in fields(model) {
         let number = |field: usize, i: usize| match (group, field) {
@@ -159,6 +161,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             (Group::Energy, 0 | 1) => part(p.energy[i], field == 1),
             (Group::Temperature, _) => part(p.temperature[i], field == 1),
             (Group::Deviator, _) => p.deviator[i].to_array()[field],
+            (Group::History, _) => part(variables[field / 2].initial, field % 2 == 1),
             (Group::Plastic, 0 | 1) => part(p.plastic_strain[i], field == 1),
             (Group::Plastic, 3) => p.yield_stress[i],
             (Group::Plastic, 4 | 5) => part(p.plastic_work[i], field == 5),
@@ -296,6 +299,7 @@ pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stag
         corrected_gradients: bound(&plan.corrected_gradients)?,
         correct: bound(&plan.correct)?,
         restore: bound(&plan.restore)?,
+        audit: bound(&plan.audit)?,
         gradients: bound(&plan.gradients)?,
         push: bound(&plan.push)?,
         stress: bound(&plan.stress)?,

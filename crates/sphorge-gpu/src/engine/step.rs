@@ -6,9 +6,12 @@ use super::plan::keeps_lists;
 use super::snapshot::{LISTS, STATE, read};
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallContact};
+use sphorge_engine::particles::HistoryVariables;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
-use sphorge_engine::{Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change};
+use sphorge_engine::{
+    Audit, Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change,
+};
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
 
@@ -61,6 +64,13 @@ impl GpuEngine {
     fn broken(&self) -> Result<RunFailure, RunFailure> {
         let p = &self.snapshot()?.particles;
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let variables = HistoryVariables::of(&self.model).variables.into_iter();
+        let kept: Vec<_> = variables
+            .filter_map(|variable| match p.column(variable.name) {
+                Some(Column::Scalar(values)) => Some((variable.name, values, variable.bound)),
+                _ => None,
+            })
+            .collect();
         let fault = |i: usize| {
             let checks: [(&str, bool); 7] = [
                 ("position", finite(&p.position[i])),
@@ -71,7 +81,10 @@ impl GpuEngine {
                 ("pressure", p.pressure[i].is_finite()),
                 ("deviator", finite(&p.deviator[i].to_array())),
             ];
-            checks.into_iter().find(|(_, sound)| !sound).map(|(field, _)| (i, field))
+            let first = checks.into_iter().find(|(_, sound)| !sound).map(|(field, _)| field);
+            first
+                .or_else(|| kept.iter().find(|(_, values, bound)| !bound.allows(values[i])).map(|of| of.0))
+                .map(|field| (i, field))
         };
         let (particle, field) = (0..p.len()).find_map(fault).map_or((None, "acceleration"), |(i, f)| (Some(i), f));
         Ok(RunFailure {
@@ -115,6 +128,10 @@ impl Engine for GpuEngine {
         self.card.launch(&self.stages.sorting);
         let searches = self.steps == 0 || !self.stages.sorting.is_empty();
         Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) })
+    }
+
+    fn audit(&mut self) -> Result<Option<Audit>, RunFailure> {
+        self.audit_lists()
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {

@@ -29,7 +29,7 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "a smoothing length that follows the density with lists that are kept or with contact",
             "set `search = \"every-step\"` and leave `contact` out, or run it with `--engine cpu`",
         ),
-        (model.audit.is_some(), "audits of the search", "its search is exact: leave `audit` out"),
+        (model.audit.is_some() && is_total, "audits of sums in the initial configuration", "leave `audit` out"),
         (
             contact::meets(model) && model.bodies.len() > contact::MOST_BODIES,
             "contact between more than eight bodies",
@@ -39,11 +39,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
         (
             is_periodic && (contact::meets(model) || is_total || kept::adaptive(model).is_some()),
             "periodic axes with contact, an adaptive search or sums in the initial configuration",
-            BY_CPU,
-        ),
-        (
-            model.materials.iter().any(|material| !material.flow_law.history().is_empty()),
-            "flow laws with a history",
             BY_CPU,
         ),
     ];

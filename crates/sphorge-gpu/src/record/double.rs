@@ -2,7 +2,7 @@
 
 use super::Recorded;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
-use sphorge_physics::Real;
+use sphorge_physics::{Elementary, Numbers, Real};
 
 /// A number and the rest of it, for laws whose result is small beside what it comes of, such as the pressure of a density: T. J. Dekker, Numerische
 /// Mathematik 18 (1971) 224. What compilers of cards must not see through is [`Recorded::rounded`].
@@ -157,12 +157,66 @@ impl Real for Double {
     }
 }
 
+/// What is made of pairs of numbers, as their numbers see it.
+#[derive(Clone, Copy)]
+struct Parts<N>(N);
+
+impl<N: Numbers<Double>> Numbers<Recorded> for Parts<N> {
+    fn each(&mut self, visit: &mut dyn FnMut(&mut Recorded)) {
+        self.0.each(&mut |number: &mut Double| {
+            visit(&mut number.high);
+            visit(&mut number.low);
+        });
+    }
+}
+
+/// Elementary functions are those of the first number, with the slope for what the second adds: good to single precision.
+impl Elementary for Double {
+    fn ln(self) -> Self {
+        sum(self.high.ln(), self.low / self.high)
+    }
+    fn exp(self) -> Self {
+        let first = self.high.exp();
+        sum(first, first * self.low)
+    }
+    fn powf(self, exponent: Self) -> Self {
+        let first = self.high.powf(exponent.high);
+        let by_base = exponent.high * self.low / self.high;
+        let by_exponent =
+            Recorded::select_lt(Recorded::zero(), self.high, exponent.low * self.high.ln(), Recorded::zero());
+        let rest = Recorded::select_lt(Recorded::zero(), self.high, first * (by_base + by_exponent), Recorded::zero());
+        sum(first, rest)
+    }
+    fn cos(self) -> Self {
+        sum(self.high.cos(), (self.high + Recorded::of(core::f64::consts::FRAC_PI_2)).cos() * self.low)
+    }
+    fn epsilon() -> Self {
+        Self::of(f64::from(f32::EPSILON) * f64::from(f32::EPSILON))
+    }
+    fn largest() -> Self {
+        Recorded::largest().into()
+    }
+    fn if_lt<R: Numbers<Self>>(a: Self, b: Self, then: impl FnOnce() -> R, otherwise: impl FnOnce() -> R) -> R {
+        let left = (a - b).high;
+        Recorded::if_lt(left, Recorded::zero(), || Parts(then()), || Parts(otherwise())).0
+    }
+    fn iterate<S: Numbers<Self>>(start: S, step: impl Fn(S) -> (S, Self)) -> S {
+        let step = |Parts(state): Parts<S>| {
+            let (next, again) = step(state);
+            (Parts(next), again.high)
+        };
+        Recorded::iterate(Parts(start), step).0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::evaluate::Evaluation;
     use crate::record::{Index, Kernel};
+    use sphorge_physics::SymmetricTensor;
     use sphorge_physics::eos::{BoundedPressure, EquationConstants, EquationOfState, MieGruneisenHugoniot};
+    use sphorge_physics::flow::{FlowLaw, FlowState, FlowStep, PressureAndDamage, YieldLaw};
 
     /// What a kernel makes of numbers that single precision does not hold.
     fn evaluated(arguments: &[f64], law: impl Fn(&[Double]) -> Vec<Double>) -> Vec<f64> {
@@ -204,6 +258,56 @@ mod tests {
             }
         }
         assert_eq!(evaluated(&[0.0], |x| vec![x[0].sqrt()]), [0.0]);
+    }
+
+    #[test]
+    fn elementary_functions_know_what_the_second_number_adds_and_branches_carry_both() {
+        let (x, y) = (1.75 + 3e-9, 2.5 - 7e-9);
+        let found = evaluated(&[x, y], |numbers| {
+            let (x, y) = (numbers[0], numbers[1]);
+            let less = |a, b| Double::if_lt(a, b, || [a, b], || [b, a]);
+            let [least, most] = less(y, x);
+            // Halved until it is below one.
+            let halved = Double::iterate(y, |a| {
+                let half = a * Double::of(0.5);
+                (half, half - Double::one())
+            });
+            vec![x.ln(), x.exp(), x.powf(y), x.cos(), least, most, halved, Double::of(0.0).powf(y)]
+        });
+        let expected = [x.ln(), x.exp(), x.powf(y), x.cos(), x, y, y / 4.0, 0.0];
+        for (k, (found, expected)) in found.into_iter().zip(expected).enumerate() {
+            let near = if k < 4 { 2e-7 } else { 2e-14 };
+            assert!((found - expected).abs() <= near * expected.abs(), "{k}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_history_grows_by_what_single_precision_would_lose() {
+        let law = FlowLaw::PressureAndDamage(PressureAndDamage::<f64>::new(&[1e8, 0.0, 0.0, 0.0, 1e9]));
+        // A stress of 100 MPa over 1e-8 of strain adds 1e-9 to a damage of a third.
+        let stress = SymmetricTensor { xx: 2.0 / 3.0, yy: -1.0 / 3.0, zz: -1.0 / 3.0, ..SymmetricTensor::zero() };
+        let (mut damage, mut expected) = (1.0 / 3.0, [1.0 / 3.0]);
+        for _ in 0..50 {
+            damage = evaluated(&[damage], |x| {
+                let step = FlowStep {
+                    state: FlowState::at_rest(Double::of(300.0)),
+                    deviator: SymmetricTensor::from_array(stress.to_array().map(|s| Double::of(1e8 * s))),
+                    plastic_strain_increment: Double::of(1e-8),
+                    dt: Double::of(1e-9),
+                };
+                let mut history = [x[0]];
+                law.cast().evolve(&step, &mut history);
+                history.to_vec()
+            })[0];
+            let step = FlowStep {
+                state: FlowState::at_rest(300.0),
+                deviator: stress * 1e8,
+                plastic_strain_increment: 1e-8,
+                dt: 1e-9,
+            };
+            law.evolve(&step, &mut expected);
+        }
+        assert!(expected[0] - 1.0 / 3.0 > 4e-8 && (damage - expected[0]).abs() < 1e-13, "{damage} {expected:?}");
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! One text of each law: what is recorded does what the law does.
 
 #[cfg(feature = "device")]
+mod audit;
+#[cfg(feature = "device")]
 mod card;
 #[cfg(feature = "device")]
 mod conduction;
@@ -8,6 +10,8 @@ mod conduction;
 mod contact;
 #[cfg(feature = "device")]
 mod engine;
+#[cfg(feature = "device")]
+mod history;
 #[cfg(feature = "device")]
 mod kept;
 mod laws;

@@ -14,7 +14,7 @@ mod none;
 mod perfectly_plastic;
 mod steinberg_guinan;
 mod strain_power;
-#[cfg(test)]
+#[cfg(any(test, feature = "test-law"))]
 mod test_law;
 mod thermal_activation;
 mod zerilli_armstrong_bcc;
@@ -27,7 +27,7 @@ pub use modified_johnson_cook::ModifiedJohnsonCook;
 pub use none::NoStrength;
 pub use perfectly_plastic::PerfectlyPlastic;
 pub use steinberg_guinan::SteinbergGuinan;
-#[cfg(test)]
+#[cfg(any(test, feature = "test-law"))]
 pub use test_law::PressureAndDamage;
 pub use thermal_activation::ThermalActivation;
 pub use zerilli_armstrong_bcc::ZerilliArmstrongBcc;
@@ -153,7 +153,7 @@ pub trait YieldLaw<T: Elementary>: Copy {
 }
 
 macro_rules! flow_laws {
-    ($($(#[$attribute:meta])* $law:ident,)*) => {
+    ($($(#[$attribute:meta])* $law:ident $([$listed:meta])?,)*) => {
         /// The flow laws a material can have.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum FlowLaw<T> {
@@ -166,7 +166,7 @@ macro_rules! flow_laws {
 
         /// Every flow law, for the deck reader.
         pub const FLOW_LAWS: &[LawEntry<FlowLaw<f64>>] = &[
-            $($(#[$attribute])* LawEntry {
+            $($(#[$attribute])* $(#[$listed])? LawEntry {
                 key: <$law<f64> as YieldLaw<f64>>::KEY,
                 name: <$law<f64> as YieldLaw<f64>>::NAME,
                 reference: <$law<f64> as YieldLaw<f64>>::REFERENCE,
@@ -274,8 +274,9 @@ flow_laws! {
     ZerilliArmstrongBcc,
     ZerilliArmstrongFcc,
     SteinbergGuinan,
-    #[cfg(test)]
-    PressureAndDamage,
+    // In tests of engines, too, but in no table of theirs.
+    #[cfg(any(test, feature = "test-law"))]
+    PressureAndDamage [cfg(test)],
 }
 
 #[cfg(test)]

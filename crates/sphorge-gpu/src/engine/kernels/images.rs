@@ -140,6 +140,17 @@ impl Planes {
         if bits == 0 { j } else { j + Index::of(bits << FIRST_BIT) }
     }
 
+    /// Number of the neighbour of an entry.
+    pub(super) fn number_of(entry: Index) -> Recorded {
+        entry.and(Index::of((1 << FIRST_BIT) - 1)).number()
+    }
+
+    /// A number that is zero for a neighbour itself, and another one for each image.
+    pub(super) fn image_of(entry: Index) -> Recorded {
+        // Whole multiples of a power of two, which single precision holds.
+        entry.and(Index::of(u32::MAX << FIRST_BIT)).number()
+    }
+
     /// Neighbour and number of the image of an entry, known here.
     pub(in crate::engine) fn split(entry: u32) -> (usize, u32) {
         ((entry & ((1 << FIRST_BIT) - 1)) as usize, entry >> FIRST_BIT)

@@ -8,7 +8,9 @@ use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
+use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::Real;
+use sphorge_physics::parameter::Bound;
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, sound_limit};
@@ -72,6 +74,13 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         for number in numbers {
             sound = Recorded::select_lt(number.abs(), Recorded::of(BEYOND), sound, zero);
         }
+        let variables = HistoryVariables::of(model).variables;
+        if !variables.is_empty() {
+            let history = bind.read(Group::History);
+            for (k, variable) in variables.into_iter().enumerate() {
+                sound = allowed(variable.bound, history.get(2 * k, i), sound);
+            }
+        }
         limits.set(0, i, sound_limit(shortest, speed, rates.get(6, i), courant));
         limits.set(1, i, by_acceleration);
         let mut by_contact = || bind.read(Group::Contact).get(contact::LIMIT, i);
@@ -80,6 +89,21 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
         limits.set(NEIGHBORS, i, bind.read(Group::Weight).get(1, i));
     })
+}
+
+/// A number where a bound allows a value, else zero.
+fn allowed(bound: Bound, value: Recorded, then: Recorded) -> Recorded {
+    let zero = Recorded::zero();
+    let is_finite = Recorded::select_lt(value.abs(), Recorded::of(BEYOND), then, zero);
+    match bound {
+        Bound::Any => is_finite,
+        Bound::Positive => Recorded::select_lt(zero, value, is_finite, zero),
+        Bound::NonNegative => Recorded::select_lt(value, zero, zero, is_finite),
+        Bound::Between(low, high) => {
+            let below = Recorded::select_lt(value, Recorded::of(low), zero, is_finite);
+            Recorded::select_lt(Recorded::of(high), value, zero, below)
+        }
+    }
 }
 
 /// Rows of [`Group::Extremes`].

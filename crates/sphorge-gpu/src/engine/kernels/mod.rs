@@ -1,5 +1,6 @@
 //! The kernels of the step: each gathers what a law needs, calls it, and stores what it gives.
 
+pub(super) mod audit;
 pub(super) mod conduction;
 pub(super) mod contact;
 pub(super) mod grid;

@@ -26,7 +26,7 @@ pub(super) struct Pair {
 
 impl Pair {
     /// Of places with their rests.
-    fn of<const D: usize>(
+    pub(super) fn of<const D: usize>(
         model: &Model,
         (image, bits): (Image, u32),
         own: &Vector<[Recorded; 2]>,

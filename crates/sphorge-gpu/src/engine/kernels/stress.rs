@@ -7,9 +7,10 @@ use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model, TemperatureSource};
+use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::PressureState;
-use sphorge_physics::flow::FlowState;
+use sphorge_physics::flow::{FlowState, FlowStep};
 use sphorge_physics::heat::{elastic_energy, temperature_rise_from_plastic_work};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
@@ -89,7 +90,12 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         let shear_modulus = law.shear_modulus(Recorded::of(material.shear_modulus), flow);
         let trial = trial_deviator(deviator.symmetric(0, i), &l, shear_modulus, dt);
         let guess = plastic.get(2, i);
-        let returned = return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &[], dt, guess);
+        let slots = &HistoryVariables::of(model).slots[k];
+        let history = (!slots.is_empty()).then(|| bind.write(Group::History));
+        let kept: Vec<[Recorded; 2]> =
+            history.iter().flat_map(|of| slots.iter().map(|slot| of.double(2 * slot, 2 * slot + 1, i))).collect();
+        let held: Vec<Recorded> = kept.iter().map(|kept| kept[0]).collect();
+        let returned = return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &held, dt, guess);
         pressures.set_all(0, i, &[state.pressure, state.sound_speed, shear_modulus]);
         if of.commits() {
             deviator.set_all(0, i, &returned.deviator.to_array());
@@ -97,6 +103,14 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             plastic.set(2, i, returned.plastic_strain_increment);
             plastic.set(3, i, returned.yield_stress);
             plastic.add(4, 5, i, returned.plastic_work / rho);
+            if let Some(history) = history {
+                // What a step adds may be less than single precision leaves of the sum.
+                let mut values: Vec<Double> = kept.into_iter().map(Double::new).collect();
+                material.flow_law.cast().evolve(&in_pairs(&returned.step(flow, dt)), &mut values);
+                for (slot, value) in slots.iter().zip(values) {
+                    history.set_all(2 * slot, i, &[value.high, value.low]);
+                }
+            }
             match numerics.temperature {
                 TemperatureSource::PlasticWork if material.heats() => {
                     let (beta, specific_heat) =
@@ -162,6 +176,23 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         }
         packed.set(13, i, state.sound_speed);
     })
+}
+
+/// A step as a law sees it whose numbers are pairs.
+fn in_pairs(step: &FlowStep<Recorded>) -> FlowStep<Double> {
+    let FlowState { plastic_strain, plastic_strain_rate, temperature, pressure, compression } = step.state;
+    FlowStep {
+        state: FlowState {
+            plastic_strain: plastic_strain.into(),
+            plastic_strain_rate: plastic_strain_rate.into(),
+            temperature: temperature.into(),
+            pressure: pressure.into(),
+            compression: compression.into(),
+        },
+        deviator: SymmetricTensor::from_array(step.deviator.to_array().map(Double::from)),
+        plastic_strain_increment: step.plastic_strain_increment.into(),
+        dt: step.dt.into(),
+    }
 }
 
 /// Warms the particles of material `k` by the friction of the step.

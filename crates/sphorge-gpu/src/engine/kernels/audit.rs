@@ -1,0 +1,191 @@
+//! What lists that are kept miss: their sums beside those over an exact search.
+
+use super::contact::meets;
+use super::grid::Grid;
+use super::images::Planes;
+use super::kept::{LENGTH, keeps_distances, stored_place};
+use super::neighbors::{Pair, different, over_cells, places};
+use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
+use crate::record::{Index, Indices, KernelFault, Recorded};
+use sphorge_engine::AuditedRow;
+use sphorge_engine::model::Model;
+use sphorge_physics::audit::{AuditPair, AuditSums};
+use sphorge_physics::{Elementary, Real, SymmetricTensor};
+
+/// Sums of a row: rate of the density, 1/s, acceleration, and that by particles, not images, m/s².
+const SUMS: usize = 7;
+/// Numbers of a row of the list: its sums, and pairs beyond the kernel support.
+const OF_LIST: usize = SUMS + 1;
+/// Of an exact one: its sums, pairs, those the list lacks, and those of them with another body.
+const OF_EXACT: usize = SUMS + 3;
+/// Numbers of a particle in [`Group::Audit`].
+pub(in crate::engine) const AUDIT: usize = OF_LIST + OF_EXACT;
+
+/// Particles as the sums see them.
+#[derive(Clone, Copy)]
+struct Points {
+    place: Reading,
+    constants: Reading,
+    velocity: Reading,
+    density: Reading,
+    deviator: Reading,
+    pressure: Reading,
+}
+
+impl Points {
+    fn of(bind: &mut Binder<'_>) -> Self {
+        Self {
+            place: bind.read(Group::Place),
+            constants: bind.read(Group::Constants),
+            velocity: bind.read(Group::Velocity),
+            density: bind.read(Group::Density),
+            deviator: bind.read(Group::Deviator),
+            pressure: bind.read(Group::Pressure),
+        }
+    }
+
+    fn stress(self, i: Index) -> SymmetricTensor<Recorded> {
+        self.deviator.symmetric(0, i) - SymmetricTensor::isotropic(self.pressure.get(0, i))
+    }
+
+    /// Adds a pair to the first numbers of a row; `is_particle` is one where the neighbour is no image, else zero.
+    fn add(self, model: &Model, row: &mut [Recorded], (i, j): (Index, Index), pair: &Pair, is_particle: Recorded) {
+        let image = &pair.image;
+        let (v_i, v_j) = (self.velocity.vector(0, i), image.vector(self.velocity.vector(0, j)));
+        let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
+        let mut sums = AuditSums { divergence: row[0], acceleration: [row[1], row[2], row[3]] };
+        let acceleration = sums.add(&AuditPair {
+            x: pair.x,
+            v: [0, 1, 2].map(|a| v_j[a] - v_i[a]),
+            f: pair.scale.f(model.numerics.kernel.dw_over_q_by(q, inverse_q)),
+            volume: self.constants.get(0, j) / self.density.get(0, j),
+            density: self.density.get(0, i),
+            stress: self.stress(i) + image.symmetric(self.stress(j)),
+        });
+        row[0] = sums.divergence;
+        row[1..4].copy_from_slice(&sums.acceleration);
+        for (sum, part) in row[4..].iter_mut().zip(acceleration) {
+            *sum += is_particle * part;
+        }
+    }
+}
+
+/// One where a pair is within the kernel support, else zero.
+fn is_inside(model: &Model, pair: &Pair) -> Recorded {
+    let reach = Recorded::of(model.numerics.kernel.support()) * pair.scale.h;
+    Recorded::select_lt(pair.r2, reach * reach, Recorded::one(), Recorded::zero())
+}
+
+/// Lists that are read.
+#[derive(Clone, Copy)]
+struct Lists {
+    rows: Reading,
+    kept: Indices,
+    stride: Index,
+    planes: Planes,
+}
+
+impl Lists {
+    fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
+        let (rows, kept) = (bind.read(Group::Rows), bind.indices(Group::Kept));
+        Self { rows, kept, stride: bind.stride(), planes: Planes::of(model) }
+    }
+
+    fn length(self, i: Index) -> Recorded {
+        self.rows.get(LENGTH, i)
+    }
+
+    fn entry(self, k: Index, i: Index) -> Index {
+        self.kept.at(k * self.stride + i)
+    }
+}
+
+/// Sums over the lists, with the distances they are used with.
+pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
+    recording("audit_lists", count, |bind, i| {
+        let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
+        let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
+        let (zero, one, own) = (Recorded::zero(), Recorded::one(), places(points.place, i));
+        let row = bind.scope.fold(Index::of(0), Index::floor(lists.length(i)), [zero; OF_LIST], |_, mut row, k| {
+            let entry = lists.entry(k, i);
+            let (j, image) = lists.planes.entry(entry);
+            let lengths = (points.constants.get(1, i), points.constants.get(1, j));
+            let mut pair = Pair::of::<D>(model, (image, 0), &own, &places(points.place, j), lengths);
+            row[SUMS] += one - is_inside(model, &pair);
+            if let Some(stored) = stored {
+                pair.r2 = zero;
+                for a in 0..D {
+                    pair.x[a] = stored.get_at(stored_place(k, a, lists.stride, i));
+                    pair.r2 = pair.x[a].mul_add(pair.x[a], pair.r2);
+                }
+            }
+            let is_particle = Recorded::select_lt(Planes::image_of(entry), Recorded::of(0.5), one, zero);
+            points.add(model, &mut row, (i, j), &pair, is_particle);
+            row
+        });
+        audit.set_all(0, i, &row);
+    })
+}
+
+/// Sums over all within the kernel support, and how many of them the lists lack. What the contact presses is found anew in every step.
+pub(in crate::engine) fn exact<const D: usize>(
+    model: &Model,
+    grid: &Grid,
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    recording("audit_exactly", count, |bind, i| {
+        let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
+        let bodies = bind.indices(Group::Body);
+        let (zero, one, half) = (Recorded::zero(), Recorded::one(), Recorded::of(0.5));
+        let near = (points.place, points.constants);
+        let row =
+            over_cells::<_, D>(bind, model, grid, i, near, [zero; OF_EXACT], |row: [Recorded; OF_EXACT], pair, j| {
+                let add = || {
+                    let mut row = row;
+                    let is_particle = if pair.bits == 0 { one } else { zero };
+                    points.add(model, &mut row, (i, j), pair, is_particle);
+                    row[SUMS] += one;
+                    let is_foreign = Recorded::select_lt(different(bodies, i, j), half, zero, one);
+                    let lacks = lists.lack(i, Planes::entry_of(pair.bits, j));
+                    let missed = if meets(model) { lacks * (one - is_foreign) } else { lacks };
+                    row[SUMS + 1] += missed;
+                    row[SUMS + 2] += missed * is_foreign;
+                    row
+                };
+                Recorded::if_lt(half, is_inside(model, pair), add, || row)
+            });
+        audit.set_all(OF_LIST, i, &row);
+    })
+}
+
+impl Lists {
+    /// One where the list of a particle does not have an entry, else zero.
+    fn lack(self, i: Index, entry: Index) -> Recorded {
+        let (zero, one, half) = (Recorded::zero(), Recorded::one(), Recorded::of(0.5));
+        let (neighbor, image) = (Planes::number_of(entry), Planes::image_of(entry));
+        let length = self.length(i);
+        let look = || {
+            let [_, lacks] = Recorded::iterate([zero, one], |[k, _]| {
+                let other = self.entry(Index::floor(k), i);
+                let apart = (Planes::number_of(other) - neighbor).abs() + (Planes::image_of(other) - image).abs();
+                let (next, lacks) = (k + one, Recorded::select_lt(apart, half, zero, one));
+                ([next, lacks], Recorded::select_lt(next, length, lacks, zero))
+            });
+            lacks
+        };
+        Recorded::if_lt(zero, length, look, || one)
+    }
+}
+
+/// What was found of particle `i`: of its list and exactly, where `number` says the numbers of [`Group::Audit`].
+pub(in crate::engine) fn rows(number: impl Fn(usize) -> f64) -> (AuditedRow, AuditedRow) {
+    let vector = |first: usize| [0, 1, 2].map(|a| number(first + a));
+    let of = |first: usize| AuditedRow {
+        sums: AuditSums { divergence: number(first), acceleration: vector(first + 1) },
+        internal: vector(first + 4),
+        ..AuditedRow::default()
+    };
+    let counted = |k: usize| number(OF_LIST + SUMS + k) as u64;
+    let exact = AuditedRow { pairs: counted(0), missed: counted(1), missed_foreign: counted(2), ..of(OF_LIST) };
+    (AuditedRow { stale: number(SUMS) as u64, ..of(0) }, exact)
+}

@@ -1,0 +1,81 @@
+//! A flow law with a history of its own on a card, beside the processor's engine.
+
+use super::card::card;
+use super::engine::{IRON, components, drifts};
+use crate::Gpu;
+use sphorge_deck::{decks, load_text};
+use sphorge_engine::persist::MemoryArchive;
+use sphorge_engine::{Cpu, EngineKind, FieldSource, Simulation};
+use sphorge_physics::flow::{FlowLaw, PressureAndDamage, YieldLaw};
+
+/// The bar of iron of a law that softens with its damage: yield stress 300 MPa, hardening 500 MPa, friction 0.05, stiffening 2e-11/Pa, and the work
+/// to failure per volume, J/m³.
+fn start(kind: &dyn EngineKind, overrides: &[(&str, &str)], work: f64) -> Simulation {
+    let deck = decks::find(IRON.0).unwrap();
+    let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let mut setup = load_text(deck.name, deck.text, &overrides).unwrap();
+    let law = PressureAndDamage::new(&[3e8, 5e8, 0.05, 2e-11, work]);
+    setup.model.materials.iter_mut().for_each(|material| material.flow_law = FlowLaw::PressureAndDamage(law));
+    kind.supports(&setup.model).unwrap();
+    Simulation::start(kind, setup.model, setup.particles).unwrap()
+}
+
+fn run(simulation: &mut Simulation, end: f64) {
+    while simulation.time() < end {
+        simulation.step(Some(end)).unwrap();
+    }
+}
+
+fn compare(overrides: &[(&str, &str)], end: f64, work: f64) {
+    if card().is_none() {
+        return;
+    }
+    let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+        let mut simulation = start(kind, overrides, work);
+        run(&mut simulation, end);
+        simulation
+    });
+    for field in ["damage", "plastic_strain", "yield_stress", "position", "energy", "pressure"] {
+        let [theirs, ours] = [&theirs, &ours].map(|simulation| components(&simulation.read(field).unwrap()));
+        let largest = theirs.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let off = theirs.iter().zip(&ours).fold(0.0f64, |a, (b, c)| a.max((b - c).abs())) / largest;
+        assert!(off < 1e-4, "{field}: {off:e} of {largest}");
+        if field == "damage" {
+            assert!(largest > 0.05, "nothing is damaged: {largest}");
+        }
+    }
+}
+
+#[test]
+fn damage_grows_as_on_the_processor() {
+    compare(&IRON.1[..2], 5e-6, 1e9);
+    let patino = [IRON.1[0], IRON.1[1], ("method", "\"patino\""), ("search", "\"every-step\"")];
+    compare(&patino, 3e-6, 1e9);
+    // Whole at the end of what it takes.
+    compare(&IRON.1[..2], 3e-6, 2e7);
+}
+
+#[test]
+fn damage_is_saved_and_guarded() {
+    if card().is_none() {
+        return;
+    }
+    let new = || start(&Gpu::default(), &IRON.1[..2], 1e9);
+    let mut first = new();
+    let start_of = first.ledger().unwrap();
+    run(&mut first, 2e-6);
+    let mut archive = MemoryArchive::new();
+    first.persist(&mut archive).unwrap();
+    let mut second = new();
+    second.persist(&mut archive.to_load()).unwrap();
+    for simulation in [&mut first, &mut second] {
+        run(simulation, 4e-6);
+    }
+    let [first_damage, second_damage] = [&first, &second].map(|of| components(&of.read("damage").unwrap()));
+    assert!(first_damage == second_damage && first_damage.iter().any(|damage| *damage > 0.01));
+    assert!(drifts(&first, &start_of).0.abs() < 2e-8);
+    // A negative work to failure would mend what is broken: below zero the law does not allow it.
+    let mut mended = start(&Gpu::default(), &IRON.1[..2], -1e9);
+    let failure = (0..2000).find_map(|_| mended.step(None).err()).expect("damage below zero");
+    assert_eq!((failure.field, failure.particle.is_some()), ("damage", true), "{failure}");
+}
