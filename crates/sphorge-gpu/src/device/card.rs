@@ -18,6 +18,8 @@ pub struct Card {
     compiled: Mutex<HashMap<String, Compiled>>,
     /// Where times of kernels go, if they are asked for.
     profile: Option<Profile>,
+    /// What threads count then, of all launches: each is read before the next. The longest there was.
+    counts: Mutex<Option<Arc<Array>>>,
 }
 
 /// How a card is reached.
@@ -48,7 +50,14 @@ pub struct Launch {
     name: String,
     bound: Bound,
     /// The same that counts what it does, and the counts.
-    counted: Option<(Bound, Array)>,
+    counted: Option<(Bound, Counts)>,
+}
+
+/// Where the threads of a launch count.
+#[derive(Debug)]
+struct Counts {
+    array: Arc<Array>,
+    threads: usize,
 }
 
 #[derive(Debug)]
@@ -78,6 +87,9 @@ impl Array {
     }
 }
 
+/// Numbers that a thread counts: those it reads and writes, and its arithmetic.
+const COUNTED: usize = 2;
+
 /// What is of one card is used with another.
 const OTHER_CARD: &str = "it is of another card";
 
@@ -97,13 +109,28 @@ impl Card {
         if let Way::Cuda(cuda) = &way {
             found.memory = cuda.memory().or(found.memory);
         }
-        Ok(Self { found, way, compiled: Mutex::default(), profile: None })
+        Ok(Self { found, way, compiled: Mutex::default(), profile: None, counts: Mutex::default() })
     }
 
     /// Times every kernel from here on, each by itself.
     #[must_use]
     pub fn profiled(self, profile: Profile) -> Self {
         Self { profile: Some(profile), ..self }
+    }
+
+    /// Bytes that times of kernels take of its memory, for so many threads.
+    pub fn profile_bytes(&self, threads: usize) -> usize {
+        if self.profile.is_some() { 4 * COUNTED * threads } else { 0 }
+    }
+
+    /// Room for what so many threads count.
+    fn counts(&self, threads: usize) -> Result<Counts, CardFault> {
+        let mut longest = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let array = match longest.as_ref().filter(|known| known.count() >= COUNTED * threads) {
+            Some(known) => known.clone(),
+            None => longest.insert(Arc::new(self.zeros(COUNTED * threads)?)).clone(),
+        };
+        Ok(Counts { array, threads })
     }
 
     /// What it is, and what of its memory was free when it was opened.
@@ -231,8 +258,8 @@ impl Card {
         let counted = match &program.counted {
             None => None,
             Some(counted) => {
-                let counts = self.zeros(2 * threads as usize)?;
-                let arrays: Vec<_> = arrays.iter().copied().chain([&counts]).collect();
+                let counts = self.counts(threads as usize)?;
+                let arrays: Vec<_> = arrays.iter().copied().chain([&*counts.array]).collect();
                 Some((self.bound(counted, &arrays, threads).map_err(refused)?, counts))
             }
         };
@@ -269,8 +296,9 @@ impl Card {
             match &launch.counted {
                 Some((counted, counts)) if profile.counts_next(&launch.name) => {
                     self.launch_all([counted]);
-                    let counts = self.read(counts).unwrap_or_default();
-                    let sum = |k: usize| counts.iter().skip(k).step_by(2).map(|count| f64::from(*count)).sum();
+                    let numbers = self.read(&counts.array).unwrap_or_default();
+                    let of_threads = numbers.chunks_exact(COUNTED).take(counts.threads);
+                    let sum = |k: usize| of_threads.clone().map(|of| f64::from(of[k])).sum();
                     profile.count(&launch.name, sum(0), sum(1));
                 }
                 // What goes wrong is told when something is read.

@@ -38,7 +38,7 @@ pub(super) fn refuse_what_has_no_room(
     stride: usize,
     grid: &Grid,
 ) -> Result<(), RunFailure> {
-    let needed = bytes(model, p, stride, grid);
+    let needed = bytes(model, p, stride, grid) + card.profile_bytes(stride) as f64;
     match card.memory() {
         Some(Memory { total, free: Some(free) }) if needed > free as f64 => {
             let title = card.found().title();

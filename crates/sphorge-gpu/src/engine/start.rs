@@ -191,7 +191,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     columns.insert(Group::Walls, card.zeros(wall_fields * stride)?);
     let rows = limits::rows(stride);
     for (group, rows) in iter::once((Group::Extremes, rows)).chain(reduce::groups(Group::Extremes, rows)) {
-        columns.insert(group, card.zeros(limits::FIELDS * rows)?);
+        columns.insert(group, card.zeros(limits::EXTREMES * rows)?);
     }
     columns.insert(Group::Step, card.zeros(super::step_numbers::count(model) as usize)?);
     columns.insert(Group::Motion, card.indices(&motions(model, p))?);

@@ -48,12 +48,13 @@ impl GpuEngine {
 
     fn read_extremes(&mut self) -> Result<(), RunFailure> {
         let numbers = read(&self.card, &self.columns, reduce::left(Group::Extremes, limits::rows(self.stride)))?;
-        let rows = numbers.len() / limits::FIELDS;
+        let rows = numbers.len() / limits::EXTREMES;
+        let numbers_of = |k: usize| numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
         for (k, extreme) in self.extremes.iter_mut().enumerate() {
-            let of = numbers[k * rows..(k + 1) * rows].iter().map(|number| f64::from(*number));
+            let of = numbers_of(k);
             *extreme = match k {
                 _ if k < limits::LIMITS => of.fold(f64::INFINITY, f64::min),
-                limits::NEIGHBORS => of.sum(),
+                limits::NEIGHBORS => of.sum::<f64>() + reduce::UNITS * numbers_of(limits::FIELDS).sum::<f64>(),
                 _ => of.fold(0.0, f64::max),
             };
         }

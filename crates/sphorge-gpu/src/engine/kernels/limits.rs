@@ -2,7 +2,7 @@
 
 use super::contact;
 use super::motion::Motions;
-use super::reduce::Together;
+use super::reduce::{Together, carry};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -31,6 +31,9 @@ pub(in crate::engine) const LIMITS: usize = 3;
 /// The last of them.
 pub(in crate::engine) const STRETCHED: usize = 8;
 pub(in crate::engine) const NEIGHBORS: usize = 9;
+
+/// Numbers of [`Group::Extremes`]: the same, and behind the neighbours [units](super::reduce::UNITS) of them.
+pub(in crate::engine) const EXTREMES: usize = FIELDS + 1;
 
 /// Numbers beyond this are none: no state of a metal comes near.
 const BEYOND: f64 = 1e30;
@@ -112,10 +115,11 @@ pub(in crate::engine) fn rows(count: usize) -> usize {
 }
 
 /// How the numbers of particles come together.
-pub(in crate::engine) fn together() -> [Together; FIELDS] {
+pub(in crate::engine) fn together() -> [Together; EXTREMES] {
     core::array::from_fn(|k| match k {
         _ if k < LIMITS => Together::Least,
-        NEIGHBORS => Together::Sum,
+        NEIGHBORS => Together::Ones,
+        FIELDS => Together::Units,
         _ => Together::Largest,
     })
 }
@@ -126,19 +130,20 @@ pub(in crate::engine) fn extremes(count: usize) -> Result<Recording, KernelFault
     recording("extremes", count, |bind, row| {
         let (limits, extremes) = (bind.read(Group::Limits), bind.write(Group::Extremes));
         let start = {
-            let mut start = [Recorded::zero(); FIELDS];
+            let mut start = [Recorded::zero(); EXTREMES];
             start[..LIMITS].fill(Recorded::of(BEYOND));
             start
         };
         // Columns are padded to whole chunks with what limits nothing. Threads side by side read numbers side by side.
         let (zero, end) = (Index::of(0), Index::of(EACH as u32));
-        let least = bind.scope.fold(zero, end, start, |_, mut least, k| {
+        let mut least = bind.scope.fold(zero, end, start, |_, mut least, k| {
             let i = row + k * Index::of(rows as u32);
-            for (k, number) in least.iter_mut().enumerate() {
+            for (k, number) in least[..FIELDS].iter_mut().enumerate() {
                 *number = together()[k].of(*number, limits.get(k, i));
             }
             least
         });
+        carry(&mut least, &together());
         for (k, number) in least.into_iter().enumerate() {
             extremes.set_at(Index::of((k * rows) as u32) + row, number);
         }

@@ -16,15 +16,30 @@ pub(in crate::engine) enum Together {
     Least,
     Largest,
     Sum,
+    /// Of a sum that single precision does not hold: what is left of whole [`UNITS`], and, in the next column, how many of these there are.
+    Ones,
+    Units,
 }
+
+/// So many are one in the second column of a sum in two.
+pub(in crate::engine) const UNITS: f64 = 4096.0;
 
 impl Together {
     pub(in crate::engine) fn of(self, a: Recorded, b: Recorded) -> Recorded {
         match self {
             Self::Least => a.min(b),
             Self::Largest => a.max(b),
-            Self::Sum => a + b,
+            Self::Sum | Self::Ones | Self::Units => a + b,
         }
+    }
+}
+
+/// Carries what has become whole units, so that sums of few rows stay exact.
+pub(super) fn carry(numbers: &mut [Recorded], columns: &[Together]) {
+    for k in (1..columns.len()).filter(|k| columns[*k] == Together::Units) {
+        let units = Index::floor(numbers[k - 1] * Recorded::of(1.0 / UNITS)).number();
+        numbers[k - 1] -= units * Recorded::of(UNITS);
+        numbers[k] += units;
     }
 }
 
@@ -76,12 +91,13 @@ pub(in crate::engine) fn reduce<const COLUMNS: usize>(
             let first = row * Index::of(WIDTH as u32);
             let end = Index::floor((first + Index::of(WIDTH as u32)).number().min(Recorded::of(length as f64)));
             let start: [Recorded; COLUMNS] = core::array::from_fn(|k| rows.get(k, first));
-            let all = bind.scope.fold(first + Index::of(1), end, start, |_, mut all, i| {
+            let mut all = bind.scope.fold(first + Index::of(1), end, start, |_, mut all, i| {
                 for (k, number) in all.iter_mut().enumerate() {
                     *number = columns[k].of(*number, rows.get(k, i));
                 }
                 all
             });
+            carry(&mut all, &columns);
             for (k, number) in all.into_iter().enumerate() {
                 sums.set_at(Index::of((k * left) as u32) + row, number);
             }
@@ -99,26 +115,32 @@ mod tests {
 
     #[test]
     fn rows_come_together_to_a_few_whatever_their_number() {
-        use Together::{Largest, Least, Sum};
+        use Together::{Largest, Least, Ones, Sum, Units};
         for count in [1, 16, 17, 64, 65, 1000, 64 * 64 + 1, 300_000] {
             let number = |k: usize, i: usize| ((i * 7919 + k * 31) % 1009) as f32 - 500.0;
             let mut rows: Vec<f32> = (0..3).flat_map(|k| (0..count).map(move |i| number(k, i))).collect();
+            // Up to 1e9 in all, of which single precision would keep seven digits.
+            let whole = |i: usize| (i * 7919 % 1009) + 3 * 4096;
+            rows.extend((0..count).map(|i| (whole(i) % 4096) as f32));
+            rows.extend((0..count).map(|i| (whole(i) / 4096) as f32));
             let expected = [
                 (0..count).map(|i| number(0, i)).fold(f32::INFINITY, f32::min),
                 (0..count).map(|i| number(1, i)).fold(f32::NEG_INFINITY, f32::max),
                 (0..count).map(|i| number(2, i)).sum(),
             ];
-            for (kernel, left) in reduce(Group::Extremes, count, [Least, Largest, Sum]).unwrap() {
-                let mut buffers = [rows, vec![f32::NAN; 3 * left]];
+            for (kernel, left) in reduce(Group::Extremes, count, [Least, Largest, Sum, Ones, Units]).unwrap() {
+                let mut buffers = [rows, vec![f32::NAN; 5 * left]];
                 Evaluation::default().run(&kernel.kernel, &mut buffers, left as u32);
                 let [_, sums] = buffers;
                 rows = sums;
             }
-            let left = rows.len() / 3;
+            let left = rows.len() / 5;
             assert!(left <= FEW, "{left} of {count}");
             let of = |k: usize| rows[k * left..(k + 1) * left].iter().copied();
             let found = [of(0).fold(f32::INFINITY, f32::min), of(1).fold(f32::NEG_INFINITY, f32::max), of(2).sum()];
             assert_eq!(found, expected, "{count}");
+            let parts = |k: usize| of(k).map(|part| part as u64).sum::<u64>();
+            assert_eq!(parts(3) + 4096 * parts(4), (0..count).map(whole).sum::<usize>() as u64, "{count}");
         }
     }
 }
