@@ -223,6 +223,14 @@ pub trait Engine: Send {
     /// # Errors
     /// As above, or there is no such field.
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure>;
+    /// All fields as they are now, to be read elsewhere while the engine goes on: a copy of them is queued behind what was asked of the engine before.
+    /// Nothing where reading them now costs no wait, as on a processor.
+    ///
+    /// # Errors
+    /// As above.
+    fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
+        Ok(None)
+    }
     /// The processes that share the particles, where each can write its own.
     fn in_pieces(&self) -> Option<&dyn InPieces> {
         None

@@ -203,6 +203,14 @@ impl Simulation {
         self.engine.in_pieces()
     }
 
+    /// All fields as they are now, to be read elsewhere while steps go on, where reading them now would make these wait: see [`Engine::detach`].
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
+        self.engine.detach()
+    }
+
     /// A copy of every field a user can name, in the order of `id`.
     ///
     /// # Errors

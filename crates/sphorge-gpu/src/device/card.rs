@@ -87,6 +87,31 @@ impl Array {
     }
 }
 
+/// Numbers on their way from a card, which goes on meanwhile.
+#[derive(Debug)]
+pub struct Pending(Copying);
+
+#[derive(Debug)]
+enum Copying {
+    Nothing,
+    Cuda(cuda::Copying),
+    Graphics(graphics::Copying),
+}
+
+impl Pending {
+    /// The numbers, when they are there.
+    ///
+    /// # Errors
+    /// The card does not answer, or something that was asked of it before went wrong.
+    pub fn wait(self) -> Result<Vec<f32>, CardFault> {
+        match self.0 {
+            Copying::Nothing => Ok(Vec::new()),
+            Copying::Cuda(copying) => copying.wait(),
+            Copying::Graphics(copying) => copying.wait(),
+        }
+    }
+}
+
 /// Numbers that a thread counts: those it reads and writes, and its arithmetic.
 const COUNTED: usize = 2;
 
@@ -343,11 +368,32 @@ impl Card {
         }
     }
 
+    /// Queues a copy of numbers behind everything that was launched, and goes on.
+    ///
+    /// # Errors
+    /// There is no room for them, or the card does not answer.
+    pub fn queue_read(&self, array: &Array) -> Result<Pending, CardFault> {
+        if array.count == 0 {
+            return Ok(Pending(Copying::Nothing));
+        }
+        let copying = match (&self.way, &array.buffer) {
+            (Way::Cuda(cuda), Buffer::Cuda(block)) => Copying::Cuda(cuda.queue_read(block, array.count)?),
+            (Way::Graphics(graphics), Buffer::Graphics(buffer)) => {
+                Copying::Graphics(graphics.queue_read(buffer, array.count))
+            }
+            _ => return Err(CardFault::Lost { name: self.found.name.clone(), why: OTHER_CARD.to_owned() }),
+        };
+        Ok(Pending(copying))
+    }
+
     /// Copies numbers back, after everything that was launched.
     ///
     /// # Errors
     /// The card does not answer, or something that was asked of it before went wrong.
     pub fn read(&self, array: &Array) -> Result<Vec<f32>, CardFault> {
+        if array.count == 0 {
+            return Ok(Vec::new());
+        }
         match (&self.way, &array.buffer) {
             (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.read(block, array.count),
             (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.read(buffer, array.count),

@@ -4,6 +4,7 @@ use super::trouble::Trouble;
 use super::{CardFault, Found, Interface};
 use crate::record::{Access, Kernel};
 use crate::source::WORKGROUP;
+use std::sync::mpsc::Receiver;
 use wgpu::{
     Backends, BindingType, BufferBindingType, BufferUsages, DeviceType, ErrorFilter, Instance, InstanceDescriptor,
     ShaderStages,
@@ -197,9 +198,11 @@ impl Graphics {
     }
 
     pub(super) fn read(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, CardFault> {
-        if count == 0 {
-            return Ok(Vec::new());
-        }
+        self.queue_read(buffer, count).wait()
+    }
+
+    /// Queues a copy of numbers behind everything that was launched.
+    pub(super) fn queue_read(&self, buffer: &wgpu::Buffer, count: usize) -> Copying {
         let bytes = 4 * count as u64;
         let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -209,22 +212,43 @@ impl Graphics {
         });
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, bytes);
-        self.queue.submit([encoder.finish()]);
+        let submitted = self.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
         copy.slice(..).map_async(wgpu::MapMode::Read, move |result| {
             // Nobody waits any more where the card was lost.
             let _ = sender.send(result);
         });
-        self.wait()?;
-        receiver.recv().map_err(|why| self.lost(&why))?.map_err(|why| self.lost(&why))?;
-        if let Some(why) = self.trouble.first() {
-            return Err(self.lost(&why));
-        }
-        let view = copy.slice(..).get_mapped_range().map_err(|why| self.lost(&why))?;
-        Ok(bytemuck::cast_slice::<u8, f32>(&view).to_vec())
+        let (name, device, trouble) = (self.name.clone(), self.device.clone(), self.trouble.clone());
+        Copying { name, device, trouble, copy, receiver, submitted }
     }
 
     fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
         CardFault::Lost { name: self.name.clone(), why: why.to_string() }
+    }
+}
+
+/// Numbers on their way from a card.
+#[derive(Debug)]
+pub(super) struct Copying {
+    name: String,
+    device: wgpu::Device,
+    trouble: Trouble,
+    copy: wgpu::Buffer,
+    receiver: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    submitted: wgpu::SubmissionIndex,
+}
+
+impl Copying {
+    /// The numbers, when they are there.
+    pub(super) fn wait(self) -> Result<Vec<f32>, CardFault> {
+        let lost = |why: &dyn std::fmt::Display| CardFault::Lost { name: self.name.clone(), why: why.to_string() };
+        let poll = wgpu::PollType::Wait { submission_index: Some(self.submitted), timeout: None };
+        self.device.poll(poll).map_err(|why| lost(&why))?;
+        self.receiver.recv().map_err(|why| lost(&why))?.map_err(|why| lost(&why))?;
+        if let Some(why) = self.trouble.first() {
+            return Err(lost(&why));
+        }
+        let view = self.copy.slice(..).get_mapped_range().map_err(|why| lost(&why))?;
+        Ok(bytemuck::cast_slice::<u8, f32>(&view).to_vec())
     }
 }

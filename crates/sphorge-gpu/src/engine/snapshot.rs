@@ -4,10 +4,13 @@ use super::columns::{Columns, Group};
 use super::kernels::{audit, conduction, contact, kept, limits, pairs, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
+use crate::device::Pending;
 use sphorge_engine::model::{Integrator, Model, Search, SmoothingLength};
 use sphorge_engine::particles::HistoryVariables;
-use sphorge_engine::{Column, ContactLedger, HeatLedger, Particles, RunFailure, WallLedger};
+use sphorge_engine::{Column, ContactLedger, FieldSource, HeatLedger, Particles, RunFailure, WallLedger};
 use sphorge_physics::SymmetricTensor;
+use std::cell::{OnceCell, RefCell};
+use std::sync::Arc;
 
 /// Groups of columns of particles, with their number of columns, that a model needs.
 pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
@@ -107,6 +110,26 @@ pub(super) const STATE: &[Group] = &[
     Group::Boundaries,
 ];
 
+/// Groups that fields of particles are read of; a model may not have all.
+const GROUPS_OF_PARTICLES: &[Group] = &[
+    Group::Place,
+    Group::Velocity,
+    Group::Density,
+    Group::Energy,
+    Group::Temperature,
+    Group::Plastic,
+    Group::History,
+    Group::Rates,
+    Group::Deviator,
+    Group::Pressure,
+    Group::Gradient,
+    Group::Weight,
+    Group::Rows,
+    Group::Constants,
+    Group::Deformation,
+    Group::Earlier,
+];
+
 /// Those among them that are lists, and where particles were when they were made.
 pub(super) const LISTS: &[Group] = &[Group::Kept, Group::Rows, Group::SearchedAt];
 
@@ -144,39 +167,34 @@ impl Group64 {
     }
 }
 
-impl GpuEngine {
-    pub(super) fn group(&self, group: Group) -> Result<Group64, RunFailure> {
-        let numbers = read(&self.card, &self.columns, group)?;
-        Ok(Group64 { numbers, stride: self.stride })
-    }
+/// What makes particles of groups that are read back, and what it knows beside them.
+struct ColumnReader {
+    model: Arc<Model>,
+    /// The particles as they came.
+    initial: Particles,
+    stride: usize,
+    /// Steps begun, and the one of the last full search.
+    steps: u32,
+    last_searched: u32,
+    is_renewed: bool,
+}
 
-    /// What the card holds now.
-    pub(super) fn snapshot(&self) -> Result<&Snapshot, RunFailure> {
-        if self.snapshot.get().is_none() {
-            // Nobody else sets it between.
-            let _ = self.snapshot.set(self.read_all()?);
-        }
-        self.snapshot.get().ok_or_else(|| failure("the card was not read"))
-    }
-
-    fn read_all(&self) -> Result<Snapshot, RunFailure> {
-        let mut p = self.initial.clone();
+impl ColumnReader {
+    /// The particles, whose groups `read` gives.
+    fn particles(self, read: &mut dyn FnMut(Group) -> Result<Vec<f32>, RunFailure>) -> Result<Particles, RunFailure> {
+        let mut group = |of: Group| read(of).map(|numbers| Group64 { numbers, stride: self.stride });
+        let mut p = self.initial;
         let count = p.len();
-        let (place, velocity) = (self.group(Group::Place)?, self.group(Group::Velocity)?);
-        let (density, energy) = (self.group(Group::Density)?, self.group(Group::Energy)?);
-        let (temperature, plastic) = (self.group(Group::Temperature)?, self.group(Group::Plastic)?);
-        let (rates, deviator) = (self.group(Group::Rates)?, self.group(Group::Deviator)?);
-        let (pressure, gradient) = (self.group(Group::Pressure)?, self.group(Group::Gradient)?);
-        let (weight, accounts, of_walls) =
-            (self.group(Group::Weight)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
+        let (place, velocity) = (group(Group::Place)?, group(Group::Velocity)?);
+        let (density, energy) = (group(Group::Density)?, group(Group::Energy)?);
+        let (temperature, plastic) = (group(Group::Temperature)?, group(Group::Plastic)?);
+        let (rates, deviator) = (group(Group::Rates)?, group(Group::Deviator)?);
+        let (pressure, gradient) = (group(Group::Pressure)?, group(Group::Gradient)?);
+        let weight = group(Group::Weight)?;
         let is_initial = walls::is_total_lagrangian(&self.model);
-        let last_searched = match self.model.search {
-            Search::EveryStep => self.steps,
-            Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
-        };
-        let rows = kept::adaptive(&self.model).map(|_| self.group(Group::Rows)).transpose()?;
+        let rows = kept::adaptive(&self.model).map(|_| group(Group::Rows)).transpose()?;
         let follows = self.model.numerics.smoothing_length != SmoothingLength::Constant;
-        let constants = follows.then(|| self.group(Group::Constants)).transpose()?;
+        let constants = follows.then(|| group(Group::Constants)).transpose()?;
         p.motion = motions(&self.model, &p);
         for i in 0..count {
             p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
@@ -200,10 +218,128 @@ impl GpuEngine {
             p.plastic_work[i] = plastic.double(4, 5, i);
             p.neighbors[i] = weight.at(1, i) as u32;
             (p.adapted[i], p.last_searched[i]) = match &rows {
-                None => (u32::from(self.steps == last_searched), last_searched),
+                None => (u32::from(self.steps == self.last_searched), self.last_searched),
                 Some(rows) => (rows.at(kept::MARKED, i) as u32, rows.at(kept::LAST, i) as u32),
             };
         }
+        let variables = HistoryVariables::of(&self.model).variables;
+        let history = (!variables.is_empty()).then(|| group(Group::History)).transpose()?;
+        for (k, variable) in variables.into_iter().enumerate() {
+            let Some(history) = &history else { continue };
+            let values: Vec<f64> = (0..count).map(|i| history.double(2 * k, 2 * k + 1, i)).collect();
+            p.set_column(variable.name, &Column::Scalar(values.into()));
+        }
+        if is_initial {
+            let tensors = |of: Group64| {
+                let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of.double(3 * a + b, 9 + 3 * a + b, i)));
+                (0..count).map(at).collect()
+            };
+            p.deformation = tensors(group(Group::Deformation)?);
+            if self.is_renewed {
+                p.earlier_deformation = tensors(group(Group::Earlier)?);
+            }
+        }
+        Ok(p)
+    }
+}
+
+impl GpuEngine {
+    fn column_reader(&self) -> ColumnReader {
+        let last_searched = match self.model.search {
+            Search::EveryStep => self.steps,
+            Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
+        };
+        ColumnReader {
+            model: self.model.clone(),
+            initial: self.initial.clone(),
+            stride: self.stride,
+            steps: self.steps,
+            last_searched,
+            is_renewed: self.is_renewed(),
+        }
+    }
+
+    /// What particles are now: as it was read already, or on its way.
+    pub(super) fn detached(&self) -> Result<DetachedColumns, RunFailure> {
+        if let Some(snapshot) = self.snapshot.get() {
+            let particles = OnceCell::from(snapshot.particles.clone());
+            return Ok(DetachedColumns { count: self.initial.len(), pending: RefCell::default(), particles });
+        }
+        let reader = self.column_reader();
+        let queued = GROUPS_OF_PARTICLES.iter().filter_map(|group| Some((*group, self.columns.array(*group)?)));
+        let pending = queued.map(|(group, array)| Ok((group, self.card.queue_read(array).map_err(failure)?)));
+        let groups = pending.collect::<Result<Vec<_>, RunFailure>>()?;
+        Ok(DetachedColumns {
+            count: self.initial.len(),
+            pending: RefCell::new(Some(OnTheirWay { reader, groups })),
+            particles: OnceCell::new(),
+        })
+    }
+}
+
+/// Fields of all particles on their way from a card that goes on meanwhile.
+pub(super) struct DetachedColumns {
+    count: usize,
+    /// What particles are made of, until they are.
+    pending: RefCell<Option<OnTheirWay>>,
+    particles: OnceCell<Particles>,
+}
+
+/// Groups that are copied, and what makes particles of them.
+struct OnTheirWay {
+    reader: ColumnReader,
+    groups: Vec<(Group, Pending)>,
+}
+
+impl DetachedColumns {
+    fn particles(&self) -> Result<&Particles, RunFailure> {
+        if let Some(OnTheirWay { reader, groups }) = self.pending.take() {
+            let mut arrived = Vec::new();
+            for (group, pending) in groups {
+                arrived.push((group, pending.wait().map_err(failure)?));
+            }
+            let mut take = |wanted: Group| {
+                let place = arrived.iter().position(|(group, _)| *group == wanted);
+                place.map(|place| arrived.swap_remove(place).1).ok_or_else(|| failure(format!("no column {wanted:?}")))
+            };
+            // Nobody else sets it: there is one of what it is made of.
+            let _ = self.particles.set(reader.particles(&mut take)?);
+        }
+        self.particles.get().ok_or_else(|| failure("the card was lost while its fields were copied"))
+    }
+}
+
+impl FieldSource for DetachedColumns {
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.particles()?.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+    }
+}
+
+impl GpuEngine {
+    pub(super) fn group(&self, group: Group) -> Result<Group64, RunFailure> {
+        let numbers = read(&self.card, &self.columns, group)?;
+        Ok(Group64 { numbers, stride: self.stride })
+    }
+
+    /// What the card holds now.
+    pub(super) fn snapshot(&self) -> Result<&Snapshot, RunFailure> {
+        if self.snapshot.get().is_none() {
+            // Nobody else sets it between.
+            let _ = self.snapshot.set(self.read_all()?);
+        }
+        self.snapshot.get().ok_or_else(|| failure("the card was not read"))
+    }
+
+    fn read_all(&self) -> Result<Snapshot, RunFailure> {
+        let particles = self.column_reader().particles(&mut |group| read(&self.card, &self.columns, group))?;
+        let (pressure, accounts, of_walls) =
+            (self.group(Group::Pressure)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
+        let p = &particles;
+        let count = p.len();
         let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
         let of_wall = |at: usize| {
             let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
@@ -237,21 +373,6 @@ impl GpuEngine {
         let contacts =
             meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));
         let contacts = contacts.map(|(of, pair)| contact_of(of, pair)).collect();
-        for (k, variable) in HistoryVariables::of(&self.model).variables.into_iter().enumerate() {
-            let history = self.group(Group::History)?;
-            let values: Vec<f64> = (0..count).map(|i| history.double(2 * k, 2 * k + 1, i)).collect();
-            p.set_column(variable.name, &Column::Scalar(values.into()));
-        }
-        if is_initial {
-            let tensors = |of: Group64| {
-                let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of.double(3 * a + b, 9 + 3 * a + b, i)));
-                (0..count).map(at).collect()
-            };
-            p.deformation = tensors(self.group(Group::Deformation)?);
-            if self.is_renewed() {
-                p.earlier_deformation = tensors(self.group(Group::Earlier)?);
-            }
-        }
         Ok(Snapshot {
             shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
             accounts: [0, 2, 4, 6, 8, 10, 12, 14, 16].map(|field| sum(&accounts, field)),
@@ -259,7 +380,7 @@ impl GpuEngine {
             evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
             contacts,
             heat,
-            particles: p,
+            particles,
         })
     }
 }

@@ -10,7 +10,7 @@ use sphorge_engine::particles::HistoryVariables;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{
-    Audit, Column, Engine, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change,
+    Audit, Column, Engine, FieldSource, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change,
 };
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
@@ -265,6 +265,10 @@ impl Engine for GpuEngine {
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         let p = &self.snapshot()?.particles;
         p.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+    }
+
+    fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
+        Ok(Some(Box::new(self.detached()?)))
     }
 
     fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {

@@ -9,6 +9,8 @@ mod conduction;
 #[cfg(feature = "device")]
 mod contact;
 #[cfg(feature = "device")]
+mod detached;
+#[cfg(feature = "device")]
 mod engine;
 #[cfg(feature = "device")]
 mod history;

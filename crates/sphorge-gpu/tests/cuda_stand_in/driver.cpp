@@ -236,6 +236,17 @@ CALL cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t bytes, Stream *stream
     return SUCCESS;
 }
 
+CALL cuMemHostAlloc(void **pointer, size_t bytes, unsigned) {
+    NEEDS_CONTEXT
+    *pointer = malloc(bytes);
+    return *pointer ? SUCCESS : OUT_OF_MEMORY;
+}
+CALL cuMemFreeHost(void *pointer) {
+    NEEDS_CONTEXT
+    free(pointer);
+    return SUCCESS;
+}
+
 CALL cuModuleLoadData(Module **module, const char *image) {
     NEEDS_CONTEXT
     // The image of nvrtc.cpp is the path of a library.
@@ -294,6 +305,10 @@ CALL cuEventRecord(Event *event, Stream *stream) {
     NEEDS_CONTEXT
     event->at = std::chrono::steady_clock::now();
     return streams.count(stream) ? SUCCESS : INVALID_VALUE;
+}
+CALL cuEventSynchronize(Event *) {
+    NEEDS_CONTEXT
+    return SUCCESS;
 }
 CALL cuEventElapsedTime(float *milliseconds, Event *start, Event *end) {
     NEEDS_CONTEXT

@@ -105,6 +105,8 @@ pub(super) fn conclude(
         }
         Err(Trouble::Engine(failure)) => {
             let failure = failure_record(simulation.model(), *failure);
+            // What a card that is lost has not given any more is no frame, and not the trouble to report.
+            let _ = recorder.settle();
             let flushed = recorder.flush();
             let memory = observer.peak_memory_bytes();
             let (summary, written) =

@@ -17,6 +17,7 @@ mod checkpoint;
 mod conservation;
 mod drive;
 mod error;
+mod frame;
 mod progress;
 mod rank_files;
 mod record;

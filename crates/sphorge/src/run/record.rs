@@ -1,6 +1,12 @@
 //! Writes frames, rows and the summary of a run under way.
 
-use super::{conservation::Conservation, error::Trouble, state::Beginning, watch::Watch};
+use super::{
+    conservation::Conservation,
+    error::Trouble,
+    frame::{Frame, FrameUnderWay},
+    state::Beginning,
+    watch::Watch,
+};
 use crate::{
     engine::{
         Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
@@ -11,12 +17,12 @@ use crate::{
     model::{Body, Model, Precision},
     observed::Observed,
     output::{
-        AuditRecord, BodyRecord, DiskSync, Durability, EndReason, EnergyRecord, FailureRecord, FrameHeader,
-        FrameWriter, History, HistorySample, OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord,
-        measure_unit, write_file, write_pieces, write_series,
+        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, FrameWriter, History,
+        HistorySample, OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord, measure_unit,
+        write_pieces, write_series,
     },
 };
-use std::{array, time::Instant};
+use std::{array, path::PathBuf, time::Instant};
 
 /// Everything that is written while a run goes on.
 pub(super) struct Recorder {
@@ -31,6 +37,8 @@ pub(super) struct Recorder {
     watch: Watch,
     frames: Vec<SeriesEntry>,
     last_frame_step: Option<u64>,
+    /// The last frame, while it is being written.
+    under_way: Option<FrameUnderWay>,
     last_row_step: Option<u64>,
     /// Energies, external work, what the integrator booked and what springs, viscosity and artificial stress took, of the last row.
     energies: Energies,
@@ -93,6 +101,7 @@ impl Recorder {
             watch: Watch::new(model),
             frames: Vec::new(),
             last_frame_step: None,
+            under_way: None,
             last_row_step: None,
             energies: Energies::default(),
             external_work: 0.0,
@@ -127,6 +136,9 @@ impl Recorder {
 
     /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was.
     pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
+        if let Some(under_way) = self.under_way.take() {
+            under_way.wait()?;
+        }
         self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
         self.disk.forget_missing();
@@ -218,9 +230,10 @@ impl Recorder {
         Ok(self.energies.kinetic)
     }
 
-    /// Writes a frame, then the list of frames, then the rows so far.
+    /// Writes a frame, then the list of frames, then the rows so far; where the engine lets fields be read while it goes on, the frame is under way then.
     pub(super) fn frame(&mut self, engine: &Simulation) -> Result<usize, Trouble> {
         let start = Instant::now();
+        self.settle()?;
         let model = engine.model();
         let index = self.frames.len();
         let at = (engine.time(), engine.steps());
@@ -230,26 +243,49 @@ impl Recorder {
             Some(processes) => Vec::from(write_pieces(&self.directory, index, model, at, processes)??),
             None => {
                 let path = self.directory.path().join(&file);
-                write_file(&path, Durability::Process, |mut out| {
-                    self.frame_writer.write(
-                        &mut out,
-                        &FrameHeader::new(model, at.0, at.1),
-                        engine,
-                        &model.output.fields,
-                    )
-                })?;
+                let frame = Frame {
+                    writer: self.frame_writer.clone(),
+                    header: FrameHeader::new(model, at.0, at.1),
+                    fields: model.output.fields.clone(),
+                };
+                if let Some(source) = engine.detach()? {
+                    self.under_way = Some(FrameUnderWay::start(frame, source, path));
+                    self.frames.push(SeriesEntry { time: engine.time(), file });
+                    self.last_frame_step = Some(engine.steps());
+                    self.seconds += start.elapsed().as_secs_f64();
+                    return Ok(index);
+                }
+                frame.write(engine, &path)?;
                 vec![path]
             }
         };
         self.frames.push(SeriesEntry { time: engine.time(), file });
+        self.frame_is_there(&written)?;
+        self.last_frame_step = Some(engine.steps());
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(index)
+    }
+
+    /// Writes the list of frames, then the rows so far.
+    fn frame_is_there(&mut self, written: &[PathBuf]) -> Result<(), OutputError> {
         write_series(&self.directory.series(), &self.frames)?;
         self.history.flush()?;
         written.iter().try_for_each(|path| self.disk.written(path))?;
         self.disk.written(&self.directory.series())?;
-        self.disk.written(self.history.path())?;
-        self.last_frame_step = Some(engine.steps());
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(index)
+        self.disk.written(self.history.path())
+    }
+
+    /// Waits for the frame that is being written while steps go on. One that could not be is none.
+    pub(super) fn settle(&mut self) -> Result<(), OutputError> {
+        let Some(under_way) = self.under_way.take() else { return Ok(()) };
+        match under_way.wait() {
+            Ok(path) => self.frame_is_there(&[path]),
+            Err(error) => {
+                self.frames.pop();
+                self.last_frame_step = None;
+                Err(error)
+            }
+        }
     }
 
     /// Whether the present state has no row or no frame yet.
@@ -264,6 +300,7 @@ impl Recorder {
     /// Brings all rows and frames onto the disk.
     pub(super) fn flush(&mut self) -> Result<(), OutputError> {
         let start = Instant::now();
+        self.settle()?;
         self.history.flush()?;
         self.disk.written(self.history.path())?;
         self.disk.sync()?;

@@ -21,6 +21,7 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
+    time::Duration,
 };
 
 /// An engine that only counts time: two particles, the second of which flies off at 3 m/s; kinetic energy decays to `exp(-5 t)`.
@@ -30,6 +31,8 @@ struct Clockwork {
     time: f64,
     steps: u64,
     fail_at: Option<f64>,
+    /// Where frames are copied out while it goes on: from when on copies are lost.
+    copies_lost_from: Option<f64>,
 }
 
 /// Starts [`Clockwork`]; with a time, fails there.
@@ -47,11 +50,48 @@ impl EngineKind for ClockworkKind {
         if model.gravity == [0.0; 3] { Ok(()) } else { Err(what()) }
     }
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        Ok(Box::new(Clockwork { model, particles, time: 0.0, steps: 0, fail_at: self.0 }))
+        Ok(Box::new(Clockwork { model, particles, time: 0.0, steps: 0, fail_at: self.0, copies_lost_from: None }))
+    }
+}
+
+/// The same, which lets fields be read while it goes on: when it fails, and from when on copies are lost.
+#[derive(Debug)]
+struct CopyingKind(Option<f64>, f64);
+
+impl EngineKind for CopyingKind {
+    fn name(&self) -> &'static str {
+        "clockwork"
+    }
+    fn supports(&self, _: &Model) -> Result<(), Unsupported> {
+        Ok(())
+    }
+    fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
+        let (fail_at, copies_lost_from) = (self.0, Some(self.1));
+        Ok(Box::new(Clockwork { model, particles, time: 0.0, steps: 0, fail_at, copies_lost_from }))
+    }
+}
+
+/// Fields that arrive when the run has long gone on, or never.
+struct Copied {
+    particles: Particles,
+    is_lost: bool,
+}
+
+impl FieldSource for Copied {
+    fn count(&self) -> usize {
+        self.particles.len()
+    }
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        std::thread::sleep(Duration::from_millis(5));
+        if self.is_lost { Err(RunFailure::of_engine("lost".into())) } else { self.particles.read(field) }
     }
 }
 
 impl Engine for Clockwork {
+    fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
+        let Some(lost_from) = self.copies_lost_from else { return Ok(None) };
+        Ok(Some(Box::new(Copied { particles: self.particles.clone(), is_lost: self.time >= lost_from })))
+    }
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
         self.time += dt;
         self.steps += u64::from(dt > 0.0);
@@ -248,6 +288,45 @@ fn a_failed_run_keeps_the_last_good_frame_and_says_why() {
     assert!((0.6..0.6 + 3.7e-3).contains(&summary.simulated_time), "{}", summary.simulated_time);
     assert!((summary.energy.kinetic - (-5.0 * summary.simulated_time).exp()).abs() < 1e-12);
     assert_eq!(times(&directory).0, [0.0, 0.25, 0.5]);
+}
+
+/// Runs an engine that lets fields be read while it goes on; times of the frames there are, with the x of the second particle in each.
+fn run_copying(folder: &Path, kind: &CopyingKind) -> (Result<Summary, RunError>, Vec<(f64, f64)>) {
+    let options = RunOptions { directory: folder.join("run"), threads: Some(1), ..RunOptions::default() };
+    let ended = execute(setup(model()), kind, &options, &AtomicBool::new(false), &mut Silent);
+    let directory = RunDirectory::open(&folder.join("run")).unwrap();
+    let frames = read_series(&directory).unwrap().into_iter().map(|(time, path)| {
+        let mut frame = FrameFile::open(&path).unwrap();
+        assert_eq!(frame.header.time, time);
+        (time, frame.positions().unwrap()[1][0])
+    });
+    (ended, frames.collect())
+}
+
+#[test]
+fn frames_that_are_written_while_steps_go_on_are_those_of_their_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let (ended, frames) = run_copying(folder.path(), &CopyingKind(None, f64::INFINITY));
+    assert_eq!(ended.unwrap().status, Status::Completed);
+    assert_eq!(frames, [0.0, 0.25, 0.5, 0.75, 1.0].map(|time| (time, 3.0 * time)));
+}
+
+#[test]
+fn an_engine_that_is_lost_keeps_the_frames_that_were_complete() {
+    let is_gone = |folder: &Path| !folder.join("run").join(RunDirectory::frame_name(2, false)).exists();
+    // The engine is lost when the frame of 0.5 s is under way: it is what failed, not that frame.
+    let folder = tempfile::tempdir().unwrap();
+    let (ended, frames) = run_copying(folder.path(), &CopyingKind(Some(0.52), 0.5));
+    let RunError::Failed { failure, .. } = ended.unwrap_err() else { panic!("an engine that failed") };
+    assert_eq!((failure.message.as_str(), frames.len()), ("velocity is not a number", 2));
+    assert!(is_gone(folder.path()));
+    // Only copies are lost: what could not be written ends the run, and is in no list.
+    let folder = tempfile::tempdir().unwrap();
+    let (ended, frames) = run_copying(folder.path(), &CopyingKind(None, 0.5));
+    let RunError::Output { source } = ended.unwrap_err() else { panic!("a frame that is not there") };
+    assert!(source.chain().contains("lost"), "{}", source.chain());
+    assert_eq!(frames.len(), 2);
+    assert!(is_gone(folder.path()));
 }
 
 #[test]

@@ -110,6 +110,63 @@ impl Block {
     }
 }
 
+impl Block {
+    /// Queues a copy of the first bytes behind everything that was asked for.
+    pub(super) fn copy_to_host(&self, bytes: usize) -> Result<HostCopy, DriverError> {
+        self.context.enter()?;
+        let bytes = bytes.min(self.bytes);
+        // SAFETY: freed when the copy is dropped.
+        let pointer = unsafe { result::malloc_host(bytes, 0) }?.cast::<u8>();
+        let mut copy = HostCopy { context: self.context.clone(), pointer, bytes, done: None };
+        // SAFETY: as long as it was asked for, and nobody else has it. The copy waits for the driver before it frees it.
+        let target = unsafe { std::slice::from_raw_parts_mut(pointer, bytes) };
+        // SAFETY: within the block, and the target is page-locked and stays until the copy is done.
+        unsafe { result::memcpy_dtoh_async(target, self.pointer, self.context.stream) }?;
+        copy.done = Some(Event::now(&self.context)?);
+        Ok(copy)
+    }
+}
+
+/// Page-locked memory that a copy goes to.
+#[derive(Debug)]
+pub(super) struct HostCopy {
+    context: Arc<Context>,
+    pointer: *mut u8,
+    bytes: usize,
+    /// When all of it is there.
+    done: Option<Event>,
+}
+
+// SAFETY: nobody else has the memory; events may be waited for on every thread the context is made current on.
+unsafe impl Send for HostCopy {}
+
+impl HostCopy {
+    /// Waits for the copy and takes its first bytes.
+    pub(super) fn wait(&self, into: &mut [u8]) -> Result<(), DriverError> {
+        if let Some(done) = &self.done {
+            done.wait()?;
+        }
+        let length = into.len().min(self.bytes);
+        // SAFETY: as long as it was asked for, and the driver has written it.
+        into[..length].copy_from_slice(unsafe { std::slice::from_raw_parts(self.pointer, length) });
+        Ok(())
+    }
+}
+
+impl Drop for HostCopy {
+    fn drop(&mut self) {
+        // Nobody may write to it any more; where that cannot be known the memory stays.
+        let is_done = match &self.done {
+            Some(done) => done.wait().is_ok(),
+            None => self.context.wait().is_ok(),
+        };
+        if is_done && self.context.enter().is_ok() {
+            // SAFETY: taken in `copy_to_host`, and no copy to it is under way.
+            let _ = unsafe { result::free_host(self.pointer.cast()) };
+        }
+    }
+}
+
 impl Drop for Block {
     fn drop(&mut self) {
         if self.context.enter().is_ok() {
@@ -191,6 +248,13 @@ impl Event {
         // SAFETY: event and stream are of this context.
         unsafe { result::event::record(event, context.stream) }?;
         Ok(new)
+    }
+
+    /// Waits for it.
+    pub(super) fn wait(&self) -> Result<(), DriverError> {
+        self.context.enter()?;
+        // SAFETY: recorded in a stream of this context.
+        unsafe { result::event::synchronize(self.event) }
     }
 
     /// Seconds from an earlier moment to this one, both waited for.

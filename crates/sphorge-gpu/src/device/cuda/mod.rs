@@ -9,7 +9,7 @@ use super::{CardFault, Found, Interface, Memory, Missing};
 use crate::record::Kernel;
 use crate::source::WORKGROUP;
 use compile::{Architecture, advice, compile};
-use context::{Context, Event, Function, told};
+use context::{Context, Event, Function, HostCopy, told};
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys::{self, CUdevice, CUdevice_attribute};
 use library::Versions;
@@ -194,6 +194,12 @@ impl Cuda {
         Ok(numbers)
     }
 
+    /// Queues a copy of numbers behind everything that was asked for.
+    pub(super) fn queue_read(&self, block: &Block, count: usize) -> Result<Copying, CardFault> {
+        let copy = block.copy_to_host(4 * count).map_err(|error| self.lost(&told(error)))?;
+        Ok(Copying { name: self.name.clone(), trouble: self.trouble.clone(), copy, count })
+    }
+
     fn note(&self, done: Result<(), DriverError>) {
         if let Err(error) = done {
             self.trouble.keep(told(error));
@@ -202,5 +208,28 @@ impl Cuda {
 
     fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
         CardFault::Lost { name: self.name.clone(), why: why.to_string() }
+    }
+}
+
+/// Numbers on their way from a card.
+#[derive(Debug)]
+pub(super) struct Copying {
+    name: String,
+    trouble: Trouble,
+    copy: HostCopy,
+    count: usize,
+}
+
+impl Copying {
+    /// The numbers, when they are there.
+    pub(super) fn wait(self) -> Result<Vec<f32>, CardFault> {
+        let lost = |why: String| CardFault::Lost { name: self.name.clone(), why };
+        let mut numbers = vec![0.0f32; self.count];
+        let copied = self.copy.wait(bytemuck::cast_slice_mut(&mut numbers));
+        if let Some(why) = self.trouble.first() {
+            return Err(lost(why));
+        }
+        copied.map_err(|error| lost(told(error)))?;
+        Ok(numbers)
     }
 }
