@@ -11,7 +11,7 @@ mod remote;
 
 pub(crate) use images::Image;
 pub use images::Images;
-pub(crate) use parcels::{Arrival, Exchanged, begin, fill, finish};
+pub(crate) use parcels::{Arrival, Columns, Exchanged, ExchangedSets, begin, fill, finish};
 pub use parcels::{Incoming, Outgoing};
 pub(crate) use remote::Remote;
 
@@ -58,9 +58,6 @@ pub enum Mirror {
     Tensor,
 }
 
-/// Where a particle is, m, by its number.
-pub type Place<'a> = Box<dyn Fn(usize) -> Vector<f64> + Sync + 'a>;
-
 /// A column of particles, and that of the ghosts to be filled from it.
 pub enum GhostColumn<'a> {
     /// Numbers that are the same in every image.
@@ -69,8 +66,6 @@ pub enum GhostColumn<'a> {
     Integer(&'a [u32], &'a mut [u32]),
     /// Points, m.
     Point(&'a [Vector<f64>], &'a mut [Vector<f64>]),
-    /// Points worked out for the particles that are asked for, m.
-    PointOf(Place<'a>, &'a mut [Vector<f64>]),
     /// Vectors.
     Vector(&'a [Vector<f64>], &'a mut [Vector<f64>]),
     /// Symmetric tensors.
@@ -112,8 +107,8 @@ pub trait Halo: Send + Sync {
     fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool;
     /// Adds what ghosts of other ranks take over of these columns to the messages to them, and what those here do to what is to come from them.
     fn pack(&self, columns: &[GhostColumn<'_>], outgoing: &mut Outgoing);
-    /// Fills the columns of the ghosts, the same ones, from the messages that have come and from particles of this domain.
-    fn unpack(&self, columns: Vec<GhostColumn<'_>>, incoming: &mut Incoming);
+    /// Fills the next column of the ghosts, the same ones, from the messages that have come and from particles of this domain.
+    fn unpack(&self, column: GhostColumn<'_>, incoming: &mut Incoming);
     /// The point each ghost is an image of: a particle of this domain or, where that is of another rank, the ghost that stands for it; what is no
     /// image is its own.
     fn sources(&self) -> &[u32];

@@ -16,6 +16,7 @@ use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use crate::{HeatClock, HeatLedger, RunFailure};
 use rayon::prelude::*;
+use smallvec::smallvec;
 use sphorge_physics::conduction::{Inflow, cell_size, surface_area, touch};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
@@ -145,7 +146,7 @@ fn add_by_boundary(partial: &[f64], totals: &mut [f64], share: Option<&Share>) -
 /// What ghosts have of a column.
 fn touched_of<'a>(ghosts: &'a Ghosts, touched: &'a [u32], of_ghosts: &'a mut Vec<u32>) -> Exchanged<'a> {
     of_ghosts.resize(ghosts.count(), 0);
-    Exchanged { halo: ghosts.halo.as_ref(), columns: vec![GhostColumn::Integer(touched, of_ghosts)] }
+    Exchanged { halo: ghosts.halo.as_ref(), columns: smallvec![GhostColumn::Integer(touched, of_ghosts)] }
 }
 
 /// Particles and ghosts, as a flow is summed from them.
@@ -272,7 +273,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     *touched = nearest.map_or(0, |(_, body)| body + 1);
                 }
             });
-            halo::fill(vec![
+            halo::fill(smallvec![
                 touched_of(&self.ghosts, touched, touched_near),
                 touched_of(touching, touched, touched_far),
             ]);

@@ -3,9 +3,8 @@
 
 use super::CpuEngine;
 use super::conduction::HeatFlow;
-use super::formulation::Standing;
 use crate::RunFailure;
-use crate::halo::{self, Exchanged, FieldSet};
+use crate::halo::{self, ExchangedSets, FieldSet};
 use crate::lanes::PairScalar;
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -65,24 +64,23 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// The columns of a set, and who takes them over.
-    fn exchanged(&mut self, fields: FieldSet) -> Vec<Exchanged<'_>> {
+    fn exchanged(&mut self, fields: FieldSet) -> ExchangedSets<'_> {
         let reads_records = self.reads_records(fields);
         let is_of_contact = matches!(fields, FieldSet::Contact | FieldSet::Overlaps);
-        let (is_alone, formulation, dt) = (self.domain.is_none(), self.formulation, self.step.dt);
-        let Self { model, particles, ghosts, records, contacts, motions, .. } = self;
+        let is_alone = self.domain.is_none();
+        let Self { particles, ghosts, records, contacts, .. } = self;
         let (count, of_ghosts) = (particles.len(), ghosts.count());
         let contact = contacts.as_mut().and_then(|contacts| {
             // Another rank may read particles of this one.
             let is_met = !(is_alone && contacts.foreign().is_empty());
             Some((contacts.ghosts_of_search()?, is_met))
         });
-        let mut exchanged = Vec::with_capacity(2);
+        let mut exchanged = ExchangedSets::new();
         if !(is_of_contact && contact.is_some()) {
             let mut of_list = ghosts.exchanged(&[fields], particles);
             match fields {
                 FieldSet::Motion | FieldSet::Volume if reads_records => {
-                    let place = formulation.places(fields, Standing { model, particles, motions, dt });
-                    of_list.columns.extend(records.kinematic_of_ghosts(count, of_ghosts, place));
+                    of_list.columns.extend(records.kinematic_of_ghosts(count, of_ghosts));
                 }
                 FieldSet::Stress if reads_records => of_list.columns.extend(records.forces_of_ghosts(count)),
                 _ => {}

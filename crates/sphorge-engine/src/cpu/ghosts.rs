@@ -1,7 +1,8 @@
 //! The ghosts of this engine: who they are, and the columns they own.
 
-use crate::halo::{self, Exchanged, FieldSet, Halo};
+use crate::halo::{self, Columns, Exchanged, FieldSet, Halo};
 use crate::particles::Particles;
+use smallvec::smallvec;
 
 /// A column of particles with that of the ghosts behind it.
 #[derive(Clone, Copy)]
@@ -40,13 +41,13 @@ impl Ghosts {
     pub(crate) fn exchanged<'a>(&'a mut self, sets: &[FieldSet], particles: &'a Particles) -> Exchanged<'a> {
         let halo = self.halo.as_ref();
         let columns =
-            if halo.is_empty() { Vec::new() } else { particles.exchanged(sets, &mut self.columns, halo.count()) };
+            if halo.is_empty() { Columns::new() } else { particles.exchanged(sets, &mut self.columns, halo.count()) };
         Exchanged { halo, columns }
     }
 
     /// Brings the columns of sets to those of the particles.
     pub(crate) fn exchange(&mut self, sets: &[FieldSet], particles: &Particles) {
-        halo::fill(vec![self.exchanged(sets, particles)]);
+        halo::fill(smallvec![self.exchanged(sets, particles)]);
     }
 
     pub(crate) fn count(&self) -> usize {

@@ -1,9 +1,10 @@
 //! What a pair sum reads of a neighbour, one record per particle, so that a neighbour costs one or two cache lines.
 
-use crate::halo::{GhostColumn, Packed, Place};
+use crate::halo::{Columns, GhostColumn, Packed};
 use crate::lanes::PairScalar;
 use crate::neighbors::Frame;
 use bytemuck::{cast_slice, cast_slice_mut};
+use smallvec::smallvec;
 use sphorge_physics::Vector;
 
 /// Axes along which a mirror turns the sign of an entry, twice none for one that is the same.
@@ -106,6 +107,8 @@ pub(super) struct Records<T> {
     pub(super) frame: Frame,
     /// Where ghosts are for the velocity gradient, m.
     ghost_places: Vec<Vector<f64>>,
+    /// Where particles are for it, m, where there are ghosts.
+    places: Vec<Vector<f64>>,
 }
 
 impl<T: PairScalar> Records<T> {
@@ -121,18 +124,19 @@ impl<T: PairScalar> Records<T> {
         }
     }
 
-    /// The kinematic records of so many ghosts, which follow those of the `count` particles; `place` tells where a particle is. Coordinates are
-    /// written by [`Self::place_kinematic_ghosts`].
-    pub(super) fn kinematic_of_ghosts<'a>(
-        &'a mut self,
-        count: usize,
-        ghosts: usize,
-        place: Place<'a>,
-    ) -> [GhostColumn<'a>; 2] {
+    /// Where the `count` particles are for the velocity gradient, m, to be filled where there are ghosts.
+    pub(super) fn places(&mut self, count: usize) -> &mut [Vector<f64>] {
+        self.places.resize(count, [0.0; 3]);
+        &mut self.places
+    }
+
+    /// The kinematic records of so many ghosts, which follow those of the `count` particles. Coordinates are written by
+    /// [`Self::place_kinematic_ghosts`].
+    pub(super) fn kinematic_of_ghosts(&mut self, count: usize, ghosts: usize) -> [GhostColumn<'_>; 2] {
         self.ghost_places.resize(ghosts, [0.0; 3]);
         let (own, ghosts) = self.kinematic.split_at_mut(count);
         let records = packed(own.as_flattened(), ghosts.as_flattened_mut(), &kinematic::AXES);
-        [GhostColumn::PointOf(place, &mut self.ghost_places), records]
+        [GhostColumn::Point(&self.places, &mut self.ghost_places), records]
     }
 
     /// Writes the coordinates of ghosts where they are for the velocity gradient.
@@ -143,9 +147,9 @@ impl<T: PairScalar> Records<T> {
     }
 
     /// The force records of ghosts, and what else is packed for the forces.
-    pub(super) fn forces_of_ghosts(&mut self, count: usize) -> Vec<GhostColumn<'_>> {
+    pub(super) fn forces_of_ghosts(&mut self, count: usize) -> Columns<'_> {
         let (own, ghosts) = self.force.split_at_mut(count);
-        let mut columns = vec![packed(own.as_flattened(), ghosts.as_flattened_mut(), &force::AXES)];
+        let mut columns: Columns<'_> = smallvec![packed(own.as_flattened(), ghosts.as_flattened_mut(), &force::AXES)];
         if !self.extra.is_empty() {
             let (own, ghosts) = self.extra.split_at_mut(count);
             columns.push(packed(own.as_flattened(), ghosts.as_flattened_mut(), &extra::AXES));
@@ -172,6 +176,6 @@ impl<T: PairScalar> Records<T> {
             + per(self.extra.capacity(), extra::LEN)
             + per(self.corrected.capacity(), CORRECTED_LEN)
             + per(self.hourglass.capacity(), hourglass::LEN)
-            + size_of::<Vector<f64>>() * self.ghost_places.capacity()
+            + size_of::<Vector<f64>>() * (self.ghost_places.capacity() + self.places.capacity())
     }
 }

@@ -14,6 +14,7 @@ use crate::model::Section;
 use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
+use smallvec::smallvec;
 use sphorge_physics::Vector;
 use sphorge_physics::section::{counted_by_row, share_through};
 
@@ -27,8 +28,8 @@ impl<'a> Standing<'a> {
     /// Images stand where they were exchanged, particles of other ranks where these have them.
     fn new(own: &'a [Vector<f64>], ghosts: &Ghosts) -> Self {
         let mut places = vec![[0.0; 3]; ghosts.count()];
-        let columns = vec![GhostColumn::Point(own, &mut places)];
-        halo::fill(vec![Exchanged { halo: ghosts.halo.as_ref(), columns }]);
+        let columns = smallvec![GhostColumn::Point(own, &mut places)];
+        halo::fill(smallvec![Exchanged { halo: ghosts.halo.as_ref(), columns }]);
         for (k, (place, &source)) in places.iter_mut().zip(ghosts.halo.sources()).enumerate() {
             let is_image = source as usize != own.len() + k;
             if is_image {

@@ -13,7 +13,6 @@ pub(super) fn width(column: &GhostColumn<'_>) -> usize {
         GhostColumn::Scalar(own, _) => of(own),
         GhostColumn::Integer(own, _) => of(own),
         GhostColumn::Point(own, _) | GhostColumn::Vector(own, _) => of(own),
-        GhostColumn::PointOf(_, ghosts) => of(ghosts),
         GhostColumn::Symmetric(own, _) => of(own),
         GhostColumn::Tensor(own, _) => of(own),
         GhostColumn::Single(records) => records.axes.len() * of(records.own),
@@ -35,7 +34,6 @@ pub(super) fn write(column: &GhostColumn<'_>, particles: &[u32], bytes: &mut Vec
         GhostColumn::Scalar(own, _) => values(own, particles, bytes),
         GhostColumn::Integer(own, _) => values(own, particles, bytes),
         GhostColumn::Point(own, _) | GhostColumn::Vector(own, _) => values(own, particles, bytes),
-        GhostColumn::PointOf(place, _) => particles.iter().for_each(|&i| place(i as usize).write(bytes)),
         GhostColumn::Symmetric(own, _) => values(own, particles, bytes),
         GhostColumn::Tensor(own, _) => values(own, particles, bytes),
         GhostColumn::Single(of) => records(of, particles, bytes),
@@ -57,9 +55,7 @@ pub(super) fn read(column: &mut GhostColumn<'_>, first: usize, bytes: &[u8]) -> 
     match column {
         GhostColumn::Scalar(_, ghosts) => values(&mut ghosts[first..], bytes),
         GhostColumn::Integer(_, ghosts) => values(&mut ghosts[first..], bytes),
-        GhostColumn::Point(_, ghosts) | GhostColumn::Vector(_, ghosts) | GhostColumn::PointOf(_, ghosts) => {
-            values(&mut ghosts[first..], bytes)
-        }
+        GhostColumn::Point(_, ghosts) | GhostColumn::Vector(_, ghosts) => values(&mut ghosts[first..], bytes),
         GhostColumn::Symmetric(_, ghosts) => values(&mut ghosts[first..], bytes),
         GhostColumn::Tensor(_, ghosts) => values(&mut ghosts[first..], bytes),
         GhostColumn::Single(records) => values(&mut records.ghosts[first * records.axes.len()..], bytes),

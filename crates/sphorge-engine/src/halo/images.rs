@@ -42,20 +42,13 @@ impl Image {
     }
 }
 
-/// Fills what images have of a column: those of `count` particles and of the first `others` ghosts, which are no images and are filled before. The
+/// Fills what images have of a column: those of particles and of the first `others` ghosts, which are no images and are filled before. The
 /// images are the ghosts behind these, and number their sources as particles and ghosts are: particles first.
-pub(super) fn reflect(images: &[Image], count: usize, others: usize, column: GhostColumn<'_>) {
+pub(super) fn reflect(images: &[Image], others: usize, column: GhostColumn<'_>) {
     match column {
         GhostColumn::Scalar(own, ghosts) => each(images, others, own, ghosts, |_, v| v),
         GhostColumn::Integer(own, ghosts) => each(images, others, own, ghosts, |_, v| v),
         GhostColumn::Point(own, ghosts) => each(images, others, own, ghosts, |image, p| image.position(&p)),
-        GhostColumn::PointOf(of, ghosts) => {
-            let (others, ghosts) = ghosts.split_at_mut(others);
-            for (image, ghost) in images.iter().zip(ghosts) {
-                let source = image.source as usize;
-                *ghost = image.position(&source.checked_sub(count).map_or_else(|| of(source), |k| others[k]));
-            }
-        }
         GhostColumn::Vector(own, ghosts) => each(images, others, own, ghosts, Image::vector),
         GhostColumn::Symmetric(own, ghosts) => each(images, others, own, ghosts, Image::symmetric),
         GhostColumn::Tensor(own, ghosts) => each(images, others, own, ghosts, Image::tensor),
@@ -211,8 +204,8 @@ impl Halo for Images {
 
     fn pack(&self, _: &[GhostColumn<'_>], _: &mut Outgoing) {}
 
-    fn unpack(&self, columns: Vec<GhostColumn<'_>>, _: &mut Incoming) {
-        columns.into_iter().for_each(|column| reflect(&self.images, usize::MAX, 0, column));
+    fn unpack(&self, column: GhostColumn<'_>, _: &mut Incoming) {
+        reflect(&self.images, 0, column);
     }
 
     fn sources(&self) -> &[u32] {
@@ -244,9 +237,10 @@ impl Halo for Images {
 mod tests {
     use super::super::{Exchanged, parcels};
     use super::*;
+    use smallvec::smallvec;
 
     fn fill(halo: &Images, column: GhostColumn<'_>) {
-        parcels::fill(vec![Exchanged { halo, columns: vec![column] }]);
+        parcels::fill(smallvec![Exchanged { halo, columns: smallvec![column] }]);
     }
 
     #[test]
@@ -270,9 +264,6 @@ mod tests {
         let mut vector = [[0.0; 3]];
         fill(&halo, GhostColumn::Vector(&[[4.0, 5.0, 6.0]], &mut vector));
         assert_eq!(vector, [[4.0, -5.0, 6.0]]);
-        let mut point = [[0.0; 3]];
-        fill(&halo, GhostColumn::PointOf(Box::new(|_| [1.0, 2.25, 3.0]), &mut point));
-        assert_eq!(point, [[1.0, 1.75, 3.0]]);
         let stress = SymmetricTensor { xx: 1.0, yy: 2.0, zz: 3.0, xy: 4.0, yz: 5.0, xz: 6.0 };
         let mut symmetric = [SymmetricTensor::zero()];
         fill(&halo, GhostColumn::Symmetric(&[stress], &mut symmetric));

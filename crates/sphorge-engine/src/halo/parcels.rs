@@ -3,12 +3,18 @@
 
 use super::{GhostColumn, Halo};
 use crate::ranks::{Ranks, UnderWay};
+use smallvec::SmallVec;
 
 /// Columns that the ghosts of a halo take over.
 pub(crate) struct Exchanged<'a> {
     pub(crate) halo: &'a dyn Halo,
-    pub(crate) columns: Vec<GhostColumn<'a>>,
+    pub(crate) columns: Columns<'a>,
 }
+
+/// Columns of a set: no step allocates for them.
+pub(crate) type Columns<'a> = SmallVec<[GhostColumn<'a>; 16]>;
+/// The ghosts of the lists, and those of the contact.
+pub(crate) type ExchangedSets<'a> = SmallVec<[Exchanged<'a>; 2]>;
 
 /// Messages to other ranks, as they are packed.
 #[derive(Default)]
@@ -89,14 +95,14 @@ pub(crate) fn begin(exchanged: &[Exchanged<'_>]) -> Arrival {
 }
 
 /// Waits for what the ghosts take over, and fills the same columns.
-pub(crate) fn finish(arrival: Arrival, exchanged: Vec<Exchanged<'_>>) {
+pub(crate) fn finish(arrival: Arrival, exchanged: ExchangedSets<'_>) {
     let mut incoming = arrival.wait();
     for Exchanged { halo, columns } in exchanged {
-        halo.unpack(columns, &mut incoming);
+        columns.into_iter().for_each(|column| halo.unpack(column, &mut incoming));
     }
 }
 
 /// Fills the columns at once.
-pub(crate) fn fill(exchanged: Vec<Exchanged<'_>>) {
+pub(crate) fn fill(exchanged: ExchangedSets<'_>) {
     finish(begin(&exchanged), exchanged);
 }

@@ -128,17 +128,15 @@ impl Halo for Remote {
         lengths.iter_mut().zip(&self.filled_by).for_each(|(length, ghosts)| *length += ghosts * width);
     }
 
-    fn unpack(&self, columns: Vec<GhostColumn<'_>>, incoming: &mut Incoming) {
-        for mut column in columns {
-            let (width, mut first) = (bytes::width(&column), 0);
-            for (rank, &ghosts) in self.filled_by.iter().enumerate() {
-                if let Some(come) = incoming.take(rank, ghosts * width) {
-                    bytes::read(&mut column, first, come).unwrap_or_else(|failure| self.ranks.note_loss(failure));
-                }
-                first += ghosts;
+    fn unpack(&self, mut column: GhostColumn<'_>, incoming: &mut Incoming) {
+        let (width, mut first) = (bytes::width(&column), 0);
+        for (rank, &ghosts) in self.filled_by.iter().enumerate() {
+            if let Some(come) = incoming.take(rank, ghosts * width) {
+                bytes::read(&mut column, first, come).unwrap_or_else(|failure| self.ranks.note_loss(failure));
             }
-            reflect(&self.images, self.own_count(), self.places.len(), column);
+            first += ghosts;
         }
+        reflect(&self.images, self.places.len(), column);
     }
 
     fn sources(&self) -> &[u32] {

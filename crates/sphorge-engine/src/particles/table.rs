@@ -6,7 +6,7 @@
 use super::value::Value;
 use super::{Column, History, Permutation};
 use crate::cpu::Relocation;
-use crate::halo::{FieldSet, GhostColumn, Mirror};
+use crate::halo::{Columns, FieldSet, Mirror};
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
@@ -187,8 +187,8 @@ macro_rules! columns {
             }
 
             /// The columns that belong to sets, with those of so many ghosts that take them over.
-            pub(crate) fn exchanged<'a>(&'a self, sets: &[FieldSet], ghosts: &'a mut Self, count: usize) -> Vec<GhostColumn<'a>> {
-                let mut columns = Vec::new();
+            pub(crate) fn exchanged<'a>(&'a self, sets: &[FieldSet], ghosts: &'a mut Self, count: usize) -> Columns<'a> {
+                let mut columns = Columns::new();
                 $( if [$(FieldSet::$set),*].iter().any(|set| sets.contains(set)) && !self.$name.is_empty() {
                     ghosts.$name.resize(count, $initial);
                     columns.push(Value::ghosts(Mirror::$mirror, &self.$name, &mut ghosts.$name));

@@ -7,8 +7,6 @@ mod updated_lagrangian;
 
 use super::CpuEngine;
 use super::inner::Turn;
-use super::integrate::Motions;
-use crate::halo::{FieldSet, Place};
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::particles::Particles;
@@ -36,8 +34,6 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     fn pack_motion(&self, engine: &mut CpuEngine<T>);
     /// Velocity gradient and density.
     fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn);
-    /// Where particles are for what reads the kinematic records of a set of fields, [`FieldSet::Motion`] or [`FieldSet::Volume`].
-    fn places<'a>(&self, fields: FieldSet, standing: Standing<'a>) -> Place<'a>;
     /// Whether forces have a gradient correction that is not the one of the velocity gradient.
     fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool;
     /// Packs what that reads of particles.
@@ -54,16 +50,6 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     ) -> Tensor<f64>;
     /// Forces beside those of the stress.
     fn add_forces(&self, engine: &mut CpuEngine<T>, turn: Turn);
-}
-
-/// What places of particles follow from.
-#[derive(Clone, Copy)]
-pub(super) struct Standing<'a> {
-    pub(super) model: &'a Model,
-    pub(super) particles: &'a Particles,
-    pub(super) motions: &'a Motions,
-    /// Size of the step, s.
-    pub(super) dt: f64,
 }
 
 /// The form a model asks for.

@@ -5,13 +5,12 @@
 //! artificial stress, XSPH and density restoration are left out of the model. Viscosity is a pressure of the particle: a viscosity of
 //! pairs at initial positions would brake rigid rotation. Other bodies are not seen.
 
-use super::{Formulation, Standing};
+use super::Formulation;
 use crate::cpu::CpuEngine;
 use crate::cpu::inner::Turn;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
-use crate::halo::{FieldSet, Place};
 use crate::lanes::{Job, Lanes, PairScalar, run};
 use crate::model::Model;
 use crate::neighbors::{BLOCK, PAD};
@@ -70,6 +69,9 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             record[kinematic::WEIGHT] = T::of(reference_volume[i]);
             record[kinematic::H] = T::of(smoothing_length[i]);
         });
+        if !engine.ghosts.halo.is_empty() {
+            engine.records.places(count).copy_from_slice(reference_position);
+        }
     }
 
     /// Deformation gradient, velocity gradient and density.
@@ -127,10 +129,6 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         if turn.is_last() {
             engine.count_pairs();
         }
-    }
-
-    fn places<'a>(&self, _: FieldSet, Standing { particles, .. }: Standing<'a>) -> Place<'a> {
-        Box::new(|i| particles.reference_position[i])
     }
 
     fn corrects_forces(&self, _: &CpuEngine<T>) -> bool {

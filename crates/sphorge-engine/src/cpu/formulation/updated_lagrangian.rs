@@ -1,12 +1,12 @@
 //! The updated Lagrangian form of both papers: Cauchy stress over the neighbours as they are.
 
-use super::{Formulation, Standing};
+use super::Formulation;
 use crate::cpu::CpuEngine;
 use crate::cpu::inner::Turn;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
-use crate::halo::{FieldSet, Place};
+use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, GradientCorrection, Integrator, Model, Search};
 use crate::neighbors::BLOCK;
@@ -133,10 +133,6 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         }
     }
 
-    fn places<'a>(&self, fields: FieldSet, standing: Standing<'a>) -> Place<'a> {
-        Box::new(place(fields, standing))
-    }
-
     /// Where forces are evaluated elsewhere than the velocity gradient.
     fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool {
         let moved = engine.model.numerics.integrator == Integrator::Leapfrog && engine.step.dt > 0.0;
@@ -196,9 +192,19 @@ fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, fields: FieldSet, ahead: f64) 
     let form = engine.model.numerics.pair_form;
     let count = engine.particles.len();
     let frame = engine.records.frame;
-    let CpuEngine { model, particles, motions, records, step, .. } = engine;
-    let place = place(fields, Standing { model, particles, motions, dt: step.dt });
-    let Particles { velocity, velocity_gradient, mass, density, smoothing_length, .. } = &*particles;
+    let CpuEngine { model, particles, motions, records, step, ghosts, .. } = engine;
+    let Particles { position, velocity, velocity_gradient, mass, density, smoothing_length, xsph, motion, .. } =
+        &*particles;
+    // The predictor has its positions at mid-step already.
+    let is_back = fields == FieldSet::Motion && model.numerics.integrator == Integrator::Leapfrog;
+    let back = if is_back { 0.5 * step.dt } else { 0.0 };
+    let place = |i: usize| match back {
+        0.0 => position[i],
+        _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
+    };
+    if !ghosts.halo.is_empty() {
+        records.places(count).par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, x)| *x = place(i));
+    }
     records.kinematic[..count].par_chunks_mut(BLOCK).enumerate().for_each(|(b, records)| {
         for (k, record) in records.iter_mut().enumerate() {
             let i = b * BLOCK + k;
@@ -212,19 +218,6 @@ fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, fields: FieldSet, ahead: f64) 
             record[kinematic::H] = T::of(smoothing_length[i]);
         }
     });
-}
-
-/// Where particles are for the velocity gradient or for the gradient correction of the forces, m.
-fn place<'a>(fields: FieldSet, standing: Standing<'a>) -> impl Fn(usize) -> Vector<f64> + Sync + 'a {
-    let Standing { model, particles, motions, dt } = standing;
-    let Particles { position, velocity, xsph, motion, .. } = particles;
-    // The predictor has its positions at mid-step already.
-    let is_back = fields == FieldSet::Motion && model.numerics.integrator == Integrator::Leapfrog;
-    let back = if is_back { 0.5 * dt } else { 0.0 };
-    move |i| match back {
-        0.0 => position[i],
-        _ => earlier(position[i], velocity[i], xsph[i], motions.of(motion[i]), back),
-    }
 }
 
 /// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.

@@ -12,6 +12,7 @@ use crate::lanes::PairScalar;
 use crate::model::Search;
 use crate::neighbors::{are_places, is_place};
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none, require};
+use smallvec::smallvec;
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Whether rows are those of the last full search.
@@ -142,8 +143,8 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let (mut places, mut lengths) = (vec![[0.0; 3]; ghosts], vec![0.0; ghosts]);
         let columns =
-            vec![GhostColumn::Point(points, &mut places), GhostColumn::Scalar(smoothing_length, &mut lengths)];
-        halo::fill(vec![Exchanged { halo: self.ghosts.halo.as_ref(), columns }]);
+            smallvec![GhostColumn::Point(points, &mut places), GhostColumn::Scalar(smoothing_length, &mut lengths)];
+        halo::fill(smallvec![Exchanged { halo: self.ghosts.halo.as_ref(), columns }]);
         self.lists.points.extend(places);
         self.lists.smoothing_length.extend(lengths);
     }
