@@ -13,7 +13,7 @@ const DECKS: [(&str, &[(&str, &str)]); 15] = [
     ("tensile", &[]),
     ("rubber-rings", &[]),
     ("bullet", &[("search", "\"every-step\""), ("contact", "\"penalty\""), ("particles.spacing", "\"15 mm\"")]),
-    ("bullet", &[("search", "\"adaptive\""), ("particles.spacing", "\"15 mm\"")]),
+    ("bullet", &[("search", "\"adaptive\""), ("particles.spacing", "\"15 mm\""), ("audit", "100")]),
     ("penetration", &[("particles.spacing", "\"0.8 mm\"")]),
     ("taylor-bar-42crmo4", &[("particles.spacing", "\"0.8 mm\"")]),
     ("convecting-block", &[]),
