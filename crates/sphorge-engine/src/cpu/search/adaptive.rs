@@ -178,3 +178,19 @@ pub(super) fn mark_images(marks: &mut Vec<AtomicU8>, to_search: &mut Vec<u32>, s
         marks.push(AtomicU8::new(mark));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_of_what_is_searched_are_searched_too() {
+        let mut marks: Vec<AtomicU8> = [mark::REBUILD, mark::KEEP].map(AtomicU8::new).into();
+        let mut to_search = vec![0];
+        // Points 2 to 4.
+        mark_images(&mut marks, &mut to_search, &[1, 0, 0]);
+        assert_eq!(to_search, [0, 3, 4]);
+        let marks: Vec<u8> = marks.into_iter().map(AtomicU8::into_inner).collect();
+        assert_eq!(marks, [mark::REBUILD, mark::KEEP, mark::KEEP, mark::REBUILD, mark::REBUILD]);
+    }
+}
