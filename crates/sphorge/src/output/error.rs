@@ -1,5 +1,6 @@
 //! What can go wrong with files of a run.
 
+use crate::engine::RunFailure;
 use std::{io, path::PathBuf};
 
 /// Trouble with a run folder or a file in it.
@@ -96,6 +97,13 @@ impl OutputError {
         }
         of(self)
     }
+
+    /// Whether a file could not be written because the engine did not give what belongs into it.
+    pub(crate) fn is_of_the_engine(&self) -> bool {
+        let Self::Write { source, .. } = self else { return false };
+        source.get_ref().is_some_and(|cause| cause.is::<RunFailure>())
+    }
+
     pub(crate) fn damaged(path: &std::path::Path, reason: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), reason: reason.into() }
     }

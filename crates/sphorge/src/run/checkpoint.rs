@@ -48,31 +48,38 @@ impl Keeper {
     }
 
     /// Saves the state if it is time to.
-    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
+    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
         let time = state.simulation.time();
         let is_asked = self.plan.request.as_ref().is_some_and(|request| request.swap(false, Ordering::Relaxed));
         let is_late = self.plan.every.is_some_and(|every| self.last.elapsed() >= every);
         if time >= self.next || is_late || is_asked {
-            self.save(state, observer);
+            self.save(state, observer)?;
         }
+        Ok(())
     }
 
     /// Saves the state of a run that is stopped; before the first step there is nothing to go on from.
-    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
+    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
         if self.plan.saves() && state.simulation.steps() > 0 {
-            self.save(state, observer);
+            self.save(state, observer)?;
         }
+        Ok(())
     }
 
     /// Saves the state of a run that has reached its end, if that was asked for.
-    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
+    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
         if self.plan.at_end {
-            self.save(state, observer);
+            self.save(state, observer)?;
         }
+        Ok(())
     }
 
     /// Saves the state now. A run whose state cannot be written goes on: it is well, and the checkpoints before are there.
-    pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) {
+    ///
+    /// # Errors
+    /// The frame that was being written meanwhile is lost.
+    pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+        state.recorder.settle()?;
         if let Err(error) = self.try_save(state, observer) {
             let kept = checkpoints(state.recorder.directory().path()).unwrap_or_default();
             let kept = match kept.first() {
@@ -81,6 +88,7 @@ impl Keeper {
             };
             observer.noted(&format!("the state of the run could not be saved: {}; {kept}", error.chain()));
         }
+        Ok(())
     }
 
     /// Saves the state now, or says why it could not be written.

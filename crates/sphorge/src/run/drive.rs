@@ -106,8 +106,8 @@ pub(super) fn conclude(
         Err(Trouble::Engine(failure)) => {
             let failure = failure_record(simulation.model(), *failure);
             // What a card that is lost has not given any more is no frame, and not the trouble to report.
-            let _ = recorder.settle();
-            let flushed = recorder.flush();
+            let settled = recorder.settle().or_else(|lost| if lost.is_of_the_engine() { Ok(()) } else { Err(lost) });
+            let flushed = settled.and(recorder.flush());
             let memory = observer.peak_memory_bytes();
             let (summary, written) =
                 recorder.summary(simulation, EndReason::Failure, Some(failure.clone()), pace.seconds(), memory);
@@ -124,7 +124,8 @@ pub(super) fn conclude(
                 body: None,
                 position: None,
             });
-            // The disk may still take this one small file; the trouble to report is the first one.
+            // A frame under way comes before the summary. The disk may still take this one small file; the trouble to report is the first one.
+            let _ = recorder.settle();
             let memory = observer.peak_memory_bytes();
             let _ = recorder.summary(simulation, EndReason::Failure, Some(failure), pace.seconds(), memory);
             Err(RunError::Output { source })
@@ -147,17 +148,17 @@ pub(super) fn go_on(
             break reason;
         }
         let report = repeater.step(state, observer)?;
-        keeper.after_step(state, observer);
+        keeper.after_step(state, observer)?;
         state.tell(&report, observer, false);
         last_report = Some(report);
     };
     if reason == EndReason::User {
         // Before rows and frames that an unbroken run would not have.
-        keeper.at_stop(state, observer);
+        keeper.at_stop(state, observer)?;
         state.close(observer)?;
     } else {
         state.close(observer)?;
-        keeper.at_end(state, observer);
+        keeper.at_end(state, observer)?;
     }
     if let Some(report) = last_report {
         state.tell(&report, observer, true);

@@ -4,6 +4,7 @@ use crate::{
     engine::FieldSource,
     output::{AtPath, Durability, FrameHeader, FrameWriter, OutputError, write_file},
 };
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::{
     io,
     path::{Path, PathBuf},
@@ -24,6 +25,13 @@ impl Frame {
     }
 }
 
+/// The thread that writes frames while steps go on, which compresses them alone, since the threads of the run have their own work; none where it cannot
+/// be had. One that panics has not written its frame, which is told when the frame is waited for.
+pub(super) fn frame_thread() -> Option<ThreadPool> {
+    let pool = ThreadPoolBuilder::new().num_threads(1).thread_name(|_| "frame".to_owned());
+    pool.panic_handler(|_| {}).build().ok()
+}
+
 /// A frame that a thread of its own is writing.
 #[derive(Debug)]
 pub(super) struct FrameUnderWay {
@@ -32,18 +40,12 @@ pub(super) struct FrameUnderWay {
 }
 
 impl FrameUnderWay {
-    /// Begins to write a frame of what was copied of an engine.
-    pub(super) fn start(frame: Frame, source: Box<dyn FieldSource + Send>, path: PathBuf) -> Self {
+    /// Begins to write a frame of what was copied of an engine, on a thread of [`frame_thread`].
+    pub(super) fn start(thread: &ThreadPool, frame: Frame, source: Box<dyn FieldSource + Send>, path: PathBuf) -> Self {
         let (sender, written) = channel();
         let target = path.clone();
-        let write = move || {
-            // The threads of the run have their own work: a frame is compressed by this one, a pool of its own.
-            let _pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-            // Nobody waits any more where the run has ended otherwise.
-            let _ = sender.send(frame.write(&*source, &target));
-        };
-        // Where there is no thread there is no sender, which is told when the frame is waited for.
-        let _ = std::thread::Builder::new().name("frame".to_owned()).spawn(write);
+        // Nobody waits any more where the run has ended otherwise.
+        thread.spawn(move || drop(sender.send(frame.write(&*source, &target))));
         Self { path, written }
     }
 

@@ -64,7 +64,7 @@ pub trait Observer: Send {
     fn started(&mut self, _start: &RunStart) {}
     /// Steps have been done.
     fn progressed(&mut self, _progress: &Progress) {}
-    /// Frame `index` at `time` (s) is on the disk.
+    /// Frame `index` at `time` (s) is written, or is being written while steps go on (cards).
     fn frame_written(&mut self, _index: usize, _time: f64) {}
     /// The state has been saved to a file, after a step, at a time (s).
     fn saved(&mut self, _checkpoint: &Path, _step: u64, _time: f64) {}

@@ -3,7 +3,7 @@
 use super::{
     conservation::Conservation,
     error::Trouble,
-    frame::{Frame, FrameUnderWay},
+    frame::{Frame, FrameUnderWay, frame_thread},
     state::Beginning,
     watch::Watch,
 };
@@ -39,6 +39,7 @@ pub(super) struct Recorder {
     last_frame_step: Option<u64>,
     /// The last frame, while it is being written.
     under_way: Option<FrameUnderWay>,
+    frame_thread: Option<rayon::ThreadPool>,
     last_row_step: Option<u64>,
     /// Energies, external work, what the integrator booked and what springs, viscosity and artificial stress took, of the last row.
     energies: Energies,
@@ -102,6 +103,7 @@ impl Recorder {
             frames: Vec::new(),
             last_frame_step: None,
             under_way: None,
+            frame_thread: None,
             last_row_step: None,
             energies: Energies::default(),
             external_work: 0.0,
@@ -137,7 +139,8 @@ impl Recorder {
     /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was.
     pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
         if let Some(under_way) = self.under_way.take() {
-            under_way.wait()?;
+            let path = under_way.wait()?;
+            self.disk.written(&path)?;
         }
         self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
@@ -248,8 +251,12 @@ impl Recorder {
                     header: FrameHeader::new(model, at.0, at.1),
                     fields: model.output.fields.clone(),
                 };
-                if let Some(source) = engine.detach()? {
-                    self.under_way = Some(FrameUnderWay::start(frame, source, path));
+                let detached = engine.detach()?;
+                if detached.is_some() && self.frame_thread.is_none() {
+                    self.frame_thread = frame_thread();
+                }
+                if let Some((thread, source)) = self.frame_thread.as_ref().zip(detached) {
+                    self.under_way = Some(FrameUnderWay::start(thread, frame, source, path));
                     self.frames.push(SeriesEntry { time: engine.time(), file });
                     self.last_frame_step = Some(engine.steps());
                     self.seconds += start.elapsed().as_secs_f64();

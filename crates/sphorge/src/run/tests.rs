@@ -90,7 +90,10 @@ impl FieldSource for Copied {
 impl Engine for Clockwork {
     fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
         let Some(lost_from) = self.copies_lost_from else { return Ok(None) };
-        Ok(Some(Box::new(Copied { particles: self.particles.clone(), is_lost: self.time >= lost_from })))
+        Ok(Some(Box::new(Copied {
+            particles: self.particles.clone(),
+            is_lost: (lost_from..lost_from + 0.1).contains(&self.time),
+        })))
     }
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
         self.time += dt;
@@ -292,7 +295,15 @@ fn a_failed_run_keeps_the_last_good_frame_and_says_why() {
 
 /// Runs an engine that lets fields be read while it goes on; times of the frames there are, with the x of the second particle in each.
 fn run_copying(folder: &Path, kind: &CopyingKind) -> (Result<Summary, RunError>, Vec<(f64, f64)>) {
-    let options = RunOptions { directory: folder.join("run"), threads: Some(1), ..RunOptions::default() };
+    run_copying_and_saving(folder, kind, CheckpointPlan::default())
+}
+
+fn run_copying_and_saving(
+    folder: &Path,
+    kind: &CopyingKind,
+    checkpoints: CheckpointPlan,
+) -> (Result<Summary, RunError>, Vec<(f64, f64)>) {
+    let options = RunOptions { directory: folder.join("run"), threads: Some(1), checkpoints, ..RunOptions::default() };
     let ended = execute(setup(model()), kind, &options, &AtomicBool::new(false), &mut Silent);
     let directory = RunDirectory::open(&folder.join("run")).unwrap();
     let frames = read_series(&directory).unwrap().into_iter().map(|(time, path)| {
@@ -327,6 +338,17 @@ fn an_engine_that_is_lost_keeps_the_frames_that_were_complete() {
     assert!(source.chain().contains("lost"), "{}", source.chain());
     assert_eq!(frames.len(), 2);
     assert!(is_gone(folder.path()));
+}
+
+#[test]
+fn a_frame_that_is_lost_while_the_state_is_saved_ends_the_run() {
+    // Saved after each step, the frame of 0.5 s under way.
+    let folder = tempfile::tempdir().unwrap();
+    let plan = CheckpointPlan { interval: Some(1e-3), ..CheckpointPlan::default() };
+    let (ended, frames) = run_copying_and_saving(folder.path(), &CopyingKind(None, 0.5), plan);
+    let RunError::Output { source } = ended.unwrap_err() else { panic!("a frame that is not there") };
+    assert!(source.chain().contains("lost"), "{}", source.chain());
+    assert_eq!(frames.len(), 2);
 }
 
 #[test]
