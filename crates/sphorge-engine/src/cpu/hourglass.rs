@@ -2,7 +2,7 @@
 //! [`sphorge_physics::hourglass`].
 
 use super::CpuEngine;
-use super::inner::Turn;
+use super::inner::Rows;
 use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
 use super::records::{Records, hourglass as entry};
@@ -165,12 +165,12 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Adds the hourglass forces to acceleration and energy rate.
-    pub(super) fn resist_hourglass(&mut self, turn: Turn) {
+    pub(super) fn resist_hourglass(&mut self, rows: Rows) {
         let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return };
         if strength == 0.0 {
             return;
         }
-        self.pack_hourglass(strength, turn);
+        self.pack_hourglass(strength, rows);
         let inner = &self.inner;
         let list = &self.lists.list;
         let springs = SpringSweep {
@@ -184,7 +184,7 @@ impl<T: PairScalar> CpuEngine<T> {
         (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK), work.power.par_iter_mut())
             .into_par_iter()
             .enumerate()
-            .filter(|(b, _)| inner.take_turn(*b, turn))
+            .filter(|(b, _)| inner.is_summed_in(*b, rows))
             .for_each(|(b, (acceleration, energy_rate, power))| {
                 let mut sums = [SpringSums::zero(); BLOCK];
                 springs.block(b, &list.blocks()[b], &mut sums);
@@ -203,7 +203,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation
     /// gradients, springs; of particles with the first rows, of ghosts when they have come.
-    fn pack_hourglass(&mut self, strength: f64, turn: Turn) {
+    fn pack_hourglass(&mut self, strength: f64, rows: Rows) {
         let young: Vec<f64> = self.model.materials.iter().map(Material::young_modulus).collect();
         let count = self.particles.len();
         let frame = self.records.frame;
@@ -212,8 +212,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let (own, ghost) = kinematic.split_at_mut(count);
         let (own_springs, ghost_springs) = hourglass.split_at_mut(count);
         let parts = [
-            (turn.is_first(), (&self.particles, own, own_springs)),
-            (turn.is_last(), (&self.ghosts.columns, ghost, ghost_springs)),
+            (rows.is_first(), (&self.particles, own, own_springs)),
+            (rows.is_last(), (&self.ghosts.columns, ghost, ghost_springs)),
         ];
         for (p, kinematic, springs) in parts.into_iter().filter(|(is_now, _)| *is_now).map(|(_, part)| part) {
             kinematic.par_iter_mut().zip(springs).enumerate().for_each(|(i, (record, spring_record))| {

@@ -5,24 +5,24 @@ use rayon::prelude::*;
 
 /// Which rows a stage takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Turn {
+pub(super) enum Rows {
     /// All of them.
-    Whole,
+    All,
     /// A part of those that read no ghost, before these have come.
     Inner(usize),
     /// The others.
     Rest,
 }
 
-impl Turn {
+impl Rows {
     /// Whether it is the first of a stage.
     pub(super) fn is_first(self) -> bool {
-        matches!(self, Self::Whole | Self::Inner(0))
+        matches!(self, Self::All | Self::Inner(0))
     }
 
     /// Whether it is the last one, when ghosts are there.
     pub(super) fn is_last(self) -> bool {
-        matches!(self, Self::Whole | Self::Rest)
+        matches!(self, Self::All | Self::Rest)
     }
 }
 
@@ -74,12 +74,12 @@ impl InnerBlocks {
         self.rows
     }
 
-    /// Whether the rows of block `b` are summed now.
-    pub(super) fn take_turn(&self, b: usize, turn: Turn) -> bool {
-        match turn {
-            Turn::Whole => true,
-            Turn::Inner(part) => self.part[b] == Some(part),
-            Turn::Rest => self.part[b].is_none(),
+    /// Whether those of block `b` are among `rows`.
+    pub(super) fn is_summed_in(&self, b: usize, rows: Rows) -> bool {
+        match rows {
+            Rows::All => true,
+            Rows::Inner(part) => self.part[b] == Some(part),
+            Rows::Rest => self.part[b].is_none(),
         }
     }
 
@@ -113,17 +113,17 @@ mod tests {
         let mut inner = InnerBlocks::default();
         let mut names_ghost = list(|i| if i == BLOCK + 1 { particles as u32 } else { 0 });
         inner.refresh(&names_ghost, particles);
-        let turns = |inner: &InnerBlocks, turn| [0, 1].map(|b| inner.take_turn(b, turn));
-        assert_eq!(turns(&inner, Turn::Inner(0)), [true, false]);
-        assert_eq!(turns(&inner, Turn::Rest), [false, true]);
-        assert_eq!(turns(&inner, Turn::Whole), [true, true]);
+        let turns = |inner: &InnerBlocks, rows| [0, 1].map(|b| inner.is_summed_in(b, rows));
+        assert_eq!(turns(&inner, Rows::Inner(0)), [true, false]);
+        assert_eq!(turns(&inner, Rows::Rest), [false, true]);
+        assert_eq!(turns(&inner, Rows::All), [true, true]);
         assert_eq!((inner.parts(), inner.rows()), (1, BLOCK));
         // The same list changed, and one of more particles.
         names_ghost.blocks_mut()[1].row_entries_mut(1)[0] = 5;
         inner.refresh(&names_ghost, particles);
-        assert_eq!(turns(&inner, Turn::Inner(0)), [true, true]);
+        assert_eq!(turns(&inner, Rows::Inner(0)), [true, true]);
         inner.refresh(&names_ghost, 5);
-        assert_eq!(turns(&inner, Turn::Inner(0)), [false, false]);
+        assert_eq!(turns(&inner, Rows::Inner(0)), [false, false]);
         assert_eq!(inner.parts(), 0);
     }
 
@@ -137,7 +137,7 @@ mod tests {
         inner.refresh(&list, blocks * BLOCK);
         assert_eq!(inner.parts(), MOST_PARTS);
         let turns =
-            |b: usize| (0..MOST_PARTS).filter(|&part| inner.take_turn(b, Turn::Inner(part))).collect::<Vec<_>>();
+            |b: usize| (0..MOST_PARTS).filter(|&part| inner.is_summed_in(b, Rows::Inner(part))).collect::<Vec<_>>();
         let parts: Vec<usize> = (0..blocks).map(|b| turns(b)[0]).collect();
         assert!((0..blocks).all(|b| turns(b).len() == 1) && parts.is_sorted(), "{parts:?}");
         assert_eq!((parts[0], parts[blocks - 1]), (0, MOST_PARTS - 1));

@@ -61,7 +61,7 @@ use domain::Domain;
 use formulation::Formulation;
 use ghosts::Ghosts;
 use guard::Fault;
-use inner::{InnerBlocks, Turn};
+use inner::{InnerBlocks, Rows};
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
 use numerical_work::NumericalWork;
@@ -244,17 +244,17 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Sums the rows that read no ghost, and lets messages get on meanwhile.
-    fn sum_inside(&mut self, sum: impl Fn(&mut Self, Turn)) {
+    fn sum_inside(&mut self, sum: impl Fn(&mut Self, Rows)) {
         for part in 0..self.inner.parts() {
-            sum(self, Turn::Inner(part));
+            sum(self, Rows::Inner(part));
             self.arrival.iter_mut().for_each(Arrival::advance);
         }
         self.is_begun = true;
     }
 
     /// The rows a stage has left.
-    fn turn_of_rest(&mut self) -> Turn {
-        if std::mem::take(&mut self.is_begun) { Turn::Rest } else { Turn::Whole }
+    fn rows_left(&mut self) -> Rows {
+        if std::mem::take(&mut self.is_begun) { Rows::Rest } else { Rows::All }
     }
 
     /// Whether an audit is due in this step.
@@ -265,6 +265,8 @@ impl<T: PairScalar> CpuEngine<T> {
 
 impl<T: PairScalar> Engine for CpuEngine<T> {
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
+        // A step that failed between the two leaves this.
+        self.is_begun = false;
         if self.idle(dt) {
             self.step.dt = dt;
             self.step.count += 1;
@@ -311,15 +313,15 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn inner_kinematics(&mut self) -> Result<(), RunFailure> {
         // The gradient correction of the reference configuration reads ghosts.
         if self.begins_inside() && (self.reference_corrected || !self.formulation.is_initial()) {
-            self.sum_inside(|engine, turn| engine.formulation.kinematics(engine, turn));
+            self.sum_inside(|engine, rows| engine.formulation.kinematics(engine, rows));
         }
         Ok(())
     }
 
     fn kinematics(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
-            let turn = self.turn_of_rest();
-            self.formulation.kinematics(self, turn);
+            let rows = self.rows_left();
+            self.formulation.kinematics(self, rows);
         }
         Ok(())
     }
@@ -374,9 +376,9 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
 
     fn inner_forces(&mut self) -> Result<(), RunFailure> {
         if self.begins_inside() {
-            self.sum_inside(|engine, turn| {
-                engine.sum_forces(turn);
-                engine.formulation.add_forces(engine, turn);
+            self.sum_inside(|engine, rows| {
+                engine.sum_forces(rows);
+                engine.formulation.add_forces(engine, rows);
             });
         }
         Ok(())
@@ -387,9 +389,9 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         if self.idle(self.step.dt) {
             return Ok(());
         }
-        let turn = self.turn_of_rest();
-        self.sum_forces(turn);
-        self.formulation.add_forces(self, turn);
+        let rows = self.rows_left();
+        self.sum_forces(rows);
+        self.formulation.add_forces(self, rows);
         self.add_body_contact();
         self.add_external_forces();
         Ok(())

@@ -2,7 +2,7 @@
 
 use super::CpuEngine;
 use super::forces::{ForceJob, ForceSum, ForceTerms};
-use super::inner::Turn;
+use super::inner::Rows;
 use super::kinematics::PairConstants;
 use super::kinematics::{GradientJob, GradientSum};
 use super::numerical_work::NumericalWork;
@@ -189,7 +189,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Acceleration by pair forces, energy rate, XSPH velocity.
-    pub(super) fn sum_forces(&mut self, turn: Turn) {
+    pub(super) fn sum_forces(&mut self, rows: Rows) {
         let numerics = &self.model.numerics;
         let pair_form = numerics.pair_form;
         let viscosity_of_pairs = self.formulation.pair_viscosity(&self.model).is_some();
@@ -247,12 +247,12 @@ impl<T: PairScalar> CpuEngine<T> {
         // Where it is not asked for, the column is empty.
         if artificial_power.is_empty() {
             blocks
-                .filter(|(b, _)| inner.take_turn(*b, turn))
+                .filter(|(b, _)| inner.is_summed_in(*b, rows))
                 .for_each_init(room, |sums, (b, columns)| sum_block(sums, b, columns, &mut []));
         } else {
             blocks
                 .zip(artificial_power.par_chunks_mut(BLOCK))
-                .filter(|((b, _), _)| inner.take_turn(*b, turn))
+                .filter(|((b, _), _)| inner.is_summed_in(*b, rows))
                 .for_each_init(room, |sums, ((b, columns), powers)| sum_block(sums, b, columns, powers));
         }
     }

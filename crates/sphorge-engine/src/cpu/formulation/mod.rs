@@ -6,7 +6,7 @@ mod total_lagrangian;
 mod updated_lagrangian;
 
 use super::CpuEngine;
-use super::inner::Turn;
+use super::inner::Rows;
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::particles::Particles;
@@ -33,7 +33,7 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     /// Packs what the velocity gradient reads of particles.
     fn pack_motion(&self, engine: &mut CpuEngine<T>);
     /// Velocity gradient and density.
-    fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn);
+    fn kinematics(&self, engine: &mut CpuEngine<T>, rows: Rows);
     /// Whether forces have a gradient correction that is not the one of the velocity gradient.
     fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool;
     /// Packs what that reads of particles.
@@ -49,7 +49,7 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
         correction: &Tensor<f64>,
     ) -> Tensor<f64>;
     /// Forces beside those of the stress.
-    fn add_forces(&self, engine: &mut CpuEngine<T>, turn: Turn);
+    fn add_forces(&self, engine: &mut CpuEngine<T>, rows: Rows);
 }
 
 /// The form a model asks for.

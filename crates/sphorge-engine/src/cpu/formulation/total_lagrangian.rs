@@ -7,7 +7,7 @@
 
 use super::Formulation;
 use crate::cpu::CpuEngine;
-use crate::cpu::inner::Turn;
+use crate::cpu::inner::Rows;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
@@ -75,7 +75,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     }
 
     /// Deformation gradient, velocity gradient and density.
-    fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn) {
+    fn kinematics(&self, engine: &mut CpuEngine<T>, rows: Rows) {
         if !engine.reference_corrected {
             correct_reference(engine);
             engine.reference_corrected = true;
@@ -109,7 +109,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         )
             .into_par_iter()
             .enumerate()
-            .filter(|(b, _)| inner.take_turn(*b, turn))
+            .filter(|(b, _)| inner.is_summed_in(*b, rows))
             .for_each(|(b, (l, n, rho, f, stretch, mu))| {
                 let mut sums = [GradientSum::zero(); BLOCK];
                 sweep.block(b, false, &mut sums);
@@ -126,7 +126,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                     mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
             });
-        if turn.is_last() {
+        if rows.is_last() {
             engine.count_pairs();
         }
     }
@@ -149,8 +149,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         force_tensor(stress, &particles.deformation[i], &particles.face_stress[i], correction)
     }
 
-    fn add_forces(&self, engine: &mut CpuEngine<T>, turn: Turn) {
-        engine.resist_hourglass(turn);
+    fn add_forces(&self, engine: &mut CpuEngine<T>, rows: Rows) {
+        engine.resist_hourglass(rows);
     }
 }
 

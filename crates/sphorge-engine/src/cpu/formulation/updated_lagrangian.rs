@@ -2,7 +2,7 @@
 
 use super::Formulation;
 use crate::cpu::CpuEngine;
-use crate::cpu::inner::Turn;
+use crate::cpu::inner::Rows;
 use crate::cpu::kinematics::GradientSum;
 use crate::cpu::records::kinematic;
 use crate::cpu::sweeps::GradientSweep;
@@ -47,7 +47,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         pack(engine, FieldSet::Motion, 0.5 * engine.step.dt);
     }
 
-    fn kinematics(&self, engine: &mut CpuEngine<T>, turn: Turn) {
+    fn kinematics(&self, engine: &mut CpuEngine<T>, rows: Rows) {
         let step = engine.step.dt;
         let half = 0.5 * step;
         let model = &*engine.model;
@@ -79,7 +79,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             (columns.0, columns.1, columns.2, correction.par_chunks_mut(BLOCK))
                 .into_par_iter()
                 .enumerate()
-                .filter(|(b, _)| inner.take_turn(*b, turn))
+                .filter(|(b, _)| inner.is_summed_in(*b, rows))
                 .for_each_init(room, |sums, (b, (l, n, rho, correction))| {
                     sweep.block(b, true, sums);
                     for k in 0..l.len() {
@@ -103,7 +103,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             )
                 .into_par_iter()
                 .enumerate()
-                .filter(|(b, _)| inner.take_turn(*b, turn))
+                .filter(|(b, _)| inner.is_summed_in(*b, rows))
                 .for_each_init(room, |sums, (b, (l, n, rho, strain, correction))| {
                     sweep.block(b, is_due, sums);
                     for k in 0..l.len() {
@@ -118,7 +118,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                     }
                 });
         } else {
-            let blocks = columns.into_par_iter().enumerate().filter(|(b, _)| inner.take_turn(*b, turn));
+            let blocks = columns.into_par_iter().enumerate().filter(|(b, _)| inner.is_summed_in(*b, rows));
             blocks.for_each_init(room, |sums, (b, (l, n, rho))| {
                 sweep.block(b, false, sums);
                 for k in 0..l.len() {
@@ -128,7 +128,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                 }
             });
         }
-        if turn.is_last() {
+        if rows.is_last() {
             engine.count_pairs();
         }
     }
@@ -176,7 +176,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         tensor::multiply(&stress.to_tensor(), correction)
     }
 
-    fn add_forces(&self, _: &mut CpuEngine<T>, _: Turn) {}
+    fn add_forces(&self, _: &mut CpuEngine<T>, _: Rows) {}
 }
 
 impl UpdatedLagrangian {
