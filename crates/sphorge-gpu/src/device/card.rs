@@ -368,22 +368,25 @@ impl Card {
         }
     }
 
-    /// Queues a copy of numbers behind everything that was launched, and goes on.
+    /// Queues a copy of numbers behind everything that was launched, and goes on; none where there is no page-locked memory for it.
     ///
     /// # Errors
-    /// There is no room for them, or the card does not answer.
-    pub fn queue_read(&self, array: &Array) -> Result<Pending, CardFault> {
+    /// The card does not answer.
+    pub fn queue_read(&self, array: &Array) -> Result<Option<Pending>, CardFault> {
         if array.count == 0 {
-            return Ok(Pending(Copying::Nothing));
+            return Ok(Some(Pending(Copying::Nothing)));
         }
         let copying = match (&self.way, &array.buffer) {
-            (Way::Cuda(cuda), Buffer::Cuda(block)) => Copying::Cuda(cuda.queue_read(block, array.count)?),
+            (Way::Cuda(cuda), Buffer::Cuda(block)) => match cuda.queue_read(block, array.count)? {
+                Some(copy) => Copying::Cuda(copy),
+                None => return Ok(None),
+            },
             (Way::Graphics(graphics), Buffer::Graphics(buffer)) => {
                 Copying::Graphics(graphics.queue_read(buffer, array.count))
             }
             _ => return Err(CardFault::Lost { name: self.found.name.clone(), why: OTHER_CARD.to_owned() }),
         };
-        Ok(Pending(copying))
+        Ok(Some(Pending(copying)))
     }
 
     /// Copies numbers back, after everything that was launched.

@@ -259,21 +259,22 @@ impl GpuEngine {
         }
     }
 
-    /// What particles are now: as it was read already, or on its way.
-    pub(super) fn detached(&self) -> Result<DetachedColumns, RunFailure> {
+    /// What particles are now: as it was read already, or on its way; none where there is no memory for copies beside the run.
+    pub(super) fn detached(&self) -> Result<Option<DetachedColumns>, RunFailure> {
         if let Some(snapshot) = self.snapshot.get() {
             let particles = OnceCell::from(snapshot.particles.clone());
-            return Ok(DetachedColumns { count: self.initial.len(), pending: RefCell::default(), particles });
+            return Ok(Some(DetachedColumns { count: self.initial.len(), pending: RefCell::default(), particles }));
         }
         let reader = self.column_reader();
         let queued = GROUPS_OF_PARTICLES.iter().filter_map(|group| Some((*group, self.columns.array(*group)?)));
-        let pending = queued.map(|(group, array)| Ok((group, self.card.queue_read(array).map_err(failure)?)));
-        let groups = pending.collect::<Result<Vec<_>, RunFailure>>()?;
-        Ok(DetachedColumns {
+        let pending =
+            queued.map(|(group, array)| Ok(self.card.queue_read(array).map_err(failure)?.map(|copy| (group, copy))));
+        let Some(groups) = pending.collect::<Result<Option<Vec<_>>, RunFailure>>()? else { return Ok(None) };
+        Ok(Some(DetachedColumns {
             count: self.initial.len(),
             pending: RefCell::new(Some(OnTheirWay { reader, groups })),
             particles: OnceCell::new(),
-        })
+        }))
     }
 }
 

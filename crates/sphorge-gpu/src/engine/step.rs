@@ -268,7 +268,7 @@ impl Engine for GpuEngine {
     }
 
     fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
-        Ok(Some(Box::new(self.detached()?)))
+        Ok(self.detached()?.map(|columns| Box::new(columns) as Box<dyn FieldSource + Send>))
     }
 
     fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {

@@ -29,7 +29,11 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "a smoothing length that follows the density with lists that are kept or with contact",
             "set `search = \"every-step\"` and leave `contact` out, or run it with `--engine cpu`",
         ),
-        (model.audit.is_some() && is_total, "audits of sums in the initial configuration", "leave `audit` out"),
+        (
+            model.audit.is_some() && is_total,
+            "audits of sums in the initial configuration",
+            "leave `audit` out, or run it with `--engine cpu`",
+        ),
         (
             contact::meets(model) && model.bodies.len() > contact::MOST_BODIES,
             "contact between more than eight bodies",

@@ -111,19 +111,20 @@ impl Block {
 }
 
 impl Block {
-    /// Queues a copy of the first bytes behind everything that was asked for.
-    pub(super) fn copy_to_host(&self, bytes: usize) -> Result<HostCopy, DriverError> {
+    /// Queues a copy of the first bytes behind everything that was asked for; none where there is no page-locked memory for it.
+    pub(super) fn copy_to_host(&self, bytes: usize) -> Result<Option<HostCopy>, DriverError> {
         self.context.enter()?;
         let bytes = bytes.min(self.bytes);
         // SAFETY: freed when the copy is dropped.
-        let pointer = unsafe { result::malloc_host(bytes, 0) }?.cast::<u8>();
+        let Ok(pointer) = (unsafe { result::malloc_host(bytes, 0) }) else { return Ok(None) };
+        let pointer = pointer.cast::<u8>();
         let mut copy = HostCopy { context: self.context.clone(), pointer, bytes, done: None };
         // SAFETY: as long as it was asked for, and nobody else has it. The copy waits for the driver before it frees it.
         let target = unsafe { std::slice::from_raw_parts_mut(pointer, bytes) };
         // SAFETY: within the block, and the target is page-locked and stays until the copy is done.
         unsafe { result::memcpy_dtoh_async(target, self.pointer, self.context.stream) }?;
         copy.done = Some(Event::now(&self.context)?);
-        Ok(copy)
+        Ok(Some(copy))
     }
 }
 

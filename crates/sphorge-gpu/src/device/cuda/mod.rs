@@ -194,10 +194,11 @@ impl Cuda {
         Ok(numbers)
     }
 
-    /// Queues a copy of numbers behind everything that was asked for.
-    pub(super) fn queue_read(&self, block: &Block, count: usize) -> Result<Copying, CardFault> {
+    /// Queues a copy of numbers behind everything that was asked for; none where there is no memory for it.
+    pub(super) fn queue_read(&self, block: &Block, count: usize) -> Result<Option<Copying>, CardFault> {
         let copy = block.copy_to_host(4 * count).map_err(|error| self.lost(&told(error)))?;
-        Ok(Copying { name: self.name.clone(), trouble: self.trouble.clone(), copy, count })
+        let (name, trouble) = (self.name.clone(), self.trouble.clone());
+        Ok(copy.map(|copy| Copying { name, trouble, copy, count }))
     }
 
     fn note(&self, done: Result<(), DriverError>) {
