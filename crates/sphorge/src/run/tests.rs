@@ -31,7 +31,7 @@ struct Clockwork {
     time: f64,
     steps: u64,
     fail_at: Option<f64>,
-    /// Where frames are copied out while it goes on: from when on copies are lost.
+    /// Where frames are copied out while it goes on: from when on those of a tenth of a second are lost.
     copies_lost_from: Option<f64>,
 }
 

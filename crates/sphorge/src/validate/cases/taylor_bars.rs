@@ -288,7 +288,7 @@ impl Bar {
                 continue;
             }
             finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", theirs[k]);
-            if let Some(limit) = elements.limit_of_foot().filter(|_| k == FOOT) {
+            if let Some(limit) = elements.limit_of_foot().filter(|_| k == FOOT && !self.lets_go) {
                 finding = finding.beside(ReferenceKind::FiniteElements, "their limit", limit * self.diameter);
             }
             if let (STRAIN, StrainOf::SameMaterial) = (k, self.strain_of) {
