@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <unistd.h>
+#include <vector>
 
 namespace {
 
@@ -33,6 +34,14 @@ struct Context {
 struct Stream {};
 struct Event {
     std::chrono::steady_clock::time_point at;
+    // Copies to the host that were asked for before it.
+    long copies = 0;
+};
+// A copy to the host that is delivered when somebody waits for it: until then the target holds what is no number.
+struct Copy {
+    long number;
+    void *to;
+    std::vector<char> bytes;
 };
 struct Module {
     void *library;
@@ -44,6 +53,19 @@ struct Function {
 };
 
 std::recursive_mutex lock;
+std::vector<Copy> under_way;
+long copies = 0;
+
+void deliver(long until) {
+    for (auto copy = under_way.begin(); copy != under_way.end();) {
+        if (copy->number > until) {
+            ++copy;
+            continue;
+        }
+        memcpy(copy->to, copy->bytes.data(), copy->bytes.size());
+        copy = under_way.erase(copy);
+    }
+}
 bool is_started = false;
 Context context;
 thread_local Context *current = nullptr;
@@ -166,6 +188,7 @@ CALL cuStreamCreate(Stream **stream, unsigned) {
 }
 CALL cuStreamSynchronize(Stream *stream) {
     NEEDS_CONTEXT
+    deliver(copies);
     return streams.count(stream) ? SUCCESS : INVALID_VALUE;
 }
 CALL cuStreamDestroy_v2(Stream *stream) {
@@ -232,7 +255,9 @@ CALL cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t bytes, Stream *stream
     if (room(from) < bytes || !streams.count(stream)) {
         return INVALID_VALUE;
     }
-    memcpy(to, reinterpret_cast<const void *>(from), bytes);
+    const char *source = reinterpret_cast<const char *>(from);
+    under_way.push_back({++copies, to, std::vector<char>(source, source + bytes)});
+    memset(to, 0xff, bytes);
     return SUCCESS;
 }
 
@@ -304,10 +329,12 @@ CALL cuEventCreate(Event **event, unsigned) {
 CALL cuEventRecord(Event *event, Stream *stream) {
     NEEDS_CONTEXT
     event->at = std::chrono::steady_clock::now();
+    event->copies = copies;
     return streams.count(stream) ? SUCCESS : INVALID_VALUE;
 }
-CALL cuEventSynchronize(Event *) {
+CALL cuEventSynchronize(Event *event) {
     NEEDS_CONTEXT
+    deliver(event->copies);
     return SUCCESS;
 }
 CALL cuEventElapsedTime(float *milliseconds, Event *start, Event *end) {
