@@ -25,7 +25,7 @@ mod step;
 pub use contact_laws::ContactLaws;
 pub use cpu::{
     AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_change, check_values,
-    complete_initial_state, start_part,
+    complete_initial_state, heat_of_released, start_part,
 };
 pub use engine::{Engine, EngineKind, InPieces, Part, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;

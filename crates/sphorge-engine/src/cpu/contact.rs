@@ -169,6 +169,22 @@ fn plus(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
+/// Heat that each particle of a body takes of the energy `held` (J) by its contact with itself, J/kg: by how far it is `pressed`, evenly where none is
+/// any more. `sum` is that of a number over the masses of the body.
+///
+/// # Errors
+/// Those of `sum`.
+pub fn heat_of_released<'a>(
+    held: f64,
+    pressed: &'a dyn Fn(usize) -> f64,
+    sum: impl Fn(&dyn Fn(usize) -> f64) -> Result<f64, RunFailure>,
+) -> Result<impl Fn(usize) -> f64 + 'a, RunFailure> {
+    let of_pressed = sum(pressed)?;
+    let is_pressed = of_pressed > 0.0;
+    let all = if is_pressed { of_pressed } else { sum(&|_| 1.0)? };
+    Ok(move |i| held * if is_pressed { pressed(i) } else { 1.0 } / all)
+}
+
 impl BodyContacts {
     /// `None` where bodies meet in the kernel sum, or where there is nothing to meet. With a halo, pairs are searched apart from the neighbour
     /// list.
@@ -240,7 +256,6 @@ impl BodyContacts {
         let held = std::mem::take(&mut works.stored);
         works.damped += held;
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
-        // By how far they are pressed; evenly where none is any more.
         let pressed =
             |i: usize| if reference_normal[i] == [0.0; 3] { 0.0 } else { share_of_released(contact_overlap[i]) };
         let sum = |part: &dyn Fn(usize) -> f64| -> Result<f64, RunFailure> {
@@ -253,11 +268,9 @@ impl BodyContacts {
             }
             Ok(sums[0])
         };
-        let even = |_: usize| 1.0;
-        let part: &dyn Fn(usize) -> f64 = if sum(&pressed)? > 0.0 { &pressed } else { &even };
-        let all = sum(part)?;
+        let heat = heat_of_released(held, &pressed, sum)?;
         for i in (0..energy.len()).filter(|&i| bodies[i] as usize == body) {
-            energy[i] += held * part(i) / all;
+            energy[i] += heat(i);
         }
         Ok(())
     }

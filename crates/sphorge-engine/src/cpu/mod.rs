@@ -40,6 +40,7 @@ mod time_step;
 mod walls;
 
 pub use conduction_table::ConductionTable;
+pub use contact::heat_of_released;
 pub(crate) use domain::Relocation;
 pub use domain::start_part;
 pub use guard::{check as check_values, check_change};

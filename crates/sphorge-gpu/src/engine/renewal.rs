@@ -13,8 +13,8 @@ use super::plan::Plan;
 use super::snapshot::read;
 use super::start::{fill, grid_of, part, reference, stages};
 use super::{GpuEngine, failure};
-use sphorge_engine::RunFailure;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
+use sphorge_engine::{RunFailure, heat_of_released};
 use sphorge_physics::contact::share_of_released;
 
 /// Numbers of a deformation gradient, with what rounding leaves of them.
@@ -120,17 +120,14 @@ impl GpuEngine {
             set(&mut meetings, damped, i, sum);
             set(&mut meetings, stored, i, 0.0);
         }
-        // By how far they are pressed; evenly where none is any more.
         let pressed = |i: usize| {
             let is_exposed = (0..3).any(|a| outward[a * stride + i] != 0.0);
             if is_exposed { share_of_released(f64::from(overlap[i])) } else { 0.0 }
         };
-        let sum = |part: &dyn Fn(usize) -> f64| -> f64 { own.iter().map(|i| self.initial.mass[*i] * part(*i)).sum() };
-        let even = |_: usize| 1.0;
-        let part: &dyn Fn(usize) -> f64 = if sum(&pressed) > 0.0 { &pressed } else { &even };
-        let all = sum(part);
+        let sum = |part: &dyn Fn(usize) -> f64| Ok(own.iter().map(|i| self.initial.mass[*i] * part(*i)).sum());
+        let heat = heat_of_released(held, &pressed, sum)?;
         for &i in &own {
-            let after = double(&energy, 0, i) + held * part(i) / all;
+            let after = double(&energy, 0, i) + heat(i);
             set(&mut energy, 0, i, after);
         }
         self.card.write(array(Group::Meetings)?, &meetings);

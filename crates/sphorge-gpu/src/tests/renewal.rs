@@ -9,33 +9,7 @@ use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{Cpu, EngineKind, FieldSource, Simulation};
 
 /// A copper strip whose ends are pulled apart.
-const PULLED: &str = r#"
-dimensions = "plane-strain"
-particles = { spacing = "0.5 mm" }
-time = { end = "100 us" }
-
-[[body]]
-name = "strip"
-material = "ofhc-copper"
-shape = { box = { min = ["-5 mm", "0 mm"], max = ["5 mm", "3 mm"] } }
-velocity-gradient = { rows = [["20000 1/s", "0 1/s"], ["0 1/s", "0 1/s"]] }
-
-[[region]]
-name = "left"
-shape = { box = { min = ["-5 mm", "0 mm"], max = ["-4 mm", "3 mm"] } }
-
-[[region]]
-name = "right"
-shape = { box = { min = ["4 mm", "0 mm"], max = ["5 mm", "3 mm"] } }
-
-[[motion]]
-region = "left"
-velocity = ["-100 m/s", "free"]
-
-[[motion]]
-region = "right"
-velocity = ["100 m/s", "free"]
-"#;
+const PULLED: &str = include_str!("../../../sphorge/tests/physics/pulled_strip.toml");
 
 fn shipped(name: &str) -> &'static str {
     decks::find(name).unwrap().text
