@@ -2,11 +2,11 @@
 
 use crate::in_flight::InFlight;
 use mpi::Threading;
+use mpi::collective::CommunicatorCollectives as _;
 use mpi::environment::{Universe, initialize_with_threading};
-use mpi::topology::{Color, Communicator as _};
+use mpi::topology::Communicator as _;
 use sphorge_engine::ranks::{Communicator, Messages};
 use std::fs;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// All processes that were started together.
@@ -44,9 +44,10 @@ impl Processes {
         let world = universe.world();
         let (rank, size) = (world.rank() as usize, world.size() as usize);
         let machine = world.split_shared(world.rank());
-        let together = machine.split_by_color(Color::with_value(color_of(&processors())));
-        let (on_this_machine, on_these_processors) =
-            (machine.size() as usize, together.map_or(1, |together| together.size() as usize));
+        let on_this_machine = machine.size() as usize;
+        let (own, mut all) = (processors(), vec![0u64; PROCESSORS * on_this_machine]);
+        machine.all_gather_into(&own[..], &mut all[..]);
+        let on_these_processors = sharing(&own, &all);
         Ok(Arc::new(Self { universe, rank, size, on_this_machine, on_these_processors }))
     }
 
@@ -55,7 +56,7 @@ impl Processes {
         self.on_this_machine
     }
 
-    /// Those of them that may run on the same processors as this one.
+    /// Those of them that may run on some processor that this one may run on.
     pub fn on_these_processors(&self) -> usize {
         self.on_these_processors
     }
@@ -67,18 +68,33 @@ fn name_of(told: &str) -> String {
     first.split_whitespace().filter(|word| *word != "Version:").collect::<Vec<_>>().join(" ")
 }
 
-/// The processors that this process may run on, as Linux writes them; elsewhere nothing: they are those of all.
-fn processors() -> String {
+/// Words of a set of processors, a bit each: 4096 of them. Where there are more, each process counts as sharing with all.
+const PROCESSORS: usize = 64;
+
+/// The processors that this process may run on, as Linux writes them; elsewhere all.
+fn processors() -> [u64; PROCESSORS] {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let list = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:"));
-    list.unwrap_or_default().trim().to_owned()
+    list.and_then(set_of).unwrap_or([u64::MAX; PROCESSORS])
 }
 
-/// A color for MPI: the same for the same text.
-fn color_of(text: &str) -> i32 {
-    let mut hasher = DefaultHasher::new();
-    text.hash(&mut hasher);
-    (hasher.finish() >> 33) as i32
+/// The set of a list such as `0-3,7`; nothing where it is none or goes beyond.
+fn set_of(list: &str) -> Option<[u64; PROCESSORS]> {
+    let mut set = [0; PROCESSORS];
+    for part in list.split(',') {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        let (first, last): (usize, usize) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
+        for processor in first..=last.min(64 * PROCESSORS) {
+            *set.get_mut(processor / 64)? |= 1 << (processor % 64);
+        }
+    }
+    Some(set)
+}
+
+/// How many of the sets `all`, one behind the other, have a processor of `own`.
+fn sharing(own: &[u64; PROCESSORS], all: &[u64]) -> usize {
+    let (sets, _) = all.as_chunks::<PROCESSORS>();
+    sets.iter().filter(|set| set.iter().zip(own).any(|(a, b)| a & b != 0)).count()
 }
 
 impl Drop for Processes {
@@ -106,7 +122,16 @@ impl Communicator for Processes {
 
 #[cfg(test)]
 mod tests {
-    use super::name_of;
+    use super::*;
+
+    #[test]
+    fn processes_share_where_sets_of_processors_overlap() {
+        let [low, whole, high, far] = ["0-3", "0-7", "4-5,7", "130"].map(|list| set_of(list).unwrap());
+        assert_eq!((high[0], far[2]), (0b1011_0000, 0b100));
+        let all = [low, whole, high, far].concat();
+        assert_eq!([low, whole, high, far].map(|own| sharing(&own, &all)), [2, 3, 2, 1]);
+        assert_eq!(["", "a", "0-x", "0-9999"].map(set_of), [None; 4]);
+    }
 
     #[test]
     fn names_of_libraries_are_short() {
