@@ -204,6 +204,9 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation
     /// gradients, springs; of particles with the first rows, of ghosts when they have come.
     fn pack_hourglass(&mut self, strength: f64, rows: Rows) {
+        if !(rows.is_first() || rows.is_last()) {
+            return;
+        }
         let young: Vec<f64> = self.model.materials.iter().map(Material::young_modulus).collect();
         let count = self.particles.len();
         let frame = self.records.frame;
