@@ -7,6 +7,7 @@
 
 use super::common_points::CommonPoints;
 use super::guard::Fault;
+use super::relocation::Relocation;
 use super::smoothing::least_searched;
 use super::{CpuEngine, balance};
 use crate::engine::{Engine, Part, TimeStepLimit};
@@ -262,69 +263,6 @@ fn failure_of(bytes: &[u8]) -> Option<RunFailure> {
     Some(RunFailure { field, particle, body, position, step_may_be_smaller, ..RunFailure::of_engine(message) })
 }
 
-/// Where particles go that change their places in the common order.
-pub(crate) struct Relocation {
-    ranks: Ranks,
-    /// Particles that go to each rank, in their new order.
-    leaving: Vec<Vec<u32>>,
-    /// Of every new place of this rank, whose particle comes.
-    from: Vec<u32>,
-    /// Particles that come from each rank.
-    coming: Vec<usize>,
-    lost: Option<RunFailure>,
-}
-
-impl Relocation {
-    /// Place `k` of the common order is to receive what is at `order[k]`; the particles of each rank begin at the first of `places`, and then at the
-    /// second, with their number behind.
-    pub(crate) fn new(ranks: Ranks, (former, starts): (&[usize], &[usize]), order: &[u32]) -> Self {
-        let (rank, size) = (ranks.rank(), ranks.size());
-        let own = former[rank]..former[rank + 1];
-        let owner = |place: u32| former.partition_point(|&start| start <= place as usize) as u32 - 1;
-        let is_own = |place: &&u32| own.contains(&(**place as usize));
-        let leaving = (0..size)
-            .map(|r| {
-                order[starts[r]..starts[r + 1]].iter().filter(is_own).map(|place| place - own.start as u32).collect()
-            })
-            .collect();
-        let from: Vec<u32> = order[starts[rank]..starts[rank + 1]].iter().map(|&place| owner(place)).collect();
-        let mut coming = vec![0; size];
-        from.iter().for_each(|&other| coming[other as usize] += 1);
-        Self { ranks, leaving, from, coming, lost: None }
-    }
-
-    /// Particles of this rank then.
-    pub(crate) fn count(&self) -> usize {
-        self.from.len()
-    }
-
-    /// Moves a column; one that is empty stays so, which it is on all ranks or on none.
-    pub(crate) fn apply<V: Fixed + Copy>(&mut self, column: &mut Vec<V>) {
-        if column.is_empty() || self.lost.is_some() {
-            return;
-        }
-        match self.moved(column) {
-            Ok(moved) => *column = moved,
-            Err(lost) => self.lost = Some(lost),
-        }
-    }
-
-    fn moved<V: Fixed + Copy>(&self, column: &[V]) -> Result<Vec<V>, RunFailure> {
-        let rank = self.ranks.rank();
-        let values = |places: &Vec<u32>| places.iter().map(|&i| column[i as usize]).collect::<Vec<V>>();
-        let mut to: Vec<Vec<u8>> = self.leaving.iter().map(|places| crate::ranks::encoded(&values(places))).collect();
-        to[rank] = Vec::new();
-        let length = |(r, count): (usize, &usize)| if r == rank { 0 } else { count * V::SIZE };
-        let lengths: Vec<usize> = self.coming.iter().enumerate().map(length).collect();
-        let mut come = Vec::with_capacity(to.len());
-        for bytes in self.ranks.exchange(to, &lengths)? {
-            come.push(crate::ranks::decoded::<V>(&bytes)?.into_iter());
-        }
-        come[rank] = values(&self.leaving[rank]).into_iter();
-        Ok(self.from.iter().filter_map(|&r| come[r as usize].next()).collect())
-    }
-}
-
 impl<T: PairScalar> CpuEngine<T> {
     /// Puts the particles of all ranks in the order of the cells; each rank gets those of its blocks, with all their columns, and other blocks where
     /// works have come apart.
@@ -347,9 +285,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     fn relocate(&mut self, share: &Share, starts: &[usize], order: &[u32]) -> Result<(), RunFailure> {
-        let mut relocation = Relocation::new(share.ranks.clone(), (&share.starts, starts), order);
-        self.particles.relocate(&mut relocation);
-        relocation.lost.map_or(Ok(()), Err)
+        Relocation::new(share.ranks.clone(), (&share.starts, starts), order).apply(&mut self.particles)
     }
 
     /// Searches the neighbours of this rank's particles among those of all ranks, and images of these for which ghosts reach `ghost_reach` (m), and

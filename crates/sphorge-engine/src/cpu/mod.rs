@@ -28,6 +28,7 @@ mod prefetch;
 mod read;
 mod records;
 mod reference_conduction;
+mod relocation;
 mod renewal;
 mod search;
 mod section;
@@ -41,7 +42,6 @@ mod walls;
 
 pub use conduction_table::ConductionTable;
 pub use contact::heat_of_released;
-pub(crate) use domain::Relocation;
 pub use domain::start_part;
 pub use guard::{check as check_values, check_change};
 pub use initial::complete_initial_state;

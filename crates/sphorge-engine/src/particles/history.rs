@@ -1,10 +1,9 @@
 //! History variables that material laws declare: stored, named, guarded, saved and reordered for them.
 
-use super::Permutation;
-use crate::cpu::Relocation;
+use super::{ColumnVisitor, Permutation};
 use crate::model::Model;
 use crate::neighbors::BLOCK;
-use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
+use crate::persist::{Archive, ArchiveError, Fixed, Persist, persist_pieces};
 use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::history::HistoryVariable;
 
@@ -90,7 +89,8 @@ impl History {
         places.zip(values).for_each(|(place, value)| *place = *value);
     }
 
-    fn add(&mut self, variable: &'static HistoryVariable, values: &[f64]) {
+    /// Keeps another variable, with these values.
+    pub(crate) fn add(&mut self, variable: &'static HistoryVariable, values: &[f64]) {
         let width = self.variables.len();
         self.variables.push(variable);
         self.blocks.resize(values.len().div_ceil(BLOCK), Vec::new());
@@ -108,14 +108,20 @@ impl History {
         }
     }
 
-    pub(super) fn relocate(&mut self, relocation: &mut Relocation) {
-        let mut moved = Self::at_start(self.variables.clone(), self.slots.clone(), relocation.count());
-        for variable in self.variables.clone() {
-            let Some(mut values) = self.column(variable.name) else { continue };
-            relocation.apply(&mut values);
-            moved.set_column(variable.name, &values);
+    /// Shows every variable as a column; there are so many particles afterwards.
+    pub(super) fn visit(&mut self, visitor: &mut impl ColumnVisitor, count: usize) {
+        let mut visited = Self::at_start(self.variables.clone(), std::mem::take(&mut self.slots), count);
+        for variable in &self.variables {
+            let mut values = self.column(variable.name).unwrap_or_default();
+            visitor.visit(&mut values);
+            visited.set_column(variable.name, &values);
         }
-        *self = moved;
+        *self = visited;
+    }
+
+    /// Bytes of the values of one particle.
+    pub(super) fn width(&self) -> usize {
+        self.variables.len() * f64::SIZE
     }
 
     /// The first variable of particle `i` that is out of the range its law gives.
@@ -150,9 +156,7 @@ impl Persist for History {
 mod tests {
     use super::*;
     use crate::particles::{Column, Particles};
-    use crate::ranks::{Communicator, Messages, Ranks};
     use sphorge_physics::parameter::Bound;
-    use std::sync::Arc;
 
     const fn variable(name: &'static str, initial: f64, bound: Bound) -> HistoryVariable {
         HistoryVariable { name, unit: "", initial, bound, meaning: "for a test" }
@@ -182,40 +186,27 @@ mod tests {
         assert_eq!((damage.component(0, 0), damage.component(count - 1, 0)), ((count - 1) as f64 / count as f64, 0.0));
     }
 
-    #[derive(Debug)]
-    struct Alone;
+    /// Keeps every other value.
+    struct Halved;
 
-    impl Communicator for Alone {
-        fn rank(&self) -> usize {
-            0
-        }
-        fn size(&self) -> usize {
-            1
-        }
-        fn begin(&self, to: Vec<Vec<u8>>, _: &[usize]) -> Result<Box<dyn Messages>, String> {
-            Ok(Box::new(Nothing(to.len())))
-        }
-    }
-
-    /// Of so many ranks.
-    struct Nothing(usize);
-
-    impl Messages for Nothing {
-        fn finish(self: Box<Self>) -> Result<Vec<Vec<u8>>, String> {
-            Ok(vec![Vec::new(); self.0])
+    impl ColumnVisitor for Halved {
+        fn visit<V: Fixed + Copy>(&mut self, column: &mut Vec<V>) {
+            *column = column.iter().copied().step_by(2).collect();
         }
     }
 
     #[test]
-    fn a_variable_goes_with_its_particles_to_other_ranks() {
+    fn a_variable_is_shown_with_the_columns() {
         let mut particles = damaged();
-        let count = particles.len();
-        let before = particles.history.column("damage").unwrap();
-        let backwards: Vec<u32> = (0..count as u32).rev().collect();
-        let mut relocation = Relocation::new(Ranks::new(Arc::new(Alone)), (&[0, count], &[0, count]), &backwards);
-        particles.relocate(&mut relocation);
-        let expected: Vec<f64> = before.into_iter().rev().collect();
-        assert_eq!(particles.history.column("damage").unwrap(), expected);
+        particles.history.add(&POROSITY, &(0..BLOCK + 3).map(|i| i as f64).collect::<Vec<_>>());
+        let (width, damage) = (particles.width(), particles.history.column("damage").unwrap());
+        particles.visit(&mut Halved);
+        let halved: Vec<f64> = damage.into_iter().step_by(2).collect();
+        assert_eq!(particles.history.column("damage").unwrap(), halved);
+        assert_eq!(particles.history.column("porosity").unwrap()[..3], [0.0, 2.0, 4.0]);
+        assert_eq!((particles.len(), particles.history.slots.len()), (halved.len(), 1));
+        particles.history = History::default();
+        assert_eq!(particles.width(), width - 16);
     }
 
     #[test]

@@ -4,10 +4,9 @@
 //! the laws themselves declare ([`sphorge_physics::history::HistoryVariable`]).
 
 use super::value::Value;
-use super::{Column, History, Permutation};
-use crate::cpu::Relocation;
+use super::{Column, ColumnVisitor, History, Permutation};
 use crate::halo::{Columns, FieldSet, Mirror};
-use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
+use crate::persist::{Archive, ArchiveError, Fixed, Persist, persist_pieces};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
 /// What a column is kept for; columns of parts that a run does not use take no memory.
@@ -150,10 +149,16 @@ macro_rules! columns {
                 self.history.reorder(permutation);
             }
 
-            /// Moves every column among ranks.
-            pub(crate) fn relocate(&mut self, relocation: &mut Relocation) {
-                $( relocation.apply(&mut self.$name); )+
-                self.history.relocate(relocation);
+            /// Shows every column in turn, those of a run and those it does not use, always in the same order; afterwards all that are used are of
+            /// one length again.
+            pub(crate) fn visit(&mut self, visitor: &mut impl ColumnVisitor) {
+                $( visitor.visit(&mut self.$name); )+
+                self.history.visit(visitor, self.len());
+            }
+
+            /// Bytes of the values of one particle in all columns of the run.
+            pub(crate) fn width(&self) -> usize {
+                self.history.width() $( + if self.$name.is_empty() { 0 } else { <$type as Fixed>::SIZE } )+
             }
 
             /// Keeps some particles, which have no history yet.

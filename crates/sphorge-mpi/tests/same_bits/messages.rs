@@ -9,6 +9,32 @@ use sphorge_mpi::{Leader, follow, threads};
 use std::sync::{Arc, Mutex};
 use std::thread;
 
+/// Two plates, of each of which two ranks have a half; the upper one moves on, so that particles of it get to the other rank.
+const LAYERS: &str = r#"
+dimensions = "plane-strain"
+method = "updated-lagrangian"
+search = "every-step"
+particles = { spacing = "0.5 mm" }
+
+[time]
+end = "20 us"
+
+[output]
+frame-interval = "10 us"
+history-interval = "1 us"
+
+[[body]]
+name = "lower"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["40 mm", "7 mm"] } }
+
+[[body]]
+name = "upper"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "10 mm"], max = ["40 mm", "17 mm"] } }
+velocity = ["1000 m/s", "0 m/s"]
+"#;
+
 /// A communicator that notes the lengths of messages that its rank sends.
 #[derive(Debug)]
 struct Noting {
@@ -63,6 +89,14 @@ fn ghosts_take_over_a_set_of_fields_in_one_message() {
     let present = [("particles.spacing", "\"0.2 mm\""), ("search", "\"skin\""), ("method", "\"updated-lagrangian\"")];
     let present = sent("taylor-plate", &present, 5, one_step);
     assert_eq!((long(&initial), long(&present)), (2, 2), "{initial:?} {present:?}");
+}
+
+#[test]
+fn particles_that_are_sorted_anew_go_to_another_rank_in_one_message() {
+    let [plain, sorted] = [62, 63].map(|steps| sent(LAYERS, &[], steps, one_step));
+    // Positions, by which they are sorted, pairs, by which shares are chosen, and the columns of those that go.
+    assert_eq!(sorted.len(), plain.len() + 3, "{plain:?} {sorted:?}");
+    assert!(sorted[0] == 6 * sorted[1] && (2000..sorted[0]).contains(&sorted[2]), "{sorted:?}");
 }
 
 #[test]
