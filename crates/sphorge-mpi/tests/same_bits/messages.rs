@@ -2,7 +2,8 @@
 
 use super::setup;
 use sphorge::engine::ranks::{Communicator, Messages};
-use sphorge::engine::{EngineKind, ParticleSource, Quantity, Reduction, Simulation};
+use sphorge::engine::reduction::Suspicion;
+use sphorge::engine::{EngineKind, FieldSource, ParticleSource, Quantity, Reduction, Simulation};
 use sphorge::model::{Extremum, ParticleSelection};
 use sphorge::run::FilesOfRank;
 use sphorge_mpi::{Leader, follow, threads};
@@ -99,25 +100,75 @@ fn particles_that_are_sorted_anew_go_to_another_rank_in_one_message() {
     assert!(sorted[0] == 6 * sorted[1] && (2000..sorted[0]).contains(&sorted[2]), "{sorted:?}");
 }
 
+/// The longest message that a reduction may take, of what it gave for a deck of one body; none where whole columns are sent.
+fn longest(reduction: &Reduction<'_>, found: &[f64]) -> Option<usize> {
+    match reduction {
+        Reduction::Extent { .. }
+        | Reduction::Diameter { .. }
+        | Reduction::Extremum { .. }
+        | Reduction::Mean { .. }
+        | Reduction::Interpolation { .. }
+        | Reduction::Nearest { .. }
+        | Reduction::OfParticle { .. } => Some(32),
+        // Count, place and value of each slab, of which place and value are given.
+        Reduction::Slabs { .. } => Some(found.len() / 2 * 24),
+        // Nine numbers of a body.
+        Reduction::Suspects(
+            Suspicion::Cold(_)
+            | Suspicion::Hot(_)
+            | Suspicion::Compressed(_)
+            | Suspicion::Expanded(_)
+            | Suspicion::Away { .. }
+            | Suspicion::Behind(_)
+            | Suspicion::Lonely,
+        ) => Some(72),
+        // They look at what lies around particles.
+        Reduction::Suspects(Suspicion::Apart | Suspicion::Paired | Suspicion::Torn) => None,
+        Reduction::SectionForce(_) => panic!("the deck has no section"),
+    }
+}
+
 #[test]
-fn a_measure_sends_sums_and_no_columns() {
+fn measures_and_checks_send_sums_and_no_columns_but_those_of_what_lies_around_particles() {
     let of = &ParticleSelection { body: Some(0), ..ParticleSelection::default() };
     let quantity = Quantity { field: "von_mises_stress", component: None };
-    let asked = [
+    let mut asked = vec![
         Reduction::Extent { of, axis: 0 },
         Reduction::Diameter { of, axis: 1 },
         Reduction::Extremum { of, quantity, extremum: Extremum::Maximum },
         Reduction::Mean { of, quantity },
         Reduction::Interpolation { of, quantity, point: [1e-3, 5e-3, 0.0] },
+        Reduction::Slabs { of, quantity, axis: 1, direction: 1.0 },
         Reduction::Nearest { point: [1e-3, 5e-3, 0.0], body: None },
         Reduction::OfParticle { id: 7, quantity },
     ];
-    let lengths = sent("copper-bar", &[("particles.spacing", "\"0.8 mm\"")], 3, |simulation| {
-        for reduction in &asked {
-            assert!(!simulation.reduce(reduction).unwrap().is_empty(), "{reduction:?}");
+    let suspicions = [
+        Suspicion::Cold(1e3),
+        Suspicion::Hot(0.5),
+        Suspicion::Compressed(-1.0),
+        Suspicion::Expanded(2.0),
+        Suspicion::Away { low: [0.0; 3], high: [1e-3; 3], limit: 0.0 },
+        Suspicion::Behind(-1e3),
+        Suspicion::Lonely,
+        Suspicion::Apart,
+        Suspicion::Paired,
+        Suspicion::Torn,
+    ];
+    asked.extend(suspicions.map(Reduction::Suspects));
+    for reduction in &asked {
+        let (mut found, mut particles) = (Vec::new(), 0);
+        let lengths = sent("copper-bar", &[("particles.spacing", "\"0.8 mm\"")], 3, |simulation| {
+            particles = simulation.count();
+            found = simulation.reduce(reduction).unwrap();
+        });
+        assert!(!found.is_empty() && !lengths.is_empty(), "{reduction:?} {found:?} {lengths:?}");
+        let most = lengths.into_iter().max().unwrap_or(0);
+        match longest(reduction, &found) {
+            Some(allowed) => assert!(most <= allowed, "{reduction:?} sends {most} bytes, not {allowed}"),
+            // A vector or a number of half of the particles.
+            None => assert!(most >= 4 * particles, "{reduction:?} sends {most} bytes of {particles} particles"),
         }
-    });
-    assert!(lengths.len() >= asked.len() && lengths.iter().all(|length| *length <= 32), "{lengths:?}");
+    }
 }
 
 #[test]
