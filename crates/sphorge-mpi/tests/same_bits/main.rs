@@ -5,6 +5,7 @@ mod audits;
 mod balance;
 mod contact;
 mod heat;
+mod inner;
 mod messages;
 mod parts;
 mod pieces;
