@@ -9,9 +9,22 @@ use std::mem;
 /// Bytes of a message at most: MPI counts them in 32 bits.
 const LARGEST_MESSAGE: usize = 1 << 30;
 
-/// Messages to other processes and from them. The memory is MPI's until the last of them has gone through.
-pub(crate) struct InFlight {
-    requests: Vec<Request<'static, [u8], StaticScope>>,
+/// A message that MPI has not completed yet.
+type Open = Request<'static, [u8], StaticScope>;
+
+/// Messages to other processes and from them. The memory is MPI's until the last of them has gone through: it is given back by
+/// [`Messages::finish`], or when what MPI has completed to the last message is dropped.
+///
+/// Dropped earlier, as a panic between beginning and finishing does and nothing else:
+///
+/// - No memory of any message is freed, not even of those that have gone through: MPI may read and write it as long as the process lives.
+/// - Nothing is waited for and nothing called back. What is on its way may arrive or not, here and elsewhere; nobody reads what comes.
+/// - The requests stay open. Messages that are begun afterwards keep their order behind these, but MPI must not be finalised: that may wait for good. The
+///   process has to end by an abort, which [`Processes`](crate::Processes) does when a panic drops it.
+///
+/// A panic within [`Messages::advance`] or [`Messages::finish`] ends the process at once: `mpi` does not let go of an open request.
+pub(crate) struct InFlight<R = Open> {
+    requests: Vec<R>,
     /// What comes from each process.
     from: Vec<Vec<u8>>,
     to: Vec<Vec<u8>>,
@@ -68,11 +81,34 @@ impl Messages for InFlight {
     }
 }
 
-impl Drop for InFlight {
+impl<R> Drop for InFlight<R> {
     fn drop(&mut self) {
         if !self.requests.is_empty() {
-            // The process is about to end: MPI keeps what it has, and nobody waits.
             mem::forget((mem::take(&mut self.requests), mem::take(&mut self.from), mem::take(&mut self.to)));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    /// A size that nothing else here has.
+    const SIZE: usize = 54_321;
+
+    #[test]
+    fn memory_of_messages_that_are_dropped_unfinished_stays_with_mpi() {
+        let request = Arc::new(());
+        let [from, to] = [0, 1].map(|byte| vec![vec![byte; SIZE]]);
+        let places = [from[0].as_ptr(), to[0].as_ptr()];
+        drop(InFlight { requests: vec![request.clone(); 2], from, to });
+        // An open request of MPI that is dropped would panic.
+        assert_eq!(Arc::strong_count(&request), 3);
+        let later: Vec<Vec<u8>> = (0..64).map(|_| vec![2; SIZE]).collect();
+        assert!(later.iter().all(|bytes| !places.contains(&bytes.as_ptr())));
+        // SAFETY: nobody has freed or changed it, which is what is tested.
+        let bytes = places.map(|place| unsafe { std::slice::from_raw_parts(place, SIZE) });
+        assert!(bytes == [[0; SIZE], [1; SIZE]]);
     }
 }
