@@ -98,7 +98,7 @@ impl Watcher for Lines {
     }
 
     fn case_judged(&mut self, report: &CaseReport) {
-        let (passed, asked) = report.checks();
-        terminal::note(&format!("      {}: {passed} of {asked} checks", report.verdict.name()));
+        let ((passed, asked), missed) = (report.checks(), report.missed_in_words());
+        terminal::note(&format!("      {}: {passed} of {asked} checks{missed}", report.verdict.name()));
     }
 }

@@ -110,6 +110,8 @@ pub struct Tolerance {
     pub bounds: Bounds,
     /// Why these.
     pub reason: String,
+    /// Where they are known to be missed: wider ones, outside of which the miss has grown.
+    pub kept: Option<Bounds>,
 }
 
 /// Outcome of a check.
@@ -118,6 +120,8 @@ pub struct Tolerance {
 pub enum Verdict {
     /// Inside the tolerance.
     Passed,
+    /// Outside, as is known, and no farther than it was.
+    Missed,
     /// Outside, or no value.
     Failed,
     /// Shown; nothing is asked of it.
@@ -129,6 +133,7 @@ impl Verdict {
     pub fn name(self) -> &'static str {
         match self {
             Self::Passed => "passed",
+            Self::Missed => "missed",
             Self::Failed => "FAILED",
             Self::Shown => "shown",
         }
@@ -181,7 +186,15 @@ impl Finding {
 
     /// Asks for these bounds, for this reason.
     pub fn must(mut self, bounds: Bounds, reason: &str) -> Self {
-        self.tolerance = Some(Tolerance { bounds, reason: reason.to_owned() });
+        self.tolerance = Some(Tolerance { bounds, reason: reason.to_owned(), kept: None });
+        self
+    }
+
+    /// Says of what is asked that it is missed, and outside of which bounds that is worse than it was.
+    pub fn missed_within(mut self, kept: Bounds) -> Self {
+        if let Some(tolerance) = &mut self.tolerance {
+            tolerance.kept = Some(kept);
+        }
         self
     }
 
@@ -194,22 +207,36 @@ impl Finding {
     pub(super) fn judge(&mut self) {
         let Some(tolerance) = &self.tolerance else { return };
         let values = || self.references.iter().map(|r| r.value);
-        let inside = self.value.is_some_and(|value| match tolerance.bounds {
-            Bounds::Relative(share) => {
-                values().next().is_some_and(|reference| (value - reference).abs() <= share * reference.abs())
-            }
-            Bounds::InRange => values().any(|r| r <= value) && values().any(|r| value <= r),
-            Bounds::AtMost(limit) => value.abs() <= limit,
-            Bounds::AtLeast(limit) => value >= limit,
-        });
-        self.verdict = if inside { Verdict::Passed } else { Verdict::Failed };
+        let inside = |bounds: Bounds| {
+            self.value.is_some_and(|value| match bounds {
+                Bounds::Relative(share) => {
+                    values().next().is_some_and(|reference| (value - reference).abs() <= share * reference.abs())
+                }
+                Bounds::InRange => values().any(|r| r <= value) && values().any(|r| value <= r),
+                Bounds::AtMost(limit) => value.abs() <= limit,
+                Bounds::AtLeast(limit) => value >= limit,
+            })
+        };
+        self.verdict = match tolerance.kept {
+            _ if inside(tolerance.bounds) => Verdict::Passed,
+            Some(kept) if inside(kept) => Verdict::Missed,
+            _ => Verdict::Failed,
+        };
     }
 
     /// What passes, in words; empty if nothing is asked.
     pub fn demand(&self) -> String {
         let Some(tolerance) = &self.tolerance else { return String::new() };
+        let asked = self.bounds_in_words(tolerance.bounds);
+        match tolerance.kept {
+            Some(kept) => format!("{asked}, kept {}", self.bounds_in_words(kept)),
+            None => asked,
+        }
+    }
+
+    fn bounds_in_words(&self, bounds: Bounds) -> String {
         let values = || self.references.iter().map(|r| r.value);
-        match tolerance.bounds {
+        match bounds {
             Bounds::Relative(share) => format!("within {} %", significant(100.0 * share)),
             Bounds::InRange => format!(
                 "within {} to {}",
@@ -270,6 +297,12 @@ mod tests {
         assert_eq!(judged(of(2.0).must(Bounds::AtLeast(1.0), "")), Verdict::Passed);
         assert_eq!(judged(of(-2.0).must(Bounds::AtLeast(1.0), "")), Verdict::Failed);
         assert_eq!(judged(of(1.0)), Verdict::Shown);
+        // What is known to be missed passes once it is not, and fails once it is missed by more.
+        let known = |value: f64| of(value).must(Bounds::AtMost(1.0), "").missed_within(Bounds::AtMost(2.0));
+        let verdicts = [(0.5, Verdict::Passed), (-1.5, Verdict::Missed), (2.5, Verdict::Failed)];
+        verdicts.into_iter().for_each(|(value, verdict)| assert_eq!(judged(known(value)), verdict, "{value}"));
+        assert_eq!(judged(known(f64::NAN)), Verdict::Failed);
+        assert!(known(1.5).demand().contains(", kept at most 2"), "{}", known(1.5).demand());
     }
 
     #[test]

@@ -22,6 +22,7 @@ td code { white-space: nowrap; }
 img { display: block; max-width: 100%; height: auto; }
 p, li { overflow-wrap: anywhere; }
 .passed { color: #116329; }
+.missed { color: #9a6700; font-weight: bold; }
 .failed { color: #b00020; font-weight: bold; }
 a { color: #0a4ea3; }
 </style>
@@ -84,7 +85,7 @@ fn for_a_page<'a>(markdown: &'a str, picture: &dyn Fn(&str) -> Option<Vec<u8>>) 
                 }
                 let is_cell = matches!(parts.last(), Some(Event::Start(Tag::TableCell)));
                 match &*text {
-                    "passed" | "failed" if is_cell => {
+                    "passed" | "missed" | "failed" if is_cell => {
                         Event::InlineHtml(format!("<span class=\"{text}\">{text}</span>").into())
                     }
                     _ => Event::Text(text),

@@ -18,7 +18,7 @@ impl Report {
         };
         let outcome = match self.cases.len() {
             computed if computed < self.asked => format!("**Not finished: {computed} of {} cases.**", self.asked),
-            _ if self.passed => "**All cases passed.**".to_owned(),
+            _ if self.passed => format!("**All cases passed{}.**", self.known_misses()),
             _ => "**Not all cases passed.**".to_owned(),
         };
         text += &format!(
@@ -27,9 +27,9 @@ impl Report {
         );
         text += "| case | what | verdict | checks passed |\n|---|---|---|---|\n";
         for case in &self.cases {
-            let (passed, asked) = case.checks();
+            let ((passed, asked), missed) = (case.checks(), case.missed_in_words());
             let (name, verdict) = (case.name, case.verdict.name());
-            text += &format!("| [{name}](#{name}) | {} | {verdict} | {passed} of {asked} |\n", case.title);
+            text += &format!("| [{name}](#{name}) | {} | {verdict} | {passed} of {asked}{missed} |\n", case.title);
         }
         for case in &self.cases {
             text.push('\n');
@@ -63,10 +63,16 @@ impl CaseReport {
             *text += "| quantity | run | ours | reference | deviation | asked | verdict |\n";
             *text += "|---|---|---:|---|---:|---|---|\n";
             rows(text, self.findings.iter().flat_map(finding_rows));
+            let mut told: Vec<(&str, &str)> = Vec::new();
             let reasons = self.findings.iter().filter_map(|f| Some((f.quantity.as_str(), f.tolerance.as_ref()?)));
-            for (k, (quantity, tolerance)) in reasons.enumerate() {
-                *text += if k == 0 { "\nWhy these tolerances:\n\n" } else { "" };
+            for (quantity, tolerance) in reasons {
+                // Once for all runs.
+                if told.contains(&(quantity, &tolerance.reason)) {
+                    continue;
+                }
+                *text += if told.is_empty() { "\nWhy these tolerances:\n\n" } else { "" };
                 *text += &format!("- {quantity}: {}\n", tolerance.reason);
+                told.push((quantity, &tolerance.reason));
             }
             text.push('\n');
         }

@@ -122,7 +122,7 @@ impl CaseReport {
         let broken = |run: &RunEntry| !run.may_fail && (run.failure.is_some() || !run.unexpected_warnings.is_empty());
         let verdict = if runs.iter().any(broken) || verdicts().contains(&Verdict::Failed) {
             Verdict::Failed
-        } else if verdicts().contains(&Verdict::Passed) {
+        } else if verdicts().iter().any(|verdict| *verdict != Verdict::Shown) {
             Verdict::Passed
         } else {
             Verdict::Shown
@@ -136,9 +136,25 @@ impl CaseReport {
 
     /// Number of checks that passed and number of all.
     pub fn checks(&self) -> (usize, usize) {
-        let verdicts = self.findings.iter().map(|f| f.verdict).chain(self.studies.iter().map(|s| s.verdict));
-        let asked: Vec<_> = verdicts.filter(|verdict| *verdict != Verdict::Shown).collect();
-        (asked.iter().filter(|verdict| **verdict == Verdict::Passed).count(), asked.len())
+        let of = |verdict: Verdict| self.verdicts().filter(|of| *of == verdict).count();
+        (of(Verdict::Passed), self.verdicts().count() - of(Verdict::Shown))
+    }
+
+    /// Number of checks that miss what is asked, as is known.
+    pub fn missed(&self) -> usize {
+        self.verdicts().filter(|verdict| *verdict == Verdict::Missed).count()
+    }
+
+    /// The same in words, to follow those of [`Self::checks`]; nothing where there is none.
+    pub fn missed_in_words(&self) -> String {
+        match self.missed() {
+            0 => String::new(),
+            missed => format!(", {missed} missed as known"),
+        }
+    }
+
+    fn verdicts(&self) -> impl Iterator<Item = Verdict> {
+        self.findings.iter().map(|f| f.verdict).chain(self.studies.iter().map(|s| s.verdict))
     }
 }
 
@@ -171,6 +187,15 @@ impl Report {
     /// Seconds of all runs, also of those that an earlier program of this validation did.
     pub(super) fn seconds_of_runs(&self) -> f64 {
         self.cases.iter().flat_map(|case| &case.runs).filter_map(|run| run.seconds).sum()
+    }
+
+    /// What is known of the checks that miss what is asked, in words; nothing where there is none.
+    pub(super) fn known_misses(&self) -> String {
+        match self.cases.iter().map(CaseReport::missed).sum() {
+            0 => String::new(),
+            1 => "; one check is known to miss what is asked, by no more than it did".to_owned(),
+            missed => format!("; {missed} checks are known to miss what is asked, by no more than they did"),
+        }
     }
 
     /// Adds a case; `seconds` have gone since the start.

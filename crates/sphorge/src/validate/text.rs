@@ -16,14 +16,14 @@ impl fmt::Display for Report {
             writeln!(f, "{case}")?;
         }
         for case in &self.cases {
-            let (passed, asked) = case.checks();
-            writeln!(f, "{:<24}  {:<7}  {passed} of {asked} checks", case.name, case.verdict.name())?;
+            let ((passed, asked), missed) = (case.checks(), case.missed_in_words());
+            writeln!(f, "{:<24}  {:<7}  {passed} of {asked} checks{missed}", case.name, case.verdict.name())?;
         }
         let effort = match self.effort {
             Effort::Quick => "low resolution",
             Effort::Full => "full resolution",
         };
-        let outcome = if self.passed { "all passed" } else { "FAILED" };
+        let outcome = if self.passed { format!("all passed{}", self.known_misses()) } else { "FAILED".to_owned() };
         writeln!(f, "{outcome}, at {effort}, in {:.0} s", self.seconds)
     }
 }

@@ -17,9 +17,13 @@ const ELEMENTS: [f64; 4] = [20.585e-3, 18.213e-3, 1.859, 296.80];
 /// Temperature of the plate at the start, K.
 const START: f64 = 293.15;
 
-/// Particles across, spacing, and what of each number may be missed at it.
-const ACROSS: [(&str, &str, [f64; 4]); 2] =
-    [("12 across", "0.6365 mm", [0.01, 0.03, 0.15, 0.15]), ("24 across", "0.31825 mm", [0.005, 0.01, 0.05, 0.05])];
+/// Particles across, spacing, what of each number may be missed at it, and what is known to be missed.
+const ACROSS: [Across; 2] = [
+    ("12 across", "0.6365 mm", [0.01, 0.02, 0.1, 0.1], [None, None, Some(0.14), Some(0.14)]),
+    ("24 across", "0.31825 mm", [0.005, 0.01, 0.05, 0.05], [None; 4]),
+];
+
+type Across = (&'static str, &'static str, [f64; 4], [Option<f64>; 4]);
 
 pub(super) const CASE: Case = Case {
     name: "iron-plate",
@@ -45,7 +49,7 @@ pub(super) const CASE: Case = Case {
 };
 
 fn variants(effort: Effort) -> Vec<Variant> {
-    let at = |row: &(&str, &str, [f64; 4])| Variant::of_series(row.0, SPACINGS).spacing(row.1);
+    let at = |row: &Across| Variant::of_series(row.0, SPACINGS).spacing(row.1);
     match effort {
         Effort::Quick => vec![at(&ACROSS[0])],
         Effort::Full => ACROSS.iter().map(at).collect(),
@@ -54,7 +58,7 @@ fn variants(effort: Effort) -> Vec<Variant> {
 
 fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACINGS) {
-        let Some((_, _, asked)) = ACROSS.iter().find(|row| run.label() == row.0) else { continue };
+        let Some((_, _, asked, missed)) = ACROSS.iter().find(|row| run.label() == row.0) else { continue };
         let numbers = [
             ("height", Unit::MILLIMETRE, "height"),
             ("width of the foot", Unit::MILLIMETRE, "width"),
@@ -65,13 +69,15 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             let start = if k == 3 { START } else { 0.0 };
             let finding = Finding::new(name, unit, run.label(), run.measure(measure).map(|value| value - start));
             let finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", ELEMENTS[k]);
-            findings
-                .add(finding.must(Bounds::Relative(asked[k]), "finite elements of the same plate, constants and wall"));
+            let reason = "finite elements of the same plate, constants and wall";
+            let finding = finding.must(Bounds::Relative(asked[k]), reason);
+            findings.add(missed[k].into_iter().fold(finding, |of, kept| of.missed_within(Bounds::Relative(kept))));
         }
     }
     findings.note(
         "Of the finite elements, strain and rise of the temperature are those of 12 x 80, as large as the particles of 24 across, and height and width \
          those of 24 x 160: from the one to the other the strain rises by 6 %, the height falls by 0.05 % and the width rises by 0.4 %. On a wall \
-         that does not let go the foot is 17.15 mm wide.",
+         that does not let go the foot is 17.15 mm wide. With 12 across, strain and rise at the foot are 14 % below those of these elements, where 10 % are asked: \
+         that is missed, and must not be missed by more. With 24 across they are 2 % below.",
     );
 }
