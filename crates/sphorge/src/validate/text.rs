@@ -23,8 +23,8 @@ impl fmt::Display for Report {
             Effort::Quick => "low resolution",
             Effort::Full => "full resolution",
         };
-        let outcome = if self.passed { format!("all passed{}", self.known_misses()) } else { "FAILED".to_owned() };
-        writeln!(f, "{outcome}, at {effort}, in {:.0} s", self.seconds)
+        let outcome = if self.passed { "all passed" } else { "FAILED" };
+        writeln!(f, "{outcome}, at {effort}, in {:.0} s{}", self.seconds, self.known_misses())
     }
 }
 
