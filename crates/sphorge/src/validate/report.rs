@@ -208,12 +208,16 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CASES, ExpectedWarning, Variant, runs::Finished};
+    use super::super::{Bounds, CASES, ExpectedWarning, Unit, Variant, runs::Finished};
     use super::*;
     use crate::output::{HistoryTable, Summary, testing};
 
     /// The report of a case whose one run has warned of two things.
     fn report(expected_warnings: &'static [ExpectedWarning], may_fail: bool) -> CaseReport {
+        report_of(expected_warnings, may_fail, Findings::default())
+    }
+
+    fn report_of(expected_warnings: &'static [ExpectedWarning], may_fail: bool, findings: Findings) -> CaseReport {
         let summary =
             Summary { warnings: vec![testing::warning("pairing"), testing::warning("hot")], ..testing::summary(1.0) };
         let history = HistoryTable { columns: Vec::new(), values: Vec::new() };
@@ -223,7 +227,7 @@ mod tests {
         let case = Case { expected_warnings, ..CASES[0] };
         let place = tempfile::tempdir().unwrap();
         let folder = Folder::claim(&place.path().join("report"), false).unwrap();
-        CaseReport::new(&case, &runs, Findings::default(), Vec::new(), &folder)
+        CaseReport::new(&case, &runs, findings, Vec::new(), &folder)
     }
 
     #[test]
@@ -269,6 +273,29 @@ mod tests {
         whole.add(found.clone(), 1.0);
         assert!(!whole.passed && whole.markdown().contains("Not finished: 1 of 2 cases"));
         whole.add(found, 2.0);
-        assert!(whole.passed && whole.markdown().contains("All cases passed"));
+        assert!(whole.passed && whole.markdown().contains("All cases passed.**"));
+    }
+
+    #[test]
+    fn what_is_known_to_miss_is_told_and_fails_nothing() {
+        let of = |values: &[f64]| {
+            let mut findings = Findings::default();
+            for value in values {
+                let asked = Finding::new("length", Unit::NONE, "run", Some(*value)).must(Bounds::AtMost(1.0), "");
+                findings.add(asked.missed_within(Some(Bounds::AtMost(2.0))));
+            }
+            report_of(&[], true, findings)
+        };
+        assert_eq!(of(&[1.5, 2.5]).verdict, Verdict::Failed);
+        let case = of(&[0.5, 1.5]);
+        assert_eq!((case.verdict, case.checks(), case.missed()), (Verdict::Passed, (1, 2), 1));
+        let mut whole = Report::new(Effort::Quick, 1);
+        whole.add(case, 1.0);
+        assert!(whole.passed);
+        for text in [whole.to_string(), whole.markdown()] {
+            for words in ["1 of 2", "1 missed as known", "at most 1, kept at most 2", "one check is known to miss"] {
+                assert!(text.contains(words), "{words}: {text}");
+            }
+        }
     }
 }

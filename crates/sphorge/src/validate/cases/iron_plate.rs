@@ -71,7 +71,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             let finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", ELEMENTS[k]);
             let reason = "finite elements of the same plate, constants and wall";
             let finding = finding.must(Bounds::Relative(asked[k]), reason);
-            findings.add(missed[k].into_iter().fold(finding, |of, kept| of.missed_within(Bounds::Relative(kept))));
+            findings.add(finding.missed_within(missed[k].map(Bounds::Relative)));
         }
     }
     findings.note(

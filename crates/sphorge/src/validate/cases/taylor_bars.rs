@@ -280,8 +280,7 @@ impl Bar {
             let (share, reason, kept) = self.bound(across, k);
             let mut finding = Finding::new(name, unit, run.label(), value);
             if k == OUTLINE {
-                finding = finding.must(Bounds::AtMost(share), reason);
-                findings.add(kept.into_iter().fold(finding, |of, kept| of.missed_within(Bounds::AtMost(kept))));
+                findings.add(finding.must(Bounds::AtMost(share), reason).missed_within(kept.map(Bounds::AtMost)));
                 continue;
             }
             finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", theirs[k]);
@@ -295,8 +294,7 @@ impl Bar {
             if let Some((source, value)) = measured(k) {
                 finding = finding.beside(ReferenceKind::Experiment, source, value);
             }
-            finding = finding.must(Bounds::Relative(share), reason);
-            findings.add(kept.into_iter().fold(finding, |of, kept| of.missed_within(Bounds::Relative(kept))));
+            findings.add(finding.must(Bounds::Relative(share), reason).missed_within(kept.map(Bounds::Relative)));
         }
         let rise = run.measure("max_temperature").map(|temperature| temperature - START);
         findings.add(Finding::new("largest rise of the temperature", Unit::KELVIN, run.label(), rise).beside(
