@@ -6,6 +6,7 @@
 
 use crate::halo::FieldSet;
 use crate::persist::{Archive, ArchiveError};
+use crate::ranks::Communicator;
 use crate::reduction::{FieldSource, Reduction};
 use crate::{Audit, Column, Ledger, LimitReason, Model, Particles, RunFailure};
 use std::sync::Arc;
@@ -65,6 +66,32 @@ pub trait EngineKind: Send + Sync + std::fmt::Debug {
     /// # Errors
     /// There is no room, or the device does not answer.
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure>;
+}
+
+/// A kind of engine of which several, each on a rank of its own, can share the particles of a run.
+pub trait PartKind: EngineKind {
+    /// Whether several of these can share the particles of a model that [`EngineKind::supports`] accepts.
+    ///
+    /// # Errors
+    /// What they cannot do.
+    fn supports_sharing(&self, model: &Model) -> Result<(), Unsupported> {
+        let _ = model;
+        Ok(())
+    }
+
+    /// Name of the engine that all ranks together are, in summaries.
+    fn shared_name(&self) -> &'static str;
+
+    /// Starts the part of this rank: every rank has the same model and all particles, of which it keeps its share.
+    ///
+    /// # Errors
+    /// There are too few particles for so many ranks, there is no room, or a rank is lost. All ranks fail together.
+    fn start_part(
+        &self,
+        model: Arc<Model>,
+        particles: Particles,
+        communicator: Arc<dyn Communicator>,
+    ) -> Result<Box<dyn Part>, RunFailure>;
 }
 
 /// Why an engine cannot run a model.

@@ -25,9 +25,9 @@ mod step;
 pub use contact_laws::ContactLaws;
 pub use cpu::{
     AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_change, check_values,
-    complete_initial_state, heat_of_released, start_part,
+    complete_initial_state, heat_of_released,
 };
-pub use engine::{Engine, EngineKind, InPieces, Part, SearchReport, TimeStepLimit, Unsupported};
+pub use engine::{Engine, EngineKind, InPieces, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;
 pub use heat_clock::HeatClock;
 pub use model::Model;

@@ -8,8 +8,8 @@ mod files;
 pub use archive::SharedArchive;
 pub use files::{Loaded, RankFiles};
 
-use crate::RunFailure;
 use crate::persist::Fixed;
+use crate::{Column, RunFailure};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -170,6 +170,23 @@ impl Ranks {
         to[0] = encoded(own);
         let from = self.exchange(self.to_others(to), &lengths)?;
         if is_first { self.joined(own, &from) } else { Ok(Vec::new()) }
+    }
+
+    /// A field of the particles of all ranks, of which rank `r` has `counts[r]`, on the first rank; nothing on the others. A field that no rank has
+    /// stays empty.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn collect(&self, own: Column<'_>, counts: &[usize]) -> Result<Column<'static>, RunFailure> {
+        let none = vec![0; self.size()];
+        let counts = if own.is_empty() { &none } else { counts };
+        Ok(match own {
+            Column::Scalar(values) => Column::Scalar(self.gather_on_first_rank(&values, counts)?.into()),
+            Column::Integer(values) => Column::Integer(self.gather_on_first_rank(&values, counts)?.into()),
+            Column::Vector(values) => Column::Vector(self.gather_on_first_rank(&values, counts)?.into()),
+            Column::Symmetric(values) => Column::Symmetric(self.gather_on_first_rank(&values, counts)?.into()),
+            Column::Tensor(values) => Column::Tensor(self.gather_on_first_rank(&values, counts)?.into()),
+        })
     }
 
     /// A value of every rank, in their order.

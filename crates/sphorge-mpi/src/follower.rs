@@ -4,7 +4,7 @@ use crate::protocol::Command;
 use sphorge_engine::persist::{Archive, MemoryArchive, Parts};
 use sphorge_engine::ranks::{Communicator, Loaded, RankFiles, Ranks, SharedArchive};
 use sphorge_engine::reduction::ReductionMessage;
-use sphorge_engine::{Engine, Model, Part, RunFailure, StageSeconds, advance, start_part};
+use sphorge_engine::{Cpu, Engine, Model, Part, PartKind, RunFailure, StageSeconds, advance};
 use std::sync::Arc;
 
 /// Follows the first rank until it ends, on as many threads, all of the machine if none are given. `files` reads and writes what this rank has to.
@@ -16,20 +16,39 @@ pub fn follow(
     threads: Option<usize>,
     files: &dyn RankFiles,
 ) -> Result<(), RunFailure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|error| RunFailure::of_engine(format!("there are no threads: {error}")))?;
-    pool.install(|| receive_commands(&communicator, files))
+    follow_with(communicator, threads, &[Arc::new(Cpu)], files)
 }
 
-fn receive_commands(communicator: &Arc<dyn Communicator>, files: &dyn RankFiles) -> Result<(), RunFailure> {
+/// The same with whichever of some kinds of engines the first rank has, by its name.
+///
+/// # Errors
+/// See [`follow`].
+pub fn follow_with(
+    communicator: Arc<dyn Communicator>,
+    threads: Option<usize>,
+    kinds: &[Arc<dyn PartKind>],
+    files: &dyn RankFiles,
+) -> Result<(), RunFailure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|error| RunFailure::of_engine(format!("there are no threads: {error}")))?;
+    pool.install(|| receive_commands(&communicator, kinds, files))
+}
+
+fn receive_commands(
+    communicator: &Arc<dyn Communicator>,
+    kinds: &[Arc<dyn PartKind>],
+    files: &dyn RankFiles,
+) -> Result<(), RunFailure> {
     let ranks = Ranks::new(communicator.clone());
     let mut following = None;
     loop {
         match Command::receive(&ranks)? {
-            Command::Start { name, deck } => {
+            Command::Start { engine, name, deck } => {
                 // A former part goes before there is another one.
                 drop(following.take());
-                following = start(&ranks, communicator, files.load(&name, &deck))?;
+                let kind = kinds.iter().find(|kind| kind.name() == engine).cloned();
+                let loaded = kind.and_then(|kind| Some((kind, files.load(&name, &deck)?)));
+                following = start(&ranks, communicator, loaded)?;
             }
             Command::End => return Ok(()),
             command => {
@@ -44,11 +63,11 @@ fn receive_commands(communicator: &Arc<dyn Communicator>, files: &dyn RankFiles)
 fn start(
     ranks: &Ranks,
     communicator: &Arc<dyn Communicator>,
-    loaded: Option<Loaded>,
+    loaded: Option<(Arc<dyn PartKind>, Loaded)>,
 ) -> Result<Option<Following>, RunFailure> {
     let everyone = !ranks.gather_one(loaded.is_some())?.contains(&false);
-    let Some((model, particles)) = loaded.filter(|_| everyone) else { return Ok(None) };
-    let part = start_part(model.clone(), particles, communicator.clone()).ok();
+    let Some((kind, (model, particles))) = loaded.filter(|_| everyone) else { return Ok(None) };
+    let part = kind.start_part(model.clone(), particles, communicator.clone()).ok();
     Ok(part.map(|part| Following { model, part, kept: None }))
 }
 

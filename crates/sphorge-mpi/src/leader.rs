@@ -7,30 +7,50 @@ use sphorge_engine::persist::{Archive, ArchiveError, Parts, require};
 use sphorge_engine::ranks::{Communicator, Ranks, SharedArchive};
 use sphorge_engine::reduction::{self, Reduction, ReductionMessage};
 use sphorge_engine::{
-    Audit, Column, Cpu, Engine, EngineKind, FieldSource, InPieces, Ledger, Model, Part, Particles, RunFailure,
-    SearchReport, TimeStepLimit, Unsupported, start_part,
+    Audit, Column, Cpu, Engine, EngineKind, FieldSource, InPieces, Ledger, Model, Part, PartKind, Particles,
+    RunFailure, SearchReport, TimeStepLimit, Unsupported,
 };
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The kind of engine that the first of several ranks has. Once it is dropped the others end ([`crate::follow`]).
+/// The kind of engine that the first of several ranks has. Once it and those made of it ([`Leader::with`]) are dropped the others end ([`crate::follow`]).
 #[derive(Debug)]
 pub struct Leader {
-    communicator: Arc<dyn Communicator>,
-    ranks: Ranks,
+    /// What computes on each rank.
+    kind: Arc<dyn PartKind>,
+    crew: Arc<Crew>,
     /// Name and text of the deck that is run.
     deck: Mutex<(String, String)>,
 }
 
+/// The ranks that follow the first one, until nobody leads them any more.
+#[derive(Debug)]
+struct Crew {
+    communicator: Arc<dyn Communicator>,
+    ranks: Ranks,
+}
+
 impl Leader {
-    /// The first of the ranks that a communicator joins.
+    /// The first of the ranks that a communicator joins, which compute on processors.
     pub fn new(communicator: Arc<dyn Communicator>) -> Self {
-        Self { ranks: Ranks::new(communicator.clone()), communicator, deck: Mutex::default() }
+        Self::of(Arc::new(Cpu), communicator)
+    }
+
+    /// The same of ranks that compute on what engines of a kind do.
+    pub fn of(kind: Arc<dyn PartKind>, communicator: Arc<dyn Communicator>) -> Self {
+        let crew = Crew { ranks: Ranks::new(communicator.clone()), communicator };
+        Self { kind, crew: Arc::new(crew), deck: Mutex::default() }
+    }
+
+    /// The same ranks with another kind of engine.
+    #[must_use]
+    pub fn with(&self, kind: Arc<dyn PartKind>) -> Self {
+        Self { kind, crew: self.crew.clone(), deck: Mutex::default() }
     }
 }
 
-impl Drop for Leader {
+impl Drop for Crew {
     fn drop(&mut self) {
         // Where this one is lost in the middle of something, others do not wait for a command. One that is lost is not told.
         if !std::thread::panicking() {
@@ -41,20 +61,20 @@ impl Drop for Leader {
 
 impl EngineKind for Leader {
     fn name(&self) -> &'static str {
-        crate::NAME
+        self.kind.shared_name()
     }
 
     fn saved_as(&self) -> &'static str {
-        Cpu.name()
+        self.kind.name()
     }
 
     fn ranks(&self) -> usize {
-        self.ranks.size()
+        self.crew.ranks.size()
     }
 
-    /// Ranks share whatever one process runs.
-    fn supports(&self, _: &Model) -> Result<(), Unsupported> {
-        Ok(())
+    fn supports(&self, model: &Model) -> Result<(), Unsupported> {
+        self.kind.supports(model)?;
+        self.kind.supports_sharing(model)
     }
 
     fn take_deck(&self, name: &str, deck: &str) {
@@ -63,14 +83,14 @@ impl EngineKind for Leader {
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
         let (name, deck) = self.deck.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        Command::Start { name, deck }.broadcast(&self.ranks)?;
-        if let Some(rank) = self.ranks.gather_one(true)?.iter().position(|loaded| !loaded) {
+        Command::Start { engine: self.kind.name().to_owned(), name, deck }.broadcast(&self.crew.ranks)?;
+        if let Some(rank) = self.crew.ranks.gather_one(true)?.iter().position(|loaded| !loaded) {
             return Err(RunFailure::of_engine(format!(
                 "rank {rank} cannot load the deck that the first one has loaded: less memory, or another version of the program"
             )));
         }
-        let part = start_part(model.clone(), particles, self.communicator.clone())?;
-        Ok(Box::new(LeadingEngine { model, part, ranks: self.ranks.clone(), collected: RefCell::default() }))
+        let part = self.kind.start_part(model.clone(), particles, self.crew.communicator.clone())?;
+        Ok(Box::new(LeadingEngine { model, part, ranks: self.crew.ranks.clone(), collected: RefCell::default() }))
     }
 }
 

@@ -13,11 +13,8 @@ mod process;
 mod protocol;
 mod threads;
 
-pub use follower::follow;
+pub use follower::{follow, follow_with};
 pub use leader::Leader;
 #[cfg(feature = "mpi")]
 pub use process::Processes;
 pub use threads::threads;
-
-/// Name of the engine of ranks, in checkpoints and summaries.
-pub const NAME: &str = "cpu-ranks";

@@ -9,6 +9,8 @@ use sphorge_engine::ranks::Ranks;
 pub(crate) enum Command {
     /// Take over the particles of a deck, with its name.
     Start {
+        /// Name of the engine.
+        engine: String,
         /// Name of the deck.
         name: String,
         /// Its text.
@@ -38,35 +40,35 @@ pub(crate) enum Command {
     End,
 }
 
-/// Kind, number, lengths of two texts or other bytes.
-type Header = (u8, (f64, [usize; 2]));
+/// Kind, number, lengths of three texts or other bytes.
+type Header = (u8, (f64, [usize; 3]));
 
 impl Command {
     /// Kind, number and texts.
-    fn parts(&self) -> (u8, f64, [&[u8]; 2]) {
+    fn parts(&self) -> (u8, f64, [&[u8]; 3]) {
         match self {
-            Self::Start { name, deck } => (0, 0.0, [name.as_bytes(), deck.as_bytes()]),
-            Self::Step(dt) => (1, *dt, [&[], &[]]),
-            Self::Ledger => (2, 0.0, [&[], &[]]),
-            Self::Collect(field) => (3, 0.0, [field.as_bytes(), &[]]),
-            Self::Save => (4, 0.0, [&[], &[]]),
-            Self::Load => (5, 0.0, [&[], &[]]),
-            Self::End => (6, 0.0, [&[], &[]]),
+            Self::Start { engine, name, deck } => (0, 0.0, [engine.as_bytes(), name.as_bytes(), deck.as_bytes()]),
+            Self::Step(dt) => (1, *dt, [&[], &[], &[]]),
+            Self::Ledger => (2, 0.0, [&[], &[], &[]]),
+            Self::Collect(field) => (3, 0.0, [field.as_bytes(), &[], &[]]),
+            Self::Save => (4, 0.0, [&[], &[], &[]]),
+            Self::Load => (5, 0.0, [&[], &[], &[]]),
+            Self::End => (6, 0.0, [&[], &[], &[]]),
             // Exact: there are not so many.
-            Self::Section(section) => (7, *section as f64, [&[], &[]]),
-            Self::SaveParts(Parts::Memory) => (8, 0.0, [&[], &[]]),
-            Self::SaveParts(Parts::Files(files)) => (9, 0.0, [files.as_bytes(), &[]]),
-            Self::LoadParts(Parts::Memory) => (10, 0.0, [&[], &[]]),
-            Self::LoadParts(Parts::Files(files)) => (11, 0.0, [files.as_bytes(), &[]]),
-            Self::Write(request) => (12, 0.0, [request.as_bytes(), &[]]),
-            Self::Reduce(message) => (13, 0.0, [message, &[]]),
+            Self::Section(section) => (7, *section as f64, [&[], &[], &[]]),
+            Self::SaveParts(Parts::Memory) => (8, 0.0, [&[], &[], &[]]),
+            Self::SaveParts(Parts::Files(files)) => (9, 0.0, [files.as_bytes(), &[], &[]]),
+            Self::LoadParts(Parts::Memory) => (10, 0.0, [&[], &[], &[]]),
+            Self::LoadParts(Parts::Files(files)) => (11, 0.0, [files.as_bytes(), &[], &[]]),
+            Self::Write(request) => (12, 0.0, [request.as_bytes(), &[], &[]]),
+            Self::Reduce(message) => (13, 0.0, [message, &[], &[]]),
         }
     }
 
-    fn of(kind: u8, number: f64, [first, second]: [Vec<u8>; 2]) -> Option<Self> {
+    fn of(kind: u8, number: f64, [first, second, third]: [Vec<u8>; 3]) -> Option<Self> {
         let text = |bytes| String::from_utf8(bytes).ok();
         Some(match kind {
-            0 => Self::Start { name: text(first)?, deck: text(second)? },
+            0 => Self::Start { engine: text(first)?, name: text(second)?, deck: text(third)? },
             1 => Self::Step(number),
             2 => Self::Ledger,
             3 => Self::Collect(text(first)?),
@@ -105,7 +107,7 @@ impl Command {
         };
         let bytes = ranks.broadcast(&[], Header::SIZE)?;
         let (kind, (number, lengths)) = Header::read(&bytes).ok_or_else(unknown)?;
-        let mut texts = [Vec::new(), Vec::new()];
+        let mut texts = [Vec::new(), Vec::new(), Vec::new()];
         for (text, length) in texts.iter_mut().zip(lengths).filter(|(_, length)| *length > 0) {
             *text = ranks.broadcast(&[], length)?;
         }
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_broadcast_command_is_received() {
-        let start = Command::Start { name: "a".to_owned(), deck: "title = \"A\"".to_owned() };
+        let start = Command::Start { engine: "cpu".to_owned(), name: "a".to_owned(), deck: "title = \"A\"".to_owned() };
         let told = [
             start,
             Command::Step(-0.1),

@@ -343,16 +343,7 @@ impl<T: PairScalar> Part for CpuEngine<T> {
     fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
         let column = self.field(field)?;
         let Some(domain) = &self.domain else { return Ok(column.into_owned()) };
-        // A column that the form of the sums does not have is empty on all ranks.
-        let counts = if column.is_empty() { vec![0; domain.ranks.size()] } else { domain.counts() };
-        let ranks = &domain.ranks;
-        Ok(match column {
-            Column::Scalar(values) => Column::Scalar(ranks.gather_on_first_rank(&values, &counts)?.into()),
-            Column::Integer(values) => Column::Integer(ranks.gather_on_first_rank(&values, &counts)?.into()),
-            Column::Vector(values) => Column::Vector(ranks.gather_on_first_rank(&values, &counts)?.into()),
-            Column::Symmetric(values) => Column::Symmetric(ranks.gather_on_first_rank(&values, &counts)?.into()),
-            Column::Tensor(values) => Column::Tensor(ranks.gather_on_first_rank(&values, &counts)?.into()),
-        })
+        domain.ranks.collect(column, &domain.counts())
     }
 
     fn section_force(&self, section: usize) -> Result<Vec<f64>, RunFailure> {
@@ -373,11 +364,8 @@ impl<T: PairScalar> Part for CpuEngine<T> {
     }
 }
 
-/// Starts this rank's part of a run on the CPU: every rank has the same model and particles, of which it keeps its share.
-///
-/// # Errors
-/// There are too few particles for so many ranks, or a rank is lost.
-pub fn start_part(
+/// Starts this rank's part of a run on the CPU.
+pub(super) fn start_part(
     model: Arc<Model>,
     particles: Particles,
     communicator: Arc<dyn Communicator>,

@@ -42,18 +42,18 @@ mod walls;
 
 pub use conduction_table::ConductionTable;
 pub use contact::heat_of_released;
-pub use domain::start_part;
 pub use guard::{check as check_values, check_change};
 pub use initial::complete_initial_state;
 pub use search::{AuditedRow, ContactCandidates, SearchedMaterial, audit_of};
 
-use crate::engine::{Engine, EngineKind, SearchReport, TimeStepLimit, Unsupported};
+use crate::engine::{Engine, EngineKind, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{Arrival, FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
 use crate::model::{Integrator, Model, Precision};
 use crate::neighbors::range_of;
 use crate::particles::{Column, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count};
+use crate::ranks::Communicator;
 use crate::reduction::{self, Reduction};
 use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
@@ -99,6 +99,21 @@ impl EngineKind for Cpu {
             Precision::Mixed => Box::new(CpuEngine::<f32>::new(model, particles, halo, None, smoothing_lengths)?),
             Precision::Double => Box::new(CpuEngine::<f64>::new(model, particles, halo, None, smoothing_lengths)?),
         })
+    }
+}
+
+impl PartKind for Cpu {
+    fn shared_name(&self) -> &'static str {
+        "cpu-ranks"
+    }
+
+    fn start_part(
+        &self,
+        model: Arc<Model>,
+        particles: Particles,
+        communicator: Arc<dyn Communicator>,
+    ) -> Result<Box<dyn Part>, RunFailure> {
+        domain::start_part(model, particles, communicator)
     }
 }
 
