@@ -12,7 +12,7 @@ pub(crate) fn engines(device: Option<&str>) -> Vec<Arc<dyn EngineKind>> {
     vec![
         Arc::new(Cpu),
         #[cfg(feature = "gpu")]
-        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned), profile: None }),
+        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned), number: 0, profile: None }),
     ]
 }
 
@@ -135,7 +135,7 @@ fn of_card(device: Option<&str>) -> Result<KernelTimes, Failure> {
         times.into_iter().map(row).collect()
     };
     let clock = KernelClock {
-        engine: Arc::new(Gpu { device: device.map(str::to_owned), profile: Some(profile) }),
+        engine: Arc::new(Gpu { device: device.map(str::to_owned), number: 0, profile: Some(profile) }),
         clear: Arc::new(move || clearing.clear()),
         take: Arc::new(take),
     };

@@ -24,8 +24,8 @@ mod step;
 
 pub use contact_laws::ContactLaws;
 pub use cpu::{
-    AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_change, check_values,
-    complete_initial_state, heat_of_released,
+    AuditedRow, ConductionTable, ContactCandidates, Cpu, SearchedMaterial, audit_of, check_values,
+    complete_initial_state, heat_of_released, largest_change,
 };
 pub use engine::{Engine, EngineKind, InPieces, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
 pub use failure::RunFailure;

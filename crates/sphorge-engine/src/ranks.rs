@@ -3,9 +3,11 @@
 //! A [`Communicator`] carries bytes between them. Every call is collective: all ranks make it, in the same order.
 
 mod archive;
+mod fault;
 mod files;
 
 pub use archive::SharedArchive;
+pub use fault::StepFault;
 pub use files::{Loaded, RankFiles};
 
 use crate::persist::Fixed;

@@ -6,7 +6,6 @@
 //! of ranks, to the bit.
 
 use super::common_points::CommonPoints;
-use super::guard::Fault;
 use super::relocation::Relocation;
 use super::smoothing::least_searched;
 use super::{CpuEngine, balance};
@@ -15,13 +14,12 @@ use crate::halo::{Images, Remote};
 use crate::lanes::PairScalar;
 use crate::model::{Model, Precision};
 use crate::neighbors::{BLOCK, DisplacementBound, NeighborList, Reach, range_of};
-use crate::particles::{COLUMNS, Column, Particles};
+use crate::particles::{Column, Particles};
 use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Communicator, Ranks};
 use crate::reduction::{FieldSource, Reduction};
 use crate::{LimitReason, RunFailure};
 use sphorge_physics::Vector;
-use sphorge_physics::flow::FLOW_LAWS;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -211,56 +209,6 @@ impl Share {
         };
         Ok(self.ranks.gather_one((low, high))?.into_iter().fold((low, high), wider))
     }
-
-    /// The failure that one rank would meet first or worst, of those that ranks have met.
-    pub(super) fn agree(&self, own: Option<Fault>) -> Result<(), RunFailure> {
-        let rank_of =
-            |fault: &Option<Fault>| fault.as_ref().map_or((0, 0.0), |fault| (fault.severity(), fault.excess()));
-        let faults = self.ranks.gather_one::<(u8, f64)>(rank_of(&own))?;
-        let mut worst: Option<(usize, (u8, f64))> = None;
-        for (rank, fault) in faults.into_iter().enumerate().filter(|(_, fault)| fault.0 > 0) {
-            let is_worse =
-                |(_, other): (usize, (u8, f64))| fault.0 > other.0 || fault.0 == other.0 && fault.1 > other.1;
-            if worst.is_none_or(is_worse) {
-                worst = Some((rank, fault));
-            }
-        }
-        let Some((rank, _)) = worst else { return Ok(()) };
-        let bytes = own.map_or_else(Vec::new, |fault| failure_bytes(&fault.failure));
-        let bytes = self.ranks.broadcast_from(rank, &bytes)?;
-        Err(failure_of(&bytes).unwrap_or_else(|| RunFailure::of_engine(format!("rank {rank} has failed"))))
-    }
-}
-
-/// A failure of a particle as bytes.
-fn failure_bytes(failure: &RunFailure) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    failure.particle.write(&mut bytes);
-    failure.body.write(&mut bytes);
-    failure.position.write(&mut bytes);
-    failure.step_may_be_smaller.write(&mut bytes);
-    failure.field.len().write(&mut bytes);
-    bytes.extend_from_slice(failure.field.as_bytes());
-    bytes.extend_from_slice(failure.message.as_bytes());
-    bytes
-}
-
-fn failure_of(bytes: &[u8]) -> Option<RunFailure> {
-    let mut at = 0;
-    let mut take = |length: usize| {
-        at += length;
-        bytes.get(at - length..at)
-    };
-    let particle = Fixed::read(take(<Option<u32>>::SIZE)?)?;
-    let body = Fixed::read(take(<Option<u32>>::SIZE)?)?;
-    let position = Fixed::read(take(<Option<[f64; 3]>>::SIZE)?)?;
-    let step_may_be_smaller = Fixed::read(take(bool::SIZE)?)?;
-    let length = usize::read(take(usize::SIZE)?)?;
-    let name = std::str::from_utf8(take(length)?).ok()?;
-    let message = std::str::from_utf8(bytes.get(at..)?).ok()?.to_owned();
-    let histories = FLOW_LAWS.iter().flat_map(|law| law.history).map(|variable| variable.name);
-    let field = COLUMNS.iter().map(|column| column.name).chain(histories).find(|known| *known == name)?;
-    Some(RunFailure { field, particle, body, position, step_may_be_smaller, ..RunFailure::of_engine(message) })
 }
 
 impl<T: PairScalar> CpuEngine<T> {

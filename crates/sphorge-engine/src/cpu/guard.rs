@@ -2,6 +2,7 @@
 
 use crate::RunFailure;
 use crate::particles::Particles;
+use crate::ranks::StepFault;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 use sphorge_physics::step_control::{Changed, StepChange};
@@ -32,46 +33,14 @@ pub fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
     Err(RunFailure { field, step_may_be_smaller, ..of_particle(p, i, message) })
 }
 
-/// A failure of a step, and how it compares with those of other ranks.
-pub(super) struct Fault {
-    pub(super) failure: RunFailure,
-    /// Change over the change allowed; nothing where a value is wrong.
-    changed: Option<f64>,
-}
-
-impl Fault {
-    /// A value that is wrong goes before one that has changed too much.
-    pub(super) fn severity(&self) -> u8 {
-        if self.changed.is_some() { 1 } else { 2 }
-    }
-
-    /// The larger the worse; of equals the first particle fails.
-    pub(super) fn excess(&self) -> f64 {
-        self.changed.unwrap_or(0.0)
-    }
-
-    /// A value that is wrong.
-    pub(super) fn wrong(failure: RunFailure) -> Self {
-        Self { failure, changed: None }
-    }
-}
-
 fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
     let (particle, body) = (Some(p.id[i]), Some(p.body[i]));
     RunFailure { particle, body, position: last_place(p, i), ..RunFailure::of_engine(message) }
 }
 
-/// Names the particle that a step of size `dt` (s) has changed most, if that is more than is allowed; `speeds` are the sound speeds of the
-/// materials at rest, m/s.
-///
-/// # Errors
-/// A step that was too large, with the particle and what has changed.
-pub fn check_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Result<(), RunFailure> {
-    largest_change(limits, p, speeds, dt).map_or(Ok(()), |fault| Err(fault.failure))
-}
-
-/// The change that [`check_change`] tells of.
-pub(super) fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Option<Fault> {
+/// Names the particle that a step of size `dt` (s) has changed most, and what of it, if that is more than is allowed; `speeds` are the sound speeds of
+/// the materials at rest, m/s.
+pub fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Option<StepFault> {
     let change = |i: usize| {
         // What a driven particle is pushed with does not move it.
         let is_driven = p.motion.get(i).is_some_and(|&motion| motion > 0);
@@ -103,7 +72,7 @@ pub(super) fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64],
     };
     let message = format!("{what} in one step, more than the {limit:?} of `time.step-control`");
     let failure = RunFailure { field, step_may_be_smaller: true, ..of_particle(p, i, message) };
-    Some(Fault { failure, changed: Some(ratio) })
+    Some(StepFault::changed(failure, ratio))
 }
 
 /// Where a particle was last. What moves it is guarded, so that only the end of a predictor–corrector step can lose its place within the step;
@@ -174,7 +143,9 @@ mod tests {
         let mut p = particles(4);
         p.id.copy_from_slice(&[5, 6, 7, 8]);
         p.smoothing_length.fill(2.0);
-        let check = |p: &Particles| check_change(&StepChange::DEFAULT, p, &[10.0], 0.5);
+        let check = |p: &Particles| {
+            largest_change(&StepChange::DEFAULT, p, &[10.0], 0.5).map_or(Ok(()), |fault| Err(fault.failure))
+        };
         // 0.08, 0.16 and 0.12 smoothing lengths.
         for (k, a) in [0.64, 1.28, 0.96].into_iter().enumerate() {
             p.acceleration[k] = [0.0, -a, 0.0];

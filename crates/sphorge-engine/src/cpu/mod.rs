@@ -42,7 +42,7 @@ mod walls;
 
 pub use conduction_table::ConductionTable;
 pub use contact::heat_of_released;
-pub use guard::{check as check_values, check_change};
+pub use guard::{check as check_values, largest_change};
 pub use initial::complete_initial_state;
 pub use search::{AuditedRow, ContactCandidates, SearchedMaterial, audit_of};
 
@@ -53,7 +53,7 @@ use crate::model::{Integrator, Model, Precision};
 use crate::neighbors::range_of;
 use crate::particles::{Column, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count};
-use crate::ranks::Communicator;
+use crate::ranks::{Communicator, StepFault};
 use crate::reduction::{self, Reduction};
 use crate::{Audit, Ledger, RunFailure};
 use conduction::HeatFlow;
@@ -61,7 +61,7 @@ use contact::BodyContacts;
 use domain::Domain;
 use formulation::Formulation;
 use ghosts::Ghosts;
-use guard::Fault;
+
 use inner::{InnerBlocks, Rows};
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
@@ -431,7 +431,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     }
 
     fn guard(&self) -> Result<(), RunFailure> {
-        let wrong = guard::check(&self.particles, self.model.thermal.is_cooled()).map_err(Fault::wrong).err();
+        let wrong = guard::check(&self.particles, self.model.thermal.is_cooled()).map_err(StepFault::wrong).err();
         let fault = wrong.or_else(|| match &self.model.time.step_control {
             Some(control) if self.step.dt > 0.0 && self.model.thermal.mechanics => {
                 guard::largest_change(&control.largest, &self.particles, &self.sound_speeds, self.step.dt)
@@ -439,7 +439,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             _ => None,
         });
         match &self.domain {
-            Some(domain) => domain.agree(fault),
+            Some(domain) => domain.ranks.fail_together(fault),
             None => fault.map_or(Ok(()), |fault| Err(fault.failure)),
         }
     }

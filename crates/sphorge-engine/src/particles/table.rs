@@ -162,7 +162,7 @@ macro_rules! columns {
             }
 
             /// Keeps some particles, which have no history yet.
-            pub(crate) fn keep(&mut self, kept: std::ops::Range<usize>) {
+            pub fn keep(&mut self, kept: std::ops::Range<usize>) {
                 $( if !self.$name.is_empty() { self.$name = self.$name[kept.clone()].to_vec(); } )+
             }
 

@@ -124,8 +124,17 @@ impl Card {
     /// # Errors
     /// There is none, or it does not open.
     pub fn open(asked: Option<&str>) -> Result<Self, CardFault> {
+        Self::open_number(asked, 0)
+    }
+
+    /// The same of a number among those that are asked for and are like the first of them, from the first again where there are fewer.
+    ///
+    /// # Errors
+    /// See [`Self::open`].
+    pub fn open_number(asked: Option<&str>, number: usize) -> Result<Self, CardFault> {
         let (candidates, missing) = candidates();
-        let chosen = choose(asked, candidates, &missing).map_err(|(what, help)| CardFault::NotFound { what, help })?;
+        let chosen =
+            choose(asked, number, candidates, &missing).map_err(|(what, help)| CardFault::NotFound { what, help })?;
         let mut found = chosen.found().clone();
         let way = match &chosen {
             Candidate::Cuda(candidate) => Way::Cuda(candidate.open()?),

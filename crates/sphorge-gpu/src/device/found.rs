@@ -155,19 +155,29 @@ pub fn find() -> Survey {
     Survey { cards: candidates.iter().map(|candidate| candidate.found().clone()).collect(), missing }
 }
 
-/// The first that is called so, or the first of all.
+/// Of cards that are alike to the first, which stands at `first` among all, the place of the one of a number, from the first again where there are fewer.
+fn alike(all: &[&Found], first: usize, number: usize) -> usize {
+    let like = |card: &&Found| card.interface == all[first].interface && card.is_software == all[first].is_software;
+    let places: Vec<usize> = (first..all.len()).filter(|k| like(&all[*k])).collect();
+    places[number % places.len()]
+}
+
+/// The first that is called so, or the first of all; or, of those that are called so and alike, the one of a number.
 ///
 /// # Errors
 /// What was looked for and the way out.
 pub(super) fn choose(
     asked: Option<&str>,
+    number: usize,
     candidates: Vec<Candidate>,
     missing: &[Missing],
 ) -> Result<Candidate, (String, String)> {
     let names: Vec<_> = candidates.iter().map(|candidate| candidate.found().title()).collect();
     let is_asked = |candidate: &Candidate| asked.is_none_or(|words| candidate.found().is_called(words));
-    if let Some(chosen) = candidates.into_iter().find(is_asked) {
-        return Ok(chosen);
+    let mut called: Vec<Candidate> = candidates.into_iter().filter(is_asked).collect();
+    if !called.is_empty() {
+        let place = alike(&called.iter().map(Candidate::found).collect::<Vec<_>>(), 0, number);
+        return Ok(called.swap_remove(place));
     }
     let in_the_way = missing.iter().map(|of| format!("{}: {} ({})", of.interface, of.why, of.cure));
     let in_the_way = in_the_way.collect::<Vec<_>>().join("; ");
@@ -197,6 +207,20 @@ mod tests {
         for words in ["vulkan", "cuda radeon", "h200"] {
             assert!(!card.is_called(words), "{words}");
         }
+    }
+
+    #[test]
+    fn ranks_take_cards_that_are_alike_in_turn() {
+        let all = [
+            card("H200", Interface::Cuda, false),
+            card("H200", Interface::Cuda, false),
+            card("H200", Interface::Vulkan, false),
+            card("llvmpipe", Interface::Vulkan, true),
+        ];
+        let all: Vec<&Found> = all.iter().collect();
+        assert_eq!([0, 1, 2, 3].map(|number| alike(&all, 0, number)), [0, 1, 0, 1]);
+        assert_eq!([0, 1].map(|number| alike(&all, 2, number)), [2, 2]);
+        assert_eq!(alike(&all, 3, 5), 3);
     }
 
     #[test]

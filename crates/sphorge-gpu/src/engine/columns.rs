@@ -1,11 +1,13 @@
 //! The columns of the particles on a card, and kernels that name the columns they touch.
 
 use crate::device::{Array, Card, CardFault, Launch};
-use crate::record::{Counters, Index, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope};
+use crate::record::{
+    Counters, Element, Index, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope,
+};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
 /// A column or several, one after the other; numbers that a step adds to have what rounding left of them in a column of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Group {
     /// Position, m, and its rest.
     Place,
@@ -119,6 +121,8 @@ pub(super) enum Group {
     SearchedAt,
     /// The same when contact candidates were found, and one for each of them.
     FoundAt,
+    /// The same when ghosts were chosen.
+    GhostsAt,
     Candidates,
     /// Rows whose neighbours were searched, and which have gained or lost one.
     Patched,
@@ -147,6 +151,101 @@ pub(super) enum Group {
     Sorted,
     /// Cells around a cell, three steps each.
     Around,
+    /// Where particles are shared with other cards: whom others read, in the order of the cards; what is sent to them of these, and what has come for the
+    /// ghosts here, particle by particle.
+    Sends,
+    Sent,
+    Received,
+}
+
+impl Group {
+    /// What each of its columns has for every particle, which ghosts may take over; nothing where rows are no particles.
+    pub(super) fn of_particles(self) -> Option<Element> {
+        match self {
+            Self::Place
+            | Self::BasePlace
+            | Self::Velocity
+            | Self::BaseVelocity
+            | Self::Evaluated
+            | Self::Ahead
+            | Self::Density
+            | Self::BaseDensity
+            | Self::Restored
+            | Self::Gradient
+            | Self::Weight
+            | Self::Energy
+            | Self::Rates
+            | Self::External
+            | Self::Deviator
+            | Self::Pressure
+            | Self::Plastic
+            | Self::History
+            | Self::Temperature
+            | Self::Packed
+            | Self::Constants
+            | Self::Accounts
+            | Self::Walls
+            | Self::Audit
+            | Self::Limits
+            | Self::Reference
+            | Self::Earlier
+            | Self::Correction
+            | Self::CorrectedStress
+            | Self::Deformation
+            | Self::Stretch
+            | Self::FaceStress
+            | Self::Outward
+            | Self::Standing
+            | Self::Overlap
+            | Self::Contact
+            | Self::Meetings
+            | Self::Heat
+            | Self::Boundaries
+            | Self::Rows
+            | Self::SearchedAt
+            | Self::FoundAt
+            | Self::GhostsAt
+            | Self::Candidates
+            | Self::StrainCorrection
+            | Self::Section(_) => Some(Element::Number),
+            Self::Body | Self::Motion | Self::Touched | Self::Patched => Some(Element::Whole),
+            Self::Surface
+            | Self::ContactLaws
+            | Self::HeatLaws
+            | Self::HeatExtremes
+            | Self::Extremes
+            | Self::ExtremesLeft(_)
+            | Self::Apart
+            | Self::ListStarts
+            | Self::List
+            | Self::Kept
+            | Self::Stored
+            | Self::Ways
+            | Self::WaysLeft(_)
+            | Self::Step
+            | Self::Members(_)
+            | Self::CellCounts
+            | Self::Slots
+            | Self::CellStarts
+            | Self::ChunkStarts
+            | Self::Unsorted
+            | Self::Sorted
+            | Self::Around
+            | Self::Sends
+            | Self::Sent
+            | Self::Received => None,
+        }
+    }
+}
+
+impl Group {
+    /// Whether what it holds is neither of particles nor as long as columns are, and stays where these are made longer.
+    pub(super) fn outlasts_columns(self) -> bool {
+        matches!(
+            self,
+            Self::Surface | Self::Members(_) | Self::ListStarts | Self::List | Self::Apart | Self::Step | Self::Sends
+        )
+    }
 }
 
 /// A group that a kernel reads.
@@ -359,6 +458,10 @@ impl Columns {
 
     pub(super) fn remove(&mut self, group: Group) {
         self.arrays.retain(|(of, _)| *of != group);
+    }
+
+    pub(super) fn into_all(self) -> impl Iterator<Item = (Group, Array)> {
+        self.arrays.into_iter()
     }
 
     pub(super) fn array(&self, group: Group) -> Option<&Array> {

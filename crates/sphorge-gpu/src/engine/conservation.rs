@@ -74,7 +74,7 @@ impl GpuEngine {
         let number = self.model.sections.iter().position(|of| of == section);
         let number = number.ok_or_else(|| failure(format!("no section `{}`", section.name)))?;
         if !self.sums_sections_with_forces() {
-            self.card.launch(&self.stages.sections[number]);
+            self.launch(&self.stages.sections[number])?;
         }
         let numbers = read(&self.card, &self.columns, Group::Section(number))?;
         let sum = |a: usize| numbers[a * self.stride..(a + 1) * self.stride].iter().map(|f| f64::from(*f)).sum();

@@ -5,6 +5,7 @@ use super::kernels::conduction::{BEYOND, EXTREMES};
 use super::kernels::limits::CHUNK;
 use super::snapshot::read;
 use super::{GpuEngine, failure};
+use sphorge_engine::ranks::StepFault;
 use sphorge_engine::{LimitReason, RunFailure, TimeStepLimit, check_values};
 
 impl GpuEngine {
@@ -16,7 +17,7 @@ impl GpuEngine {
     /// Sums the flow of heat again where that is due.
     pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
         let Some(mut clock) = self.heat.filter(|clock| clock.is_due(&self.model)) else { return Ok(()) };
-        self.card.launch(&self.stages.sum_heat);
+        self.launch(&self.stages.sum_heat)?;
         clock.start();
         clock.limit = self.read_heat_extremes()?;
         self.heat = Some(clock);
@@ -27,7 +28,7 @@ impl GpuEngine {
     pub(super) fn flow_heat(&mut self) -> Result<(), RunFailure> {
         let Some(clock) = &mut self.heat else { return Ok(()) };
         clock.advance(self.dt);
-        self.card.launch(&self.stages.flow_heat);
+        self.launch(&self.stages.flow_heat)?;
         // Beside mechanics values are guarded with all others, and nothing but a flux cools below zero.
         if self.is_idle() || self.model.thermal.is_cooled() {
             self.read_heat_extremes()?;
@@ -37,14 +38,20 @@ impl GpuEngine {
 
     /// The least limit, s; notes the least temperature.
     fn read_heat_extremes(&mut self) -> Result<f64, RunFailure> {
-        self.card.launch(&self.stages.heat_extremes);
+        self.launch(&self.stages.heat_extremes)?;
         let numbers = read(&self.card, &self.columns, Group::HeatExtremes)?;
         let chunks = self.stride / CHUNK;
         let of = |k: usize| numbers[k * chunks..(k + 1) * chunks].iter().map(|number| f64::from(*number));
         debug_assert_eq!(numbers.len(), EXTREMES * chunks);
         let is_broken = of(2).any(|broken| broken > 0.0);
-        self.coldest = if is_broken { f64::NAN } else { of(1).fold(f64::INFINITY, f64::min) };
-        let limit = of(0).fold(f64::INFINITY, f64::min);
+        let of_rank = [
+            f64::from(u8::from(is_broken)),
+            -of(1).fold(f64::INFINITY, f64::min),
+            -of(0).fold(f64::INFINITY, f64::min),
+        ];
+        let [broken, coldest, limit] = self.largest_of_ranks(of_rank)?;
+        self.coldest = if broken > 0.0 { f64::NAN } else { -coldest };
+        let limit = -limit;
         Ok(if limit < BEYOND { limit } else { f64::INFINITY })
     }
 
@@ -54,7 +61,8 @@ impl GpuEngine {
         if self.heat.is_none() || self.coldest >= 0.0 || !self.coldest.is_nan() && !is_cooled {
             return Ok(());
         }
-        check_values(&self.snapshot()?.particles, is_cooled)?;
+        let wrong = check_values(&self.snapshot()?.particles, is_cooled).map_err(StepFault::wrong).err();
+        self.fail_together(wrong)?;
         Err(failure("a temperature is not finite"))
     }
 

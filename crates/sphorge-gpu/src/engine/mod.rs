@@ -10,8 +10,10 @@ mod heat;
 mod kernels;
 mod lists;
 mod plan;
+mod ranks;
 mod renewal;
 mod room;
+mod saved;
 mod search;
 mod snapshot;
 mod start;
@@ -23,7 +25,10 @@ pub use start::{KernelText, kernel_texts};
 
 use crate::device::{Card, Launch, Profile};
 use columns::Columns;
+use kernels::grid::Grid;
 use plan::Plan;
+use ranks::Domain;
+use ranks::touched::Touched;
 use search::Kept;
 use snapshot::Snapshot;
 use sphorge_engine::{Engine, EngineKind, HeatClock, Model, Particles, RunFailure, Unsupported};
@@ -35,6 +40,8 @@ use std::sync::Arc;
 pub struct Gpu {
     /// Words of the name and the interface of the card; the best there is if nothing is asked for.
     pub device: Option<String>,
+    /// Which of those that are like it, from zero on, and from the first again where there are fewer.
+    pub number: usize,
     /// Where times of kernels go: with it, each is waited for by itself.
     pub profile: Option<Profile>,
 }
@@ -51,8 +58,10 @@ mod step_numbers {
     pub(super) const ROOM: u32 = 5;
     /// Number of the step.
     pub(super) const NUMBER: u32 = 6;
+    /// Where particles are shared: the first ghost whose place in the common order is before those of the own particles.
+    pub(super) const GHOSTS_BEFORE: u32 = 7;
     /// The first wall.
-    pub(super) const WALLS: u32 = 7;
+    pub(super) const WALLS: u32 = 8;
     /// Displacement, m, and velocity, m/s, of a wall.
     pub(super) const WALL_LENGTH: u32 = 6;
     /// Of a prescribed motion: one along each axis where it holds, velocities at the middle and at the end of the step, m/s.
@@ -69,41 +78,56 @@ mod step_numbers {
     }
 }
 
+/// A kernel that is launched in a step, and what it has to do with columns of particles; nothing is known of that on one card.
+struct Staged {
+    launch: Launch,
+    touched: Touched,
+}
+
+/// Kernels that are launched one after the other.
+type Stage = Vec<Staged>;
+
 /// Kernels of a step, in groups that are launched together.
+#[derive(Default)]
 struct Stages {
     /// Of bodies that come apart the reference configuration of now.
-    renew: Vec<Launch>,
-    begin: Vec<Launch>,
+    renew: Stage,
+    /// Lists of the reference configuration: before their lengths are known, and when there is room for them.
+    count_lists: Stage,
+    fill_lists: Stage,
+    /// Where particles are shared: how far they have moved since ghosts were chosen.
+    ghost_ways: Stage,
+    begin: Stage,
     /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
-    wrap: Vec<Launch>,
-    sorting: Vec<Launch>,
+    wrap: Stage,
+    sorting: Stage,
     /// Where lists are kept: how far particles have moved, and the search.
-    ways: Vec<Launch>,
-    search: Vec<Launch>,
+    ways: Stage,
+    search: Stage,
     /// In adaptive search: who is searched, and their search.
-    mark: Vec<Launch>,
-    search_marked: Vec<Launch>,
+    mark: Stage,
+    search_marked: Stage,
     /// What the lists miss.
-    audit: Vec<Launch>,
-    gradients: Vec<Launch>,
+    audit: Stage,
+    gradients: Stage,
     /// The same with the corrections of the strain that the guard counts, where these are due now and then.
-    corrected_gradients: Vec<Launch>,
+    corrected_gradients: Stage,
     /// Where forces are evaluated elsewhere than gradients, which are corrected.
-    correct: Vec<Launch>,
+    correct: Stage,
     /// Moving least squares, where they are due now and then.
-    restore: Vec<Launch>,
+    restore: Stage,
     /// Walls and gravity.
-    push: Vec<Launch>,
-    stress: Vec<Launch>,
-    forces: Vec<Launch>,
+    push: Stage,
+    stress: Stage,
+    forces: Stage,
     /// The end of the step, and what it changed.
-    finish: Vec<Launch>,
+    finish: Stage,
     /// Of each section the force through it.
-    sections: Vec<Vec<Launch>>,
+    sections: Vec<Stage>,
     /// The flow of heat: its sums where they are due, what flows, and the extremes of both.
-    sum_heat: Vec<Launch>,
-    flow_heat: Vec<Launch>,
-    heat_extremes: Vec<Launch>,
+    sum_heat: Stage,
+    flow_heat: Stage,
+    heat_extremes: Stage,
 }
 
 /// An engine on a card.
@@ -112,13 +136,18 @@ struct GpuEngine {
     card: Card,
     columns: Columns,
     plan: Plan,
+    grid: Grid,
     stages: Stages,
     kept: Kept,
     /// By body, whether its reference configuration has been renewed.
     has_come_apart: Vec<bool>,
-    /// The particles as they came: ids, bodies, masses.
+    /// The particles of this card as they came, in their common order: ids, bodies, masses.
     initial: Particles,
-    /// Particles, rounded up to whole chunks: the length of the columns.
+    /// The share of this rank, where there are others.
+    domain: Option<Domain>,
+    /// Of the particles of the surface those that are no ghosts.
+    own_surface: Vec<u32>,
+    /// Particles and room for ghosts, rounded up to whole chunks: the length of the columns.
     stride: usize,
     /// Steps begun.
     steps: u32,
@@ -145,7 +174,7 @@ impl EngineKind for Gpu {
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        let engine = GpuEngine::new(model, particles, self)?;
+        let engine = GpuEngine::new(model, particles, self, None)?;
         Ok(Box::new(engine))
     }
 }

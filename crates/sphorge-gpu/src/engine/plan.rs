@@ -8,6 +8,7 @@ use super::kernels::{
     audit, conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reduce,
     reference, reference_forces, smoothing, stress, walls, wrap,
 };
+use super::ranks::wears_out;
 use super::search::WAYS_TOGETHER;
 use crate::record::KernelFault;
 use grid::{Grid, Sorted, SortingThreads};
@@ -19,8 +20,18 @@ use sphorge_physics::Dimension;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Threads {
     Of(usize),
-    /// As many as the surface has particles, which is known when lists are made.
+    /// As many as there are particles and ghosts on this card.
+    OfAllHere,
+    /// As many as the surface has particles, which is known when lists are made; and with ghosts among them.
     OfSurface,
+    OfSurfaceHere,
+}
+
+/// How long columns are, and whether ghosts are behind the particles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rows {
+    pub(super) stride: usize,
+    pub(super) are_shared: bool,
 }
 
 /// A kernel with the number of its threads.
@@ -30,12 +41,12 @@ pub(super) struct Planned {
 }
 
 /// The kernels that sort into cells, where so many threads sort.
-fn sorting(grid: &Grid, stride: usize, of: Sorted, threads: Threads) -> Result<Vec<Planned>, KernelFault> {
+fn sorting(grid: &Grid, rows: Rows, of: Sorted, threads: Threads) -> Result<Vec<Planned>, KernelFault> {
     let planned = |(kernel, of)| match of {
         SortingThreads::Of(count) => Planned { kernel, threads: Threads::Of(count) },
         SortingThreads::OfSorted => Planned { kernel, threads },
     };
-    Ok(grid::sorting(grid, stride, of)?.into_iter().map(planned).collect())
+    Ok(grid::sorting(grid, rows.stride, of, rows.are_shared)?.into_iter().map(planned).collect())
 }
 
 /// Passes that bring rows together.
@@ -51,6 +62,8 @@ pub(super) struct Plan {
     /// Where lists are those of the reference configuration: before their lengths are known, and when there is room for them.
     pub(super) count_lists: Vec<Planned>,
     pub(super) fill_lists: Vec<Planned>,
+    /// Where particles are shared: how far they have moved since ghosts were chosen.
+    pub(super) ghost_ways: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
     /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
     pub(super) wrap: Vec<Planned>,
@@ -98,11 +111,12 @@ impl Plan {
     pub(super) fn of(
         model: &Model,
         p: &Particles,
-        stride: usize,
+        rows: Rows,
         grid: &Grid,
         references: References,
     ) -> Result<Self, KernelFault> {
-        let all = Threads::Of(p.len());
+        let (all, all_here) = (Threads::Of(p.len()), Threads::OfAllHere);
+        let stride = rows.stride;
         let of_particles = |kernel| Planned { kernel, threads: all };
         let of_surface = |kernel| Planned { kernel, threads: Threads::OfSurface };
         let mut plan = Self::default();
@@ -117,7 +131,7 @@ impl Plan {
             Formulation::UpdatedLagrangian => {
                 plan.wrap.extend(smoothing::follow(model, stride)?.map(of_particles));
                 plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
-                plan.sorting = sorting(grid, stride, Sorted::Particles, all)?;
+                plan.sorting = sorting(grid, rows, Sorted::Particles, all_here)?;
                 if keeps_lists(model) {
                     let of_chunks = |kernel| Planned { kernel, threads: Threads::Of(stride / limits::CHUNK) };
                     let rule = kept::adaptive(model);
@@ -153,7 +167,7 @@ impl Plan {
                 }
                 if model.audit.is_some() {
                     // Of the places that particles have by now.
-                    plan.audit = sorting(grid, stride, Sorted::Particles, all)?;
+                    plan.audit = sorting(grid, rows, Sorted::Particles, all_here)?;
                     plan.audit.push(of_particles(in_dimension!(model, audit::of_lists, model, stride)));
                     plan.audit.push(of_particles(in_dimension!(model, audit::exact, model, grid, stride)));
                 }
@@ -172,7 +186,7 @@ impl Plan {
                 if references == References::Renewed {
                     plan.renew.push(of_particles(reference::renew(model, stride)?));
                 }
-                plan.count_lists = sorting(grid, stride, Sorted::Reference, all)?;
+                plan.count_lists = sorting(grid, rows, Sorted::Reference, all_here)?;
                 plan.count_lists.push(of_particles(in_dimension!(model, reference::count, model, grid, stride)));
                 plan.fill_lists.push(of_particles(in_dimension!(model, reference::list, model, grid, stride)));
                 plan.fill_lists.push(of_particles(in_dimension!(model, reference::correct, model, references, stride)));
@@ -185,7 +199,7 @@ impl Plan {
         if meets {
             if model.has_faces() {
                 plan.push.push(of_surface(contact::stand(references, stride)?));
-                plan.push.extend(sorting(grid, stride, Sorted::Surface, Threads::OfSurface)?);
+                plan.push.extend(sorting(grid, rows, Sorted::Surface, Threads::OfSurfaceHere)?);
             }
             plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, references, stride)));
         }
@@ -276,11 +290,17 @@ impl Plan {
         }
         plan.finish.insert(0, of_particles(finish));
         plan.finish.push(of_particles(limits::of_particles(model, stride)?));
-        let rows = limits::rows(stride);
-        plan.finish.push(Planned { kernel: limits::extremes(stride)?, threads: Threads::Of(rows) });
-        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, rows, limits::together())?));
-        if keeps_lists(model) {
-            for stage in [&mut plan.ways, &mut plan.mark, &mut plan.search, &mut plan.search_marked] {
+        let of_limits = limits::rows(stride);
+        plan.finish.push(Planned { kernel: limits::extremes(stride)?, threads: Threads::Of(of_limits) });
+        plan.finish.extend(reduced(reduce::reduce(Group::Extremes, of_limits, limits::together())?));
+        if rows.are_shared && wears_out(model) {
+            let of_chunks = Threads::Of(stride / limits::CHUNK);
+            plan.ghost_ways.push(Planned { kernel: kept::ways(Group::GhostsAt, p.len(), stride)?, threads: of_chunks });
+        }
+        if keeps_lists(model) || rows.are_shared {
+            for stage in
+                [&mut plan.ghost_ways, &mut plan.ways, &mut plan.mark, &mut plan.search, &mut plan.search_marked]
+            {
                 if !stage.is_empty() {
                     stage.extend(reduced(reduce::reduce(Group::Ways, stride / limits::CHUNK, WAYS_TOGETHER)?));
                 }
@@ -295,6 +315,7 @@ impl Plan {
             &self.renew,
             &self.count_lists,
             &self.fill_lists,
+            &self.ghost_ways,
             &self.begin,
             &self.wrap,
             &self.sorting,

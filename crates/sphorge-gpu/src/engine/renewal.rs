@@ -8,10 +8,8 @@ use super::columns::Group;
 use super::kernels::contact::{MEETING, WORKS};
 use super::kernels::limits;
 use super::kernels::reference::References;
-use super::lists::make_anew;
-use super::plan::Plan;
 use super::snapshot::read;
-use super::start::{fill, grid_of, part, reference, stages};
+use super::start::{fill, part, reference};
 use super::{GpuEngine, failure};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{RunFailure, heat_of_released};
@@ -39,6 +37,7 @@ impl GpuEngine {
         for (body, mark) in self.initial.body.iter().zip(&marks[MARK * self.stride..]) {
             is_due[*body as usize] |= *mark > 0.0;
         }
+        let is_due = self.on_any_rank(&is_due)?;
         let was_renewed = self.is_renewed();
         for body in 0..is_due.len() {
             if is_due[body] && !self.has_come_apart[body] {
@@ -50,37 +49,27 @@ impl GpuEngine {
             self.take_references(References::Renewed)?;
         }
         self.write_flags(&is_due)?;
-        self.card.launch(&self.stages.renew);
+        self.launch(&self.stages.renew)?;
+        self.choose_ghosts()?;
         self.make_lists_anew()?;
         self.kept.last_searched = self.steps;
         Ok(true)
     }
 
-    /// Finds the neighbours of the reference configuration again, as it is.
-    pub(super) fn make_lists_anew(&mut self) -> Result<(), RunFailure> {
-        if make_anew(&self.card, &mut self.columns, &self.plan, self.initial.len())? {
-            self.stages = stages(&self.card, &self.columns, &self.plan)?;
-        }
-        Ok(())
-    }
-
     /// Takes the kernels that know of renewed references, or those that do not.
     fn take_references(&mut self, references: References) -> Result<(), RunFailure> {
-        let (model, p) = (&self.model, &self.initial);
         if references == References::Renewed {
             let bodies = self.has_come_apart.len();
             let undeformed = |field: usize, _: usize| if matches!(field, 0 | 4 | 8) { 1.0 } else { 0.0 };
-            let earlier = fill(self.stride, EARLIER, p.len(), undeformed);
+            let earlier = fill(self.stride, EARLIER, self.initial.len(), undeformed);
             self.columns.insert(Group::Earlier, self.card.numbers(&earlier).map_err(failure)?);
             self.columns.insert(Group::Apart, self.card.zeros(2 * bodies).map_err(failure)?);
         } else {
             self.columns.remove(Group::Earlier);
             self.columns.remove(Group::Apart);
         }
-        self.plan = Plan::of(model, p, self.stride, &grid_of(model, p), references).map_err(failure)?;
-        self.card.compile_ahead(&self.plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
-        self.stages = stages(&self.card, &self.columns, &self.plan)?;
-        Ok(())
+        self.plan = self.plan_of(references)?;
+        self.rebind()
     }
 
     /// Tells the card which bodies have come apart and which are to be renewed.
@@ -111,11 +100,11 @@ impl GpuEngine {
         };
         let own: Vec<usize> = (0..self.initial.len()).filter(|i| self.initial.body[*i] as usize == body).collect();
         let [stored, _, damped] = WORKS.map(|(field, _)| MEETING * body + field);
-        let mut held = 0.0;
+        let mut stored_by = Vec::new();
         for &i in &own {
             // Of a pair of particles each has a half.
             let here = double(&meetings, stored, i);
-            held += here;
+            stored_by.push(here);
             let sum = double(&meetings, damped, i) + here;
             set(&mut meetings, damped, i, sum);
             set(&mut meetings, stored, i, 0.0);
@@ -124,7 +113,8 @@ impl GpuEngine {
             let is_exposed = (0..3).any(|a| outward[a * stride + i] != 0.0);
             if is_exposed { share_of_released(f64::from(overlap[i])) } else { 0.0 }
         };
-        let sum = |part: &dyn Fn(usize) -> f64| Ok(own.iter().map(|i| self.initial.mass[*i] * part(*i)).sum());
+        let sum = |part: &dyn Fn(usize) -> f64| self.sum_in_order(own.iter().map(|i| self.initial.mass[*i] * part(*i)));
+        let held = self.sum_in_order(stored_by.into_iter())?;
         let heat = heat_of_released(held, &pressed, sum)?;
         for &i in &own {
             let after = double(&energy, 0, i) + heat(i);
@@ -132,6 +122,7 @@ impl GpuEngine {
         }
         self.card.write(array(Group::Meetings)?, &meetings);
         self.card.write(array(Group::Energy)?, &energy);
+        self.wrote(Group::Energy);
         Ok(())
     }
 
@@ -150,6 +141,7 @@ impl GpuEngine {
 
     fn load_references(&mut self, was_renewed: bool) -> Result<(), RunFailure> {
         let is_renewed = self.is_renewed();
+        self.kept.had_other_references = true;
         if is_renewed != was_renewed {
             self.take_references(if is_renewed { References::Renewed } else { References::Initial })?;
         }
@@ -159,6 +151,12 @@ impl GpuEngine {
         let numbers = fill(self.stride, 8, self.initial.len(), |field, i| reference(&self.initial, field, i));
         let array = self.columns.array(Group::Reference).ok_or_else(|| failure("no reference configuration"))?;
         self.card.write(array, &numbers);
+        self.wrote(Group::Reference);
         Ok(())
+    }
+
+    /// Which reference configurations kernels know of.
+    pub(super) fn references(&self) -> References {
+        if self.is_renewed() { References::Renewed } else { References::Initial }
     }
 }

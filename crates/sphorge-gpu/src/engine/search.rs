@@ -6,8 +6,8 @@ use super::kernels::images::Planes;
 use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, WAYS, keeps_distances};
 use super::kernels::limits::CHUNK;
 use super::kernels::reduce::{self, Together};
+use super::ranks::has_images;
 use super::snapshot::read;
-use super::start::stages;
 use super::{GpuEngine, failure};
 use sphorge_engine::model::{AdaptiveSearch, Search};
 use sphorge_engine::neighbors::{BLOCK, NeighborList};
@@ -34,19 +34,21 @@ pub(super) struct Kept {
     /// Neighbours there is room for.
     pub(super) room: u32,
     /// Whether they were searched at all.
-    is_made: bool,
+    pub(super) is_made: bool,
     /// Number of the step of the last full search.
     pub(super) last_searched: u32,
     /// Whether contact candidates were found at all.
     has_candidates: bool,
+    /// Whether lists are those of reference configurations that are no more.
+    pub(super) had_other_references: bool,
 }
 
 /// The ways of all particles since the last full search.
-struct Ways {
+pub(super) struct Ways {
     /// Square of the longest, m².
-    longest: f64,
+    pub(super) longest: f64,
     /// Square of the diagonal of their box, m².
-    diagonal: f64,
+    pub(super) diagonal: f64,
 }
 
 impl GpuEngine {
@@ -62,7 +64,7 @@ impl GpuEngine {
             self.search_all()?;
         } else if !self.model.contact_pairs().is_empty() {
             // The contact goes through the cells.
-            self.card.launch(&self.stages.sorting);
+            self.launch(&self.stages.sorting)?;
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
     }
@@ -70,11 +72,10 @@ impl GpuEngine {
     /// Whether two particles may have closed in by more than the skin: by twice the longest way of any since the search, and by what the ways of all
     /// differ; images in planes of symmetry go other ways than their particles.
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
-        let smallest = self.initial.smoothing_length.iter().copied().fold(f64::INFINITY, f64::min);
+        let smallest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(f64::INFINITY, f64::min);
         let skin = fraction * smallest * self.model.numerics.kernel.support();
         let ways = self.ways()?;
-        let has_images = !self.model.symmetry.is_empty() || self.model.periodic.iter().any(Option::is_some);
-        Ok(ways.longest > 0.25 * skin * skin && (has_images || ways.diagonal > skin * skin))
+        Ok(ways.longest > 0.25 * skin * skin && (has_images(&self.model) || ways.diagonal > skin * skin))
     }
 
     /// Searches those that flow; with the guard those that strain and contact candidates, too.
@@ -82,7 +83,7 @@ impl GpuEngine {
         if rule.guard.is_some() {
             self.refresh_candidates()?;
         }
-        self.card.launch(&self.stages.mark);
+        self.launch(&self.stages.mark)?;
         let marked = self.of_rows()?(MARKED_ROWS).sum::<f64>();
         let share = marked / self.initial.len() as f64;
         if rule.guard.is_some() && share > AdaptiveSearch::ALL_ABOVE {
@@ -90,10 +91,10 @@ impl GpuEngine {
             return Ok(SearchReport { searched_fraction: 1.0 });
         }
         if marked > 0.0 || !self.model.contact_pairs().is_empty() {
-            self.card.launch(&self.stages.sorting);
+            self.launch(&self.stages.sorting)?;
         }
         if marked > 0.0 {
-            self.card.launch(&self.stages.search_marked);
+            self.launch(&self.stages.search_marked)?;
             if self.longest_row()? > f64::from(self.kept.room) {
                 // What there was no room for is lost.
                 self.search_all()?;
@@ -159,12 +160,19 @@ impl GpuEngine {
     }
 
     fn ways(&self) -> Result<Ways, RunFailure> {
-        self.card.launch(&self.stages.ways);
+        self.launch(&self.stages.ways)?;
+        self.ways_of_all()
+    }
+
+    /// What the kernels of ways have found, of the particles of all ranks.
+    pub(super) fn ways_of_all(&self) -> Result<Ways, RunFailure> {
         let numbers = self.of_rows()?;
         let largest = |k: usize| numbers(k).fold(f64::NEG_INFINITY, f64::max);
         let least = |k: usize| numbers(k).fold(f64::INFINITY, f64::min);
-        let diagonal = (0..3).map(|a| (largest(HIGH + a) - least(LOW + a)).powi(2)).sum();
-        Ok(Ways { longest: largest(LONGEST), diagonal })
+        let of_rank = [LONGEST, HIGH, HIGH + 1, HIGH + 2].map(largest);
+        let [longest, high @ ..] = self.largest_of_ranks(of_rank)?;
+        let low = self.largest_of_ranks([LOW, LOW + 1, LOW + 2].map(|k| -least(k)))?.map(|low| -low);
+        Ok(Ways { longest, diagonal: (0..3).map(|a| (high[a] - low[a]).powi(2)).sum() })
     }
 
     /// The numbers of the rows that are left, by their place.
@@ -179,17 +187,38 @@ impl GpuEngine {
 
     /// Searches the neighbours of all particles, with more room where there is too little.
     fn search_all(&mut self) -> Result<(), RunFailure> {
-        self.card.launch(&self.stages.wrap);
-        self.card.launch(&self.stages.sorting);
-        self.card.launch(&self.stages.search);
+        self.launch(&self.stages.wrap)?;
+        self.find_all()
+    }
+
+    /// The same where particles are along periodic axes already.
+    fn find_all(&mut self) -> Result<(), RunFailure> {
+        self.choose_ghosts_of_search()?;
+        self.launch(&self.stages.sorting)?;
+        self.launch(&self.stages.search)?;
         let longest = self.longest_row()?;
         if longest > f64::from(self.kept.room) {
             self.make_room(((1.0 + SPARE) * longest) as u32 + 1)?;
             self.set_step()?;
-            self.card.launch(&self.stages.search);
+            self.launch(&self.stages.search)?;
         }
         self.kept.is_made = true;
         self.kept.last_searched = self.steps;
+        Ok(())
+    }
+
+    /// Searches again where particles were at the last search.
+    pub(super) fn search_again(&mut self) -> Result<(), RunFailure> {
+        let array = |group: Group| self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")));
+        let column = |group: Group| read(&self.card, &self.columns, group);
+        let now = column(Group::Place)?;
+        self.card.write(array(Group::Place)?, &column(Group::SearchedAt)?);
+        self.wrote(Group::Place);
+        let last_searched = self.kept.last_searched;
+        self.find_all()?;
+        self.kept.last_searched = last_searched;
+        self.card.write(self.columns.array(Group::Place).ok_or_else(|| failure("no places"))?, &now);
+        self.wrote(Group::Place);
         Ok(())
     }
 
@@ -199,7 +228,7 @@ impl GpuEngine {
         if !self.model.audit.is_some_and(due) {
             return Ok(None);
         }
-        self.card.launch(&self.stages.audit);
+        self.launch(&self.stages.audit)?;
         let audited = self.group(Group::Audit)?;
         let rows: Vec<_> = (0..self.initial.len()).map(|i| audit::rows(|field| audited.at(field, i))).collect();
         Ok(Some(audit_of(&rows, &self.initial.mass)))
@@ -214,14 +243,15 @@ impl GpuEngine {
             self.columns.insert(Group::Stored, stored);
         }
         self.kept.room = room;
-        self.stages = stages(&self.card, &self.columns, &self.plan)?;
-        Ok(())
+        self.rebind()
     }
 
     /// Saves or loads what is known of lists that are kept, and takes the room that those which are to be loaded need.
     pub(super) fn persist_kept(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         let mut room = self.kept.room;
-        room.persist("kept.room", archive)?;
+        if self.saves_lists() {
+            room.persist("kept.room", archive)?;
+        }
         self.kept.is_made.persist("kept.is_made", archive)?;
         self.kept.has_candidates.persist("kept.has_candidates", archive)?;
         self.kept.last_searched.persist("kept.last_searched", archive)?;

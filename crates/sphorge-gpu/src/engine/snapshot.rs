@@ -316,7 +316,8 @@ impl FieldSource for DetachedColumns {
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
-        self.particles()?.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+        let p = self.particles()?;
+        Ok(p.column(field).ok_or_else(|| failure(format!("no field `{field}`")))?.by_id(&p.id))
     }
 }
 

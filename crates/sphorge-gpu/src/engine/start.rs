@@ -4,17 +4,21 @@ use super::columns::{Columns, Group, Recording, keeps_rests};
 use super::kernels::reference::References;
 use super::kernels::smoothing::{AT_START, largest_factor};
 use super::kernels::{conduction, contact, grid, kept, limits, reduce, walls};
-use super::lists::{self, bound};
-use super::plan::{Plan, Planned, keeps_lists, members};
+use super::plan::{Plan, Planned, Rows, Threads, keeps_lists, members};
+use super::ranks::agreement::made_on_all;
+use super::ranks::touched::Touched;
+use super::ranks::{Domain, choose_at_start, stride_for, wears_out};
 use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::snapshot::fields;
-use super::{Gpu, GpuEngine, Stages, failure};
-use crate::device::{Card, CardFault};
+use super::{Gpu, GpuEngine, Stage, Staged, Stages, failure};
+use crate::device::{Array, Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
 use sphorge_engine::model::{Dimensions, Search};
-use sphorge_engine::particles::HistoryVariables;
+use sphorge_engine::neighbors::hilbert_order;
+use sphorge_engine::particles::{HistoryVariables, Permutation};
+use sphorge_engine::ranks::{Communicator, Ranks};
 use sphorge_engine::{HeatClock, Model, Particles, RunFailure, complete_initial_state};
 use sphorge_physics::artificial_stress::coefficient;
 use std::cell::OnceCell;
@@ -31,12 +35,56 @@ const MARGIN: f64 = 1.0 + 1e-4;
 const SPARE: f64 = 1.5;
 
 impl GpuEngine {
-    pub(super) fn new(model: Arc<Model>, mut p: Particles, kind: &Gpu) -> Result<Self, RunFailure> {
-        if p.len() >= MOST {
-            let message = format!("{} particles: the engine for graphics cards takes up to {}", p.len(), MOST - 1);
+    /// An engine alone, or the part of a rank.
+    pub(super) fn new(
+        model: Arc<Model>,
+        mut p: Particles,
+        kind: &Gpu,
+        communicator: Option<Arc<dyn Communicator>>,
+    ) -> Result<Self, RunFailure> {
+        let grid = grid_of(&model, &p);
+        sort_along_curve(&model, &mut p, grid.edge);
+        let mut domain = None;
+        if let Some(communicator) = communicator {
+            let mut of_rank = Domain::new(Ranks::new(communicator), p.len())?;
+            p.keep(of_rank.own());
+            choose_at_start(&mut of_rank, &model, &p, grid.edge)?;
+            domain = Some(of_rank);
+        }
+        p.complete();
+        complete_initial_state(&model, &mut p);
+        // Those that forces are divided by, so that sums over bodies of what they do close.
+        p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
+        let ranks = domain.as_ref().map(|domain| domain.ranks.clone());
+        let engine = Self::on_a_card(model, p, kind, grid, domain);
+        let mut engine = match &ranks {
+            // All fail together.
+            Some(ranks) => made_on_all(ranks, engine)?,
+            None => engine?,
+        };
+        engine.take_ghosts()?;
+        engine.make_lists()?;
+        Ok(engine)
+    }
+
+    /// Particles brought to a card.
+    fn on_a_card(
+        model: Arc<Model>,
+        p: Particles,
+        kind: &Gpu,
+        grid: Grid,
+        domain: Option<Domain>,
+    ) -> Result<Self, RunFailure> {
+        let ghosts = domain.as_ref().map_or(0, Domain::ghosts);
+        if p.len() + ghosts >= MOST {
+            let message = format!(
+                "{} particles: the engine for graphics cards takes up to {} on each",
+                p.len() + ghosts,
+                MOST - 1
+            );
             return Err(failure(message));
         }
-        let mut card = Card::open(kind.device.as_deref()).map_err(|fault| match &fault {
+        let mut card = Card::open_number(kind.device.as_deref(), kind.number).map_err(|fault| match &fault {
             CardFault::NotFound { help, .. } => failure(format!("{fault}; {help}")),
             _ => failure(&fault),
         })?;
@@ -49,42 +97,54 @@ impl GpuEngine {
                 "the compiler of {name} drops what rounding leaves of sums: positions and energies would be good to six digits; run with `--engine cpu`"
             )));
         }
-        complete_initial_state(&model, &mut p);
-        // Those that forces are divided by, so that sums over bodies of what they do close.
-        p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
-        let stride = p.len().div_ceil(limits::CHUNK) * limits::CHUNK;
-        let grid = grid_of(&model, &p);
+        let stride = stride_for(p.len(), ghosts);
         refuse_what_has_no_room(&card, (&model, &p), stride, &grid)?;
-        let mut columns = columns(&card, &model, &p, stride, &grid).map_err(failure)?;
-        let plan = Plan::of(&model, &p, stride, &grid, References::Initial).map_err(failure)?;
-        card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
-        lists::make(&card, &mut columns, &plan, (&model, &p))?;
-        let stages = stages(&card, &columns, &plan)?;
-        let extremes = [0.0; limits::FIELDS];
-        let snapshot = OnceCell::new();
-        let kept = Kept::default();
-        let (steps, time, dt) = (0, 0.0, 0.0);
-        let has_come_apart = vec![false; model.bodies.len()];
-        let heat = model.thermal.conduction.then(HeatClock::default);
-        Ok(Self {
-            model,
+        let columns = make_columns(&card, (&model, &p), stride, &grid, domain.is_some()).map_err(failure)?;
+        let mut engine = Self {
             card,
             columns,
-            plan,
-            stages,
-            kept,
-            has_come_apart,
+            plan: Plan::default(),
+            stages: Stages::default(),
+            kept: Kept::default(),
+            has_come_apart: vec![false; model.bodies.len()],
             initial: p,
+            own_surface: Vec::new(),
+            grid,
             stride,
-            steps,
-            time,
-            dt,
-            extremes,
-            heat,
+            steps: 0,
+            time: 0.0,
+            dt: 0.0,
+            extremes: [0.0; limits::FIELDS],
+            heat: model.thermal.conduction.then(HeatClock::default),
             coldest: f64::INFINITY,
-            snapshot,
-        })
+            snapshot: OnceCell::new(),
+            domain,
+            model,
+        };
+        engine.plan = engine.plan_of(References::Initial)?;
+        engine.rebind()?;
+        Ok(engine)
     }
+
+    /// The kernels of the step, compiled.
+    pub(super) fn plan_of(&self, references: References) -> Result<Plan, RunFailure> {
+        let rows = Rows { stride: self.stride, are_shared: self.domain.is_some() };
+        let plan = Plan::of(&self.model, &self.initial, rows, &self.grid, references).map_err(failure)?;
+        self.card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
+        Ok(plan)
+    }
+}
+
+/// Particles and lattice neighbours near each other in memory, too, and on ranks on one card: in the order of a curve through where they are.
+fn sort_along_curve(model: &Model, p: &mut Particles, cell: f64) {
+    let axes = match model.dimensions {
+        Dimensions::One => 1,
+        Dimensions::PlaneStrain => 2,
+        Dimensions::Three => 3,
+    };
+    let mut permutation = Permutation::default();
+    permutation.set(&hilbert_order(&p.position, cell, axes));
+    p.reorder(&permutation);
 }
 
 /// What lists have beyond the kernel support, as a share of it.
@@ -145,7 +205,14 @@ pub(super) fn reference(p: &Particles, field: usize, i: usize) -> f64 {
     }
 }
 
-fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid) -> Result<Columns, CardFault> {
+/// Columns of a length for particles, as they are at the start; those that are shared have ghosts behind them.
+pub(super) fn make_columns(
+    card: &Card,
+    (model, p): (&Model, &Particles),
+    stride: usize,
+    grid: &Grid,
+    is_shared: bool,
+) -> Result<Columns, CardFault> {
     let mut columns = Columns::default();
     let count = p.len();
     let numerics = &model.numerics;
@@ -194,8 +261,12 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
         columns.insert(group, card.zeros(limits::EXTREMES * rows)?);
     }
     columns.insert(Group::Step, card.zeros(super::step_numbers::count(model) as usize)?);
-    columns.insert(Group::Motion, card.indices(&motions(model, p))?);
-    columns.insert(Group::Body, card.indices(&p.body)?);
+    let padded = |mut whole: Vec<u32>| {
+        whole.resize(stride, 0);
+        card.indices(&whole)
+    };
+    columns.insert(Group::Motion, padded(motions(model, p))?);
+    columns.insert(Group::Body, padded(p.body.clone())?);
     if let Some(laws) = contact::laws(model) {
         columns.insert(Group::ContactLaws, card.numbers(&laws)?);
         if !model.has_faces() {
@@ -210,7 +281,7 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
         columns.insert(Group::Boundaries, card.numbers(&conduction::claims(model, p, stride))?);
         columns.insert(Group::HeatExtremes, card.zeros(conduction::EXTREMES * stride / limits::CHUNK)?);
         if conduction::is_joined(model) {
-            columns.insert(Group::Touched, card.zeros(count)?);
+            columns.insert(Group::Touched, card.zeros(stride)?);
         }
     }
     for k in 0..model.materials.len() {
@@ -221,7 +292,22 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
     columns.insert(Group::CellStarts, card.zeros(cells + 1)?);
     columns.insert(Group::ChunkStarts, card.zeros(grid.sums())?);
     for group in [Group::Slots, Group::Unsorted, Group::Sorted] {
-        columns.insert(group, card.zeros(count)?);
+        columns.insert(group, card.zeros(stride)?);
+    }
+    if walls::is_total_lagrangian(model) {
+        // Room is made when it is known how much.
+        columns.insert(Group::ListStarts, card.zeros(count + 1)?);
+        columns.insert(Group::List, card.zeros(0)?);
+    }
+    if model.has_faces() {
+        columns.insert(Group::Surface, card.zeros(0)?);
+        columns.insert(Group::Outward, card.zeros(6 * stride)?);
+    }
+    if is_shared {
+        columns.insert(Group::Sends, card.zeros(0)?);
+    }
+    if is_shared && wears_out(model) {
+        columns.insert(Group::GhostsAt, card.zeros(6 * stride)?);
     }
     if numerics.mls_interval.is_some() {
         columns.insert(Group::Restored, card.zeros(stride)?);
@@ -240,6 +326,8 @@ fn columns(card: &Card, model: &Model, p: &Particles, stride: usize, grid: &Grid
             columns.insert(Group::Candidates, card.zeros(stride)?);
             columns.insert(Group::StrainCorrection, card.zeros((kept::STRAINED + 1) * stride)?);
         }
+    }
+    if keeps_lists(model) || is_shared {
         let rows = stride / limits::CHUNK;
         for (group, rows) in iter::once((Group::Ways, rows)).chain(reduce::groups(Group::Ways, rows)) {
             columns.insert(group, card.zeros(kept::WAYS * rows)?);
@@ -266,7 +354,8 @@ pub struct KernelText {
 /// A law cannot be written for a card.
 pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
-    let of = |references| Plan::of(model, particles, stride, &grid_of(model, particles), references);
+    let rows = Rows { stride, are_shared: false };
+    let of = |references| Plan::of(model, particles, rows, &grid_of(model, particles), references);
     let text = |recording: &Recording| KernelText {
         name: recording.kernel.name.clone(),
         wgsl: crate::source::wgsl(&recording.kernel),
@@ -285,29 +374,53 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     Ok(texts)
 }
 
-pub(super) fn stages(card: &Card, columns: &Columns, plan: &Plan) -> Result<Stages, RunFailure> {
-    let bound = |planned: &[Planned]| bound(card, columns, planned);
-    Ok(Stages {
-        renew: bound(&plan.renew)?,
-        begin: bound(&plan.begin)?,
-        wrap: bound(&plan.wrap)?,
-        sorting: bound(&plan.sorting)?,
-        ways: bound(&plan.ways)?,
-        search: bound(&plan.search)?,
-        mark: bound(&plan.mark)?,
-        search_marked: bound(&plan.search_marked)?,
-        corrected_gradients: bound(&plan.corrected_gradients)?,
-        correct: bound(&plan.correct)?,
-        restore: bound(&plan.restore)?,
-        audit: bound(&plan.audit)?,
-        gradients: bound(&plan.gradients)?,
-        push: bound(&plan.push)?,
-        stress: bound(&plan.stress)?,
-        forces: bound(&plan.forces)?,
-        finish: bound(&plan.finish)?,
-        sections: plan.sections.iter().map(|planned| bound(planned)).collect::<Result<_, _>>()?,
-        sum_heat: bound(&plan.sum_heat)?,
-        flow_heat: bound(&plan.flow_heat)?,
-        heat_extremes: bound(&plan.heat_extremes)?,
-    })
+impl GpuEngine {
+    /// Binds the kernels of the step to the columns as they are, for as many threads as there are rows.
+    pub(super) fn rebind(&mut self) -> Result<(), RunFailure> {
+        let ghosts = self.domain.as_ref().map_or(0, Domain::ghosts);
+        let surface = self.columns.array(Group::Surface).map_or(0, Array::count);
+        let is_shared = self.domain.is_some();
+        let bind = |planned: &Planned| {
+            let (threads, runs_over_ghosts) = match planned.threads {
+                Threads::Of(count) => (count, false),
+                Threads::OfAllHere => (self.initial.len() + ghosts, true),
+                // Where faces do not follow deformation all particles may meet others.
+                Threads::OfSurface if !self.model.has_faces() => (self.initial.len(), false),
+                Threads::OfSurface => (self.own_surface.len(), false),
+                Threads::OfSurfaceHere => (surface, true),
+            };
+            let launch = planned.kernel.bind(&self.card, &self.columns, threads).map_err(failure)?;
+            let of = || Touched::of(&planned.kernel, self.stride, runs_over_ghosts);
+            Ok(Staged { launch, touched: if is_shared { of() } else { Touched::default() } })
+        };
+        let bound = |planned: &Vec<Planned>| planned.iter().map(bind).collect::<Result<Stage, RunFailure>>();
+        let plan = &self.plan;
+        self.stages = Stages {
+            renew: bound(&plan.renew)?,
+            count_lists: bound(&plan.count_lists)?,
+            fill_lists: bound(&plan.fill_lists)?,
+            ghost_ways: bound(&plan.ghost_ways)?,
+            begin: bound(&plan.begin)?,
+            wrap: bound(&plan.wrap)?,
+            sorting: bound(&plan.sorting)?,
+            ways: bound(&plan.ways)?,
+            search: bound(&plan.search)?,
+            mark: bound(&plan.mark)?,
+            search_marked: bound(&plan.search_marked)?,
+            corrected_gradients: bound(&plan.corrected_gradients)?,
+            correct: bound(&plan.correct)?,
+            restore: bound(&plan.restore)?,
+            audit: bound(&plan.audit)?,
+            gradients: bound(&plan.gradients)?,
+            push: bound(&plan.push)?,
+            stress: bound(&plan.stress)?,
+            forces: bound(&plan.forces)?,
+            finish: bound(&plan.finish)?,
+            sections: plan.sections.iter().map(bound).collect::<Result<_, _>>()?,
+            sum_heat: bound(&plan.sum_heat)?,
+            flow_heat: bound(&plan.flow_heat)?,
+            heat_extremes: bound(&plan.heat_extremes)?,
+        };
+        Ok(())
+    }
 }

@@ -3,14 +3,15 @@
 use super::columns::Group;
 use super::kernels::{contact, limits, reduce};
 use super::plan::keeps_lists;
-use super::snapshot::{LISTS, STATE, read};
+use super::snapshot::read;
 use super::{GpuEngine, failure, step_numbers};
 use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallContact};
 use sphorge_engine::particles::HistoryVariables;
-use sphorge_engine::persist::{Archive, ArchiveError, Persist};
-use sphorge_engine::reduction::{self, Reduction};
+use sphorge_engine::persist::{Archive, ArchiveError};
+use sphorge_engine::ranks::StepFault;
+use sphorge_engine::reduction::{self, Alone, Reduction};
 use sphorge_engine::{
-    Audit, Column, Engine, FieldSource, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, check_change,
+    Audit, Column, Engine, FieldSource, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, largest_change,
 };
 use sphorge_physics::step_control::StepChange;
 use sphorge_physics::time_step::penalty_limit;
@@ -30,6 +31,8 @@ impl GpuEngine {
         let mut numbers = vec![self.dt, 0.5 * self.dt];
         numbers.extend(self.model.gravity);
         numbers.extend([self.kept.room, self.steps].map(f64::from));
+        let ghosts_before = self.domain.as_ref().map_or(0, |domain| self.initial.len() + domain.ghosts_behind());
+        numbers.push(ghosts_before as f64);
         for wall in &self.model.walls {
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
             numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
@@ -58,11 +61,26 @@ impl GpuEngine {
                 _ => of.fold(0.0, f64::max),
             };
         }
+        self.join_extremes()
+    }
+
+    /// Makes the extremes those of the particles of all ranks.
+    fn join_extremes(&mut self) -> Result<(), RunFailure> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let all = domain.ranks.gather_one(self.extremes)?;
+        for (k, extreme) in self.extremes.iter_mut().enumerate() {
+            let of = all.iter().map(|extremes| extremes[k]);
+            *extreme = match k {
+                _ if k < limits::LIMITS => of.fold(f64::INFINITY, f64::min),
+                limits::NEIGHBORS => of.sum(),
+                _ => of.fold(0.0, f64::max),
+            };
+        }
         Ok(())
     }
 
-    /// The first particle with a value that is none.
-    fn broken(&self) -> Result<RunFailure, RunFailure> {
+    /// The first particle of this card with a value that is none, if it has one.
+    fn broken(&self) -> Result<Option<StepFault>, RunFailure> {
         let p = &self.snapshot()?.particles;
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let variables = HistoryVariables::of(&self.model).variables.into_iter();
@@ -87,16 +105,20 @@ impl GpuEngine {
                 .or_else(|| kept.iter().find(|(_, values, bound)| !bound.allows(values[i])).map(|of| of.0))
                 .map(|field| (i, field))
         };
-        let (particle, field) = (0..p.len()).find_map(fault).map_or((None, "acceleration"), |(i, f)| (Some(i), f));
-        Ok(RunFailure {
-            field,
-            particle: particle.map(|i| p.id[i]),
-            body: particle.map(|i| p.body[i]),
-            step_may_be_smaller: true,
-            ..RunFailure::of_engine(format!(
-                "`{field}` is not finite, or a density not positive; try a smaller time step"
-            ))
-        })
+        let failure = |particle: Option<usize>, field: &'static str| {
+            StepFault::wrong(RunFailure {
+                field,
+                particle: particle.map(|i| p.id[i]),
+                body: particle.map(|i| p.body[i]),
+                step_may_be_smaller: true,
+                ..RunFailure::of_engine(format!(
+                    "`{field}` is not finite, or a density not positive; try a smaller time step"
+                ))
+            })
+        };
+        let found = (0..p.len()).find_map(fault).map(|(i, field)| failure(Some(i), field));
+        // Of all ranks one has the particle; alone it may be an acceleration, which is not read back.
+        Ok(found.or_else(|| self.domain.is_none().then(|| failure(None, "acceleration"))))
     }
 }
 
@@ -109,7 +131,7 @@ impl Engine for GpuEngine {
         if self.is_idle() {
             return Ok(());
         }
-        self.card.launch(&self.stages.begin);
+        self.launch(&self.stages.begin)?;
         Ok(())
     }
 
@@ -122,11 +144,12 @@ impl Engine for GpuEngine {
         if self.model.formulation.renews() && self.renew_references()? {
             return Ok(SearchReport { searched_fraction: 1.0 });
         }
+        self.refresh_ghosts()?;
         if keeps_lists(&self.model) {
             return self.refresh_kept();
         }
-        self.card.launch(&self.stages.wrap);
-        self.card.launch(&self.stages.sorting);
+        self.launch(&self.stages.wrap)?;
+        self.launch(&self.stages.sorting)?;
         let searches = self.steps == 0 || !self.stages.sorting.is_empty();
         Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) })
     }
@@ -142,35 +165,35 @@ impl Engine for GpuEngine {
         let corrects = !self.stages.corrected_gradients.is_empty()
             && u64::from(self.steps).is_multiple_of(AdaptiveSearch::STRAIN_CORRECTION_STEPS);
         let due = if corrects { &self.stages.corrected_gradients } else { &self.stages.gradients };
-        self.card.launch(due);
+        self.launch(due)?;
         Ok(())
     }
 
     fn restore_density(&mut self) -> Result<(), RunFailure> {
         let due = |n: u64| self.dt > 0.0 && !self.is_idle() && u64::from(self.steps).is_multiple_of(n);
         if self.model.numerics.mls_interval.is_some_and(due) {
-            self.card.launch(&self.stages.restore);
+            self.launch(&self.stages.restore)?;
         }
         Ok(())
     }
 
     fn correct_gradients(&mut self) -> Result<(), RunFailure> {
         if self.dt > 0.0 && !self.is_idle() {
-            self.card.launch(&self.stages.correct);
+            self.launch(&self.stages.correct)?;
         }
         Ok(())
     }
 
     fn push_faces(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
-            self.card.launch(&self.stages.push);
+            self.launch(&self.stages.push)?;
         }
         Ok(())
     }
 
     fn stress(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
-            self.card.launch(&self.stages.stress);
+            self.launch(&self.stages.stress)?;
         }
         Ok(())
     }
@@ -178,10 +201,10 @@ impl Engine for GpuEngine {
     fn forces(&mut self) -> Result<(), RunFailure> {
         self.sum_heat()?;
         if !self.is_idle() {
-            self.card.launch(&self.stages.forces);
+            self.launch(&self.stages.forces)?;
             if self.sums_sections_with_forces() {
                 for section in &self.stages.sections {
-                    self.card.launch(section);
+                    self.launch(section)?;
                 }
             }
         }
@@ -192,7 +215,7 @@ impl Engine for GpuEngine {
         if self.is_idle() {
             self.flow_heat()?;
         } else {
-            self.card.launch(&self.stages.finish);
+            self.launch(&self.stages.finish)?;
             self.flow_heat()?;
             self.read_extremes()?;
         }
@@ -204,7 +227,8 @@ impl Engine for GpuEngine {
         self.guard_heat()?;
         let [_, _, _, density, stretch, energy, jump, broken, ..] = self.extremes;
         if broken > 0.0 {
-            return Err(self.broken()?);
+            self.fail_together(self.broken()?)?;
+            return Err(failure("an acceleration is not finite; try a smaller time step"));
         }
         let change = StepChange { density, stretch, energy, jump };
         match &self.model.time.step_control {
@@ -212,7 +236,8 @@ impl Engine for GpuEngine {
             Some(control) if !self.is_idle() && change.is_beyond(&control.largest) => {
                 let speed = |material: &Material| material.equation_of_state.reference_sound_speed();
                 let speeds: Vec<f64> = self.model.materials.iter().map(speed).collect();
-                check_change(&control.largest, &self.snapshot()?.particles, &speeds, self.dt)
+                let fault = largest_change(&control.largest, &self.snapshot()?.particles, &speeds, self.dt);
+                self.fail_together(fault)
             }
             _ => Ok(()),
         }
@@ -259,12 +284,26 @@ impl Engine for GpuEngine {
         if let Reduction::SectionForce(section) = reduction {
             return self.section_force(section);
         }
-        Ok(reduction::evaluate(reduction, &self.model, &self.snapshot()?.particles))
+        let p = &self.snapshot()?.particles;
+        match &self.domain {
+            Some(domain) => reduction::evaluate_in_turn(reduction, &self.model, p, &domain.ranks),
+            None => {
+                let Ok(found) = reduction::evaluate_in_turn(reduction, &self.model, p, &Alone);
+                Ok(found)
+            }
+        }
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
-        let p = &self.snapshot()?.particles;
-        p.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+        Ok(self.own_column(field)?.by_id(&self.initial.id))
+    }
+
+    fn ranks(&self) -> usize {
+        self.domain.as_ref().map_or(1, |domain| domain.ranks.size())
+    }
+
+    fn waited(&self) -> f64 {
+        self.domain.as_ref().map_or(0.0, |domain| domain.ranks.waited())
     }
 
     fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
@@ -272,48 +311,7 @@ impl Engine for GpuEngine {
     }
 
     fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.snapshot.take();
-        self.time.persist("time", archive)?;
-        self.dt.persist("dt", archive)?;
-        self.steps.persist("steps", archive)?;
-        let mut extremes = self.extremes.to_vec();
-        extremes.persist("extremes", archive)?;
-        self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
-        self.persist_kept(archive)?;
-        let was_renewed = self.is_renewed();
-        self.persist_references(archive)?;
-        if let Some(clock) = &mut self.heat {
-            clock.persist("heat", archive)?;
-        }
-        let sections = (0..self.model.sections.len()).map(Group::Section);
-        // Lists that the next step makes anew are not kept.
-        let is_renewed = self.is_renewed();
-        let is_kept = |group: &Group| match group {
-            // The initial configuration is that of the deck.
-            Group::Reference => is_renewed,
-            _ => self.model.search != Search::EveryStep || !LISTS.contains(group),
-        };
-        for group in STATE.iter().copied().filter(is_kept).chain(sections) {
-            let name = format!("{group:?}").to_lowercase();
-            let Some(array) = self.columns.array(group) else { continue };
-            if archive.is_saving() {
-                let numbers = self.card.read(array).map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
-                archive.save(&name, bytemuck::cast_slice(&numbers).to_vec());
-            } else {
-                let bytes = archive.load(&name)?;
-                let numbers: Vec<f32> = bytemuck::try_cast_slice(&bytes)
-                    .map(<[f32]>::to_vec)
-                    .unwrap_or_else(|_| bytemuck::pod_collect_to_vec(&bytes));
-                if numbers.len() != array.count() {
-                    return Err(ArchiveError::Mismatch(name));
-                }
-                self.card.write(array, &numbers);
-            }
-        }
-        if !archive.is_saving() && (was_renewed || is_renewed) {
-            self.make_lists_anew().map_err(|fault| ArchiveError::Unsupported(fault.to_string()))?;
-        }
-        Ok(())
+        self.persist_state(archive)
     }
 
     fn memory_bytes(&self) -> u64 {

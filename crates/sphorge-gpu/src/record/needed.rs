@@ -55,30 +55,9 @@ impl Needed {
     }
 
     fn add_operands(&mut self, operation: Operation) {
-        match operation {
-            Operation::Constant(_)
-            | Operation::Whole(_)
-            | Operation::Thread
-            | Operation::Counter(_)
-            | Operation::Counted(_) => {}
-            Operation::Unary(_, a)
-            | Operation::Load(_, a)
-            | Operation::LoadNow(_, a, _)
-            | Operation::Floor(a)
-            | Operation::Number(a) => {
-                self.values.insert(a);
-            }
-            Operation::Binary(_, a, b)
-            | Operation::WholeAdd(a, b)
-            | Operation::WholeMultiply(a, b)
-            | Operation::WholeAnd(a, b) => {
-                self.values.extend([a, b]);
-            }
-            Operation::MultiplyAdd(a, b, c) => self.values.extend([a, b, c]),
-            Operation::SelectLess(a, b, c, d) => self.values.extend([a, b, c, d]),
-            Operation::Read(variable, _) => {
-                self.variables.insert(variable);
-            }
+        self.values.extend(operation.operands());
+        if let Operation::Read(variable, _) = operation {
+            self.variables.insert(variable);
         }
     }
 

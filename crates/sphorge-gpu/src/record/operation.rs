@@ -69,6 +69,29 @@ pub(crate) enum Operation {
     Counted(u32),
 }
 
+impl Operation {
+    /// The values it is made of.
+    pub(crate) fn operands(self) -> impl Iterator<Item = Value> {
+        let operands = match self {
+            Self::Constant(_)
+            | Self::Whole(_)
+            | Self::Thread
+            | Self::Counter(_)
+            | Self::Counted(_)
+            | Self::Read(..) => [None; 4],
+            Self::Unary(_, a) | Self::Load(_, a) | Self::LoadNow(_, a, _) | Self::Floor(a) | Self::Number(a) => {
+                [Some(a), None, None, None]
+            }
+            Self::Binary(_, a, b) | Self::WholeAdd(a, b) | Self::WholeMultiply(a, b) | Self::WholeAnd(a, b) => {
+                [Some(a), Some(b), None, None]
+            }
+            Self::MultiplyAdd(a, b, c) => [Some(a), Some(b), Some(c), None],
+            Self::SelectLess(a, b, c, d) => [a, b, c, d].map(Some),
+        };
+        operands.into_iter().flatten()
+    }
+}
+
 /// What is done in order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Statement {

@@ -23,6 +23,8 @@ mod measured;
 mod motion;
 mod pairs;
 #[cfg(feature = "device")]
+mod ranks;
+#[cfg(feature = "device")]
 mod renewal;
 #[cfg(feature = "device")]
 mod sections;

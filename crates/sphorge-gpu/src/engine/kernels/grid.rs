@@ -4,6 +4,7 @@
 //! table, and too far in space to count.
 
 use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
+use crate::engine::step_numbers::GHOSTS_BEFORE;
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::{Real, Vector};
 
@@ -131,11 +132,12 @@ impl Sorted {
     }
 }
 
-/// The kernels, in their order, of columns of a length.
+/// The kernels, in their order, of columns of a length, which may have ghosts behind the particles.
 pub(in crate::engine) fn sorting(
     grid: &Grid,
     count: usize,
     of: Sorted,
+    has_ghosts: bool,
 ) -> Result<Vec<(Recording, SortingThreads)>, KernelFault> {
     let cells = grid.cells();
     let clear = recording(&of.name("clear_cells"), count, |bind, cell| {
@@ -210,9 +212,16 @@ pub(in crate::engine) fn sorting(
         let starts = bind.indices(Group::CellStarts);
         let (unsorted, sorted) = (bind.indices(Group::Unsorted), bind.index_output(Group::Sorted));
         let (first, end) = (starts.at(cell), starts.at(cell + Index::of(1)));
+        // Ghosts that are before the own particles in the common order have the last numbers.
+        let ghosts_before = has_ghosts.then(|| bind.read(Group::Step).get(0, Index::of(GHOSTS_BEFORE)));
+        let place = |i: Index| {
+            let number = i.number();
+            ghosts_before
+                .map_or(number, |first| Recorded::select_lt(number, first, number, number - Recorded::of(count as f64)))
+        };
+        let own = place(i);
         let before = bind.scope.fold(first, end, Recorded::zero(), |_, before, k| {
-            let (other, own) = (unsorted.at(k).number(), i.number());
-            before + Recorded::select_lt(other, own, Recorded::one(), Recorded::zero())
+            before + Recorded::select_lt(place(unsorted.at(k)), own, Recorded::one(), Recorded::zero())
         });
         sorted.set(first + Index::floor(before), i);
     })?;
@@ -246,7 +255,7 @@ mod tests {
         }
         // Twice, so that what the first time left is in the way of nothing.
         for _ in 0..2 {
-            for (recording, threads) in sorting(&grid, count, Sorted::Particles).unwrap() {
+            for (recording, threads) in sorting(&grid, count, Sorted::Particles, false).unwrap() {
                 let names: Vec<_> = recording.groups.iter().map(|group| format!("{group:?}")).collect();
                 let mut buffers: Vec<_> = names.iter().map(|name| columns[name].clone()).collect();
                 let threads = match threads {

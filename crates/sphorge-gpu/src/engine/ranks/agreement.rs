@@ -1,0 +1,63 @@
+//! What ranks find together: sums in the common order of the particles, extremes, and failures.
+
+use super::Domain;
+use crate::engine::GpuEngine;
+use sphorge_engine::RunFailure;
+use sphorge_engine::ranks::{Ranks, StepFault};
+use sphorge_engine::reduction::{Alone, Turns};
+
+/// What was made on this rank, where every rank has made it.
+///
+/// # Errors
+/// What the first rank that has failed says, on all of them.
+pub(in crate::engine) fn made_on_all<T>(ranks: &Ranks, own: Result<T, RunFailure>) -> Result<T, RunFailure> {
+    let told = own.as_ref().map(|_| ()).map_err(|failure| failure.message.clone());
+    ranks.first_failure(told)?.map_err(RunFailure::of_engine)?;
+    own
+}
+
+impl GpuEngine {
+    fn ranks(&self) -> Option<&Ranks> {
+        self.domain.as_ref().map(|domain: &Domain| &domain.ranks)
+    }
+
+    /// Has each rank add its particles to sums, in their common order.
+    pub(in crate::engine) fn in_turn(&self, sums: &mut [f64], add: impl FnOnce(&mut [f64])) -> Result<(), RunFailure> {
+        match self.ranks() {
+            Some(ranks) => ranks.pass(sums, add),
+            None => {
+                let Ok(()) = Alone.pass(sums, add);
+                Ok(())
+            }
+        }
+    }
+
+    /// The sum of numbers of the particles of all ranks, of which those of this one are given.
+    pub(in crate::engine) fn sum_in_order(&self, own: impl Iterator<Item = f64>) -> Result<f64, RunFailure> {
+        let mut sum = [0.0];
+        self.in_turn(&mut sum, |sum| own.for_each(|number| sum[0] += number))?;
+        Ok(sum[0])
+    }
+
+    /// The largest of each of some numbers of every rank.
+    pub(in crate::engine) fn largest_of_ranks<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N], RunFailure> {
+        let Some(ranks) = self.ranks() else { return Ok(own) };
+        let all = ranks.gather_one(own)?;
+        Ok(all.into_iter().fold(own, |a, b| core::array::from_fn(|k| a[k].max(b[k]))))
+    }
+
+    /// Whether each of some things is so on any rank.
+    pub(in crate::engine) fn on_any_rank(&self, own: &[bool]) -> Result<Vec<bool>, RunFailure> {
+        let Some(ranks) = self.ranks() else { return Ok(own.to_vec()) };
+        let all = ranks.gather(own, &vec![own.len(); ranks.size()])?;
+        Ok((0..own.len()).map(|k| all.iter().skip(k).step_by(own.len()).any(|is| *is)).collect())
+    }
+
+    /// Fails on all ranks where one has a fault.
+    pub(in crate::engine) fn fail_together(&self, own: Option<StepFault>) -> Result<(), RunFailure> {
+        match self.ranks() {
+            Some(ranks) => ranks.fail_together(own),
+            None => own.map_or(Ok(()), |fault| Err(fault.into_failure())),
+        }
+    }
+}

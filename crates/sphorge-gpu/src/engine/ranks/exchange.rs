@@ -1,0 +1,143 @@
+//! Columns that ghosts take over: packed on the card that has the particles, one message to each other rank, unpacked on the card that reads them.
+
+use super::touched::ColumnSet;
+use crate::device::{Array, Card, Launch};
+use crate::engine::columns::{Columns, Fields, Group, Recording, recording};
+use crate::engine::failure;
+use crate::record::{Element, Index, KernelFault};
+use sphorge_engine::RunFailure;
+
+/// What takes a set of columns to the ghosts of other ranks, and those of this one here.
+pub(super) struct Exchange {
+    pack: Vec<Launch>,
+    unpack: Vec<Launch>,
+    sent: Array,
+    received: Array,
+    /// Numbers of a particle.
+    width: usize,
+}
+
+/// How many particles are sent in all, and how many ghosts there are here, behind so many particles of this rank.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Counts {
+    pub(super) sent: usize,
+    pub(super) ghosts: usize,
+    pub(super) own: usize,
+}
+
+impl Exchange {
+    /// Of these columns of groups, which are `stride` long.
+    pub(super) fn new(
+        card: &Card,
+        columns: &Columns,
+        set: &ColumnSet,
+        counts: Counts,
+        stride: usize,
+    ) -> Result<Self, RunFailure> {
+        let width = set.values().map(|columns| columns.count_ones() as usize).sum();
+        let arrays = (card.zeros(counts.sent * width), card.zeros(counts.ghosts * width));
+        let (sent, received) = (arrays.0.map_err(failure)?, arrays.1.map_err(failure)?);
+        let (mut pack, mut unpack) = (Vec::new(), Vec::new());
+        let mut first = 0;
+        for (group, of_group) in set {
+            let part = Part { group: *group, columns: numbers(*of_group), first, width };
+            first += part.columns.len();
+            let bind = |kernel: Result<Recording, KernelFault>, message: &Array, threads: usize| {
+                let kernel = kernel.map_err(failure)?;
+                let program = card.compile(&kernel.kernel).map_err(failure)?;
+                let array = |group: &Group| match group {
+                    Group::Sent | Group::Received => Some(message),
+                    other => columns.array(*other),
+                };
+                let arrays: Option<Vec<&Array>> = kernel.groups.iter().map(array).collect();
+                let arrays = arrays.ok_or_else(|| failure(format!("no column {:?}", part.group)))?;
+                card.bind(&program, &arrays, threads as u32).map_err(failure)
+            };
+            pack.push(bind(part.pack(stride), &sent, counts.sent)?);
+            unpack.push(bind(part.unpack(stride, counts.own), &received, counts.ghosts)?);
+        }
+        Ok(Self { pack, unpack, sent, received, width })
+    }
+
+    /// What is sent: the numbers of each particle one behind the other, in the order they are sent in.
+    pub(super) fn packed(&self, card: &Card) -> Result<Vec<f32>, RunFailure> {
+        card.launch(&self.pack);
+        card.read(&self.sent).map_err(failure)
+    }
+
+    /// Brings what has come, in the order of the ghosts, to them.
+    pub(super) fn unpack(&self, card: &Card, numbers: &[f32]) {
+        card.write(&self.received, numbers);
+        card.launch(&self.unpack);
+    }
+
+    /// Numbers of a particle.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+}
+
+/// The numbers of the columns of a set.
+fn numbers(set: u128) -> Vec<usize> {
+    (0..u128::BITS as usize).filter(|column| set >> column & 1 == 1).collect()
+}
+
+/// Columns of one group in a message.
+struct Part {
+    group: Group,
+    columns: Vec<usize>,
+    /// Place of the first of them among the numbers of a particle, and how many these are.
+    first: usize,
+    width: usize,
+}
+
+impl Part {
+    fn name(&self, what: &str) -> String {
+        let group = format!("{:?}", self.group).to_lowercase().replace('(', "_").replace(')', "");
+        format!("{what}_{group}")
+    }
+
+    /// Where a number of a particle is in the message.
+    fn place(&self, particle: Index, column: usize) -> Index {
+        particle * Index::of(self.width as u32) + Index::of((self.first + column) as u32)
+    }
+
+    fn pack(&self, stride: usize) -> Result<Recording, KernelFault> {
+        recording(&self.name("pack"), stride, |bind, thread| {
+            let i = bind.indices(Group::Sends).at(thread);
+            match self.group.of_particles() {
+                Some(Element::Whole) => {
+                    let whole = bind.indices(self.group);
+                    let sent = bind.write(Group::Sent);
+                    // Exact: neither bodies nor motions are so many.
+                    sent.set_at(self.place(thread, 0), whole.at(i).number());
+                }
+                _ => {
+                    let (group, sent) = (bind.read(self.group), bind.write(Group::Sent));
+                    for (k, column) in self.columns.iter().enumerate() {
+                        sent.set_at(self.place(thread, k), group.get(*column, i));
+                    }
+                }
+            }
+        })
+    }
+
+    fn unpack(&self, stride: usize, own: usize) -> Result<Recording, KernelFault> {
+        recording(&self.name("unpack"), stride, |bind, thread| {
+            let i = thread + Index::of(own as u32);
+            let received = bind.read(Group::Received);
+            match self.group.of_particles() {
+                Some(Element::Whole) => {
+                    let whole = bind.index_output(self.group);
+                    whole.set(i, Index::floor(received.get_at(self.place(thread, 0))));
+                }
+                _ => {
+                    let group = bind.write(self.group);
+                    for (k, column) in self.columns.iter().enumerate() {
+                        group.set(*column, i, received.get_at(self.place(thread, k)));
+                    }
+                }
+            }
+        })
+    }
+}

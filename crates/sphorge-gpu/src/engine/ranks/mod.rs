@@ -1,0 +1,402 @@
+//! Several cards that share the particles of a run, one to each rank.
+//!
+//! Particles have one common order, that of a space-filling curve through where they are at the start. Each card keeps a range of it for the whole run, and
+//! behind its own particles ghosts: copies of particles of other cards that its own may have for neighbours. Ghosts of ranks behind this one come before those
+//! of ranks before it, and cells sort them by their place in the common order, so that every sum is that of a single card, to the bit.
+//!
+//! What ghosts take over is not listed anywhere: kernels say in their own text which columns of neighbours they read ([`touched`]). A column that was
+//! written since ghosts took it over is exchanged before the first kernel that reads it of neighbours ([`GpuEngine::launch`]).
+
+pub(super) mod agreement;
+mod exchange;
+mod ghosts;
+mod part;
+pub(super) mod touched;
+
+use super::columns::{Columns, Group};
+use super::kernels::contact;
+use super::kernels::limits::CHUNK;
+use super::start::make_columns;
+use super::{GpuEngine, Stage, failure};
+use crate::device::Card;
+use exchange::{Counts, Exchange};
+use ghosts::{Cells, read_by_others};
+use sphorge_engine::model::{Dimensions, Search};
+use sphorge_engine::ranks::Ranks;
+use sphorge_engine::{Model, Particles, RunFailure};
+use sphorge_physics::Vector;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ops::Range;
+use touched::{ALL, ColumnSet, Touched};
+
+/// How much farther than particles are searched ghosts are looked for, as a share, where they serve until particles have moved.
+const MARGIN: f64 = 0.25;
+
+/// Room for ghosts beyond those there are, as a share.
+const SPARE: f64 = 0.25;
+
+/// Fewest particles of a rank.
+const FEWEST: usize = 128;
+
+/// What a rank has of the particles, and who its ghosts are.
+pub(super) struct Domain {
+    pub(super) ranks: Ranks,
+    /// Places in the common order at which the particles of each rank begin, and their number.
+    starts: Vec<usize>,
+    /// Particles of this rank that each other one reads, ascending.
+    read_by: Vec<Vec<u32>>,
+    /// Ghosts that each other rank fills.
+    filled_by: Vec<usize>,
+    /// Columns that were written since ghosts took them over.
+    stale: RefCell<ColumnSet>,
+    exchanges: RefCell<HashMap<ColumnSet, Exchange>>,
+}
+
+impl Domain {
+    /// The share of a rank of so many particles: whole chunks, so that what is summed by chunks is summed as on one card.
+    ///
+    /// # Errors
+    /// There are too few particles for so many ranks.
+    pub(super) fn new(ranks: Ranks, count: usize) -> Result<Self, RunFailure> {
+        let size = ranks.size();
+        if count < FEWEST * size {
+            return Err(failure(format!(
+                "{count} particles are too few for {size} ranks: take `--ranks {}`",
+                (count / FEWEST).max(1)
+            )));
+        }
+        // Of few particles a chunk may be more than a share.
+        let chunk = if count >= CHUNK * size { CHUNK } else { 1 };
+        let starts =
+            (0..=size).map(|rank| if rank == size { count } else { count * rank / size / chunk * chunk }).collect();
+        Ok(Self {
+            read_by: vec![Vec::new(); size],
+            filled_by: vec![0; size],
+            ranks,
+            starts,
+            stale: RefCell::default(),
+            exchanges: RefCell::default(),
+        })
+    }
+
+    /// Places of the particles of this rank in the common order.
+    pub(super) fn own(&self) -> Range<usize> {
+        let rank = self.ranks.rank();
+        self.starts[rank]..self.starts[rank + 1]
+    }
+
+    /// Particles of all ranks.
+    pub(super) fn total(&self) -> usize {
+        self.starts[self.ranks.size()]
+    }
+
+    /// Particles of each rank.
+    pub(super) fn counts(&self) -> Vec<usize> {
+        self.starts.windows(2).map(|ends| ends[1] - ends[0]).collect()
+    }
+
+    pub(super) fn ghosts(&self) -> usize {
+        self.filled_by.iter().sum()
+    }
+
+    /// Ghosts whose places in the common order are behind those of the own particles; the others follow them.
+    pub(super) fn ghosts_behind(&self) -> usize {
+        self.filled_by[self.ranks.rank() + 1..].iter().sum()
+    }
+
+    /// Ranks in the order of their ghosts.
+    fn in_order_of_ghosts(&self) -> impl Iterator<Item = usize> + use<> {
+        let (rank, size) = (self.ranks.rank(), self.ranks.size());
+        (rank + 1..size).chain(0..rank)
+    }
+
+    /// Whom other ranks read, rank after rank.
+    fn sends(&self) -> Vec<u32> {
+        self.read_by.concat()
+    }
+
+    /// Tells each rank who of its particles is read by which other, where all look for neighbours of their own in these sets of places.
+    fn choose(&mut self, cells: &Cells, sets: &[Vec<Vector<f64>>]) -> Result<(), RunFailure> {
+        self.read_by = read_by_others(&self.ranks, cells, sets)?;
+        let (rank, size) = (self.ranks.rank(), self.ranks.size());
+        let counts: Vec<u64> = self.read_by.iter().map(|of| of.len() as u64).collect();
+        let all = self.ranks.gather(&counts, &vec![size; size])?;
+        self.filled_by = (0..size).map(|other| all[other * size + rank] as usize).collect();
+        self.exchanges.borrow_mut().clear();
+        Ok(())
+    }
+
+    /// What the ghosts of this rank have of values of particles, those of the own ones given.
+    pub(super) fn of_ghosts<const N: usize>(&self, own: &[[f64; N]]) -> Result<Vec<[f64; N]>, RunFailure> {
+        let message =
+            |of: &Vec<u32>| of.iter().flat_map(|i| own[*i as usize].map(f64::to_le_bytes)).flatten().collect();
+        let come = self.send(self.read_by.iter().map(message).collect(), 8 * N)?;
+        let number = |bytes: &[u8]| f64::from_le_bytes(core::array::from_fn(|k| bytes[k]));
+        Ok(come.chunks_exact(8 * N).map(|of| core::array::from_fn(|k| number(&of[8 * k..8 * k + 8]))).collect())
+    }
+
+    /// Sends a message to each other rank; what has come for the ghosts in their order, of so many bytes each.
+    fn send(&self, to: Vec<Vec<u8>>, width: usize) -> Result<Vec<u8>, RunFailure> {
+        let lengths: Vec<usize> = self.filled_by.iter().map(|ghosts| ghosts * width).collect();
+        let from = self.ranks.exchange(to, &lengths)?;
+        Ok(self.in_order_of_ghosts().flat_map(|rank| from[rank].iter().copied()).collect())
+    }
+
+    /// Notes that columns are others than those of the ghosts.
+    fn wrote(&self, columns: &Columns, written: &ColumnSet, stride: usize) {
+        let mut stale = self.stale.borrow_mut();
+        for (group, set) in written {
+            *stale.entry(*group).or_default() |= set & existing(columns, *group, stride);
+        }
+    }
+
+    /// Notes that ghosts know nothing.
+    pub(super) fn forget(&self, columns: &Columns, stride: usize) {
+        let of_particles = columns.all().filter(|(group, _)| group.of_particles().is_some());
+        let all = of_particles.map(|(group, _)| (*group, ALL)).collect();
+        self.wrote(columns, &all, stride);
+    }
+
+    /// Of the columns that kernels read of neighbours those that ghosts have to take over before the first of them: with these, what later ones read and
+    /// nobody writes before.
+    fn wanted(&self, kernels: &[&Touched]) -> ColumnSet {
+        let stale = self.stale.borrow();
+        let mut wanted = ColumnSet::new();
+        let mut written = ColumnSet::new();
+        for (k, kernel) in kernels.iter().enumerate() {
+            for (group, set) in &kernel.gathered {
+                let of = |of: &ColumnSet| of.get(group).copied().unwrap_or(0);
+                let due = set & of(&stale) & !of(&written);
+                if due != 0 {
+                    *wanted.entry(*group).or_default() |= due;
+                }
+            }
+            if k == 0 && wanted.is_empty() {
+                return wanted;
+            }
+            for (group, set) in &kernel.written {
+                *written.entry(*group).or_default() |= set;
+            }
+        }
+        wanted
+    }
+
+    /// Has ghosts take columns over.
+    fn exchange(&self, card: &Card, columns: &Columns, set: ColumnSet, stride: usize) -> Result<(), RunFailure> {
+        let mut known = self.exchanges.borrow_mut();
+        if !known.contains_key(&set) {
+            let counts = Counts { sent: self.sends().len(), ghosts: self.ghosts(), own: self.own().len() };
+            known.insert(set.clone(), Exchange::new(card, columns, &set, counts, stride)?);
+        }
+        let Some(exchange) = known.get(&set) else { return Ok(()) };
+        let packed = exchange.packed(card)?;
+        let mut rest = &packed[..];
+        let message = |of: &Vec<u32>| {
+            let (own, behind) = rest.split_at(of.len() * exchange.width());
+            rest = behind;
+            bytemuck::cast_slice(own).to_vec()
+        };
+        let come = self.send(self.read_by.iter().map(message).collect(), 4 * exchange.width())?;
+        exchange.unpack(card, &bytemuck::pod_collect_to_vec::<u8, f32>(&come));
+        let mut stale = self.stale.borrow_mut();
+        for (group, taken) in set {
+            if let Some(columns) = stale.get_mut(&group) {
+                *columns &= !taken;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The columns there are of a group.
+fn existing(columns: &Columns, group: Group, stride: usize) -> u128 {
+    let count = columns.array(group).map_or(0, |array| array.count() / stride);
+    if count >= ALL.count_ones() as usize { ALL } else { (1 << count) - 1 }
+}
+
+/// When ghosts are others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Lasting {
+    /// They are those of each search.
+    OneSearch,
+    /// Until particles have moved by the margin.
+    Margin,
+    /// Those of the reference configuration.
+    OneReference,
+}
+
+fn lasting(model: &Model) -> Lasting {
+    match model.search {
+        Search::Skin { .. } => Lasting::OneSearch,
+        Search::Initial if !contact::meets(model) => Lasting::OneReference,
+        Search::Initial | Search::EveryStep | Search::Adaptive(_) => Lasting::Margin,
+    }
+}
+
+/// Whether ghosts have to be chosen again because of how far particles have moved.
+pub(super) fn wears_out(model: &Model) -> bool {
+    lasting(model) == Lasting::Margin
+}
+
+/// Length of the columns of a rank with so many particles and ghosts.
+pub(super) fn stride_for(own: usize, ghosts: usize) -> usize {
+    (own + ghosts + (SPARE * ghosts as f64) as usize).div_ceil(CHUNK) * CHUNK
+}
+
+impl GpuEngine {
+    /// Launches the kernels of a stage, and before each has ghosts take over what it reads of them.
+    pub(super) fn launch(&self, stage: &Stage) -> Result<(), RunFailure> {
+        let Some(domain) = &self.domain else {
+            self.card.launch(stage.iter().map(|staged| &staged.launch));
+            return Ok(());
+        };
+        let touched: Vec<&Touched> = stage.iter().map(|staged| &staged.touched).collect();
+        let mut first = 0;
+        for k in 0..stage.len() {
+            let wanted = domain.wanted(&touched[k..]);
+            if !wanted.is_empty() {
+                self.card.launch(stage[first..k].iter().map(|staged| &staged.launch));
+                first = k;
+                domain.exchange(&self.card, &self.columns, wanted, self.stride)?;
+            }
+            domain.wrote(&self.columns, &touched[k].written, self.stride);
+        }
+        self.card.launch(stage[first..].iter().map(|staged| &staged.launch));
+        Ok(())
+    }
+
+    /// Notes that a group was written otherwise than by a kernel of a stage.
+    pub(super) fn wrote(&self, group: Group) {
+        if let Some(domain) = &self.domain {
+            domain.wrote(&self.columns, &ColumnSet::from([(group, ALL)]), self.stride);
+        }
+    }
+
+    /// Chooses ghosts again where particles have moved so far that others may have become neighbours. Lists of the reference configuration are made of them.
+    pub(super) fn refresh_ghosts(&mut self) -> Result<(), RunFailure> {
+        if self.domain.is_none() || !wears_out(&self.model) {
+            return Ok(());
+        }
+        self.launch(&self.stages.ghost_ways)?;
+        let ways = self.ways_of_all()?;
+        let margin = MARGIN * self.grid.edge;
+        let has_images = has_images(&self.model);
+        if ways.longest > 0.25 * margin * margin && (has_images || ways.diagonal > margin * margin) {
+            self.choose_ghosts()?;
+            self.make_lists_anew()?;
+        }
+        Ok(())
+    }
+
+    /// The same before a search whose ghosts serve until the next one.
+    pub(super) fn choose_ghosts_of_search(&mut self) -> Result<(), RunFailure> {
+        if self.domain.is_some() && lasting(&self.model) == Lasting::OneSearch {
+            self.choose_ghosts()?;
+        }
+        Ok(())
+    }
+
+    /// Chooses ghosts by where particles are, and where they are in the reference configuration.
+    pub(super) fn choose_ghosts(&mut self) -> Result<(), RunFailure> {
+        if self.domain.is_none() {
+            return Ok(());
+        }
+        let places = |group: Group| -> Result<Vec<Vector<f64>>, RunFailure> {
+            let numbers = self.group(group)?;
+            Ok((0..self.initial.len()).map(|i| [0, 1, 2].map(|a| numbers.at(a, i) + numbers.at(3 + a, i))).collect())
+        };
+        let sets = sets(&self.model, || places(Group::Place), || places(Group::Reference))?;
+        let cells = cells(&self.model, self.grid.edge);
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        domain.choose(&cells, &sets)?;
+        let has_room = self.initial.len() + domain.ghosts() <= self.stride;
+        if !has_room {
+            self.grow()?;
+        }
+        self.take_ghosts()
+    }
+
+    /// Takes the ghosts that were chosen: who is sent, kernels for as many, and where particles were.
+    pub(super) fn take_ghosts(&mut self) -> Result<(), RunFailure> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        domain.forget(&self.columns, self.stride);
+        let sends = self.card.indices(&domain.sends()).map_err(failure)?;
+        self.columns.insert(Group::Sends, sends);
+        if wears_out(&self.model) {
+            let place = super::snapshot::read(&self.card, &self.columns, Group::Place)?;
+            if let Some(array) = self.columns.array(Group::GhostsAt) {
+                self.card.write(array, &place);
+            }
+        }
+        self.find_surface_ghosts()?;
+        self.rebind()?;
+        self.set_step()
+    }
+
+    /// Takes longer columns, for more ghosts. Other ranks need not.
+    fn grow(&mut self) -> Result<(), RunFailure> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let (own, before, stride) = (self.initial.len(), self.stride, stride_for(self.initial.len(), domain.ghosts()));
+        let longer =
+            make_columns(&self.card, (&self.model, &self.initial), stride, &self.grid, true).map_err(failure)?;
+        let shorter = std::mem::replace(&mut self.columns, longer);
+        self.stride = stride;
+        for (group, array) in shorter.into_all() {
+            let is_kept = matches!(group, Group::Kept | Group::Stored);
+            if group.of_particles().is_some() || is_kept {
+                let columns = array.count() / before;
+                let numbers = self.card.read(&array).map_err(failure)?;
+                // Rows behind the particles stay as they are made.
+                let mut longer = match self.columns.array(group).filter(|longer| longer.count() == columns * stride) {
+                    Some(longer) => self.card.read(longer).map_err(failure)?,
+                    None => vec![0.0; columns * stride],
+                };
+                for column in 0..columns {
+                    longer[column * stride..][..own].copy_from_slice(&numbers[column * before..][..own]);
+                }
+                self.columns.insert(group, self.card.numbers(&longer).map_err(failure)?);
+            } else if group.outlasts_columns() {
+                self.columns.insert(group, array);
+            }
+        }
+        self.plan = self.plan_of(self.references())?;
+        Ok(())
+    }
+}
+
+/// Whether there are images, which go other ways than their particles.
+pub(super) fn has_images(model: &Model) -> bool {
+    !model.symmetry.is_empty() || model.periodic.iter().any(Option::is_some)
+}
+
+/// The sets of places that neighbours are looked for in.
+fn sets(
+    model: &Model,
+    present: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
+    reference: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
+) -> Result<Vec<Vec<Vector<f64>>>, RunFailure> {
+    let is_total = super::kernels::walls::is_total_lagrangian(model);
+    Ok(match (is_total, lasting(model)) {
+        (false, _) => vec![present()?],
+        (true, Lasting::OneReference) => vec![reference()?],
+        (true, _) => vec![present()?, reference()?],
+    })
+}
+
+/// Chooses ghosts at the start, when nothing is on the card yet.
+pub(super) fn choose_at_start(domain: &mut Domain, model: &Model, p: &Particles, edge: f64) -> Result<(), RunFailure> {
+    let places = || Ok(p.position.clone());
+    domain.choose(&cells(model, edge), &sets(model, places, places)?)
+}
+
+/// Cells as wide as neighbours are far, and the margin where ghosts serve until particles have moved.
+fn cells(model: &Model, edge: f64) -> Cells {
+    let margin = if wears_out(model) { MARGIN } else { 0.0 };
+    let axes = match model.dimensions {
+        Dimensions::One => 1,
+        Dimensions::PlaneStrain => 2,
+        Dimensions::Three => 3,
+    };
+    Cells::new((1.0 + margin) * edge, axes, model.periodic)
+}

@@ -1,0 +1,71 @@
+//! A card as one of several that share the particles of a run.
+
+use crate::engine::{Gpu, GpuEngine, failure, supports};
+use sphorge_engine::model::Model;
+use sphorge_engine::ranks::Communicator;
+use sphorge_engine::{Column, Engine, FieldSource, Part, PartKind, Particles, Reduction, RunFailure, Unsupported};
+use std::sync::Arc;
+
+impl PartKind for Gpu {
+    fn supports_sharing(&self, model: &Model) -> Result<(), Unsupported> {
+        supports::supports_sharing(model)
+    }
+
+    fn shared_name(&self) -> &'static str {
+        "gpu-ranks"
+    }
+
+    fn start_part(
+        &self,
+        model: Arc<Model>,
+        particles: Particles,
+        communicator: Arc<dyn Communicator>,
+    ) -> Result<Box<dyn Part>, RunFailure> {
+        Ok(Box::new(GpuEngine::new(model, particles, self, Some(communicator))?))
+    }
+}
+
+impl Part for GpuEngine {
+    fn collect(&self, field: &str) -> Result<Column<'static>, RunFailure> {
+        let own = self.own_column(field)?;
+        match &self.domain {
+            Some(domain) => domain.ranks.collect(own, &domain.counts()),
+            None => Ok(own.into_owned()),
+        }
+    }
+
+    fn section_force(&self, section: usize) -> Result<Vec<f64>, RunFailure> {
+        let section = self.model.sections.get(section);
+        section.map_or(Ok(Vec::new()), |section| self.reduce(&Reduction::SectionForce(section)))
+    }
+
+    fn complete(&mut self) -> Result<(), RunFailure> {
+        self.complete_state()
+    }
+
+    fn total(&self) -> usize {
+        self.domain.as_ref().map_or(self.initial.len(), super::Domain::total)
+    }
+
+    fn own(&self) -> &dyn FieldSource {
+        self
+    }
+}
+
+/// The particles of this rank, in their common order.
+impl FieldSource for GpuEngine {
+    fn count(&self) -> usize {
+        self.initial.len()
+    }
+
+    fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.own_column(field)
+    }
+}
+
+impl GpuEngine {
+    /// A field of the particles of this card, in their common order.
+    pub(in crate::engine) fn own_column(&self, field: &str) -> Result<Column<'_>, RunFailure> {
+        self.snapshot()?.particles.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+    }
+}

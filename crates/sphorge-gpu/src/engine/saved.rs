@@ -1,0 +1,86 @@
+//! What a state is saved as: columns of the particles in their common order, whoever has them.
+//!
+//! Lists are not saved where they follow from what is: those of a skin are searched again where particles were at the last search, and those of the
+//! reference configuration are made of that.
+
+use super::GpuEngine;
+use super::columns::Group;
+use super::snapshot::{LISTS, STATE, read};
+use sphorge_engine::RunFailure;
+use sphorge_engine::model::Search;
+use sphorge_engine::persist::{Archive, ArchiveError, Persist, persist_pieces};
+
+impl GpuEngine {
+    /// Saves or loads everything that the steps to come depend on. On ranks [`Self::complete_state`] follows what was loaded.
+    pub(super) fn persist_state(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        self.snapshot.take();
+        self.time.persist("time", archive)?;
+        self.dt.persist("dt", archive)?;
+        self.steps.persist("steps", archive)?;
+        let mut extremes = self.extremes.to_vec();
+        extremes.persist("extremes", archive)?;
+        self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
+        self.persist_kept(archive)?;
+        self.persist_references(archive)?;
+        if let Some(clock) = &mut self.heat {
+            clock.persist("heat", archive)?;
+        }
+        self.persist_columns(archive)?;
+        if !archive.is_saving() && self.domain.is_none() {
+            return self.complete_state().map_err(|fault| ArchiveError::Unsupported(fault.to_string()));
+        }
+        Ok(())
+    }
+
+    /// Whether a group belongs to the state, and not to what follows from it.
+    fn is_saved(&self, group: Group) -> bool {
+        match group {
+            // The initial configuration is that of the deck.
+            Group::Reference => self.is_renewed(),
+            Group::SearchedAt => self.model.search != Search::EveryStep,
+            _ => self.saves_lists() || !LISTS.contains(&group),
+        }
+    }
+
+    /// Whether rows of the lists were made at different times.
+    pub(super) fn saves_lists(&self) -> bool {
+        matches!(self.model.search, Search::Adaptive(_) | Search::Initial)
+    }
+
+    fn persist_columns(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        let (own, stride) = (self.initial.len(), self.stride);
+        let sections = (0..self.model.sections.len()).map(Group::Section);
+        for group in STATE.iter().copied().chain(sections).filter(|group| self.is_saved(*group)) {
+            let Some(array) = self.columns.array(group) else { continue };
+            let lost = |fault: RunFailure| ArchiveError::Unsupported(fault.to_string());
+            // What is behind the particles stays.
+            let mut numbers = read(&self.card, &self.columns, group).map_err(lost)?;
+            for (k, column) in numbers.chunks_exact_mut(stride).enumerate() {
+                let name = format!("{group:?}.{k}").to_lowercase();
+                let mut values = column[..own].to_vec();
+                persist_pieces(&mut values, &name, archive)?;
+                column[..own].copy_from_slice(&values);
+            }
+            if !archive.is_saving() {
+                self.card.write(array, &numbers);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes what follows from a state that was loaded: ghosts and lists.
+    pub(super) fn complete_state(&mut self) -> Result<(), RunFailure> {
+        if let Some(domain) = &self.domain {
+            domain.forget(&self.columns, self.stride);
+            self.choose_ghosts()?;
+        }
+        if self.domain.is_some() || self.is_renewed() || self.kept.had_other_references {
+            self.kept.had_other_references = false;
+            self.make_lists_anew()?;
+        }
+        match self.model.search {
+            Search::Skin { .. } if self.kept.is_made => self.search_again(),
+            _ => Ok(()),
+        }
+    }
+}
