@@ -16,6 +16,17 @@ pub(crate) fn engines(device: Option<&str>) -> Vec<Arc<dyn EngineKind>> {
     ]
 }
 
+/// The engines of which several can share a run; those of a card take the one of a number among cards that are alike.
+#[cfg(feature = "mpi")]
+pub(crate) fn part_kinds(device: Option<&str>, number: usize) -> Vec<Arc<dyn sphorge::engine::PartKind>> {
+    let _ = (device, number);
+    vec![
+        Arc::new(Cpu),
+        #[cfg(feature = "gpu")]
+        Arc::new(sphorge_gpu::Gpu { device: device.map(str::to_owned), number, profile: None }),
+    ]
+}
+
 /// The engines a run may be resumed on: that of the card of this name, if one is asked for, and no other.
 pub(crate) fn engines_to_resume(device: Option<&str>) -> Result<Vec<Arc<dyn EngineKind>>, Failure> {
     let engines = engines(device);
@@ -65,6 +76,11 @@ pub(crate) struct KernelTimes {
 }
 
 impl EngineArguments {
+    /// Words of the name of the card, where some are given.
+    pub(crate) fn device(&self) -> Option<&str> {
+        self.device.as_deref()
+    }
+
     /// What times single kernels, where the engine has such.
     pub(crate) fn kernel_times(&self) -> Result<Option<KernelTimes>, Failure> {
         #[cfg(feature = "gpu")]

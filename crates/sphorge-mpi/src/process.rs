@@ -15,6 +15,7 @@ pub struct Processes {
     rank: usize,
     size: usize,
     on_this_machine: usize,
+    place_on_this_machine: usize,
     on_these_processors: usize,
 }
 
@@ -44,16 +45,21 @@ impl Processes {
         let world = universe.world();
         let (rank, size) = (world.rank() as usize, world.size() as usize);
         let machine = world.split_shared(world.rank());
-        let on_this_machine = machine.size() as usize;
+        let (on_this_machine, place_on_this_machine) = (machine.size() as usize, machine.rank() as usize);
         let (own, mut all) = (processors(), vec![0u64; PROCESSORS * on_this_machine]);
         machine.all_gather_into(&own[..], &mut all[..]);
         let on_these_processors = sharing(&own, &all);
-        Ok(Arc::new(Self { universe, rank, size, on_this_machine, on_these_processors }))
+        Ok(Arc::new(Self { universe, rank, size, on_this_machine, place_on_this_machine, on_these_processors }))
     }
 
     /// Processes that share the memory of this machine, this one among them.
     pub fn on_this_machine(&self) -> usize {
         self.on_this_machine
+    }
+
+    /// Number of this one among them, from zero on.
+    pub fn place_on_this_machine(&self) -> usize {
+        self.place_on_this_machine
     }
 
     /// Those of them that may run on some processor that this one may run on.

@@ -50,7 +50,9 @@ pub(crate) struct ResumeArguments {
 
 pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
     let engines = engines_to_resume(arguments.device.as_deref())?;
-    let Some(role) = arguments.ranks.join(arguments.threads)? else { return Ok(Outcome::Done) };
+    let Some(role) = arguments.ranks.join(arguments.threads, arguments.device.as_deref())? else {
+        return Ok(Outcome::Done);
+    };
     let mut display = ProgressDisplay::new();
     let stop = display.stop_flag()?;
     if let Err(ending) = role.launch((), &arguments.directory, &mut display, &stop) {

@@ -65,7 +65,9 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
 
 pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let engine = arguments.engine.find()?;
-    let Some(role) = arguments.ranks.join(arguments.threads)? else { return Ok(Outcome::Done) };
+    let Some(role) = arguments.ranks.join(arguments.threads, arguments.engine.device())? else {
+        return Ok(Outcome::Done);
+    };
     let engine = role.engine(engine)?;
     let deck = arguments.deck.find()?;
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));

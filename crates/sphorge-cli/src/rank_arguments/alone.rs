@@ -14,7 +14,7 @@ pub(crate) struct Role;
 
 impl RankArguments {
     /// Refuses ranks, which this program was built without, and to be one of many processes that would all do the same.
-    pub(crate) fn join(self, _threads: Option<usize>) -> Result<Option<Role>, Failure> {
+    pub(crate) fn join(self, _threads: Option<usize>, _device: Option<&str>) -> Result<Option<Role>, Failure> {
         let count = started::count();
         match self.ranks {
             _ if count > 1 && !started::is_first() => Err(Failure::Told),

@@ -2,6 +2,7 @@
 
 use super::{RankArguments, started};
 use crate::{
+    engine_arguments::part_kinds,
     failure::{Ending, Failure, Outcome},
     memory,
     progress::ProgressDisplay,
@@ -11,11 +12,11 @@ use crate::{
 };
 use miette::{IntoDiagnostic, WrapErr, miette};
 use sphorge::{
-    engine::{Cpu, EngineKind, ranks::Communicator},
+    engine::{EngineKind, PartKind, ranks::Communicator},
     output::RunDirectory,
     run::FilesOfRank,
 };
-use sphorge_mpi::{Leader, Processes, follow};
+use sphorge_mpi::{Leader, Processes, follow_with};
 use std::{
     env,
     path::Path,
@@ -34,16 +35,33 @@ pub(crate) enum Role {
     Alone,
     /// The one that starts so many ranks and waits for them.
     Launcher(usize),
-    /// The first rank, which drives the run on so many threads unless told otherwise.
-    First(Arc<dyn EngineKind>, usize),
+    /// The first rank, which drives the run.
+    First(First),
+}
+
+/// The first rank.
+pub(crate) struct First {
+    leader: Leader,
+    /// What all ranks can have for engines.
+    kinds: Vec<Arc<dyn PartKind>>,
+    /// Threads unless told otherwise.
+    own_threads: usize,
+}
+
+impl First {
+    /// What all ranks together are, where each has the engine of a name.
+    fn led(&self, name: &str) -> Option<Arc<dyn EngineKind>> {
+        let kind = self.kinds.iter().find(|kind| kind.name() == name)?;
+        Some(Arc::new(self.leader.with(kind.clone())))
+    }
 }
 
 impl RankArguments {
-    /// Joins the ranks, of which each has so many threads. On all but the first it returns when the run is over, with nothing left to do.
+    /// Joins the ranks, of which each has so many threads, and a card that is called so where cards compute. On all but the first it returns when the run is over, with nothing left to do.
     ///
     /// # Errors
     /// There is no MPI, or a number of ranks that is not that of the processes.
-    pub(crate) fn join(self, threads: Option<usize>) -> Result<Option<Role>, Failure> {
+    pub(crate) fn join(self, threads: Option<usize>, device: Option<&str>) -> Result<Option<Role>, Failure> {
         if !started::by_mpi() {
             let Some(ranks) = self.ranks else { return Ok(Some(Role::Alone)) };
             memory::note_ranks(ranks, ranks);
@@ -56,6 +74,7 @@ impl RankArguments {
         let processes = Processes::join().map_err(|message| Failure::Failed(miette!("{message}")))?;
         let own_threads = threads_of_a_rank(processes.on_these_processors());
         let on_this_machine = processes.on_this_machine();
+        let kinds = part_kinds(device, processes.place_on_this_machine());
         let communicator: Arc<dyn Communicator> = processes;
         let (rank, size) = (communicator.rank(), communicator.size());
         if size == 1 && started::count() > 1 {
@@ -68,11 +87,12 @@ impl RankArguments {
         memory::note_rank(rank);
         memory::note_ranks(size, on_this_machine);
         if rank == 0 {
-            return Ok(Some(Role::First(Arc::new(Leader::new(communicator)), own_threads)));
+            let leader = Leader::new(communicator);
+            return Ok(Some(Role::First(First { leader, kinds, own_threads })));
         }
         signals::leave_to_the_first_rank().into_diagnostic().map_err(Failure::Failed)?;
         let files = FilesOfRank::new(memory::particle_limit());
-        let followed = follow(communicator, threads.or(Some(own_threads)), &files);
+        let followed = follow_with(communicator, threads.or(Some(own_threads)), &kinds, &files);
         followed.map(|()| None).map_err(|failure| Failure::Failed(miette!("{failure}")))
     }
 }
@@ -117,7 +137,7 @@ impl Role {
     /// Threads of this process.
     pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
         match self {
-            Self::First(_, own) => asked.or(Some(*own)),
+            Self::First(first) => asked.or(Some(first.own_threads)),
             Self::Alone | Self::Launcher(_) => asked,
         }
     }
@@ -125,23 +145,23 @@ impl Role {
     /// The engine of this process, where `asked` was asked for.
     ///
     /// # Errors
-    /// Ranks do not share what another engine than the processor computes.
+    /// Ranks cannot share what that engine computes.
     pub(crate) fn engine(&self, asked: Arc<dyn EngineKind>) -> Result<Arc<dyn EngineKind>, Failure> {
         match self {
-            Self::Alone => Ok(asked),
-            Self::Launcher(_) | Self::First(..) if asked.name() != Cpu.name() => Err(Failure::bad_input(
-                format!("ranks share the work of processors, and the engine is to be `{}`", asked.name()),
-                "leave `--engine` out, or run on one process",
-            )),
-            Self::First(leader, _) => Ok(leader.clone()),
-            Self::Launcher(_) => Ok(asked),
+            Self::Alone | Self::Launcher(_) => Ok(asked),
+            Self::First(first) => first.led(asked.name()).ok_or_else(|| {
+                Failure::bad_input(
+                    format!("processes cannot share a run on the engine `{}`", asked.name()),
+                    "leave `--engine` out, or run on one process",
+                )
+            }),
         }
     }
 
     /// The engines of this process that a run may be resumed on, of those there are for a process alone.
     pub(crate) fn engines(&self, alone: Vec<Arc<dyn EngineKind>>) -> Vec<Arc<dyn EngineKind>> {
         match self {
-            Self::First(leader, _) => vec![leader.clone()],
+            Self::First(first) => alone.iter().filter_map(|kind| first.led(kind.name())).collect(),
             Self::Alone | Self::Launcher(_) => alone,
         }
     }

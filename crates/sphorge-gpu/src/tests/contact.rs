@@ -44,14 +44,14 @@ pub(super) fn striking(more: &str) -> String {
 }
 
 /// So that friction warms one more than the other.
-const CONDUCT: [(&str, &str); 2] =
+pub(super) const CONDUCT: [(&str, &str); 2] =
     [("material.ofhc-copper.conductivity", "\"400 W/(m K)\""), ("material.armco-iron.conductivity", "\"20 W/(m K)\"")];
-const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
+pub(super) const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
 /// So stiff that the contact limits the step.
 const STIFF: &str = "contact = { penalty = { friction = 0.3, stiffness = 3.0 } }";
 /// K.
 const AT_START: f64 = 293.15;
-const PRESENT: &str = "method = \"patino\"\nsearch = \"every-step\"";
+pub(super) const PRESENT: &str = "method = \"patino\"\nsearch = \"every-step\"";
 
 /// What is compared: energies and momenta of bodies, works and forces of contacts, extents, each with what it is a part of.
 fn numbers(simulation: &Simulation) -> Vec<(String, f64, f64)> {
@@ -142,7 +142,7 @@ fn bodies_that_meet_under_the_adaptive_search_are_those_of_the_processor() {
 }
 
 /// Three cubes in space, of two metals and spacings: the upper strikes and rubs the middle, which strikes the lower, beside a plane of symmetry.
-fn in_space(more: &str) -> String {
+pub(super) fn in_space(more: &str) -> String {
     let cube = |name: &str, material: &str, spacing: &str, z: [&str; 2], velocity: &str| {
         format!(
             "[[body]]\nname = \"{name}\"\nmaterial = \"{material}\"\nspacing = \"{spacing} mm\"\nvelocity = {velocity}\n\

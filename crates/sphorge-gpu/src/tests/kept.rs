@@ -6,7 +6,7 @@ use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// The bullet of the paper, coarse, through the middle of the plate.
-const BULLET: [(&str, &str); 3] = [
+pub(super) const BULLET: [(&str, &str); 3] = [
     ("particles.spacing", "\"12 mm\""),
     ("body.bullet.spacing", "\"12 mm\""),
     (

@@ -1,13 +1,17 @@
 //! Several cards that share the particles of a run: to the bit what one card computes. Ranks are threads here.
 
 use super::card::card;
+use super::contact::{CONDUCT, PRESENT, RUBS, in_space, striking};
 use super::engine::{components, start_text};
+use super::kept::BULLET;
+use super::renewal::PULLED;
+use super::self_contact::{BLOCKS, closing};
 use crate::Gpu;
-use sphorge_deck::{decks, load_text};
+use sphorge_deck::{Setup, decks, load_text};
 use sphorge_engine::particles::FIELDS;
-use sphorge_engine::persist::{Archive, ArchiveError};
+use sphorge_engine::persist::{Archive, ArchiveError, MemoryArchive};
 use sphorge_engine::ranks::{Loaded, RankFiles};
-use sphorge_engine::{EngineKind, FieldSource, Ledger, Model, PartKind, Simulation};
+use sphorge_engine::{EngineKind, FieldSource, Model, PartKind, ParticleSource, Reduction, Simulation};
 use sphorge_mpi::{Leader, follow_with, threads};
 use std::sync::Arc;
 use std::thread;
@@ -25,6 +29,12 @@ impl<'a> Deck<'a> {
         Self { name, text: decks::find(name).unwrap().text, overrides }
     }
 
+    fn setup(&self) -> Option<Setup> {
+        let overrides: Vec<_> =
+            self.overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        load_text(self.name, self.text, &overrides).ok()
+    }
+
     fn start(&self, kind: &dyn EngineKind) -> Simulation {
         start_text(kind, self.name, self.text, self.overrides)
     }
@@ -33,9 +43,7 @@ impl<'a> Deck<'a> {
 /// Other ranks load the deck as the first one does, and write nothing.
 impl RankFiles for Deck<'_> {
     fn load(&self, _: &str, _: &str) -> Option<Loaded> {
-        let overrides: Vec<_> =
-            self.overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-        let setup = load_text(self.name, self.text, &overrides).ok()?;
+        let setup = self.setup()?;
         Some((Arc::new(setup.model), setup.particles))
     }
 
@@ -70,45 +78,185 @@ fn led<T>(deck: Deck<'_>, ranks: usize, lead: impl FnOnce(&Leader) -> T) -> T {
     })
 }
 
-/// Everything that is known of a run at its end: all fields, and the sums.
-fn state(simulation: &Simulation) -> (Vec<(&'static str, Vec<f64>)>, Ledger, u64) {
-    let field = |name: &'static str| (name, components(&simulation.read(name).unwrap()));
-    (FIELDS.iter().map(|field_info| field(field_info.name)).collect(), simulation.ledger().unwrap(), simulation.steps())
+/// All fields of a run, by their names.
+fn fields(simulation: &Simulation) -> Vec<(&'static str, Vec<f64>)> {
+    FIELDS.iter().map(|field| (field.name, components(&simulation.read(field.name).unwrap()))).collect()
 }
 
-fn run(simulation: &mut Simulation, steps: u32) {
-    for _ in 0..steps {
+fn run(simulation: &mut Simulation, steps: u64) {
+    while simulation.steps() < steps {
         simulation.step(None).unwrap();
     }
 }
 
+/// What must be the same on any number of cards.
+fn assert_same(found: &Simulation, expected: &Simulation, what: &str) {
+    assert_eq!(found.time(), expected.time(), "{what}");
+    for ((name, found), (_, expected)) in fields(found).iter().zip(&fields(expected)) {
+        assert!(found == expected, "`{name}` differs: {what}");
+    }
+    let forces = |simulation: &Simulation| -> Vec<Vec<f64>> {
+        let sections = &simulation.model().sections;
+        sections.iter().map(|section| simulation.reduce(&Reduction::SectionForce(section)).unwrap()).collect()
+    };
+    assert_eq!(forces(found), forces(expected), "{what}");
+    // LEDGER
+}
+
 /// Compares so many steps on each number of ranks with one card.
-fn compare(deck: Deck<'_>, steps: u32, ranks: &[usize]) {
+fn compare(deck: Deck<'_>, steps: u64, ranks: &[usize]) {
     if card().is_none() {
         return;
     }
     let mut alone = deck.start(&Gpu::default());
     run(&mut alone, steps);
-    let expected = state(&alone);
     for ranks in ranks {
-        let found = led(deck, *ranks, |leader| {
+        led(deck, *ranks, |leader| {
             let mut simulation = deck.start(leader);
             run(&mut simulation, steps);
-            state(&simulation)
+            assert_same(&simulation, &alone, &format!("{ranks} ranks, {}", deck.name));
         });
-        for ((name, found), (_, expected)) in found.0.iter().zip(&expected.0) {
-            assert!(found == expected, "`{name}` of `{}` on {ranks} ranks differs", deck.name);
-        }
-        assert_eq!((found.1, found.2), (expected.1.clone(), expected.2), "{ranks} ranks");
     }
 }
 
+const PLATE: (&str, &str) = ("particles.spacing", "\"0.6 mm\"");
+
 #[test]
 fn a_search_every_step() {
-    compare(Deck::shipped("taylor-plate", &[("particles.spacing", "\"0.6 mm\"")]), 60, &[2, 3]);
+    compare(Deck::shipped("taylor-plate", &[PLATE]), 60, &[2, 3]);
+    let more = [PLATE, ("numerics.gradient-correction", "\"linear\""), ("numerics.mls-interval", "4")];
+    let follows = [("numerics.smoothing-length", "\"follow-density\""), ("numerics.integrator", "\"leapfrog\"")];
+    compare(Deck::shipped("taylor-plate", &[&more[..], &follows].concat()), 20, &[2]);
+}
+
+#[test]
+fn lists_that_are_kept() {
+    // The bullet meets the plate; particles of both are with both ranks.
+    let far = [("body.bullet.velocity", "[\"0 m/s\", \"0 m/s\", \"-2000 m/s\"]"), ("search", "\"skin\"")];
+    compare(Deck::shipped("bullet", &[&BULLET[..], &far].concat()), 40, &[2]);
+}
+
+#[test]
+fn a_periodic_axis() {
+    let periodic = [
+        PLATE,
+        ("periodic", "{ x = [\"-3.8 mm\", \"3.8 mm\"] }"),
+        ("numerics.artificial-stress", "false"),
+        ("body.plate.velocity", "[\"900 m/s\", \"-200 m/s\"]"),
+    ];
+    compare(Deck::shipped("taylor-plate", &periodic), 60, &[3]);
 }
 
 #[test]
 fn the_default_method() {
     compare(Deck::shipped("iron-plate", &[("particles.spacing", "\"0.64 mm\"")]), 60, &[2]);
+    let sections = "[{ name = \"foot\", point = [\"0 mm\", \"0 mm\", \"2 mm\"], normal = [0, 0, 1] }]";
+    compare(Deck::shipped("copper-bar", &[("particles.spacing", "\"0.95 mm\""), ("section", sections)]), 40, &[3]);
+}
+
+#[test]
+fn bodies_that_meet() {
+    let text = striking(RUBS);
+    compare(Deck { name: "striking", text: &text, overrides: &CONDUCT }, 250, &[2, 3]);
+    let text = in_space(&format!("{PRESENT}\n{RUBS}"));
+    compare(Deck { name: "in space", text: &text, overrides: &[("search", "\"skin\"")] }, 40, &[2]);
+}
+
+#[test]
+fn a_body_that_meets_itself() {
+    let text = closing(BLOCKS, RUBS);
+    compare(Deck { name: "closing", text: &text, overrides: &[] }, 250, &[3]);
+}
+
+#[test]
+fn a_body_that_comes_apart() {
+    let renewal = [("search.total-lagrangian.renewal", "1.2")];
+    compare(Deck { name: "pulled", text: PULLED, overrides: &renewal }, 200, &[2]);
+    let text = closing(BLOCKS, &format!("{RUBS}\nsearch = {{ total-lagrangian = {{ renewal = 1.2 }} }}"));
+    compare(Deck { name: "closing and apart", text: &text, overrides: &[] }, 300, &[2]);
+}
+
+#[test]
+fn heat_that_flows() {
+    let bar = [("particles.spacing", "\"0.8 mm\""), ("material.42crmo4-steel.conductivity", "\"2e5 W/(m K)\"")];
+    compare(Deck::shipped("taylor-bar-42crmo4", &bar), 30, &[2]);
+    compare(Deck::shipped("two-materials", &[("particles.spacing", "\"1 mm\"")]), 30, &[2]);
+}
+
+#[test]
+fn a_state_is_the_same_whoever_has_saved_it() {
+    if card().is_none() {
+        return;
+    }
+    let text = striking(&format!("{PRESENT}\n{RUBS}"));
+    let skin = [("search", "\"skin\""), ("numerics.integrator", "\"leapfrog\"")];
+    for deck in [
+        Deck::shipped("iron-plate", &[("particles.spacing", "\"0.64 mm\"")]),
+        Deck::shipped("taylor-plate", &[PLATE]),
+        Deck { name: "striking", text: &text, overrides: &skin },
+    ] {
+        let mut alone = deck.start(&Gpu::default());
+        let (half, end) = (60, 100);
+        run(&mut alone, half);
+        let mut archive = MemoryArchive::new();
+        alone.persist(&mut archive).unwrap();
+        run(&mut alone, end);
+        // Of one card, taken by two ranks, whose state is taken by three, whose is taken by one card.
+        for ranks in [2, 3] {
+            archive = led(deck, ranks, |leader| {
+                let mut simulation = deck.start(leader);
+                simulation.persist(&mut archive.to_load()).unwrap();
+                assert_eq!(simulation.steps(), half);
+                let mut saved = MemoryArchive::new();
+                simulation.persist(&mut saved).unwrap();
+                run(&mut simulation, end);
+                assert_same(&simulation, &alone, &format!("{} on {ranks} ranks from a saved state", deck.name));
+                // In parts, each in the memory of its rank, and taken back.
+                let mut parts = MemoryArchive::in_parts();
+                simulation.persist(&mut parts).unwrap();
+                run(&mut simulation, end + 5);
+                simulation.persist(&mut parts.to_load()).unwrap();
+                assert_same(&simulation, &alone, &format!("{} on {ranks} ranks from parts", deck.name));
+                saved
+            });
+        }
+        let mut again = deck.start(&Gpu::default());
+        again.persist(&mut archive.to_load()).unwrap();
+        run(&mut again, end);
+        assert_same(&again, &alone, &format!("{} from the state of three ranks", deck.name));
+    }
+}
+
+#[test]
+fn a_failure_is_that_of_the_rank_that_has_the_particle() {
+    if card().is_none() {
+        return;
+    }
+    let deck = Deck::shipped(
+        "taylor-plate",
+        &[PLATE, ("time.step-control.stretch", "0.001"), ("body.plate.velocity", "[\"0 m/s\", \"-900 m/s\"]")],
+    );
+    let fails = |kind: &dyn EngineKind| {
+        let mut simulation = deck.start(kind);
+        (0..200).find_map(|_| simulation.step(None).err()).expect("changes of a thousandth are too large")
+    };
+    let alone = fails(&Gpu::default());
+    assert!(alone.particle.is_some(), "{alone}");
+    for ranks in [2, 3] {
+        assert_eq!(led(deck, ranks, |leader| fails(leader)), alone);
+    }
+}
+
+#[test]
+fn what_cards_do_not_share_is_refused_by_name() {
+    let (name, words) = ("bullet", [("search", "\"adaptive\""), ("audit", "10")]);
+    for (overrides, refused) in [
+        (&words[..1], "an adaptive search on several cards"),
+        (&[("search", "\"skin\""), words[1]][..], "audits of the lists on several cards"),
+        (&[("search", "{ total-lagrangian = { form = \"frozen\" } }")][..], "distances that are kept on several cards"),
+    ] {
+        let setup = Deck::shipped(name, overrides).setup().unwrap();
+        assert_eq!(Gpu::default().supports(&setup.model), Ok(()));
+        assert_eq!(Gpu::default().supports_sharing(&setup.model).unwrap_err().what, refused);
+    }
 }

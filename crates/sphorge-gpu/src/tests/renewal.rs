@@ -9,7 +9,7 @@ use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{Cpu, EngineKind, FieldSource, Simulation};
 
 /// A copper strip whose ends are pulled apart.
-const PULLED: &str = include_str!("../../../sphorge/tests/physics/pulled_strip.toml");
+pub(super) const PULLED: &str = include_str!("../../../sphorge/tests/physics/pulled_strip.toml");
 
 fn shipped(name: &str) -> &'static str {
     decks::find(name).unwrap().text

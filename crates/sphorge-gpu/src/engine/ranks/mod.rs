@@ -37,7 +37,7 @@ const MARGIN: f64 = 0.25;
 const SPARE: f64 = 0.25;
 
 /// Fewest particles of a rank.
-const FEWEST: usize = 128;
+const FEWEST: usize = 32;
 
 /// What a rank has of the particles, and who its ghosts are.
 pub(super) struct Domain {
