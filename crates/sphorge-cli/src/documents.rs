@@ -53,6 +53,36 @@ fn every_path_in_the_documents_exists() {
     }
 }
 
+/// The anchors of the headings of a Markdown text, as GitHub and mdbook make them.
+fn anchors(text: &str) -> Vec<String> {
+    let prose = text.split("```").step_by(2).flat_map(str::lines);
+    let headings = prose.filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    headings.map(|heading| heading.to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")).collect()
+}
+
+#[test]
+fn every_link_of_the_book_leads_to_a_page_and_a_heading() {
+    let files = fs::read_dir(root().join("docs")).expect("the book");
+    let names = files.map(|file| file.expect("a page").file_name().into_string().expect("a name in UTF-8"));
+    let pages = names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
+    let pages: std::collections::BTreeSet<String> = pages.chain(guide()).collect();
+    let mut links = 0;
+    for page in &pages {
+        for link in spans_and_links(&read(page)).1.iter().filter(|link| !link.contains("://")) {
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let path = root().join(page);
+            let target = if file.is_empty() { path } else { path.with_file_name(file) };
+            assert!(target.exists(), "{page}: {link}: no such file");
+            let is_known =
+                heading.is_empty() || anchors(&fs::read_to_string(target).unwrap()).contains(&heading.to_owned());
+            assert!(is_known, "{page}: {link}: no such heading");
+            links += 1;
+        }
+    }
+    assert!(links > 80, "{links}");
+}
+
 #[test]
 fn the_theory_names_the_code_of_every_law() {
     let text = read("docs/theory.md");
@@ -144,7 +174,7 @@ fn assert_parses(line: &str, arguments: Vec<String>) {
 #[test]
 fn every_deck_in_the_guide_can_be_run() {
     let mut decks = 0;
-    for page in guide() {
+    for page in guide().into_iter().chain(["README.md".to_owned()]) {
         let text = read(&page);
         let fenced = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
         // The others show parts of decks.
@@ -155,7 +185,7 @@ fn every_deck_in_the_guide_can_be_run() {
             decks += 1;
         }
     }
-    assert!(decks >= 2, "{decks}");
+    assert!(decks >= 3, "{decks}");
 }
 
 #[test]
@@ -167,6 +197,7 @@ fn every_command_in_the_documents_parses() {
         "docs/adaptive-search.md",
         "docs/cluster.md",
         "docs/gpu.md",
+        "docs/validation.md",
         "docs/warnings.md",
     ];
     for document in others.map(str::to_owned).into_iter().chain(guide()) {
