@@ -11,13 +11,15 @@ use clap::{Parser, Subcommand};
     arg_required_else_help = true,
     about = "Smoothed-particle hydrodynamics for metals that yield, flow and break",
     after_help = "\
-Start with
-  sphorge run iron-plate            a Taylor impact, a few seconds
-  sphorge plot out/iron-plate       pictures of it
-  sphorge decks                     what else is shipped
+Getting started:
+  sphorge run iron-plate              run a Taylor impact, a few seconds
+  sphorge plot out/iron-plate         draw pictures of it
+  sphorge decks                       list all shipped decks
+  sphorge decks iron-plate > my.toml  start a deck of your own
 
-Exit codes: 0 done, 1 the run failed (what was computed is kept) or, with
---strict, is broken, 2 bad input, 130 stopped by the user."
+Exit codes: 0 completed; 1 the run failed (results up to that point are
+kept), a validation check failed, or --strict found the run broken; 2 bad
+input; 130 stopped by the user."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -27,27 +29,30 @@ pub(crate) struct Arguments {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a deck: write fields, history and summary to a folder
+    /// Run a deck and write fields, history and summary to a folder
     Run(run::RunArguments),
-    /// Resume a run that was stopped or killed; results are bit-identical to an unbroken run
+    /// Continue a run that was stopped or killed; results are bit-identical to an uninterrupted run
     Resume(resume::ResumeArguments),
-    /// Preview a deck's size and cost: particles, mass, time step, memory, run time
+    /// Check a deck and estimate its cost: particles, mass, time step, memory, run time
     Check(check::CheckArguments),
     /// List the shipped decks, or print one
     Decks(decks::DecksArguments),
-    /// List the materials of the catalogue, or print one with its constants and reference
+    /// List the material catalogue, or print the constants and sources of one material
     Materials(materials::MaterialsArguments),
-    /// Plot particles before and after, and history curves, of runs
+    /// Draw pictures of runs: particles and history curves
     Plot(plot::PlotArguments),
-    /// Compare runs side by side: time, speed, conservation, measures
+    /// Compare runs side by side: status, measures, cost, conservation
     Compare(compare::CompareArguments),
-    /// Run the cases with known answers and compare results with the references
+    /// Run the validation cases and compare the results with published and exact ones
     Validate(validate::ValidateArguments),
-    /// List the graphics cards that `--engine gpu` can run on
+    /// List the graphics cards that `--engine gpu` can use
     Devices(devices::DevicesArguments),
-    /// Benchmark this program on this machine
+    /// Measure the speed of this program on this machine
     Bench(bench::BenchArguments),
     /// Print the JSON schema of decks, for completion in an editor
+    #[command(after_help = "\
+Example:
+  sphorge schema > deck.schema.json")]
     Schema,
 }
 

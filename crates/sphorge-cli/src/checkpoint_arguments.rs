@@ -9,13 +9,13 @@ use std::time::Duration;
 /// When to write checkpoints.
 #[derive(Debug, Args)]
 pub(crate) struct CheckpointArguments {
-    /// Save the state of the run every so many minutes, or a time with its unit such as "90 s", and when it is stopped; 0 for never
+    /// Real time between checkpoints, in minutes or with a unit, such as "90 s"; a run that is stopped writes one too; 0 for none
     #[arg(long, value_name = "MINUTES", default_value_t = 10.0, value_parser = parse_minutes, allow_negative_numbers = true)]
     checkpoint_minutes: f64,
-    /// Save it also every so much simulated time, such as "5 us"; a number alone is in seconds
+    /// Simulated time between additional checkpoints, such as "5 us"; a plain number is in seconds
     #[arg(long, value_name = "TIME", value_parser = parse_interval, allow_negative_numbers = true)]
     checkpoint_interval: Option<f64>,
-    /// Save it also when the run has reached its end, so that it can go on beyond
+    /// Write a checkpoint at the end of the run, so that `sphorge resume` can continue beyond it
     #[arg(long)]
     checkpoint_at_end: bool,
 }

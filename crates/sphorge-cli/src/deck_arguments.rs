@@ -12,10 +12,10 @@ pub(crate) struct DeckArguments {
     /// A deck file, or the name of a shipped deck (`sphorge decks` lists them)
     #[arg(value_name = "DECK")]
     deck: PathBuf,
-    /// Set a key of the deck, such as `particles.spacing="0.2 mm"` or `body.0.velocity=["0 m/s","-150 m/s"]`; repeatable
-    #[arg(long = "set", value_name = "path=value", value_parser = parse_override)]
+    /// Set a key of the deck, such as `particles.spacing="0.2 mm"` or `body.bar.velocity=["0 m/s","-150 m/s"]`; can be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<(String, String)>,
-    /// Arithmetic of the pair sums, instead of the deck's `numerics.precision`
+    /// Precision of the pair sums; overrides `numerics.precision` of the deck
     #[arg(long, value_name = "PRECISION")]
     precision: Option<PrecisionArgument>,
 }
@@ -23,7 +23,7 @@ pub(crate) struct DeckArguments {
 /// Arithmetic of the pair sums.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum PrecisionArgument {
-    /// Pair sums in single precision, everything accumulated in double
+    /// Pair sums in single precision, accumulated in double precision
     Mixed,
     /// Everything in double precision
     Double,

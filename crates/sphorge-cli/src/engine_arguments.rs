@@ -40,18 +40,18 @@ pub(crate) fn engines_to_resume(device: Option<&str>) -> Result<Vec<Arc<dyn Engi
 /// This program was built without an engine for cards.
 pub(crate) fn no_cards() -> Failure {
     Failure::bad_input(
-        "this program has no engine for graphics cards: it was built without".to_owned(),
-        "build it with `cargo build --release --features gpu`; without it `sphorge run` has `--engine cpu`".to_owned(),
+        "this program was built without the engine for graphics cards".to_owned(),
+        "build it with `cargo build --release --features gpu`, or run on the processor with `--engine cpu`".to_owned(),
     )
 }
 
 /// What computes.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct EngineArguments {
-    /// What computes: `cpu`, the processor, or `gpu`, a graphics card (in a program built with `--features gpu`)
+    /// Engine: `cpu`, or `gpu` for a graphics card (only in programs built with `--features gpu`)
     #[arg(long, value_name = "ENGINE", default_value_t = Cpu.name().to_owned())]
     engine: String,
-    /// Words of the name of the graphics card, or `cuda`, `vulkan`, `metal` [default: the first that `sphorge devices` lists]
+    /// Graphics card to use, by words of its name or interface, such as `nvidia` or `vulkan` [default: the first that `sphorge devices` lists]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
 }
@@ -95,8 +95,8 @@ impl EngineArguments {
         let name = self.engine.as_str();
         if name == Cpu.name() && self.device.is_some() {
             return Err(Failure::bad_input(
-                "`--device` chooses a graphics card, and the processor is to compute".to_owned(),
-                "add `--engine gpu`, or leave `--device` out".to_owned(),
+                "`--device` selects a graphics card, but the engine is `cpu`".to_owned(),
+                "add `--engine gpu`, or leave out `--device`".to_owned(),
             ));
         }
         let engines = engines(self.device.as_deref());
@@ -120,7 +120,7 @@ fn of_card(device: Option<&str>) -> Result<KernelTimes, Failure> {
 
     let failed = |fault: CardFault| match fault {
         CardFault::NotFound { what, help } => Failure::bad_input(what, help),
-        fault => Failure::bad_input(fault.to_string(), "`sphorge devices` lists what there is".to_owned()),
+        fault => Failure::bad_input(fault.to_string(), "`sphorge devices` lists the cards".to_owned()),
     };
     let card = Card::open(device).map_err(failed)?;
     let measured = card.yardstick().map_err(failed)?;

@@ -65,7 +65,7 @@ impl ProgressDisplay {
     /// The system refuses to tell of signals.
     pub(crate) fn stop_flag(&self) -> Result<StopFlag, Failure> {
         let lines = self.lines.clone();
-        let say = move || lines.print("stopping: writing what there is (once more ends the program at once)");
+        let say = move || lines.print("stopping after this step (a second signal quits at once)");
         StopFlag::new(Arc::clone(&self.sets_up), say)
             .into_diagnostic()
             .wrap_err("cannot catch Ctrl-C")

@@ -5,7 +5,7 @@ use clap::Args;
 /// How many processes share the run.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct RankArguments {
-    /// Number of processes that share the run, started on this machine by `mpirun` (in a program built with `--features mpi`)
+    /// Number of MPI processes that share the run, started on this machine by `mpirun` (only in programs built with `--features mpi`)
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
     ranks: Option<usize>,
 }

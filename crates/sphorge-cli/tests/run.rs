@@ -167,7 +167,7 @@ fn a_run_that_breaks_down_keeps_what_it_has_and_exits_with_1() {
 fn an_engine_that_is_not_there_is_said_to_be_missing() {
     let place = Place::new();
     let ended = place.run(&["run", "plate.toml", "--engine", "gpu"]).expect_code(2);
-    ended.expect_told(&["no engine for graphics cards", "--engine cpu"]);
+    ended.expect_told(&["built without the engine for graphics cards", "--engine cpu"]);
     assert!(!place.path("out").exists());
 }
 

@@ -20,29 +20,29 @@ Examples:
   sphorge bench --threads 1 --json > speed.json
   sphorge bench block --engine gpu --strategy every-step --set 'particles.spacing=\"0.46 mm\"'
 
-Rates are per core: per thread in use; those of a graphics card are of the
-whole card. Pairs are ordered pairs inside the kernel support, counted once a
-step. With `--engine gpu` each case is stepped a second time, and each kernel
-waited for: shares of stages and times of kernels are of that.")]
+Rates are per core, that is per thread in use; for a graphics card they are
+for the whole card. Pairs are ordered pairs inside the kernel support, counted
+once per step. With `--engine gpu` each case is run a second time, waiting for
+each kernel; shares of stages and kernel times come from that run.")]
 pub(crate) struct BenchArguments {
     /// Cases to measure [default: all]
     #[arg(value_name = "CASE", value_parser = clap::builder::PossibleValuesParser::new(CASES.iter().map(|case| case.deck)))]
     cases: Vec<String>,
     #[command(flatten)]
     engine: EngineArguments,
-    /// Strategies to measure, again for each [default: all]
+    /// Neighbour search to measure; can be repeated [default: all]
     #[arg(long = "strategy", value_name = "WORD", value_parser = clap::builder::PossibleValuesParser::new(search_words()))]
     strategies: Vec<String>,
-    /// Change a key of the cases, again for each
+    /// Set a key of the decks of the cases; can be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<(String, String)>,
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
-    /// Number of threads [default: all of the machine]
+    /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
-    /// Seconds of each measurement
+    /// Duration of each measurement in seconds
     #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds, allow_negative_numbers = true)]
     seconds: f64,
 }

@@ -24,14 +24,14 @@ Examples:
   sphorge check taylor-bar --set particles.spacing=\"0.1 mm\"
   sphorge check taylor-plate --engine gpu
 
-Takes a few real steps to time them and writes nothing. Exit code 2 if the
-deck cannot be run.")]
+Computes a few steps to time them, and writes nothing. The exit code is 2 if
+the deck cannot be run.")]
 pub(crate) struct CheckArguments {
     #[command(flatten)]
     deck: DeckArguments,
     #[command(flatten)]
     engine: EngineArguments,
-    /// Number of threads [default: all of the machine]
+    /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
 }

@@ -15,9 +15,9 @@ Examples:
   sphorge compare out/coarse out/fine
   sphorge compare out/every-step out/skin --json
 
-Differences and speed-ups are against the first run.")]
+Differences and speed-ups are relative to the first run.")]
 pub(crate) struct CompareArguments {
-    /// Folders of runs that have ended
+    /// Run folders, of runs that have ended
     #[arg(value_name = "DIR", required = true)]
     directories: Vec<PathBuf>,
     /// Print JSON instead of a table

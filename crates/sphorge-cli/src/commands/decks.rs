@@ -13,9 +13,9 @@ use sphorge::decks::{self, DECKS};
 #[command(after_help = "\
 Examples:
   sphorge decks
-  sphorge decks iron-plate > my.toml      a deck of your own to start from")]
+  sphorge decks iron-plate > my.toml      start a deck of your own")]
 pub(crate) struct DecksArguments {
-    /// A shipped deck to print
+    /// Shipped deck to print
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }

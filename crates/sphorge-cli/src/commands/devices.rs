@@ -11,10 +11,10 @@ Examples:
   sphorge run taylor-plate --engine gpu --device nvidia
   sphorge run taylor-plate --engine gpu --device \"radeon vulkan\"
 
-NVIDIA's cards are reached by CUDA, which needs their driver and the
-compiler NVRTC; all cards by Vulkan, Metal or Direct3D 12, which need their
-driver. A software renderer (Debian: mesa-vulkan-drivers) shows that a deck
-runs, and is slower than the processor's own engine.")]
+NVIDIA cards are used through CUDA, which needs their driver and the compiler
+NVRTC. All cards can be used through Vulkan, Metal or Direct3D 12, which need
+only the driver. A software renderer (Debian: mesa-vulkan-drivers) can test
+that a deck runs, but is slower than the engine `cpu`.")]
 pub(crate) struct DevicesArguments {}
 
 #[cfg(feature = "gpu")]
@@ -44,7 +44,7 @@ pub(crate) fn execute(_: DevicesArguments) -> Ending {
     let table = table::columns(&["name", "by", "driver", "what", "memory", "largest column"], &[], rows.collect());
     let missing = if missing.is_empty() { missing } else { format!("\n{missing}\n") };
     terminal::print(&format!(
-        "{table}\n`--device` chooses by words of name and interface; the first is taken without.\n{missing}"
+        "{table}\n`--device` selects by words of name and interface; the default is the first.\n{missing}"
     ))?;
     Ok(Outcome::Done)
 }

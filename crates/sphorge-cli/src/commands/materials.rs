@@ -16,10 +16,10 @@ Examples:
   sphorge materials
   sphorge materials armco-iron
 
-A deck uses one by its name, changes it under [material.<name>], or defines
-its own.")]
+A deck refers to a material by its name, changes it under [material.<name>],
+or defines its own there.")]
 pub(crate) struct MaterialsArguments {
-    /// A material of the catalogue
+    /// Material to print
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }

@@ -31,63 +31,64 @@ Examples:
   sphorge plot out/iron-plate --column height --column width
   sphorge plot out/1mm out/05mm --column height --width \"85 mm\" -o height.svg
 
-Without --field and --column the usual pictures are drawn. Several runs are drawn
-side by side (--field) or over each other (--column). Pictures go to the folder
-`plots` of the first run unless -o says otherwise. Values are in SI, or have
-units as in decks: \"12 us\", \"1.5 GPa\", --window=\"-60,60,-100,20 mm\".")]
+Without --field and --column a standard set of pictures is drawn. Several runs
+are drawn side by side (--field) or in the same chart (--column). Pictures are
+written to the folder `plots` of the first run unless -o names another place.
+Plain numbers are in SI; units are written as in decks: \"12 us\", \"1.5 GPa\",
+--window=\"-60,60,-100,20 mm\". An unknown field or column lists those available.")]
 pub(crate) struct PlotArguments {
-    /// Folders of runs, finished or not
+    /// Run folders, of finished or unfinished runs
     #[arg(value_name = "DIR", required = true)]
     directories: Vec<PathBuf>,
-    /// Draw this field, or a component such as `stress.xy`; repeatable
+    /// Draw a field, or a component such as `stress.xy`; can be repeated
     #[arg(long = "field", value_name = "FIELD")]
     fields: Vec<String>,
-    /// Frames side by side: `first`, `last`, numbers, or times such as "12 us"; `all` draws each by itself [default: last]
+    /// Frames to draw side by side: `first`, `last`, numbers, or times such as "12 us"; `all` draws each as a separate picture [default: last]
     #[arg(long, value_name = "FRAMES", value_delimiter = ',', requires = "fields")]
     frames: Vec<FrameWord>,
-    /// The frames nearest to these times, side by side
+    /// Draw the frames nearest to these times, side by side
     #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = parse_time, requires = "fields", conflicts_with = "frames")]
     time: Vec<FrameChoice>,
-    /// Draw the frames, all if none is named, one after the other as an animated PNG
+    /// Draw the frames (all, unless some are named) as an animated PNG
     #[arg(long, requires = "fields", conflicts_with = "format")]
     animate: bool,
-    /// How long an animation takes
+    /// Length of the animation
     #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "6 s", requires = "animate")]
     duration: Duration,
-    /// Direction of view: xy, xz, yz or corner [default: the plane of a plane problem, else a corner]
+    /// Direction of view: xy, xz, yz or corner [default: the plane of a plane problem, otherwise corner]
     #[arg(long, value_name = "VIEW", requires = "fields")]
     view: Option<View>,
-    /// Cut at the middle, or the plane of symmetry, and look inside
+    /// Cut the bodies in the middle, or at the symmetry plane, and show the inside
     #[arg(long, requires = "fields")]
     section: bool,
-    /// Show images in the deck's planes of symmetry too: the whole of a half or quarter model
+    /// Add the images in the deck's symmetry planes: the whole of a half or quarter model
     #[arg(long, requires = "fields")]
     mirror: bool,
-    /// Show the deck's measures of craters and clouds on the particles
+    /// Draw the deck's measures of craters and clouds on the particles
     #[arg(long, requires = "fields")]
     measures: bool,
-    /// Values at the ends of the colour bar [default: to fit]
+    /// Values at the ends of the colour bar [default: automatic]
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, requires = "fields")]
     range: Option<String>,
-    /// Part of the plane of view to show: left, right, bottom, top [default: all]
+    /// Part of the view to show: left, right, bottom, top [default: all]
     #[arg(long, value_name = "L,R,B,T", value_parser = parse_window, allow_hyphen_values = true, requires = "fields")]
     window: Option<[(f64, f64); 2]>,
-    /// Colours [default: to fit]
+    /// Colour map [default: automatic]
     #[arg(long, value_name = "COLOURS", requires = "fields")]
     colors: Option<ColorArgument>,
-    /// Draw this column of history.csv over time; repeatable, those of one unit share a chart
+    /// Draw a column of history.csv over time; can be repeated, columns of the same unit share a chart
     #[arg(long = "column", value_name = "COLUMN")]
     columns: Vec<String>,
-    /// File, as PNG or SVG by its ending, or folder to write to
+    /// Output file, PNG or SVG by its extension, or output folder
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
-    /// Form of pictures [default: png, or as the ending of -o says]
+    /// Picture format [default: png, or the extension of -o]
     #[arg(long, value_name = "FORMAT")]
     format: Option<FormatArgument>,
-    /// Pixels to the inch, 50 to 1200; texts keep their printed size [default: 100, of particles within SVG 300]
+    /// Pixels per inch, 50 to 1200; text keeps its printed size [default: 100; 300 for particles in SVG]
     #[arg(long, value_name = "DPI", value_parser = clap::value_parser!(u32).range(50..=1200))]
     dpi: Option<u32>,
-    /// Width of the picture, such as "85 mm" or "390 px" [default: to fit]
+    /// Width of the picture, such as "85 mm" or "390 px" [default: automatic]
     #[arg(long, value_name = "WIDTH")]
     width: Option<String>,
 }
@@ -106,9 +107,9 @@ enum ColorArgument {
 /// Forms of pictures.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum FormatArgument {
-    /// Pixels
+    /// Pixel image
     Png,
-    /// Vectors: lines and texts that scale
+    /// Vector graphics: lines and text scale
     Svg,
 }
 

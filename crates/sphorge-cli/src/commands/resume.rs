@@ -21,27 +21,27 @@ Examples:
   sphorge resume out/taylor-bar
   sphorge resume out/taylor-bar --set time.end=\"120 us\" --threads 8
 
-The run goes on from the last whole checkpoint in its folder, to the same
-frames, history and summary as if it had never been broken, on any number
-of threads. Of the deck only the end and the output can change. A run that
-has reached its end goes on beyond it if it was made with
---checkpoint-at-end.")]
+The run continues from the last complete checkpoint in its folder, on any
+number of threads. Frames and history are bit-identical to those of an
+uninterrupted run. Only the end and the output of the deck can be changed.
+A run that has reached its end can be continued beyond it if it was started
+with --checkpoint-at-end.")]
 pub(crate) struct ResumeArguments {
-    /// Folder of the run
+    /// Run folder
     #[arg(value_name = "DIR")]
     directory: PathBuf,
-    /// Set a key of the deck that may change: `time.end`, `time.max-steps`, `time.stop-kinetic-fraction`, or one of `output`; repeatable
-    #[arg(long = "set", value_name = "path=value", value_parser = parse_override)]
+    /// Set one of the keys that may change: `time.end`, `time.max-steps`, `time.stop-kinetic-fraction` and those of `output`; can be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<(String, String)>,
-    /// Number of threads [default: all of the machine]
+    /// Number of threads; with `--ranks`, of each process [default: all processors]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
-    /// Words of the name of the graphics card, of a run on one [default: the first that `sphorge devices` lists]
+    /// For a run on a graphics card, the card to use, by words of its name or interface [default: the first that `sphorge devices` lists]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
     #[command(flatten)]
     ranks: RankArguments,
-    /// End with exit code 1 if a check found the run broken
+    /// Exit with code 1 if a check finds the run broken
     #[arg(long)]
     strict: bool,
     #[command(flatten)]

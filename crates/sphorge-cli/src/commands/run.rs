@@ -24,31 +24,31 @@ Examples:
   sphorge run my.toml -o out/fine --set particles.spacing=\"0.15 mm\" --threads 8
   sphorge run taylor-bar --precision double --set time.end=\"20 us\" --overwrite
 
-Ctrl-C stops the run after the present step; frames, history and summary
-are complete up to there (exit code 130; before the first step nothing is
-written). `sphorge resume` goes on from there, or after a crash from the
-last checkpoint; SIGUSR1 makes one at once.
+Ctrl-C stops the run after the current step and saves its state. All files
+are complete up to that point, and the exit code is 130; before the first
+step nothing is written. `sphorge resume` continues the run, after a crash
+from the last checkpoint. SIGUSR1 writes a checkpoint at once.
 
-Checks made during the run warn where it is broken, such as more plastic
-work than energy or particles that fall together in pairs; summary.json
-lists them, the table [warnings] of a deck sets their limits.")]
+Checks during the run warn if it is numerically broken, for example by more
+plastic work than energy supplied or by particles that cluster in pairs.
+summary.json lists the warnings; [warnings] in the deck sets their limits.")]
 pub(crate) struct RunArguments {
     #[command(flatten)]
     deck: DeckArguments,
-    /// Folder to write to [default: out/<deck name>]
+    /// Output folder [default: out/<deck name>]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Number of threads [default: all of the machine]
+    /// Number of threads; with `--ranks`, of each process [default: all processors]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
     #[command(flatten)]
     engine: EngineArguments,
     #[command(flatten)]
     ranks: RankArguments,
-    /// Replace the run that is in the folder
+    /// Replace an existing run in the output folder
     #[arg(long)]
     overwrite: bool,
-    /// End with exit code 1 if a check found the run broken
+    /// Exit with code 1 if a check finds the run broken
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
@@ -127,8 +127,8 @@ fn masses(bodies: &[BodyRecord]) -> String {
 fn report(summary: &Summary, directory: &Path) -> String {
     let end = match summary.end_reason {
         EndReason::EndTime => "reached its end time",
-        EndReason::KineticEnergy => "ended: the kinetic energy has fallen to the deck's share",
-        EndReason::MaxSteps => "ended: the deck's number of steps is done",
+        EndReason::KineticEnergy => "reached `time.stop-kinetic-fraction`",
+        EndReason::MaxSteps => "reached `time.max-steps`",
         EndReason::User => "stopped by the user",
         EndReason::Failure => "failed",
     };
@@ -161,7 +161,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
         ("momentum drift", drift(summary.momentum_drift, summary.largest_momentum_drift)),
     ];
     let warnings: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
-    let warnings = format!("{}: what they mean is in summary.json", warnings.join(", "));
+    let warnings = format!("{}: explained in summary.json", warnings.join(", "));
     if !summary.warnings.is_empty() {
         facts.push(("warnings", warnings));
     }
@@ -176,7 +176,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
     facts.push(("pictures", format!("sphorge plot {folder}")));
     if summary.status == Status::Stopped && RunDirectory::open(directory).is_ok_and(|run| run.has_checkpoint()) {
         let ranks = if many { format!(" --ranks {}", summary.ranks) } else { String::new() };
-        facts.push(("go on", format!("sphorge resume {folder}{ranks}")));
+        facts.push(("to continue", format!("sphorge resume {folder}{ranks}")));
     }
     table::facts(&facts)
 }

@@ -21,26 +21,28 @@ Examples:
   sphorge validate --resume
   sphorge validate --list
 
-Every number of ours is printed beside the published or exact one, with the
-deviation and what is asked of it. The folder holds report.html (one page that
-needs no other file), report.md, report.json and every run. Exit code 1 if a check failed.")]
+Every computed number is printed beside the published or exact one, with the
+deviation, the tolerance and a verdict: passed, failed, missed (known to be
+outside its tolerance, and no worse than known) or shown (no tolerance). The
+folder holds report.html (a single page), report.md, report.json and every
+run. The exit code is 1 if a check failed.")]
 pub(crate) struct ValidateArguments {
-    /// Names of cases [default: all]
+    /// Cases to run [default: all]
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
-    /// List the cases and run none
+    /// Only list the cases
     #[arg(long)]
     list: bool,
-    /// Low resolution: about four minutes on two cores, where all takes hours
+    /// Low resolution: about four minutes on two cores; full resolution takes hours
     #[arg(long)]
     quick: bool,
-    /// Folder of the report and the runs
+    /// Folder for the report and the runs
     #[arg(short, long, value_name = "DIR", default_value = "out/validate")]
     output: PathBuf,
-    /// Go on with a validation that was stopped: keep the runs it finished
+    /// Continue a validation that was stopped, and keep its finished runs
     #[arg(long)]
     resume: bool,
-    /// Number of threads [default: all of the machine]
+    /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     threads: Option<usize>,
 }
@@ -59,7 +61,7 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
         threads: arguments.threads,
     };
     let stop = StopFlag::new(std::sync::Arc::default(), || {
-        terminal::note("stopping after this step (once more ends the program at once)")
+        terminal::note("stopping after this step (a second signal quits at once)")
     })
     .into_diagnostic()
     .wrap_err("cannot catch Ctrl-C")
@@ -73,7 +75,7 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
         }
         Err(ValidateError::Stopped { directory }) => {
             terminal::note(&format!(
-                "stopped; runs and report of the cases done so far are in {}; `--resume` goes on with them",
+                "stopped; runs and report of the finished cases are in {}; `--resume` continues from them",
                 directory.display()
             ));
             Ok(Outcome::Stopped)

@@ -20,14 +20,14 @@ impl RankArguments {
             _ if count > 1 && !started::is_first() => Err(Failure::Told),
             _ if count > 1 => Err(Failure::bad_input(
                 format!(
-                    "{count} processes were started together, and this program was built without MPI: each would do the same"
+                    "{count} processes were started together, but this program was built without MPI: each would repeat the same run"
                 ),
-                "build it with `cargo build --release --features mpi`, or start one process: `--threads` takes all of one machine",
+                "build it with `cargo build --release --features mpi`, or start one process: `--threads` can use all processors of one machine",
             )),
             None => Ok(Some(Role)),
             Some(_) => Err(Failure::bad_input(
-                "this program has no ranks: it was built without MPI",
-                "build it with `cargo build --release --features mpi`; without it `--threads` takes all of one machine",
+                "this program was built without MPI, which `--ranks` needs",
+                "build it with `cargo build --release --features mpi`; without MPI, `--threads` can use all processors of one machine",
             )),
         }
     }
