@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     let command = Arguments::parse().command;
     // A fault of ours still ends with an exit code scripts know.
     let ending: Ending = std::panic::catch_unwind(|| command.execute()).unwrap_or_else(|_| {
-        terminal::note("This is a fault of Sphorge, not of the deck; please report it together with the deck.");
+        terminal::note("This is a bug in Sphorge, not in the deck. Please report it together with the deck.");
         Err(Failure::Told)
     });
     if let Some(report) = ending.as_ref().err().and_then(Failure::report) {

@@ -69,12 +69,15 @@ fn refuse_what_is_measured(overrides: &[(String, String)]) -> Result<(), Failure
     for (key, _) in overrides {
         if is_of(key, "search") {
             return Err(Failure::bad_input(
-                format!("`--set {key}` is not for `bench`"),
-                "`--strategy` chooses the search",
+                format!("`bench` does not accept `--set {key}`"),
+                "choose the search with `--strategy`",
             ));
         }
         if key == "numerics.precision" {
-            return Err(Failure::bad_input(format!("`--set {key}` is not for `bench`"), "it measures both precisions"));
+            return Err(Failure::bad_input(
+                format!("`bench` does not accept `--set {key}`"),
+                "it always measures both precisions",
+            ));
         }
     }
     Ok(())

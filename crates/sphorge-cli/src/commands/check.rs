@@ -107,7 +107,7 @@ fn report(forecast: &Forecast, advice: &Advice) -> String {
         (
             "run time",
             format!(
-                "{about}{} on {} ({} a step)",
+                "{about}{} on {} ({} per step)",
                 if forecast.run_seconds.is_finite() {
                     readable::duration(forecast.run_seconds)
                 } else {
@@ -120,7 +120,7 @@ fn report(forecast: &Forecast, advice: &Advice) -> String {
         (
             "memory",
             format!(
-                "about {} ({:.0} bytes a particle)",
+                "about {} ({:.0} bytes per particle)",
                 readable::bytes(forecast.memory_bytes as f64),
                 forecast.memory_bytes as f64 / particles.max(1) as f64,
             ),

@@ -186,12 +186,12 @@ impl<'a> Job<'a> {
         let frames: Vec<_> = chosen.chain(arguments.time.iter().copied()).collect();
         let all = arguments.frames.contains(&FrameWord::All);
         if all && !frames.is_empty() {
-            return Err(Failure::bad_input("`all` frames and others are asked for", "write `--frames all` alone"));
+            return Err(Failure::bad_input("`all` cannot be combined with other frames", "write `--frames all` alone"));
         }
         if runs.len() > 1 && (all || arguments.animate) {
             return Err(Failure::bad_input(
-                "frames one after the other are those of one run",
-                "name one run, or choose frames such as `--frames first,last`, which are set side by side",
+                "`--animate` and `--frames all` draw one run only",
+                "name one run, or choose frames such as `--frames first,last`, which are drawn side by side",
             ));
         }
         let format = match (arguments.format, &arguments.output) {
@@ -231,8 +231,8 @@ impl<'a> Job<'a> {
         if format != self.format {
             let ending = self.format.extension();
             return Err(Failure::bad_input(
-                format!("{} is no name of a picture in the form {ending}", file.display()),
-                format!("end it with .{ending}, or leave --format out"),
+                format!("{} does not end in .{ending}, the format that was chosen", file.display()),
+                format!("end it with .{ending}, or leave out `--format`"),
             ));
         }
         if self.arguments.animate && format != PictureFormat::Png {
@@ -243,8 +243,8 @@ impl<'a> Job<'a> {
         let pictures = if named == 0 && self.runs.len() > 1 { 1 } else { named };
         if pictures != 1 || self.apart {
             return Err(Failure::bad_input(
-                format!("{} is one file, and several pictures are asked for", file.display()),
-                "give a folder, or ask for one field, or for columns",
+                format!("{} is a single file, but there are several pictures to draw", file.display()),
+                "name a folder, or draw a single field, or columns",
             ));
         }
         Ok(())
@@ -363,7 +363,7 @@ fn parse_range(text: &str, field: &str) -> Result<(f64, f64), Failure> {
     };
     match read_quantities(text, unit).map_err(|reason| bad(&reason))? {
         [low, high] if low < high => Ok((low, high)),
-        _ => Err(bad("the first is not the smaller")),
+        _ => Err(bad("the first value is not the smaller one")),
     }
 }
 

@@ -13,7 +13,7 @@ pub(crate) fn read_quantities<const N: usize>(text: &str, unit: &str) -> Result<
     };
     let values = parts.iter().map(read).collect::<Result<Vec<f64>, String>>()?;
     let count = values.len();
-    values.try_into().map_err(|_| format!("{count} values are given, {N} are needed"))
+    values.try_into().map_err(|_| format!("expected {N} values, found {count}"))
 }
 
 /// What follows the number of a quantity.
@@ -29,11 +29,11 @@ pub(crate) fn read_width(text: &str, dpi: u32) -> Result<f64, String> {
         Some(number) => number.trim().parse::<f64>().map(|pixels| pixels / f64::from(dpi) * 0.0254).ok(),
         None => return read_quantity(text, "m").and_then(sensible),
     };
-    width.ok_or_else(|| "that is no number of pixels".to_owned()).and_then(sensible)
+    width.ok_or_else(|| "this is not a number of pixels".to_owned()).and_then(sensible)
 }
 
 fn sensible(width: f64) -> Result<f64, String> {
-    if (0.04..=2.0).contains(&width) { Ok(width) } else { Err("a picture is between 40 mm and 2 m wide".to_owned()) }
+    if (0.04..=2.0).contains(&width) { Ok(width) } else { Err("a picture can be 40 mm to 2 m wide".to_owned()) }
 }
 
 #[cfg(test)]
@@ -46,7 +46,7 @@ mod tests {
         assert_eq!(read_quantities("0,1.5e3", "Pa"), Ok([0.0, 1500.0]));
         assert_eq!(read_quantities("-1,1GPa", "Pa"), Ok([-1e9, 1e9]));
         assert_eq!(read_quantities("100 kPa, 1 MPa", "Pa"), Ok([1e5, 1e6]));
-        assert!(read_quantities::<2>("1 GPa", "Pa").unwrap_err().contains("2 are needed"));
+        assert!(read_quantities::<2>("1 GPa", "Pa").unwrap_err().contains("expected 2 values"));
         assert!(read_quantities::<2>("1,2 mm", "Pa").unwrap_err().contains("a length"));
         assert!(read_quantities::<2>(",", "Pa").is_err() && read_quantities::<1>("é", "Pa").is_err());
     }

@@ -120,7 +120,11 @@ fn masses(bodies: &[BodyRecord]) -> String {
         .filter(|body| off(body).abs() > 1e-9)
         .map(|body| format!("`{}` {}", body.name, readable::percent(off(body))))
         .collect();
-    if told.is_empty() { "that of the shapes".to_owned() } else { format!("against the shape: {}", told.join(", ")) }
+    if told.is_empty() {
+        "equal to that of the shapes".to_owned()
+    } else {
+        format!("difference from the shape: {}", told.join(", "))
+    }
 }
 
 /// What the run did, for people.
