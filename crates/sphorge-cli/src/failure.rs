@@ -21,6 +21,9 @@ pub(crate) enum Failure {
     Failed(Report),
     /// As before, and the command has said so itself: exit code 1.
     Told,
+    /// Bad input, which another process of the command has told the user of: exit code 2.
+    #[cfg(feature = "mpi")]
+    ToldOfBadInput,
 }
 
 /// What every command returns.
@@ -37,6 +40,8 @@ impl Failure {
         match self {
             Self::BadInput(report) | Self::Failed(report) => Some(report),
             Self::Told => None,
+            #[cfg(feature = "mpi")]
+            Self::ToldOfBadInput => None,
         }
     }
 }
@@ -47,6 +52,8 @@ pub(crate) fn exit_code(ending: &Ending) -> ExitCode {
         Ok(Outcome::Done) => 0,
         Err(Failure::Failed(_) | Failure::Told) => 1,
         Err(Failure::BadInput(_)) => 2,
+        #[cfg(feature = "mpi")]
+        Err(Failure::ToldOfBadInput) => 2,
         Ok(Outcome::Stopped) => 130,
     })
 }

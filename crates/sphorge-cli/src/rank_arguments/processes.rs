@@ -220,8 +220,9 @@ fn conclude(status: ExitStatus, directory: &Path) -> Ending {
     let how = match status.code() {
         Some(0) => return Ok(Outcome::Done),
         Some(130) => return Ok(Outcome::Stopped),
+        Some(2) => return Err(Failure::ToldOfBadInput),
         // MPICH joins the bits of the codes of all ranks.
-        Some(1..=3) => return Err(Failure::Told),
+        Some(1 | 3) => return Err(Failure::Told),
         Some(code) => format!("with code {code}"),
         None => "by a signal".to_owned(),
     };

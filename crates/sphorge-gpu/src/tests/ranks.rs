@@ -163,6 +163,35 @@ fn bodies_that_meet() {
 }
 
 #[test]
+fn bodies_that_come_near_each_other_need_room_for_more_ghosts() {
+    if card().is_none() {
+        return;
+    }
+    let plate = |name: &str, y: [f64; 2], velocity: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"ofhc-copper\"\nvelocity = [\"0 m/s\", \"{velocity} m/s\"]\n\
+             shape = {{ box = {{ min = [\"0 mm\", \"{} mm\"], max = [\"64 mm\", \"{} mm\"] }} }}\n",
+            y[0], y[1]
+        )
+    };
+    let (lower, upper) = (plate("lower", [-8.0, 0.0], 600.0), plate("upper", [2.0, 10.0], -600.0));
+    let head = "dimensions = \"plane-strain\"\nparticles = { spacing = \"0.5 mm\" }\ntime = { end = \"60 us\" }\n";
+    for method in [format!("{RUBS}\n"), format!("{PRESENT}\n{RUBS}\n")] {
+        let text = format!("{head}{method}{lower}{upper}");
+        let deck = Deck { name: "plates", text: &text, overrides: &[] };
+        let mut alone = deck.start(&Gpu::default());
+        run(&mut alone, 70);
+        led(deck, 2, |leader| {
+            let mut simulation = deck.start(leader);
+            let before = simulation.memory_bytes();
+            run(&mut simulation, 70);
+            assert!(simulation.memory_bytes() > before, "there is room for all ghosts from the start");
+            assert_same(&simulation, &alone, "plates");
+        });
+    }
+}
+
+#[test]
 fn a_body_that_meets_itself() {
     let text = closing(BLOCKS, RUBS);
     compare(Deck { name: "closing", text: &text, overrides: &[] }, 250, &[3]);
