@@ -70,15 +70,6 @@ pub trait EngineKind: Send + Sync + std::fmt::Debug {
 
 /// A kind of engine of which several, each on a rank of its own, can share the particles of a run.
 pub trait PartKind: EngineKind {
-    /// Whether several of these can share the particles of a model that [`EngineKind::supports`] accepts.
-    ///
-    /// # Errors
-    /// What they cannot do.
-    fn supports_sharing(&self, model: &Model) -> Result<(), Unsupported> {
-        let _ = model;
-        Ok(())
-    }
-
     /// Name of the engine that all ranks together are, in summaries.
     fn shared_name(&self) -> &'static str;
 

@@ -73,8 +73,7 @@ impl EngineKind for Leader {
     }
 
     fn supports(&self, model: &Model) -> Result<(), Unsupported> {
-        self.kind.supports(model)?;
-        self.kind.supports_sharing(model)
+        self.kind.supports(model)
     }
 
     fn take_deck(&self, name: &str, deck: &str) {

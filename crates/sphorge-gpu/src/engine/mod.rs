@@ -145,6 +145,8 @@ struct GpuEngine {
     initial: Particles,
     /// The share of this rank, where there are others.
     domain: Option<Domain>,
+    /// Lists that were loaded, until ghosts are chosen; their entries name places in the common order.
+    loaded_kept: Option<Vec<f32>>,
     /// Of the particles of the surface those that are no ghosts.
     own_surface: Vec<u32>,
     /// Particles and room for ghosts, rounded up to whole chunks: the length of the columns.

@@ -142,7 +142,7 @@ impl Plan {
                     }
                     if let Some(rule) = rule {
                         plan.mark.push(of_particles(kept::mark(rule, stride)?));
-                        plan.mark.push(of_chunks(kept::count_marked(stride)?));
+                        plan.mark.push(of_chunks(kept::count_marked(p.len(), stride)?));
                         let marked = &mut plan.search_marked;
                         marked.push(of_particles(in_dimension!(
                             model,

@@ -50,19 +50,25 @@ impl GpuEngine {
     fn persist_columns(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         let (own, stride) = (self.initial.len(), self.stride);
         let sections = (0..self.model.sections.len()).map(Group::Section);
-        for group in STATE.iter().copied().chain(sections).filter(|group| self.is_saved(*group)) {
+        let groups: Vec<Group> = STATE.iter().copied().chain(sections).filter(|of| self.is_saved(*of)).collect();
+        for group in groups {
             let Some(array) = self.columns.array(group) else { continue };
             let lost = |fault: RunFailure| ArchiveError::Unsupported(fault.to_string());
             // What is behind the particles stays.
-            let mut numbers = read(&self.card, &self.columns, group).map_err(lost)?;
+            let mut numbers = match group {
+                Group::Kept => self.columns_of(&self.kept_entries().map_err(lost)?),
+                _ => read(&self.card, &self.columns, group).map_err(lost)?,
+            };
             for (k, column) in numbers.chunks_exact_mut(stride).enumerate() {
                 let name = format!("{group:?}.{k}").to_lowercase();
                 let mut values = column[..own].to_vec();
                 persist_pieces(&mut values, &name, archive)?;
                 column[..own].copy_from_slice(&values);
             }
-            if !archive.is_saving() {
-                self.card.write(array, &numbers);
+            match group {
+                _ if archive.is_saving() => {}
+                Group::Kept if self.domain.is_some() => self.loaded_kept = Some(numbers),
+                _ => self.card.write(array, &numbers),
             }
         }
         Ok(())

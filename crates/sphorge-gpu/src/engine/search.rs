@@ -3,7 +3,7 @@
 use super::columns::Group;
 use super::kernels::audit;
 use super::kernels::images::Planes;
-use super::kernels::kept::{HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, WAYS, keeps_distances};
+use super::kernels::kept::{HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, WAYS, keeps_distances};
 use super::kernels::limits::CHUNK;
 use super::kernels::reduce::{self, Together};
 use super::ranks::has_images;
@@ -84,8 +84,8 @@ impl GpuEngine {
             self.refresh_candidates()?;
         }
         self.launch(&self.stages.mark)?;
-        let marked = self.of_rows()?(MARKED_ROWS).sum::<f64>();
-        let share = marked / self.initial.len() as f64;
+        let marked = self.sum_in_order(self.of_rows()?(MARKED_ROWS))?;
+        let share = marked / self.total_count() as f64;
         if rule.guard.is_some() && share > AdaptiveSearch::ALL_ABOVE {
             self.search_all()?;
             return Ok(SearchReport { searched_fraction: 1.0 });
@@ -113,22 +113,24 @@ impl GpuEngine {
         if self.kept.has_candidates && self.ways()?.longest <= ContactCandidates::lasts(reach).powi(2) {
             return Ok(());
         }
-        let count = self.initial.len();
         let place = read(&self.card, &self.columns, Group::Place)?;
-        let places = |numbers: &[f32]| -> Vec<Vector<f64>> {
+        let places = |numbers: &[f32]| {
             let at = |field: usize, i: usize| f64::from(numbers[field * self.stride + i]);
-            (0..count).map(|i| [0, 1, 2].map(|a| at(a, i) + at(3 + a, i))).collect()
+            let own = (0..self.initial.len()).map(|i| [0, 1, 2].map(|a| at(a, i) + at(3 + a, i)));
+            self.of_all_ranks(&own.collect::<Vec<Vector<f64>>>())
         };
         let material = SearchedMaterial {
-            position: &places(&place),
-            origin: &self.initial.position,
-            searched_at: &places(&read(&self.card, &self.columns, Group::SearchedAt)?),
-            body: &self.initial.body,
-            smoothing_length: &self.initial.smoothing_length,
+            position: &places(&place)?,
+            origin: &self.of_all_ranks(&self.initial.position)?,
+            searched_at: &places(&read(&self.card, &self.columns, Group::SearchedAt)?)?,
+            body: &self.of_all_ranks(&self.initial.body)?,
+            smoothing_length: &self.of_all_ranks(&self.initial.smoothing_length)?,
         };
         let mut candidates = ContactCandidates::default();
-        candidates.find(&material, &self.lists()?, reach, support)?;
-        let flags: Vec<f32> = (0..count).map(|i| if candidates.is_candidate(i) { 1.0 } else { 0.0 }).collect();
+        candidates.find(&material, &self.lists_of_all()?, reach, support)?;
+        let flag = |i: usize| if candidates.is_candidate(i) { 1.0 } else { 0.0 };
+        let mut flags: Vec<f32> = self.own_places().map(flag).collect();
+        flags.resize(self.stride, 0.0);
         for (group, numbers) in [(Group::Candidates, &flags), (Group::FoundAt, &place)] {
             let array = self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")))?;
             self.card.write(array, numbers);
@@ -137,26 +139,31 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// The lists of the card, without images.
-    fn lists(&self) -> Result<NeighborList, RunFailure> {
-        let rows = read(&self.card, &self.columns, Group::Rows)?;
-        let kept = read(&self.card, &self.columns, Group::Kept)?;
-        let count = self.initial.len();
+    /// The lists of the particles of all ranks, without images.
+    fn lists_of_all(&self) -> Result<NeighborList, RunFailure> {
+        let own = self.kept_entries()?;
+        let lengths = self.of_all_ranks(&own.iter().map(Vec::len).collect::<Vec<usize>>())?;
+        let entries = self.joined_of_ranks(&own.concat())?;
         let mut list = NeighborList::default();
-        list.resize(count);
+        list.resize(lengths.len());
+        let mut rest = &entries[..];
         for (b, block) in list.blocks_mut().iter_mut().enumerate() {
             block.clear();
-            for i in b * BLOCK..((b + 1) * BLOCK).min(count) {
-                let entries = (0..rows[LENGTH * self.stride + i] as usize).map(|k| kept[k * self.stride + i].to_bits());
-                entries.map(Planes::split).filter(|(_, image)| *image == 0).for_each(|(j, _)| block.push(j as u32));
+            for (i, length) in lengths.iter().enumerate().skip(b * BLOCK).take(BLOCK) {
+                let (row, behind) = rest.split_at(*length);
+                rest = behind;
+                let neighbors = row.iter().map(|entry| Planes::split(*entry)).filter(|(_, image)| *image == 0);
+                neighbors.for_each(|(j, _)| block.push(j as u32));
                 block.end_row(i as u32);
             }
         }
         Ok(list)
     }
 
+    /// The longest list of all ranks.
     fn longest_row(&self) -> Result<f64, RunFailure> {
-        Ok(self.of_rows()?(LONGEST_ROW).fold(0.0, f64::max))
+        let [longest] = self.largest_of_ranks([self.of_rows()?(LONGEST_ROW).fold(0.0, f64::max)])?;
+        Ok(longest)
     }
 
     fn ways(&self) -> Result<Ways, RunFailure> {
@@ -230,8 +237,11 @@ impl GpuEngine {
         }
         self.launch(&self.stages.audit)?;
         let audited = self.group(Group::Audit)?;
-        let rows: Vec<_> = (0..self.initial.len()).map(|i| audit::rows(|field| audited.at(field, i))).collect();
-        Ok(Some(audit_of(&rows, &self.initial.mass)))
+        let numbers = |i: usize| core::array::from_fn(|field| audited.at(field, i));
+        let own: Vec<[f64; audit::AUDIT]> = (0..self.initial.len()).map(numbers).collect();
+        let all = self.of_all_ranks(&own)?;
+        let rows: Vec<_> = all.iter().map(|of| audit::rows(|field| of[field])).collect();
+        Ok(Some(audit_of(&rows, &self.of_all_ranks(&self.initial.mass)?)))
     }
 
     /// Takes lists that have room for so many neighbours of each particle; what they held is lost.

@@ -6,6 +6,7 @@ use super::kernels::smoothing::{AT_START, largest_factor};
 use super::kernels::{conduction, contact, grid, kept, limits, reduce, walls};
 use super::plan::{Plan, Planned, Rows, Threads, keeps_lists, members};
 use super::ranks::agreement::made_on_all;
+use super::ranks::kept_rows::keeps_entries;
 use super::ranks::touched::Touched;
 use super::ranks::{Domain, choose_at_start, stride_for, wears_out};
 use super::room::refuse_what_has_no_room;
@@ -46,6 +47,9 @@ impl GpuEngine {
         sort_along_curve(&model, &mut p, grid.edge);
         let mut domain = None;
         if let Some(communicator) = communicator {
+            if p.len() >= MOST && keeps_entries(&model) {
+                return Err(failure(format!("{} particles: lists that are kept name up to {}", p.len(), MOST - 1)));
+            }
             let mut of_rank = Domain::new(Ranks::new(communicator), p.len())?;
             p.keep(of_rank.own());
             choose_at_start(&mut of_rank, &model, &p, grid.edge)?;
@@ -108,6 +112,7 @@ impl GpuEngine {
             kept: Kept::default(),
             has_come_apart: vec![false; model.bodies.len()],
             initial: p,
+            loaded_kept: None,
             own_surface: Vec::new(),
             grid,
             stride,

@@ -6,16 +6,6 @@ use sphorge_engine::model::{Formulation, Integrator, Model, Precision, Search, S
 
 const BY_CPU: &str = "run it with `--engine cpu`";
 
-/// Whether several cards can share the particles of a model that one can run.
-pub(super) fn supports_sharing(model: &Model) -> Result<(), Unsupported> {
-    let asked = [
-        (kept::adaptive(model).is_some(), "an adaptive search on several cards", "set `search = \"skin\"`"),
-        (kept::keeps_distances(model), "distances that are kept on several cards", "set `search = \"skin\"`"),
-        (model.audit.is_some(), "audits of the lists on several cards", "leave `audit` out"),
-    ];
-    first_of(&asked)
-}
-
 /// The first of what is asked for.
 fn first_of(asked: &[(bool, &str, &str)]) -> Result<(), Unsupported> {
     match asked.iter().find(|(asked, ..)| *asked) {

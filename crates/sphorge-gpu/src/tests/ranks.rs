@@ -11,7 +11,7 @@ use sphorge_deck::{Setup, decks, load_text};
 use sphorge_engine::particles::FIELDS;
 use sphorge_engine::persist::{Archive, ArchiveError, MemoryArchive};
 use sphorge_engine::ranks::{Loaded, RankFiles};
-use sphorge_engine::{EngineKind, FieldSource, Model, PartKind, ParticleSource, Reduction, Simulation};
+use sphorge_engine::{Audit, EngineKind, FieldSource, Model, PartKind, ParticleSource, Reduction, Simulation};
 use sphorge_mpi::{Leader, follow_with, threads};
 use std::sync::Arc;
 use std::thread;
@@ -83,10 +83,14 @@ fn fields(simulation: &Simulation) -> Vec<(&'static str, Vec<f64>)> {
     FIELDS.iter().map(|field| (field.name, components(&simulation.read(field.name).unwrap()))).collect()
 }
 
-fn run(simulation: &mut Simulation, steps: u64) {
+/// Runs to a step; what was searched of each step, and what audits have found.
+fn run(simulation: &mut Simulation, steps: u64) -> Vec<(f64, Option<Audit>)> {
+    let mut told = Vec::new();
     while simulation.steps() < steps {
-        simulation.step(None).unwrap();
+        let report = simulation.step(None).unwrap();
+        told.push((report.searched_fraction, report.audit));
     }
+    told
 }
 
 /// What must be the same on any number of cards.
@@ -109,11 +113,11 @@ fn compare(deck: Deck<'_>, steps: u64, ranks: &[usize]) {
         return;
     }
     let mut alone = deck.start(&Gpu::default());
-    run(&mut alone, steps);
+    let told = run(&mut alone, steps);
     for ranks in ranks {
         led(deck, *ranks, |leader| {
             let mut simulation = deck.start(leader);
-            run(&mut simulation, steps);
+            assert_eq!(run(&mut simulation, steps), told, "{ranks} ranks, {}", deck.name);
             assert_same(&simulation, &alone, &format!("{ranks} ranks, {}", deck.name));
         });
     }
@@ -219,10 +223,12 @@ fn a_state_is_the_same_whoever_has_saved_it() {
     }
     let text = striking(&format!("{PRESENT}\n{RUBS}"));
     let skin = [("search", "\"skin\""), ("numerics.integrator", "\"leapfrog\"")];
+    let adaptive = [("search", "\"adaptive\""), skin[1]];
     for deck in [
         Deck::shipped("iron-plate", &[("particles.spacing", "\"0.64 mm\"")]),
         Deck::shipped("taylor-plate", &[PLATE]),
         Deck { name: "striking", text: &text, overrides: &skin },
+        Deck { name: "striking", text: &text, overrides: &adaptive },
     ] {
         let mut alone = deck.start(&Gpu::default());
         let (half, end) = (60, 100);
@@ -277,15 +283,18 @@ fn a_failure_is_that_of_the_rank_that_has_the_particle() {
 }
 
 #[test]
-fn what_cards_do_not_share_is_refused_by_name() {
-    let (name, words) = ("bullet", [("search", "\"adaptive\""), ("audit", "10")]);
-    for (overrides, refused) in [
-        (&words[..1], "an adaptive search on several cards"),
-        (&[("search", "\"skin\""), words[1]][..], "audits of the lists on several cards"),
-        (&[("search", "{ total-lagrangian = { form = \"frozen\" } }")][..], "distances that are kept on several cards"),
-    ] {
-        let setup = Deck::shipped(name, overrides).setup().unwrap();
-        assert_eq!(Gpu::default().supports(&setup.model), Ok(()));
-        assert_eq!(Gpu::default().supports_sharing(&setup.model).unwrap_err().what, refused);
-    }
+fn an_adaptive_search() {
+    // The bullet flies on while rows of the plate are searched and patched.
+    let fast = ("body.bullet.velocity", "[\"0 m/s\", \"0 m/s\", \"-2000 m/s\"]");
+    let guarded = [("search", "\"adaptive\""), ("audit", "20"), fast];
+    compare(Deck::shipped("bullet", &[&BULLET[..], &guarded].concat()), 60, &[2, 3]);
+    let published = [("search", "{ adaptive = { guard = \"none\" } }"), ("audit", "20"), fast];
+    compare(Deck::shipped("bullet", &[&BULLET[..], &published].concat()), 40, &[2]);
+}
+
+#[test]
+fn kernel_values_of_the_start() {
+    let frozen = ("search", "{ total-lagrangian = { form = \"frozen\" } }");
+    compare(Deck::shipped("taylor-plate", &[PLATE, frozen]), 40, &[2]);
+    compare(Deck::shipped("taylor-plate", &[PLATE, frozen, ("audit", "5")]), 40, &[2]);
 }

@@ -156,6 +156,11 @@ impl Planes {
         ((entry & ((1 << FIRST_BIT) - 1)) as usize, entry >> FIRST_BIT)
     }
 
+    /// The entry of a neighbour and the number of its image.
+    pub(in crate::engine) fn join(neighbor: u32, image: u32) -> u32 {
+        neighbor + (image << FIRST_BIT)
+    }
+
     /// Coordinate of an image, by its number, along an axis, and whether it is mirrored there.
     pub(in crate::engine) fn coordinate(self, image: u32, axis: usize, x: f64) -> (f64, bool) {
         let kind = Self::bits(image, axis).checked_sub(1).and_then(|k| self.0[axis].get(k as usize).copied().flatten());

@@ -159,8 +159,12 @@ pub(in crate::engine) fn mark(rule: AdaptiveSearch, count: usize) -> Result<Reco
 }
 
 /// How many particles of each chunk are searched.
-pub(in crate::engine) fn count_marked(count: usize) -> Result<Recording, KernelFault> {
-    of_chunks("count_marked", count, MARKED_ROWS, |rows, marked, i| marked + rows.get(MARKED, i))
+pub(in crate::engine) fn count_marked(particles: usize, count: usize) -> Result<Recording, KernelFault> {
+    of_chunks("count_marked", count, MARKED_ROWS, |rows, marked, i| {
+        // Ghosts are counted where they are particles.
+        let (i_number, end, zero) = (i.number(), Recorded::of(particles as f64), Recorded::zero());
+        marked + Recorded::select_lt(i_number, end, rows.get(MARKED, i), zero)
+    })
 }
 
 /// The lists of the particles that are searched; with the guard, rows of neighbours they lose and gain are to be patched.

@@ -3,6 +3,7 @@
 use super::Domain;
 use crate::engine::GpuEngine;
 use sphorge_engine::RunFailure;
+use sphorge_engine::persist::Fixed;
 use sphorge_engine::ranks::{Ranks, StepFault};
 use sphorge_engine::reduction::{Alone, Turns};
 
@@ -51,6 +52,26 @@ impl GpuEngine {
         let Some(ranks) = self.ranks() else { return Ok(own.to_vec()) };
         let all = ranks.gather(own, &vec![own.len(); ranks.size()])?;
         Ok((0..own.len()).map(|k| all.iter().skip(k).step_by(own.len()).any(|is| *is)).collect())
+    }
+
+    /// Particles of all ranks.
+    pub(in crate::engine) fn total_count(&self) -> usize {
+        self.domain.as_ref().map_or(self.initial.len(), Domain::total)
+    }
+
+    /// Places of the particles of this card in the common order.
+    pub(in crate::engine) fn own_places(&self) -> std::ops::Range<usize> {
+        self.domain.as_ref().map_or(0..self.initial.len(), Domain::own)
+    }
+
+    /// Values of the particles of all ranks, in their common order.
+    pub(in crate::engine) fn of_all_ranks<V: Fixed + Copy>(&self, own: &[V]) -> Result<Vec<V>, RunFailure> {
+        self.domain.as_ref().map_or_else(|| Ok(own.to_vec()), |domain| domain.ranks.gather(own, &domain.counts()))
+    }
+
+    /// Values of all ranks, of which each has any number, in the order of the ranks.
+    pub(in crate::engine) fn joined_of_ranks<V: Fixed + Copy>(&self, own: &[V]) -> Result<Vec<V>, RunFailure> {
+        self.ranks().map_or_else(|| Ok(own.to_vec()), |ranks| ranks.gather_all(own))
     }
 
     /// Fails on all ranks where one has a fault.

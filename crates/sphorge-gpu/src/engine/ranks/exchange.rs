@@ -2,10 +2,11 @@
 
 use super::touched::ColumnSet;
 use crate::device::{Array, Card, Launch};
-use crate::engine::columns::{Columns, Fields, Group, Recording, recording};
+use crate::engine::columns::{Columns, Fields, Group, NOTHING, Recording, recording};
 use crate::engine::failure;
-use crate::record::{Element, Index, KernelFault};
+use crate::record::{Element, Index, KernelFault, Recorded};
 use sphorge_engine::RunFailure;
+use sphorge_physics::{Elementary, Real};
 
 /// What takes a set of columns to the ghosts of other ranks, and those of this one here.
 pub(super) struct Exchange {
@@ -43,15 +44,7 @@ impl Exchange {
             let part = Part { group: *group, columns: numbers(*of_group), first, width };
             first += part.columns.len();
             let bind = |kernel: Result<Recording, KernelFault>, message: &Array, threads: usize| {
-                let kernel = kernel.map_err(failure)?;
-                let program = card.compile(&kernel.kernel).map_err(failure)?;
-                let array = |group: &Group| match group {
-                    Group::Sent | Group::Received => Some(message),
-                    other => columns.array(*other),
-                };
-                let arrays: Option<Vec<&Array>> = kernel.groups.iter().map(array).collect();
-                let arrays = arrays.ok_or_else(|| failure(format!("no column {:?}", part.group)))?;
-                card.bind(&program, &arrays, threads as u32).map_err(failure)
+                bound(card, columns, &kernel.map_err(failure)?, message, threads)
             };
             pack.push(bind(part.pack(stride), &sent, counts.sent)?);
             unpack.push(bind(part.unpack(stride, counts.own), &received, counts.ghosts)?);
@@ -75,6 +68,72 @@ impl Exchange {
     pub(super) fn width(&self) -> usize {
         self.width
     }
+}
+
+/// What takes marks of ghosts back to the particles they stand for.
+pub(super) struct Marks {
+    take: Launch,
+    set: Launch,
+    taken: Array,
+    returned: Array,
+}
+
+impl Marks {
+    pub(super) fn new(card: &Card, columns: &Columns, counts: Counts, stride: usize) -> Result<Self, RunFailure> {
+        let taken = card.zeros(counts.ghosts).map_err(failure)?;
+        let returned = card.zeros(counts.sent).map_err(failure)?;
+        let take = recording("take_marks", stride, |bind, thread| {
+            let (marks, sent) = (bind.index_output(Group::Patched), bind.write(Group::Sent));
+            let i = thread + Index::of(counts.own as u32);
+            sent.set_at(thread, marks.at(i).number());
+            marks.set(i, Index::of(0));
+        });
+        let set = recording("set_marks", stride, |bind, thread| {
+            let (returned, sends) = (bind.read(Group::Received), bind.indices(Group::Sends));
+            let marks = bind.index_output(Group::Patched);
+            // Who is read by several ranks may be marked by any of them.
+            let mark = || {
+                marks.set(sends.at(thread), Index::of(1));
+                NOTHING
+            };
+            Recorded::if_lt(Recorded::of(0.5), returned.get_at(thread), mark, || NOTHING);
+        });
+        Ok(Self {
+            take: bound(card, columns, &take.map_err(failure)?, &taken, counts.ghosts)?,
+            set: bound(card, columns, &set.map_err(failure)?, &returned, counts.sent)?,
+            taken,
+            returned,
+        })
+    }
+
+    /// The marks of the ghosts, in their order, which are no more.
+    pub(super) fn taken(&self, card: &Card) -> Result<Vec<f32>, RunFailure> {
+        card.launch([&self.take]);
+        card.read(&self.taken).map_err(failure)
+    }
+
+    /// Adds marks that have come back, in the order particles are sent in.
+    pub(super) fn set(&self, card: &Card, marks: &[f32]) {
+        card.write(&self.returned, marks);
+        card.launch([&self.set]);
+    }
+}
+
+/// A kernel bound to columns, and to a message.
+fn bound(
+    card: &Card,
+    columns: &Columns,
+    kernel: &Recording,
+    message: &Array,
+    threads: usize,
+) -> Result<Launch, RunFailure> {
+    let program = card.compile(&kernel.kernel).map_err(failure)?;
+    let array = |group: &Group| match group {
+        Group::Sent | Group::Received => Ok(message),
+        other => columns.array(*other).ok_or_else(|| failure(format!("no column {other:?}"))),
+    };
+    let arrays = kernel.groups.iter().map(array).collect::<Result<Vec<&Array>, RunFailure>>()?;
+    card.bind(&program, &arrays, threads as u32).map_err(failure)
 }
 
 /// The numbers of the columns of a set.

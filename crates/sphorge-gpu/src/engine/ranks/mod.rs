@@ -10,17 +10,20 @@
 pub(super) mod agreement;
 mod exchange;
 mod ghosts;
+pub(super) mod kept_rows;
 mod part;
 pub(super) mod touched;
 
 use super::columns::{Columns, Group};
 use super::kernels::contact;
 use super::kernels::limits::CHUNK;
+use super::kernels::walls::is_total_lagrangian;
 use super::start::make_columns;
 use super::{GpuEngine, Stage, failure};
 use crate::device::Card;
-use exchange::{Counts, Exchange};
+use exchange::{Counts, Exchange, Marks};
 use ghosts::{Cells, read_by_others};
+use kept_rows::keeps_entries;
 use sphorge_engine::model::{Dimensions, Search};
 use sphorge_engine::ranks::Ranks;
 use sphorge_engine::{Model, Particles, RunFailure};
@@ -48,9 +51,13 @@ pub(super) struct Domain {
     read_by: Vec<Vec<u32>>,
     /// Ghosts that each other rank fills.
     filled_by: Vec<usize>,
+    /// Places of the ghosts in the common order.
+    places: Vec<u32>,
     /// Columns that were written since ghosts took them over.
     stale: RefCell<ColumnSet>,
     exchanges: RefCell<HashMap<ColumnSet, Exchange>>,
+    /// What takes marks of ghosts back.
+    marks: RefCell<Option<Marks>>,
 }
 
 impl Domain {
@@ -73,10 +80,12 @@ impl Domain {
         Ok(Self {
             read_by: vec![Vec::new(); size],
             filled_by: vec![0; size],
+            places: Vec::new(),
             ranks,
             starts,
             stale: RefCell::default(),
             exchanges: RefCell::default(),
+            marks: RefCell::default(),
         })
     }
 
@@ -116,15 +125,35 @@ impl Domain {
         self.read_by.concat()
     }
 
-    /// Tells each rank who of its particles is read by which other, where all look for neighbours of their own in these sets of places.
-    fn choose(&mut self, cells: &Cells, sets: &[Vec<Vector<f64>>]) -> Result<(), RunFailure> {
+    /// Tells each rank who of its particles is read by which other, where all look for neighbours of their own in these sets of places, and some have named
+    /// particles of each other rank, by their places in the common order.
+    fn choose(&mut self, cells: &Cells, sets: &[Vec<Vector<f64>>], named: &[Vec<u32>]) -> Result<(), RunFailure> {
+        let own = self.own();
+        let asked = self.exchange_lists(named)?;
         self.read_by = read_by_others(&self.ranks, cells, sets)?;
-        let (rank, size) = (self.ranks.rank(), self.ranks.size());
-        let counts: Vec<u64> = self.read_by.iter().map(|of| of.len() as u64).collect();
-        let all = self.ranks.gather(&counts, &vec![size; size])?;
-        self.filled_by = (0..size).map(|other| all[other * size + rank] as usize).collect();
+        for (read, asked) in self.read_by.iter_mut().zip(asked) {
+            read.extend(asked.into_iter().map(|place| place - own.start as u32));
+            read.sort_unstable();
+            read.dedup();
+        }
+        let place = |of: &Vec<u32>| of.iter().map(|i| own.start as u32 + i).collect();
+        let places = self.exchange_lists(&self.read_by.iter().map(place).collect::<Vec<_>>())?;
+        self.filled_by = places.iter().map(Vec::len).collect();
+        self.places = self.in_order_of_ghosts().flat_map(|rank| places[rank].iter().copied()).collect();
         self.exchanges.borrow_mut().clear();
+        *self.marks.borrow_mut() = None;
         Ok(())
+    }
+
+    /// Sends each other rank a list, of any length; the lists of all others.
+    fn exchange_lists(&self, to: &[Vec<u32>]) -> Result<Vec<Vec<u32>>, RunFailure> {
+        let (rank, size) = (self.ranks.rank(), self.ranks.size());
+        let counts: Vec<u64> = to.iter().map(|of| of.len() as u64).collect();
+        let all = self.ranks.gather(&counts, &vec![size; size])?;
+        let lengths: Vec<usize> = (0..size).map(|from| 4 * all[from * size + rank] as usize).collect();
+        let bytes = to.iter().map(|of| bytemuck::cast_slice(of).to_vec()).collect();
+        let from = self.ranks.exchange(bytes, &lengths)?;
+        Ok(from.iter().map(|bytes| bytemuck::pod_collect_to_vec(bytes)).collect())
     }
 
     /// What the ghosts of this rank have of values of particles, those of the own ones given.
@@ -186,7 +215,7 @@ impl Domain {
     fn exchange(&self, card: &Card, columns: &Columns, set: ColumnSet, stride: usize) -> Result<(), RunFailure> {
         let mut known = self.exchanges.borrow_mut();
         if !known.contains_key(&set) {
-            let counts = Counts { sent: self.sends().len(), ghosts: self.ghosts(), own: self.own().len() };
+            let counts = self.counts_of_exchange();
             known.insert(set.clone(), Exchange::new(card, columns, &set, counts, stride)?);
         }
         let Some(exchange) = known.get(&set) else { return Ok(()) };
@@ -209,6 +238,33 @@ impl Domain {
     }
 }
 
+impl Domain {
+    fn counts_of_exchange(&self) -> Counts {
+        Counts { sent: self.sends().len(), ghosts: self.ghosts(), own: self.own().len() }
+    }
+
+    /// Marks the particles whose ghosts were marked on other cards, and takes the marks of the ghosts here away.
+    fn return_marks(&self, card: &Card, columns: &Columns, stride: usize) -> Result<(), RunFailure> {
+        let mut known = self.marks.borrow_mut();
+        let marks = match &mut *known {
+            Some(marks) => marks,
+            none => none.insert(Marks::new(card, columns, self.counts_of_exchange(), stride)?),
+        };
+        let of_ghosts = marks.taken(card)?;
+        let mut rest = &of_ghosts[..];
+        let mut to = vec![Vec::new(); self.ranks.size()];
+        for rank in self.in_order_of_ghosts() {
+            let (of_rank, behind) = rest.split_at(self.filled_by[rank]);
+            rest = behind;
+            to[rank] = bytemuck::cast_slice(of_rank).to_vec();
+        }
+        let lengths: Vec<usize> = self.read_by.iter().map(|of| 4 * of.len()).collect();
+        let from = self.ranks.exchange(to, &lengths)?;
+        marks.set(card, &bytemuck::pod_collect_to_vec::<u8, f32>(&from.concat()));
+        Ok(())
+    }
+}
+
 /// The columns there are of a group.
 fn existing(columns: &Columns, group: Group, stride: usize) -> u128 {
     let count = columns.array(group).map_or(0, |array| array.count() / stride);
@@ -227,10 +283,14 @@ enum Lasting {
 }
 
 fn lasting(model: &Model) -> Lasting {
+    // What is searched in the cells anew, beside the lists.
+    let searches_present = contact::meets(model) || model.audit.is_some();
     match model.search {
         Search::Skin { .. } => Lasting::OneSearch,
-        Search::Initial if !contact::meets(model) => Lasting::OneReference,
-        Search::Initial | Search::EveryStep | Search::Adaptive(_) => Lasting::Margin,
+        Search::Initial if searches_present => Lasting::Margin,
+        Search::Initial if is_total_lagrangian(model) => Lasting::OneReference,
+        Search::Initial => Lasting::OneSearch,
+        Search::EveryStep | Search::Adaptive(_) => Lasting::Margin,
     }
 }
 
@@ -261,6 +321,11 @@ impl GpuEngine {
                 domain.exchange(&self.card, &self.columns, wanted, self.stride)?;
             }
             domain.wrote(&self.columns, &touched[k].written, self.stride);
+            if touched[k].marks_neighbors {
+                self.card.launch(stage[first..=k].iter().map(|staged| &staged.launch));
+                first = k + 1;
+                domain.return_marks(&self.card, &self.columns, self.stride)?;
+            }
         }
         self.card.launch(stage[first..].iter().map(|staged| &staged.launch));
         Ok(())
@@ -308,11 +373,20 @@ impl GpuEngine {
         };
         let sets = sets(&self.model, || places(Group::Place), || places(Group::Reference))?;
         let cells = cells(&self.model, self.grid.edge);
+        let entries = match self.loaded_kept.take() {
+            Some(kept) => Some(self.loaded_entries(&kept)?),
+            None if keeps_entries(&self.model) && self.kept.is_made => Some(self.kept_entries()?),
+            None => None,
+        };
         let Some(domain) = &mut self.domain else { return Ok(()) };
-        domain.choose(&cells, &sets)?;
+        let named = entries.as_ref().map_or_else(|| vec![Vec::new(); domain.ranks.size()], |of| domain.named(of));
+        domain.choose(&cells, &sets, &named)?;
         let has_room = self.initial.len() + domain.ghosts() <= self.stride;
         if !has_room {
             self.grow()?;
+        }
+        if let Some(entries) = entries {
+            self.take_entries(&entries)?;
         }
         self.take_ghosts()
     }
@@ -376,8 +450,7 @@ fn sets(
     present: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
     reference: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
 ) -> Result<Vec<Vec<Vector<f64>>>, RunFailure> {
-    let is_total = super::kernels::walls::is_total_lagrangian(model);
-    Ok(match (is_total, lasting(model)) {
+    Ok(match (is_total_lagrangian(model), lasting(model)) {
         (false, _) => vec![present()?],
         (true, Lasting::OneReference) => vec![reference()?],
         (true, _) => vec![present()?, reference()?],
@@ -387,7 +460,8 @@ fn sets(
 /// Chooses ghosts at the start, when nothing is on the card yet.
 pub(super) fn choose_at_start(domain: &mut Domain, model: &Model, p: &Particles, edge: f64) -> Result<(), RunFailure> {
     let places = || Ok(p.position.clone());
-    domain.choose(&cells(model, edge), &sets(model, places, places)?)
+    let nobody = vec![Vec::new(); domain.ranks.size()];
+    domain.choose(&cells(model, edge), &sets(model, places, places)?, &nobody)
 }
 
 /// Cells as wide as neighbours are far, and the margin where ghosts serve until particles have moved.

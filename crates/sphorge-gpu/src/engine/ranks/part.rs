@@ -1,16 +1,11 @@
 //! A card as one of several that share the particles of a run.
 
-use crate::engine::{Gpu, GpuEngine, failure, supports};
-use sphorge_engine::model::Model;
+use crate::engine::{Gpu, GpuEngine, failure};
 use sphorge_engine::ranks::Communicator;
-use sphorge_engine::{Column, Engine, FieldSource, Part, PartKind, Particles, Reduction, RunFailure, Unsupported};
+use sphorge_engine::{Column, Engine, FieldSource, Model, Part, PartKind, Particles, Reduction, RunFailure};
 use std::sync::Arc;
 
 impl PartKind for Gpu {
-    fn supports_sharing(&self, model: &Model) -> Result<(), Unsupported> {
-        supports::supports_sharing(model)
-    }
-
     fn shared_name(&self) -> &'static str {
         "gpu-ranks"
     }
@@ -44,7 +39,7 @@ impl Part for GpuEngine {
     }
 
     fn total(&self) -> usize {
-        self.domain.as_ref().map_or(self.initial.len(), super::Domain::total)
+        self.total_count()
     }
 
     fn own(&self) -> &dyn FieldSource {

@@ -17,6 +17,8 @@ pub(in crate::engine) struct Touched {
     pub(in crate::engine) gathered: ColumnSet,
     /// Written of the own particle.
     pub(in crate::engine) written: ColumnSet,
+    /// Whether neighbours are marked whose rows are to be patched.
+    pub(in crate::engine) marks_neighbors: bool,
 }
 
 impl Touched {
@@ -31,7 +33,7 @@ impl Touched {
                 reader.add(&mut touched.gathered, buffer, at);
             }
         }
-        reader.add_stores(&recording.kernel.statements, &mut touched.written);
+        reader.add_stores(&recording.kernel.statements, &mut touched);
         touched
     }
 }
@@ -96,15 +98,19 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn add_stores(&self, statements: &[Statement], written: &mut ColumnSet) {
+    fn add_stores(&self, statements: &[Statement], touched: &mut Touched) {
         for statement in statements {
             match statement {
-                Statement::Store { buffer, at, .. } => self.add(written, *buffer, *at),
-                Statement::If { then, otherwise, .. } => {
-                    self.add_stores(then, written);
-                    self.add_stores(otherwise, written);
+                Statement::Store { buffer, at, .. } => {
+                    let is_marked = self.recording.groups[*buffer as usize] == Group::Patched;
+                    touched.marks_neighbors |= is_marked && self.is_of_neighbor[*at as usize];
+                    self.add(&mut touched.written, *buffer, *at);
                 }
-                Statement::Loop { body, .. } | Statement::Range { body, .. } => self.add_stores(body, written),
+                Statement::If { then, otherwise, .. } => {
+                    self.add_stores(then, touched);
+                    self.add_stores(otherwise, touched);
+                }
+                Statement::Loop { body, .. } | Statement::Range { body, .. } => self.add_stores(body, touched),
                 Statement::Let(_) | Statement::Declare { .. } | Statement::Assign { .. } | Statement::Count { .. } => {}
             }
         }
