@@ -7,8 +7,8 @@ use super::kernels::{conduction, contact, grid, kept, limits, reduce, walls};
 use super::plan::{Plan, Planned, Rows, Threads, keeps_lists, members};
 use super::ranks::agreement::made_on_all;
 use super::ranks::kept_rows::keeps_entries;
-use super::ranks::touched::Touched;
-use super::ranks::{Domain, choose_at_start, stride_for, wears_out};
+use super::ranks::touched::{ALL, ColumnSet, Touched};
+use super::ranks::{Domain, choose_at_start, exchange, stride_for, wears_out};
 use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::snapshot::fields;
@@ -376,7 +376,35 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
             }
         }
     }
+    each_kernel_of_ranks(model, particles, stride, &mut |recording| {
+        let mut other = text(recording);
+        if !texts.iter().any(|known| known.cuda == other.cuda) {
+            other.name += "_shared";
+            texts.push(other);
+        }
+    })?;
     Ok(texts)
+}
+
+/// Visits the kernels of a model whose particles several cards share, and those that exchange what these read of neighbours.
+fn each_kernel_of_ranks(
+    model: &Model,
+    p: &Particles,
+    stride: usize,
+    visit: &mut dyn FnMut(&Recording),
+) -> Result<(), KernelFault> {
+    let rows = Rows { stride, are_shared: true };
+    let plan = Plan::of(model, p, rows, &grid_of(model, p), References::Initial)?;
+    let mut gathered = ColumnSet::new();
+    for recording in plan.all() {
+        for (group, columns) in Touched::of(recording, stride, false).gathered {
+            *gathered.entry(group).or_default() |= columns;
+        }
+    }
+    // Columns that are not known are those of a group as long as any.
+    gathered.values_mut().filter(|columns| **columns == ALL).for_each(|columns| *columns = 1);
+    plan.all().chain(&exchange::kernels(&gathered, stride, p.len())?).for_each(visit);
+    Ok(())
 }
 
 impl GpuEngine {

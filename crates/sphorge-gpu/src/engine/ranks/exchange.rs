@@ -39,15 +39,10 @@ impl Exchange {
         let arrays = (card.zeros(counts.sent * width), card.zeros(counts.ghosts * width));
         let (sent, received) = (arrays.0.map_err(failure)?, arrays.1.map_err(failure)?);
         let (mut pack, mut unpack) = (Vec::new(), Vec::new());
-        let mut first = 0;
-        for (group, of_group) in set {
-            let part = Part { group: *group, columns: numbers(*of_group), first, width };
-            first += part.columns.len();
-            let bind = |kernel: Result<Recording, KernelFault>, message: &Array, threads: usize| {
-                bound(card, columns, &kernel.map_err(failure)?, message, threads)
-            };
-            pack.push(bind(part.pack(stride), &sent, counts.sent)?);
-            unpack.push(bind(part.unpack(stride, counts.own), &received, counts.ghosts)?);
+        for part in parts(set) {
+            let (packing, unpacking) = part.kernels(stride, counts.own).map_err(failure)?;
+            pack.push(bound(card, columns, &packing, &sent, counts.sent)?);
+            unpack.push(bound(card, columns, &unpacking, &received, counts.ghosts)?);
         }
         Ok(Self { pack, unpack, sent, received, width })
     }
@@ -82,12 +77,23 @@ impl Marks {
     pub(super) fn new(card: &Card, columns: &Columns, counts: Counts, stride: usize) -> Result<Self, RunFailure> {
         let taken = card.zeros(counts.ghosts).map_err(failure)?;
         let returned = card.zeros(counts.sent).map_err(failure)?;
+        let (take, set) = Self::kernels(stride, counts.own).map_err(failure)?;
+        Ok(Self {
+            take: bound(card, columns, &take, &taken, counts.ghosts)?,
+            set: bound(card, columns, &set, &returned, counts.sent)?,
+            taken,
+            returned,
+        })
+    }
+
+    /// Taking marks away, and setting them.
+    fn kernels(stride: usize, own: usize) -> Result<(Recording, Recording), KernelFault> {
         let take = recording("take_marks", stride, |bind, thread| {
             let (marks, sent) = (bind.index_output(Group::Patched), bind.write(Group::Sent));
-            let i = thread + Index::of(counts.own as u32);
+            let i = thread + Index::of(own as u32);
             sent.set_at(thread, marks.at(i).number());
             marks.set(i, Index::of(0));
-        });
+        })?;
         let set = recording("set_marks", stride, |bind, thread| {
             let (returned, sends) = (bind.read(Group::Received), bind.indices(Group::Sends));
             let marks = bind.index_output(Group::Patched);
@@ -97,13 +103,8 @@ impl Marks {
                 NOTHING
             };
             Recorded::if_lt(Recorded::of(0.5), returned.get_at(thread), mark, || NOTHING);
-        });
-        Ok(Self {
-            take: bound(card, columns, &take.map_err(failure)?, &taken, counts.ghosts)?,
-            set: bound(card, columns, &set.map_err(failure)?, &returned, counts.sent)?,
-            taken,
-            returned,
-        })
+        })?;
+        Ok((take, set))
     }
 
     /// The marks of the ghosts, in their order, which are no more.
@@ -136,6 +137,28 @@ fn bound(
     card.bind(&program, &arrays, threads as u32).map_err(failure)
 }
 
+/// The kernels that exchange a set of columns and marks of ghosts, as they are on some rank.
+pub(in crate::engine) fn kernels(set: &ColumnSet, stride: usize, own: usize) -> Result<Vec<Recording>, KernelFault> {
+    let (take, put) = Marks::kernels(stride, own)?;
+    let mut kernels = vec![take, put];
+    for part in parts(set) {
+        let (pack, unpack) = part.kernels(stride, own)?;
+        kernels.extend([pack, unpack]);
+    }
+    Ok(kernels)
+}
+
+/// What a set of columns has of each group.
+fn parts(set: &ColumnSet) -> impl Iterator<Item = Part> + '_ {
+    let width = set.values().map(|columns| columns.count_ones() as usize).sum();
+    let mut first = 0;
+    set.iter().map(move |(group, columns)| {
+        let part = Part { group: *group, columns: numbers(*columns), first, width };
+        first += part.columns.len();
+        part
+    })
+}
+
 /// The numbers of the columns of a set.
 fn numbers(set: u128) -> Vec<usize> {
     (0..u128::BITS as usize).filter(|column| set >> column & 1 == 1).collect()
@@ -151,6 +174,11 @@ struct Part {
 }
 
 impl Part {
+    /// Packing and unpacking.
+    fn kernels(&self, stride: usize, own: usize) -> Result<(Recording, Recording), KernelFault> {
+        Ok((self.pack(stride)?, self.unpack(stride, own)?))
+    }
+
     fn name(&self, what: &str) -> String {
         let group = format!("{:?}", self.group).to_lowercase().replace('(', "_").replace(')', "");
         format!("{what}_{group}")

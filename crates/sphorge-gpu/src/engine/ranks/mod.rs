@@ -8,7 +8,7 @@
 //! written since ghosts took it over is exchanged before the first kernel that reads it of neighbours ([`GpuEngine::launch`]).
 
 pub(super) mod agreement;
-mod exchange;
+pub(super) mod exchange;
 mod ghosts;
 pub(super) mod kept_rows;
 mod part;
