@@ -4,7 +4,7 @@ use crate::device::{Array, Card, CardFault, Launch};
 use crate::record::{
     Counters, Element, Index, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope,
 };
-use sphorge_physics::{SymmetricTensor, Tensor, Vector};
+use sphorge_physics::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
 /// A column or several, one after the other; numbers that a step adds to have what rounding left of them in a column of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -321,6 +321,29 @@ impl Writing {
     pub(super) fn add_in_group(self, (group, length): (Index, usize), field: usize, i: Index, value: Recorded) {
         let at = self.at(group, length, field, i);
         self.buffer.set(at, self.buffer.at(at) + value);
+    }
+
+    pub(super) fn set_in_group(self, (group, length): (Index, usize), field: usize, i: Index, value: Recorded) {
+        self.buffer.set(self.at(group, length, field, i), value);
+    }
+
+    /// Adds a power times a time, s, to the work of a group, which has its rest behind it; most groups have none.
+    pub(super) fn book_in_group(
+        self,
+        (group, length): (Index, usize),
+        (work, power): (usize, usize),
+        i: Index,
+        dt: Recorded,
+    ) {
+        let power = self.buffer.at(self.at(group, length, power, i));
+        let book = || {
+            let [high, low] = [work, work + 1].map(|field| self.at(group, length, field, i));
+            let sum = added([self.buffer.at(high), self.buffer.at(low)], dt * power);
+            self.buffer.set(high, sum[0]);
+            self.buffer.set(low, sum[1]);
+            NOTHING
+        };
+        Recorded::if_lt(Recorded::zero(), power.abs(), book, || NOTHING);
     }
 
     /// A number by its place among all of the group.

@@ -31,6 +31,20 @@ fn bytes(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> f64 {
     4.0 * ((columns * stride + cells) as f64 + spare * neighbors * stride as f64)
 }
 
+/// Refuses a group of columns whose places a card cannot number: each body that others meet has columns of its own.
+fn refuse_what_is_too_long(model: &Model, stride: usize) -> Result<(), RunFailure> {
+    let longest = fields(model).map(|(_, fields)| fields as u64 * stride as u64).max().unwrap_or(0);
+    let most = u64::from(u32::MAX);
+    if longest <= most {
+        return Ok(());
+    }
+    let count = model.bodies.len();
+    Err(failure(format!(
+        "{stride} particles of {count} bodies take a column of {longest} numbers, and a card takes up to {most}: take fewer bodies or a larger \
+         `particles.spacing`, or run with `--engine cpu`"
+    )))
+}
+
 /// Refuses a run that has no room, where the card says what it has.
 pub(super) fn refuse_what_has_no_room(
     card: &Card,
@@ -38,6 +52,7 @@ pub(super) fn refuse_what_has_no_room(
     stride: usize,
     grid: &Grid,
 ) -> Result<(), RunFailure> {
+    refuse_what_is_too_long(model, stride)?;
     let needed = bytes(model, p, stride, grid) + card.profile_bytes(stride) as f64;
     match card.memory() {
         Some(Memory { total, free: Some(free) }) if needed > free as f64 => {
@@ -50,5 +65,29 @@ pub(super) fn refuse_what_has_no_room(
             )))
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sphorge_deck::load_text;
+
+    #[test]
+    fn a_column_whose_places_have_no_numbers_is_refused() {
+        let block = |k: u32| {
+            let (low, high) = (10 * k, 10 * k + 4);
+            format!(
+                "[[body]]\nname = \"b{k}\"\nmaterial = \"ofhc-copper\"\n\
+                 shape = {{ box = {{ min = [\"{low} mm\", \"0 mm\"], max = [\"{high} mm\", \"4 mm\"] }} }}\n"
+            )
+        };
+        let head = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"60 us\" }\n";
+        let bodies: String = (0..30).map(block).collect();
+        let model = load_text("blocks", &format!("{head}{bodies}"), &[]).unwrap().model;
+        // Twelve columns for each of thirty bodies.
+        assert!(refuse_what_is_too_long(&model, 11_930_464).is_ok());
+        let refusal = refuse_what_is_too_long(&model, 11_930_465).unwrap_err();
+        assert!(refusal.message.contains("30 bodies") && refusal.message.contains("--engine cpu"), "{refusal}");
     }
 }

@@ -42,11 +42,6 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "audits of sums in the initial configuration",
             "leave `audit` out, or run it with `--engine cpu`",
         ),
-        (
-            contact::meets(model) && model.bodies.len() > contact::MOST_BODIES,
-            "contact between more than eight bodies",
-            BY_CPU,
-        ),
         (conduction::has_stale_pairs(model), "conduction of heat with distances that are kept", BY_CPU),
         (
             is_periodic && (contact::meets(model) || is_total || kept::adaptive(model).is_some()),

@@ -24,15 +24,21 @@ pub(in crate::engine) const LIMIT: usize = 5;
 pub(in crate::engine) const MEETING: usize = 12;
 pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 3), (8, 4), (10, 5)];
 
-/// Most bodies that meet in the contact: each has columns of its own.
-pub(in crate::engine) const MOST_BODIES: usize = 8;
-
 /// Numbers of the law of two bodies.
 const LAW: usize = 6;
 
 /// Whether there is a contact.
 pub(in crate::engine) fn meets(model: &Model) -> bool {
     !model.contact_pairs().is_empty()
+}
+
+/// Does the same for every body: its number.
+pub(super) fn each_body(bodies: usize, act: impl Fn(Index)) {
+    Recorded::iterate([Recorded::zero()], |[body]| {
+        act(Index::floor(body));
+        let next = body + Recorded::one();
+        ([next], Recorded::of(bodies as f64) - next)
+    });
 }
 
 /// The laws of every body with every one, where there is a contact.
@@ -285,9 +291,9 @@ pub(in crate::engine) fn press<const D: usize>(
             return;
         }
         let meetings = bind.write(Group::Meetings);
-        for body in 0..model.bodies.len() {
-            meetings.set_all(MEETING * body, i, &[zero; 6]);
-        }
+        each_body(model.bodies.len(), |body| {
+            (0..WORKS[0].0).for_each(|field| meetings.set_in_group((body, MEETING), field, i, zero));
+        });
         let start = Pressed { sums: [zero; 6], stiffness: ContactStiffness::none() };
         let all = bodies.over_pressing::<_, D>(bind, model, grid, i, start, |mut state: Pressed, pair, j| {
             let (force, friction_share, law, kernel, overlaps, other_volume) = push(pair, j);

@@ -87,11 +87,11 @@ impl Kicks {
             self.accounts.add(account, account + 1, i, mass * dt * self.energy.get(part, i));
         }
         if let Some((meetings, bodies)) = self.meetings {
-            for first in (0..bodies).map(|body| contact::MEETING * body) {
-                for (work, power) in contact::WORKS.map(|(work, power)| (first + work, first + power)) {
-                    meetings.add(work, work + 1, i, dt * meetings.get(power, i));
+            contact::each_body(bodies, |body| {
+                for (work, power) in contact::WORKS {
+                    meetings.book_in_group((body, contact::MEETING), (work, power), i, dt);
                 }
-            }
+            });
         }
         if let Some((of_walls, count)) = self.walls {
             for wall in (0..count).map(|k| walls::FIELDS * k) {
