@@ -159,6 +159,10 @@ impl AdaptiveSearch {
     /// Share of the particles above which, with the guard, all are searched: that costs less than a search of some and their neighbours.
     pub const ALL_ABOVE: f64 = 0.5;
 
+    /// Images in planes of symmetry and periodic ends are made for particles this much farther away than the kernel reaches, as a share of the reach,
+    /// and made again with a full search when a particle has moved as far.
+    pub const IMAGE_MARGIN: f64 = 0.5;
+
     /// Steps from one sum of the moments to the next where the guard of adaptive search alone needs them. Waves go five smoothing lengths in them,
     /// and a neighbourhood that strains by the guard's bound changes its moments by as much, half a per cent.
     pub const STRAIN_CORRECTION_STEPS: u64 = 16;

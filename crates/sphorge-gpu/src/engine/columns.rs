@@ -117,7 +117,7 @@ pub(super) enum Group {
     Rows,
     /// Distances of their pairs at the last search, m, three for each, where sums are taken with those.
     Stored,
-    /// Place at the last full search, m, and its rest.
+    /// Place at the last full search, m, its rest, and the smoothing length it was searched with, m.
     SearchedAt,
     /// The same when contact candidates were found, and one for each of them.
     FoundAt,

@@ -98,11 +98,15 @@ struct Stages {
     /// Where particles are shared: how far they have moved since ghosts were chosen.
     ghost_ways: Stage,
     begin: Stage,
-    /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
+    /// Smoothing lengths that follow the density.
+    follow: Stage,
+    /// Before a search: places along periodic axes.
     wrap: Stage,
     sorting: Stage,
     /// Where lists are kept: how far particles have moved, and the search.
     ways: Stage,
+    /// In adaptive search along periodic axes: how far particles have moved since the last full search.
+    strayed: Stage,
     search: Stage,
     /// In adaptive search: who is searched, and their search.
     mark: Stage,

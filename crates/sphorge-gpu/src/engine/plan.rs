@@ -65,11 +65,15 @@ pub(super) struct Plan {
     /// Where particles are shared: how far they have moved since ghosts were chosen.
     pub(super) ghost_ways: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
-    /// Before a search: smoothing lengths that follow the density, and places along periodic axes.
+    /// Smoothing lengths that follow the density.
+    pub(super) follow: Vec<Planned>,
+    /// Before a search: places along periodic axes.
     pub(super) wrap: Vec<Planned>,
     pub(super) sorting: Vec<Planned>,
     /// Where lists are kept: how far particles have moved, and the search.
     pub(super) ways: Vec<Planned>,
+    /// In adaptive search along periodic axes: how far particles have moved since the last full search.
+    pub(super) strayed: Vec<Planned>,
     pub(super) search: Vec<Planned>,
     /// In adaptive search: who is searched, and their search.
     pub(super) mark: Vec<Planned>,
@@ -129,7 +133,7 @@ impl Plan {
         plan.begin.push(of_particles(begin));
         match model.formulation {
             Formulation::UpdatedLagrangian => {
-                plan.wrap.extend(smoothing::follow(model, stride)?.map(of_particles));
+                plan.follow.extend(smoothing::follow(model, stride)?.map(of_particles));
                 plan.wrap.extend(wrap::wrap(model, stride)?.map(of_particles));
                 plan.sorting = sorting(grid, rows, Sorted::Particles, all_here)?;
                 if keeps_lists(model) {
@@ -138,7 +142,10 @@ impl Plan {
                     let is_guarded = rule.is_some_and(|rule| rule.guard.is_some());
                     let since = if is_guarded { Group::FoundAt } else { Group::SearchedAt };
                     if model.search != Search::EveryStep {
-                        plan.ways.push(of_chunks(kept::ways(since, p.len(), stride)?));
+                        plan.ways.push(of_chunks(kept::ways(model, since, p.len(), stride)?));
+                    }
+                    if rule.is_some() && model.periodic.iter().any(Option::is_some) {
+                        plan.strayed.push(of_chunks(kept::ways(model, Group::SearchedAt, p.len(), stride)?));
                     }
                     if let Some(rule) = rule {
                         plan.mark.push(of_particles(kept::mark(rule, stride)?));
@@ -184,6 +191,7 @@ impl Plan {
             }
             Formulation::TotalLagrangian { renewal, .. } => {
                 if references == References::Renewed {
+                    plan.renew.extend(wrap::wrap(model, stride)?.map(of_particles));
                     plan.renew.push(of_particles(reference::renew(model, stride)?));
                 }
                 plan.count_lists = sorting(grid, rows, Sorted::Reference, all_here)?;
@@ -295,12 +303,12 @@ impl Plan {
         plan.finish.extend(reduced(reduce::reduce(Group::Extremes, of_limits, limits::together())?));
         if rows.are_shared && wears_out(model) {
             let of_chunks = Threads::Of(stride / limits::CHUNK);
-            plan.ghost_ways.push(Planned { kernel: kept::ways(Group::GhostsAt, p.len(), stride)?, threads: of_chunks });
+            plan.ghost_ways
+                .push(Planned { kernel: kept::ways(model, Group::GhostsAt, p.len(), stride)?, threads: of_chunks });
         }
         if keeps_lists(model) || rows.are_shared {
-            for stage in
-                [&mut plan.ghost_ways, &mut plan.ways, &mut plan.mark, &mut plan.search, &mut plan.search_marked]
-            {
+            let Self { ghost_ways, ways, strayed, mark, search, search_marked, .. } = &mut plan;
+            for stage in [ghost_ways, ways, strayed, mark, search, search_marked] {
                 if !stage.is_empty() {
                     stage.extend(reduced(reduce::reduce(Group::Ways, stride / limits::CHUNK, WAYS_TOGETHER)?));
                 }
@@ -317,9 +325,11 @@ impl Plan {
             &self.fill_lists,
             &self.ghost_ways,
             &self.begin,
+            &self.follow,
             &self.wrap,
             &self.sorting,
             &self.ways,
+            &self.strayed,
             &self.search,
             &self.mark,
             &self.search_marked,

@@ -5,6 +5,7 @@
 
 use super::GpuEngine;
 use super::columns::Group;
+use super::kernels::kept::follows;
 use super::snapshot::{LISTS, STATE, read};
 use sphorge_engine::RunFailure;
 use sphorge_engine::model::Search;
@@ -37,6 +38,7 @@ impl GpuEngine {
         match group {
             // The initial configuration is that of the deck.
             Group::Reference => self.is_renewed(),
+            Group::Constants => follows(&self.model),
             Group::SearchedAt => self.model.search != Search::EveryStep,
             _ => self.saves_lists() || !LISTS.contains(&group),
         }

@@ -3,12 +3,14 @@
 use super::columns::Group;
 use super::kernels::audit;
 use super::kernels::images::Planes;
-use super::kernels::kept::{HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, WAYS, keeps_distances};
+use super::kernels::kept::{
+    HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS, follows, keeps_distances,
+};
 use super::kernels::limits::CHUNK;
 use super::kernels::reduce::{self, Together};
 use super::ranks::has_images;
 use super::snapshot::read;
-use super::{GpuEngine, failure};
+use super::{GpuEngine, Stage, failure};
 use sphorge_engine::model::{AdaptiveSearch, Search};
 use sphorge_engine::neighbors::{BLOCK, NeighborList};
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
@@ -25,6 +27,7 @@ pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
     together[LOW + 1] = Together::Least;
     together[LOW + 2] = Together::Least;
     together[MARKED_ROWS] = Together::Sum;
+    together[THINNEST_SKIN] = Together::Least;
     together
 };
 
@@ -49,11 +52,14 @@ pub(super) struct Ways {
     pub(super) longest: f64,
     /// Square of the diagonal of their box, m².
     pub(super) diagonal: f64,
+    /// The thinnest skin that smoothing lengths have left, in supports, m.
+    skin: f64,
 }
 
 impl GpuEngine {
     /// Makes the lists valid for the positions just reached.
     pub(super) fn refresh_kept(&mut self) -> Result<SearchReport, RunFailure> {
+        self.launch(&self.stages.follow)?;
         let due = match self.model.search {
             Search::Skin { fraction } => !self.kept.is_made || self.moved_beyond_skin(fraction)?,
             Search::Adaptive(rule) if self.kept.is_made => return self.search_adaptively(rule),
@@ -73,13 +79,18 @@ impl GpuEngine {
     /// differ; images in planes of symmetry go other ways than their particles.
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(f64::INFINITY, f64::min);
-        let skin = fraction * smallest * self.model.numerics.kernel.support();
-        let ways = self.ways()?;
-        Ok(ways.longest > 0.25 * skin * skin && (has_images(&self.model) || ways.diagonal > skin * skin))
+        let ways = self.ways(&self.stages.ways)?;
+        let skin = if follows(&self.model) { ways.skin } else { fraction * smallest };
+        let skin = skin.max(0.0) * self.model.numerics.kernel.support();
+        Ok(skin == 0.0 || ways.longest > 0.25 * skin * skin && (has_images(&self.model) || ways.diagonal > skin * skin))
     }
 
     /// Searches those that flow; with the guard those that strain and contact candidates, too.
     fn search_adaptively(&mut self, rule: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
+        if self.has_strayed()? {
+            self.search_all()?;
+            return Ok(SearchReport { searched_fraction: 1.0 });
+        }
         if rule.guard.is_some() {
             self.refresh_candidates()?;
         }
@@ -104,13 +115,24 @@ impl GpuEngine {
         Ok(SearchReport { searched_fraction: share })
     }
 
+    /// Whether particles are to come in again at the other end of a periodic cell, which all do together: when the processor makes its images again.
+    fn has_strayed(&self) -> Result<bool, RunFailure> {
+        let is_closed = self.stages.strayed.is_empty();
+        Ok(!is_closed && self.ways(&self.stages.strayed)?.longest.sqrt() > AdaptiveSearch::IMAGE_MARGIN * self.reach())
+    }
+
+    /// How far kernels reach at the start, m.
+    fn reach(&self) -> f64 {
+        let largest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(0.0, f64::max);
+        self.model.numerics.kernel.support() * largest
+    }
+
     /// Finds contact candidates, as the processor's engine does and on the processor, where particles have moved so far that they have to be found
     /// again: a few times in the flight through a plate.
     fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
-        let largest = self.initial.smoothing_length.iter().copied().fold(0.0, f64::max);
-        let support = self.model.numerics.kernel.support();
-        let reach = support * largest;
-        if self.kept.has_candidates && self.ways()?.longest <= ContactCandidates::lasts(reach).powi(2) {
+        let (reach, support) = (self.reach(), self.model.numerics.kernel.support());
+        if self.kept.has_candidates && self.ways(&self.stages.ways)?.longest <= ContactCandidates::lasts(reach).powi(2)
+        {
             return Ok(());
         }
         let place = read(&self.card, &self.columns, Group::Place)?;
@@ -166,8 +188,8 @@ impl GpuEngine {
         Ok(longest)
     }
 
-    fn ways(&self) -> Result<Ways, RunFailure> {
-        self.launch(&self.stages.ways)?;
+    fn ways(&self, since: &Stage) -> Result<Ways, RunFailure> {
+        self.launch(since)?;
         self.ways_of_all()
     }
 
@@ -178,8 +200,8 @@ impl GpuEngine {
         let least = |k: usize| numbers(k).fold(f64::INFINITY, f64::min);
         let of_rank = [LONGEST, HIGH, HIGH + 1, HIGH + 2].map(largest);
         let [longest, high @ ..] = self.largest_of_ranks(of_rank)?;
-        let low = self.largest_of_ranks([LOW, LOW + 1, LOW + 2].map(|k| -least(k)))?.map(|low| -low);
-        Ok(Ways { longest, diagonal: (0..3).map(|a| (high[a] - low[a]).powi(2)).sum() })
+        let [low @ .., skin] = self.largest_of_ranks([LOW, LOW + 1, LOW + 2, THINNEST_SKIN].map(|k| -least(k)))?;
+        Ok(Ways { longest, diagonal: (0..3).map(|a| (high[a] + low[a]).powi(2)).sum(), skin: -skin })
     }
 
     /// The numbers of the rows that are left, by their place.
@@ -214,18 +236,30 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Searches again where particles were at the last search.
+    /// Searches again where particles were at the last search, with the smoothing lengths of then.
     pub(super) fn search_again(&mut self) -> Result<(), RunFailure> {
-        let array = |group: Group| self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")));
         let column = |group: Group| read(&self.card, &self.columns, group);
         let now = column(Group::Place)?;
-        self.card.write(array(Group::Place)?, &column(Group::SearchedAt)?);
-        self.wrote(Group::Place);
+        let lengths = follows(&self.model).then(|| column(Group::Constants)).transpose()?;
+        let (then, stride) = (column(Group::SearchedAt)?, self.stride);
+        let (place, searched) = then.split_at(6 * stride);
+        self.overwrite(Group::Place, place)?;
+        if let Some(mut lengths) = lengths.clone() {
+            lengths[stride..2 * stride].copy_from_slice(searched);
+            self.overwrite(Group::Constants, &lengths)?;
+        }
         let last_searched = self.kept.last_searched;
         self.find_all()?;
         self.kept.last_searched = last_searched;
-        self.card.write(self.columns.array(Group::Place).ok_or_else(|| failure("no places"))?, &now);
-        self.wrote(Group::Place);
+        self.overwrite(Group::Place, &now)?;
+        lengths.map_or(Ok(()), |lengths| self.overwrite(Group::Constants, &lengths))
+    }
+
+    /// Takes other numbers for a group.
+    fn overwrite(&self, group: Group, numbers: &[f32]) -> Result<(), RunFailure> {
+        let array = self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")))?;
+        self.card.write(array, numbers);
+        self.wrote(group);
         Ok(())
     }
 

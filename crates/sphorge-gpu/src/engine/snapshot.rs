@@ -108,6 +108,7 @@ pub(super) const STATE: &[Group] = &[
     Group::StrainCorrection,
     Group::Heat,
     Group::Boundaries,
+    Group::Constants,
 ];
 
 /// Groups that fields of particles are read of; a model may not have all.

@@ -16,7 +16,7 @@ use super::{Gpu, GpuEngine, Stage, Staged, Stages, failure};
 use crate::device::{Array, Card, CardFault};
 use crate::record::KernelFault;
 use grid::Grid;
-use sphorge_engine::model::{Dimensions, Search};
+use sphorge_engine::model::Dimensions;
 use sphorge_engine::neighbors::hilbert_order;
 use sphorge_engine::particles::{HistoryVariables, Permutation};
 use sphorge_engine::ranks::{Communicator, Ranks};
@@ -152,17 +152,9 @@ fn sort_along_curve(model: &Model, p: &mut Particles, cell: f64) {
     p.reorder(&permutation);
 }
 
-/// What lists have beyond the kernel support, as a share of it.
-pub(super) fn skin(model: &Model) -> f64 {
-    match model.search {
-        Search::Skin { fraction } if keeps_lists(model) => fraction,
-        Search::Skin { .. } | Search::EveryStep | Search::Adaptive(_) | Search::Initial => 0.0,
-    }
-}
-
 pub(super) fn grid_of(model: &Model, p: &Particles) -> Grid {
     let largest = p.smoothing_length.iter().fold(0.0f64, |a, h| a.max(*h));
-    let reach = model.numerics.kernel.support() * (1.0 + skin(model));
+    let reach = model.numerics.kernel.support() * (1.0 + kept::skin(model));
     let edge = MARGIN * reach * largest * largest_factor(model);
     let axes = match model.dimensions {
         Dimensions::One => 1,
@@ -321,7 +313,7 @@ pub(super) fn make_columns(
         // Room is made when it is known how much.
         columns.insert(Group::Kept, card.zeros(0)?);
         columns.insert(Group::Rows, card.zeros(kept::ROWS * stride)?);
-        columns.insert(Group::SearchedAt, card.zeros(6 * stride)?);
+        columns.insert(Group::SearchedAt, card.zeros(kept::SEARCHED_AT * stride)?);
         if kept::keeps_distances(model) {
             columns.insert(Group::Stored, card.zeros(0)?);
         }
@@ -434,9 +426,11 @@ impl GpuEngine {
             fill_lists: bound(&plan.fill_lists)?,
             ghost_ways: bound(&plan.ghost_ways)?,
             begin: bound(&plan.begin)?,
+            follow: bound(&plan.follow)?,
             wrap: bound(&plan.wrap)?,
             sorting: bound(&plan.sorting)?,
             ways: bound(&plan.ways)?,
+            strayed: bound(&plan.strayed)?,
             search: bound(&plan.search)?,
             mark: bound(&plan.mark)?,
             search_marked: bound(&plan.search_marked)?,

@@ -97,7 +97,7 @@ fn numbers(simulation: &Simulation) -> Vec<(String, f64, f64)> {
 }
 
 /// Runs of both engines to a time, s, through the middle of it; how near they must be.
-fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
+pub(super) fn compare(deck: &str, overrides: &[(&str, &str)], end: f64, near: f64) {
     if card().is_none() {
         return;
     }

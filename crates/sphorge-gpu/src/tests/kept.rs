@@ -23,7 +23,7 @@ fn speed(simulation: &Simulation, body: usize, axis: usize) -> f64 {
 
 /// Runs of both engines: the share that is searched of each of the first steps, and of all to a time, s, and how fast a body is along an axis at
 /// the end, which is to be as near as that.
-fn compare(
+pub(super) fn compare(
     deck: &str,
     overrides: &[(&str, &str)],
     (steps, end): (usize, f64),

@@ -23,6 +23,8 @@ mod measured;
 mod motion;
 mod pairs;
 #[cfg(feature = "device")]
+mod periodic;
+#[cfg(feature = "device")]
 mod ranks;
 #[cfg(feature = "device")]
 mod renewal;
@@ -30,6 +32,8 @@ mod renewal;
 mod sections;
 #[cfg(feature = "device")]
 mod self_contact;
+#[cfg(feature = "device")]
+mod smoothing;
 
 use crate::evaluate::Evaluation;
 use crate::record::Kernel;

@@ -11,7 +11,7 @@ use sphorge_engine::{Cpu, EngineKind, FieldSource, Simulation};
 /// A copper strip whose ends are pulled apart.
 pub(super) const PULLED: &str = include_str!("../../../sphorge/tests/physics/pulled_strip.toml");
 
-fn shipped(name: &str) -> &'static str {
+pub(super) fn shipped(name: &str) -> &'static str {
     decks::find(name).unwrap().text
 }
 
@@ -30,7 +30,7 @@ fn renewals(simulation: &mut Simulation, end: f64) -> Vec<u32> {
 }
 
 /// Runs of both engines to a time, s, through so many renewals at least, in the same steps; how near energies and fields must be.
-fn compare(text: &str, overrides: &[(&str, &str)], end: f64, least: usize, (near, of_fields): (f64, f64)) {
+pub(super) fn compare(text: &str, overrides: &[(&str, &str)], end: f64, least: usize, (near, of_fields): (f64, f64)) {
     if card().is_none() {
         return;
     }

@@ -21,9 +21,6 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Ghosts are made for particles this much farther away than the kernel reaches, as a share of the reach.
-pub(super) const GHOST_MARGIN: f64 = 0.5;
-
 impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn search_adaptively(&mut self, adaptive: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
         if self.lists.stale || self.ghosts_used_up()? {
@@ -116,7 +113,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Whether a particle may have come near a symmetry plane or a periodic end without a ghost.
     fn ghosts_used_up(&self) -> Result<bool, RunFailure> {
-        let allowed = GHOST_MARGIN * self.largest_reach();
+        let allowed = AdaptiveSearch::IMAGE_MARGIN * self.largest_reach();
         if !self.ghosts.halo.has_images()
             || self.lists.displacement.is_within(self.lists.displacement_at_search, allowed)
         {

@@ -16,7 +16,7 @@ use crate::RunFailure;
 use crate::engine::SearchReport;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
-use crate::model::Search;
+use crate::model::{AdaptiveSearch, Search};
 use crate::neighbors::{BLOCK, DisplacementBound, Frame, NeighborList, Reach, Searcher, bounds};
 use crate::particles::{Particles, Permutation};
 pub use audit::{AuditedRow, audit_of};
@@ -232,7 +232,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// How much farther than the kernel reaches ghosts are made, so that they serve until particles have moved.
     fn ghost_reach_factor(&self) -> f64 {
         match self.model.search {
-            Search::Adaptive(_) => 1.0 + adaptive::GHOST_MARGIN,
+            Search::Adaptive(_) => 1.0 + AdaptiveSearch::IMAGE_MARGIN,
             Search::EveryStep | Search::Skin { .. } | Search::Initial => 1.0,
         }
     }

@@ -4,7 +4,7 @@ use super::contact::meets;
 use super::grid::Grid;
 use super::images::Planes;
 use super::kept::{LENGTH, keeps_distances, stored_place};
-use super::neighbors::{Pair, different, over_cells, places};
+use super::neighbors::{Pair, different, now, over_cells, places};
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::AuditedRow;
@@ -137,7 +137,7 @@ pub(in crate::engine) fn exact<const D: usize>(
         let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
         let bodies = bind.indices(Group::Body);
         let (zero, one, half) = (Recorded::zero(), Recorded::one(), Recorded::of(0.5));
-        let near = (points.place, points.constants);
+        let near = (points.place, now(points.constants));
         let row =
             over_cells::<_, D>(bind, model, grid, i, near, [zero; OF_EXACT], |row: [Recorded; OF_EXACT], pair, j| {
                 let add = || {

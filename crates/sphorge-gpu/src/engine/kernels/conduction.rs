@@ -3,9 +3,8 @@
 use super::contact;
 use super::grid::Grid;
 use super::images::{Image, split};
-use super::kept::keeps_distances;
 use super::limits::CHUNK;
-use super::neighbors::{Pair, apart, different, over_cells, over_list, over_neighbors, places};
+use super::neighbors::{Pair, apart, different, now, over_cells, over_list, over_present_neighbors, places};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::engine::step_numbers::DT;
@@ -167,7 +166,7 @@ impl Points {
         start: S,
         add: impl Fn(S, &Pair, Index) -> S,
     ) -> S {
-        let near = (self.surface.unwrap_or(self.place), self.constants);
+        let near = (self.surface.unwrap_or(self.place), now(self.constants));
         over_cells::<_, D>(bind, model, grid, i, near, start, |state, pair, j| {
             Recorded::if_lt(Recorded::of(0.5), different(self.body, i, j), || add(state, pair, j), || state)
         })
@@ -201,7 +200,7 @@ fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Rec
             points.over_others::<_, D>(bind, model, grid, i, start, nearest)
         } else {
             let near = (points.place, points.constants);
-            over_neighbors::<_, D>(bind, model, i, near, start, |state: [Recorded; 2], pair, j| {
+            over_present_neighbors::<_, D>(bind, model, i, near, start, |state: [Recorded; 2], pair, j| {
                 let is_other = different(points.body, i, j);
                 Recorded::if_lt(Recorded::of(0.5), is_other, || nearest(state, pair, j), || state)
             })
@@ -272,7 +271,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             })
         } else {
             let near = (points.place, points.constants);
-            over_neighbors::<_, D>(bind, model, i, near, start, add)
+            over_present_neighbors::<_, D>(bind, model, i, near, start, add)
         };
         if meets_others(model) {
             sums = points.over_others::<_, D>(bind, model, grid, i, sums, add);
@@ -357,9 +356,4 @@ pub(in crate::engine) fn extremes(particles: usize, count: usize) -> Result<Reco
             extremes.set(0, Index::of((k * chunks) as u32) + chunk, number);
         }
     })
-}
-
-/// Whether heat is summed over pairs whose distances are not those of now.
-pub(in crate::engine) fn has_stale_pairs(model: &Model) -> bool {
-    model.thermal.conduction && keeps_distances(model)
 }

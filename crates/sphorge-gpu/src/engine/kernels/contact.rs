@@ -2,7 +2,7 @@
 //! Lagrangian form particles meet where their faces are.
 
 use super::grid::Grid;
-use super::neighbors::{Pair, apart, different, over_cells, places};
+use super::neighbors::{Pair, apart, at_start, different, over_cells, places};
 use super::reference::{Apart, Deformations, References};
 use super::section::{Crossing, Through};
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, added, recording};
@@ -131,7 +131,7 @@ impl Bodies {
         start: S,
         add: impl Fn(S, &Pair, Index) -> S,
     ) -> S {
-        over_cells::<_, D>(bind, model, grid, i, (self.place, self.constants), start, |state, pair, j| {
+        over_cells::<_, D>(bind, model, grid, i, (self.place, at_start(self.constants)), start, |state, pair, j| {
             let (zero, one) = (Recorded::zero(), Recorded::one());
             let of_itself = || {
                 let Some(surfaces) = self.surfaces.filter(|_| self.meets_itself) else { return zero };

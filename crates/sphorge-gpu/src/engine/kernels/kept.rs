@@ -3,12 +3,12 @@
 use super::grid::Grid;
 use super::images::Planes;
 use super::limits::CHUNK;
-use super::neighbors::{Pair, over_own_body};
+use super::neighbors::{Pair, over_own_body, searched};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
 use crate::engine::step_numbers::{NUMBER, ROOM};
 use crate::record::{Index, IndexOutput, KernelFault, Recorded};
-use sphorge_engine::model::{AdaptiveSearch, Model, Search};
+use sphorge_engine::model::{AdaptiveSearch, Model, Search, SmoothingLength};
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Real};
 
@@ -22,17 +22,21 @@ pub(in crate::engine) const LAST: usize = 4;
 /// Numbers of a particle there.
 pub(in crate::engine) const ROWS: usize = 5;
 
+/// Numbers of a particle in [`Group::SearchedAt`]: its place, m, with the rest, and what it was searched with, m, where smoothing lengths change.
+pub(in crate::engine) const SEARCHED_AT: usize = 7;
+
 /// Place of the strain of the last step among the numbers of [`Group::StrainCorrection`], behind the correction.
 pub(in crate::engine) const STRAINED: usize = 9;
 
-/// Numbers of a chunk in [`Group::Ways`]: square of the longest way, m², the box of all ways, m, the longest list, and how many
-/// particles are searched.
+/// Numbers of a chunk in [`Group::Ways`]: square of the longest way, m², the box of all ways, m, the longest list, how many
+/// particles are searched, and the thinnest skin, as a length to be multiplied by the support, m.
 pub(in crate::engine) const LONGEST: usize = 0;
 pub(in crate::engine) const LOW: usize = 1;
 pub(in crate::engine) const HIGH: usize = 4;
 pub(in crate::engine) const LONGEST_ROW: usize = 7;
 pub(in crate::engine) const MARKED_ROWS: usize = 8;
-pub(in crate::engine) const WAYS: usize = 9;
+pub(in crate::engine) const THINNEST_SKIN: usize = 9;
+pub(in crate::engine) const WAYS: usize = 10;
 
 /// Farther than anything moves, m.
 const BEYOND: f64 = 1e30;
@@ -42,6 +46,19 @@ pub(in crate::engine) fn adaptive(model: &Model) -> Option<AdaptiveSearch> {
     match model.search {
         Search::Adaptive(rule) => Some(rule),
         Search::EveryStep | Search::Skin { .. } | Search::Initial => None,
+    }
+}
+
+/// Whether smoothing lengths follow the density.
+pub(in crate::engine) fn follows(model: &Model) -> bool {
+    model.numerics.smoothing_length != SmoothingLength::Constant
+}
+
+/// What lists have beyond the kernel support, as a share of it.
+pub(in crate::engine) fn skin(model: &Model) -> f64 {
+    match model.search {
+        Search::Skin { fraction } if !is_total_lagrangian(model) => fraction,
+        Search::Skin { .. } | Search::EveryStep | Search::Adaptive(_) | Search::Initial => 0.0,
     }
 }
 
@@ -121,7 +138,7 @@ pub(in crate::engine) fn search<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("search", count, |bind, i| {
-        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let near = (bind.read(Group::Place), searched(model, bind.read(Group::Constants)));
         let (rows, searched_at) = (Rows::of(bind, model), bind.write(Group::SearchedAt));
         let (zero, one) = (Recorded::zero(), Recorded::one());
         let length =
@@ -129,6 +146,9 @@ pub(in crate::engine) fn search<const D: usize>(
         rows.set_length(i, length);
         for k in 0..6 {
             searched_at.set(k, i, near.0.get(k, i));
+        }
+        if follows(model) {
+            searched_at.set(6, i, near.1(i));
         }
         if adaptive(model).is_some() {
             rows.rows.set_all(MARKED, i, &[one, zero, zero, rows.step.get(0, Index::of(NUMBER))]);
@@ -175,7 +195,7 @@ pub(in crate::engine) fn search_marked<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("search_marked", count, |bind, i| {
-        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let near = (bind.read(Group::Place), searched(model, bind.read(Group::Constants)));
         let rows = Rows::of(bind, model);
         let patched = is_guarded.then(|| bind.index_output(Group::Patched));
         let patch = |j: Index| {
@@ -211,7 +231,7 @@ pub(in crate::engine) fn patch<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("patch_rows", count, |bind, i| {
-        let near = (bind.read(Group::Place), bind.read(Group::Constants));
+        let near = (bind.read(Group::Place), searched(model, bind.read(Group::Constants)));
         let (rows, patched) = (Rows::of(bind, model), bind.indices(Group::Patched));
         let (zero, one, planes) = (Recorded::zero(), Recorded::one(), Planes::of(model));
         let is_due = patched.at(i).number() - rows.is_marked(i);
@@ -257,16 +277,24 @@ fn of_chunks(
     })
 }
 
-/// How far the particles of each chunk are from where they were at the last full search, or when contact candidates were found; there are
-/// `particles` of them.
-pub(in crate::engine) fn ways(since: Group, particles: usize, count: usize) -> Result<Recording, KernelFault> {
+/// How far the particles of each chunk are from where they were at the last full search, or when contact candidates were found, and what smoothing
+/// lengths that follow the density have left of the skin; there are `particles` of them.
+pub(in crate::engine) fn ways(
+    model: &Model,
+    since: Group,
+    particles: usize,
+    count: usize,
+) -> Result<Recording, KernelFault> {
     let chunks = count.div_ceil(CHUNK);
-    recording("ways", count, |bind, chunk| {
+    let name = if since == Group::FoundAt { "ways_of_candidates" } else { "ways" };
+    recording(name, count, |bind, chunk| {
         let (place, searched_at) = (bind.read(Group::Place), bind.read(since));
+        let length = follows(model).then(|| searched(model, bind.read(Group::Constants)));
+        let wide = Recorded::of(1.0 + skin(model));
         let ways = bind.write(Group::Ways);
         let first = chunk * Index::of(CHUNK as u32);
         let (zero, far) = (Recorded::zero(), Recorded::of(BEYOND));
-        let start = [zero, far, far, far, -far, -far, -far];
+        let start = [zero, far, far, far, -far, -far, -far, far];
         let all = bind.scope.fold(first, first + Index::of(CHUNK as u32), start, |_, mut all, i| {
             let way = [0, 1, 2].map(|a| {
                 let (now, then) = (place.double(a, 3 + a, i), searched_at.double(a, 3 + a, i));
@@ -280,9 +308,13 @@ pub(in crate::engine) fn ways(since: Group, particles: usize, count: usize) -> R
                 all[LOW + a] = all[LOW + a].min(there(way[a], far));
                 all[HIGH + a] = all[HIGH + a].max(there(way[a], -far));
             }
+            if let Some(length) = length {
+                let left = wide * searched_at.get(6, i) - length(i);
+                all[7] = all[7].min(there(left, far));
+            }
             all
         });
-        for (k, number) in all.into_iter().enumerate() {
+        for (k, number) in (0..LONGEST_ROW).chain([THINNEST_SKIN]).zip(all) {
             ways.set(0, Index::of((k * chunks) as u32) + chunk, number);
         }
     })

@@ -1,6 +1,6 @@
 //! Densities restored by moving least squares now and then.
 
-use super::neighbors::{different, over_neighbors};
+use super::neighbors::{different, over_present_neighbors};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::HALF;
 use crate::record::{Index, KernelFault, Recorded};
@@ -41,18 +41,19 @@ pub(in crate::engine) fn estimate<const D: usize>(model: &Model, count: usize) -
         let itself = value(PairScale::new::<D>(sigma, h), zero);
         let mut start = Moments::default();
         start.add(origin, volume(i) * itself);
-        let all = over_neighbors::<_, D>(bind, model, i, near, state(&start), |sums: [Recorded; 10], pair, j| {
-            let add = || {
-                let mut sums = moments(sums);
-                sums.add(pair.x, volume(j) * value(pair.scale, pair.r2));
-                state(&sums)
-            };
-            Recorded::if_lt(other(j), half, add, || sums)
-        });
+        let all =
+            over_present_neighbors::<_, D>(bind, model, i, near, state(&start), |sums: [Recorded; 10], pair, j| {
+                let add = || {
+                    let mut sums = moments(sums);
+                    sums.add(pair.x, volume(j) * value(pair.scale, pair.r2));
+                    state(&sums)
+                };
+                Recorded::if_lt(other(j), half, add, || sums)
+            });
         let [constant, x, y, z, is_one] = moments(all).coefficients(h, dimension);
         let beta = Coefficients { constant, linear: [x, y, z] };
         let start = near.1.get(0, i) * beta.factor(origin) * itself;
-        let sum = over_neighbors::<_, D>(bind, model, i, near, start, |sum: Recorded, pair, j| {
+        let sum = over_present_neighbors::<_, D>(bind, model, i, near, start, |sum: Recorded, pair, j| {
             let mass = near.1.get(0, j);
             let add = || sum + mass * beta.factor(pair.x) * value(pair.scale, pair.r2);
             Recorded::if_lt(other(j), half, add, || sum)

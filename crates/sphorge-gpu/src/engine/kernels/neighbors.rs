@@ -3,10 +3,11 @@
 use super::contact::meets;
 use super::grid::Grid;
 use super::images::{Image, Planes};
-use super::kept::{LENGTH, keeps_distances, stored_place};
+use super::kept::{LENGTH, adaptive, follows, keeps_distances, stored_place};
+use super::smoothing::AT_START;
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::record::{Index, Indices, Recorded};
-use sphorge_engine::model::{Model, Search};
+use sphorge_engine::model::{AdaptiveSearch, Model, Search};
 use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
@@ -57,13 +58,34 @@ pub(super) fn places(of: Reading, i: Index) -> Vector<[Recorded; 2]> {
     [0, 1, 2].map(|a| of.double(a, 3 + a, i))
 }
 
-/// Takes a state through every neighbour that cells are made for, the particle itself left out, images behind planes of symmetry and periodic ends among them.
+/// Present smoothing length of a particle, m.
+pub(super) fn now(constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
+    move |i| constants.get(1, i)
+}
+
+/// That of the start, m, which the contact keeps.
+pub(super) fn at_start(constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
+    move |i| constants.get(AT_START, i)
+}
+
+/// What lists are searched with, m: where bodies meet in the contact, not below what that reaches.
+pub(super) fn searched(model: &Model, constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
+    let is_raised = is_raised(model);
+    move |i| if is_raised { constants.get(1, i).max(constants.get(AT_START, i)) } else { constants.get(1, i) }
+}
+
+/// Whether lists are searched farther than kernels reach.
+fn is_raised(model: &Model) -> bool {
+    meets(model) && follows(model)
+}
+
+/// Takes a state through every neighbour that cells are made for, by smoothing lengths (m), the particle itself left out, images behind planes of symmetry and periodic ends among them.
 pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
     grid: &Grid,
     i: Index,
-    (place, constants): (Reading, Reading),
+    (place, length): (Reading, impl Fn(Index) -> Recorded),
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
@@ -72,7 +94,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     let support = Recorded::of(grid.reach);
     let planes = Planes::of(model);
     let own = places(place, i);
-    let h = constants.get(1, i);
+    let h = length(i);
     let cells = Index::of((grid.around().len() / 3) as u32);
     let mut state = start;
     for (bits, image) in planes.images() {
@@ -87,7 +109,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
                 scope.fold(starts.at(cell), starts.at(cell + Index::of(1)), state, |_, state, place_of| {
                     let j = sorted.at(place_of);
                     let other = places(place, j);
-                    let pair = Pair::of::<D>(model, (image, bits), &own, &other, (h, constants.get(1, j)));
+                    let pair = Pair::of::<D>(model, (image, bits), &own, &other, (h, length(j)));
                     let reach = support * pair.scale.h;
                     let mut apart = pair.r2;
                     if bits == 0 {
@@ -106,13 +128,19 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
         state = match image.farthest::<D>(&own) {
             None => sum(),
             // Only what is near all planes and ends has neighbours behind them.
-            Some(depth) => Recorded::if_lt(depth, Recorded::of(grid.edge), sum, || before),
+            Some(depth) => Recorded::if_lt(depth, Recorded::of(strays(model) * grid.edge), sum, || before),
         };
     }
     state
 }
 
-/// Takes a state through the list of a particle, and those of it that are within the kernel support now.
+/// How much farther from an end there are images, where particles leave a periodic cell before all come in again.
+fn strays(model: &Model) -> f64 {
+    let is_open = model.periodic.iter().all(Option::is_none);
+    if is_open || adaptive(model).is_none() { 1.0 } else { 1.0 + AdaptiveSearch::IMAGE_MARGIN }
+}
+
+/// Takes a state through the list of a particle, and those of it that are within the kernel support, at the distances that sums are taken with.
 pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -121,11 +149,35 @@ pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {
+    let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
+    over_rows::<S, D>(bind, model, i, (place, constants), stored, start, add)
+}
+
+/// The same at the distances of now, where sums are taken with those of the last search.
+pub(super) fn over_present_neighbors<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    i: Index,
+    near: (Reading, Reading),
+    start: S,
+    add: impl Fn(S, &Pair, Index) -> S,
+) -> S {
+    over_rows::<S, D>(bind, model, i, near, None, start, add)
+}
+
+fn over_rows<S: Numbers<Recorded>, const D: usize>(
+    bind: &mut Binder<'_>,
+    model: &Model,
+    i: Index,
+    (place, constants): (Reading, Reading),
+    stored: Option<Reading>,
+    start: S,
+    add: impl Fn(S, &Pair, Index) -> S,
+) -> S {
     let (rows, kept, stride) = (bind.read(Group::Rows), bind.indices(Group::Kept), bind.stride());
     let (planes, support) = (Planes::of(model), Recorded::of(model.numerics.kernel.support()));
     let (own, h) = (places(place, i), constants.get(1, i));
     let end = Index::floor(rows.get(LENGTH, i));
-    let stored = keeps_distances(model).then(|| bind.read(Group::Stored));
     bind.scope.fold(Index::of(0), end, start, |_, state, k| {
         let (j, image) = planes.entry(kept.at(k * stride + i));
         let mut pair = Pair::of::<D>(model, (image, 0), &own, &places(place, j), (h, constants.get(1, j)));
@@ -136,7 +188,7 @@ pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
                 pair.r2 = pair.x[a].mul_add(pair.x[a], pair.r2);
             }
         }
-        if model.search == Search::EveryStep {
+        if model.search == Search::EveryStep && !is_raised(model) {
             // All are: they were found in this step.
             return add(state, &pair, j);
         }
@@ -151,7 +203,7 @@ pub(super) fn over_own_body<S: Numbers<Recorded>, const D: usize>(
     model: &Model,
     grid: &Grid,
     i: Index,
-    near: (Reading, Reading),
+    near: (Reading, impl Fn(Index) -> Recorded),
     start: S,
     add: impl Fn(S, &Pair, Index) -> S,
 ) -> S {

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::images::Planes;
-use super::neighbors::{over_list, over_own_body};
+use super::neighbors::{now, over_list, over_own_body};
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
@@ -121,7 +121,7 @@ pub(in crate::engine) fn count<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("count_neighbors", count, |bind, i| {
-        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
+        let near = (bind.read(Group::Reference), now(bind.read(Group::Constants)));
         let weight = bind.write(Group::Weight);
         let zero = Recorded::zero();
         let sum = over_own_body::<_, D>(bind, model, grid, i, near, zero, |sum: Recorded, _, _| sum + Recorded::one());
@@ -136,7 +136,7 @@ pub(in crate::engine) fn list<const D: usize>(
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("list_neighbors", count, |bind, i| {
-        let near = (bind.read(Group::Reference), bind.read(Group::Constants));
+        let near = (bind.read(Group::Reference), now(bind.read(Group::Constants)));
         let (starts, list) = (bind.indices(Group::ListStarts), bind.index_output(Group::List));
         let first = starts.at(i);
         over_own_body::<_, D>(bind, model, grid, i, near, Recorded::zero(), |before: Recorded, pair, j| {

@@ -1,12 +1,12 @@
 //! Particles that have left a periodic cell come in again at its other end.
 
 use super::images::split;
-use crate::engine::columns::{Fields, Group, Recording, added, recording};
-use crate::record::{KernelFault, Recorded};
+use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 
-/// Before a search: lists and images are those of places within the cell. No particle goes farther than it is long from one to the next.
+/// Before a search: lists and images are those of places within the cell, however many cells away particles are.
 pub(in crate::engine) fn wrap(model: &Model, count: usize) -> Result<Option<Recording>, KernelFault> {
     if model.periodic.iter().all(Option::is_none) {
         return Ok(None);
@@ -15,22 +15,59 @@ pub(in crate::engine) fn wrap(model: &Model, count: usize) -> Result<Option<Reco
         let place = bind.write(Group::Place);
         let zero = Recorded::zero();
         for (axis, (low, high)) in model.periodic.iter().enumerate().filter_map(|(a, of)| of.map(|of| (a, of))) {
-            let at = place.double(axis, 3 + axis, i);
-            let from = |end: f64| {
+            let (far, period) = (Double::new(place.double(axis, 3 + axis, i)), Double::of(high - low));
+            let from = |at: Double, end: f64| {
                 let [end, rest] = split(end);
-                (at[0] - end) + (at[1] - rest)
+                (at.high - end) + (at.low - rest)
             };
-            let period = split(high - low);
-            let moved = |sign: f64| {
-                let [length, rest] = period.map(|part| part * Recorded::of(sign));
-                added(added(at, length), rest)
+            // Cells towards zero: in single precision the last may be one too many or too few.
+            let gone = from(far, low) / period.high;
+            let cells = Index::floor(gone.abs()).number();
+            let at = far - period * Double::from(Recorded::select_lt(gone, zero, -cells, cells));
+            let (up, down) = (at + period, at - period);
+            let choose = |from: Recorded, then: Double, otherwise: Double| Double {
+                high: Recorded::select_lt(from, zero, then.high, otherwise.high),
+                low: Recorded::select_lt(from, zero, then.low, otherwise.low),
             };
-            let (up, down) = (moved(1.0), moved(-1.0));
-            for (k, field) in [axis, 3 + axis].into_iter().enumerate() {
-                let inside = Recorded::select_lt(from(low), zero, up[k], at[k]);
-                place.set(field, i, Recorded::select_lt(from(high), zero, inside, down[k]));
-            }
+            let inside = choose(from(at, low), up, at);
+            let inside = choose(from(at, high), inside, down);
+            place.set(axis, i, inside.high);
+            place.set(3 + axis, i, inside.low);
         }
     })?;
     Ok(Some(kernel))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluation;
+    use sphorge_deck::{decks, load_text};
+
+    #[test]
+    fn particles_come_in_again_from_any_number_of_cells_away() {
+        let deck = decks::find("taylor-plate").unwrap();
+        let cell = ("periodic".to_owned(), "{ x = [\"-3.8 mm\", \"3.8 mm\"] }".to_owned());
+        let model = load_text(deck.name, deck.text, &[cell]).unwrap().model;
+        let (low, high) = model.periodic[0].unwrap();
+        let cells = [-3000.2, -7.0 + 1e-9, -1.7, -1e-9, 0.0, 0.4, 1.0 - 1e-9, 1.0 + 1e-9, 2.5, 9.0 - 1e-9, 40.3];
+        let places: Vec<f64> = cells.iter().map(|cell| low + cell * (high - low)).collect();
+        let count = places.len();
+        let kernel = wrap(&model, count).unwrap().unwrap();
+        let mut place = vec![0.25f32; 6 * count];
+        for (i, x) in places.iter().enumerate() {
+            (place[i], place[3 * count + i]) = (*x as f32, (x - f64::from(*x as f32)) as f32);
+        }
+        let mut buffers = [place];
+        Evaluation::default().run(&kernel.kernel, &mut buffers, count as u32);
+        for (i, x) in places.iter().enumerate() {
+            let [expected, found] = [
+                low + (x - low).rem_euclid(high - low),
+                f64::from(buffers[0][i]) + f64::from(buffers[0][3 * count + i]),
+            ];
+            assert!((found - expected).abs() < 1e-14 * (1.0 + x.abs()), "{x}: {found} {expected}");
+            // Other axes are open.
+            assert_eq!(buffers[0][count + i], 0.25);
+        }
+    }
 }
