@@ -30,6 +30,16 @@ pub fn different_sides<T: Real>(normal_i: Vector<T>, normal_j: Vector<T>) -> T {
     T::select_lt(dot(normal_i, normal_j), T::of(DIFFERENT), T::one(), T::zero())
 }
 
+/// Cosine of the angle between normals, 25 degrees, from which on surfaces are of one side until the next search for what they meet: to turn to 60
+/// degrees moves neighbours on a surface by more than the skin of that search.
+const TURNED_AWAY: f64 = 0.9;
+
+/// One where places of a surface with these outward unit normals may be of different sides of it before they are searched again, else zero.
+#[inline(always)]
+pub fn soon_different_sides<T: Real>(normal_i: Vector<T>, normal_j: Vector<T>) -> T {
+    T::select_lt(dot(normal_i, normal_j), T::of(TURNED_AWAY), T::one(), T::zero())
+}
+
 /// Whether of two places of a surface `x = x_i - x_j` (m) apart, with these outward normals (of any length), at least one is behind the other
 /// by more than a length (m) and none in front of it, as on the two sides of a sheet or of an edge. Asked of the reference configuration, so
 /// that the answer stands.

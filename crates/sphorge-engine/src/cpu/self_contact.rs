@@ -7,8 +7,8 @@
 
 use super::ghosts::WithGhosts;
 use crate::particles::Particles;
-use sphorge_physics::surface::{are_different_sides, sides_of_a_sheet, surface_normal};
-use sphorge_physics::{Tensor, Vector, tensor::dot};
+use sphorge_physics::surface::{are_different_sides, sides_of_a_sheet, soon_different_sides, surface_normal};
+use sphorge_physics::{Tensor, Vector};
 
 /// The surfaces of bodies that meet themselves.
 #[derive(Clone, Copy)]
@@ -16,10 +16,6 @@ pub(super) struct Surfaces<'a> {
     reference_normal: WithGhosts<'a, Vector<f64>>,
     deformation: WithGhosts<'a, Tensor<f64>>,
 }
-
-/// Cosine of the angle between normals, 25 degrees, from which on surfaces are of one side until the next search: to turn to 60 degrees moves
-/// neighbours on a surface by more than the skin of the search.
-const TURNED_AWAY: f64 = 0.9;
 
 impl<'a> Surfaces<'a> {
     /// Of particles, with the ghosts behind them; empty where no body meets itself.
@@ -37,7 +33,7 @@ impl<'a> Surfaces<'a> {
         own != [0.0; 3]
             && other != [0.0; 3]
             && sides_of_a_sheet(apart, own, other, spacing) == 0.0
-            && dot(self.normal(i), self.normal(j)) < TURNED_AWAY
+            && soon_different_sides(self.normal(i), self.normal(j)) > 0.0
     }
 
     fn normal(&self, i: usize) -> Vector<f64> {

@@ -172,12 +172,6 @@ impl Plan {
                     plan.search.push(of_particles(in_dimension!(model, kept::search, model, grid, stride)));
                     plan.search.push(of_chunks(kept::longest_rows(stride)?));
                 }
-                if model.audit.is_some() {
-                    // Of the places that particles have by now.
-                    plan.audit = sorting(grid, rows, Sorted::Particles, all_here)?;
-                    plan.audit.push(of_particles(in_dimension!(model, audit::of_lists, model, stride)));
-                    plan.audit.push(of_particles(in_dimension!(model, audit::exact, model, grid, stride)));
-                }
                 plan.gradients.push(of_particles(pairs::weigh(model, stride)?));
                 plan.gradients.push(of_particles(in_dimension!(model, pairs::gradients, model, false, stride)));
                 if pairs::is_corrected(model) && model.numerics.integrator == Integrator::Leapfrog {
@@ -201,6 +195,12 @@ impl Plan {
                 let renewal = (renewal, references);
                 plan.gradients.push(of_particles(in_dimension!(model, reference::deform, model, renewal, stride)));
             }
+        }
+        if model.audit.is_some() {
+            // Of the places that particles have by now.
+            plan.audit = sorting(grid, rows, Sorted::Particles, all_here)?;
+            plan.audit.push(of_particles(in_dimension!(model, audit::of_lists, model, stride)));
+            plan.audit.push(of_particles(in_dimension!(model, audit::exact, model, grid, references, stride)));
         }
         let is_alone = model.walls.is_empty() && model.gravity == [0.0; 3];
         let meets = contact::meets(model);

@@ -1,23 +1,15 @@
 //! What the engine for cards cannot run; it is refused before a run.
 
-use super::kernels::walls::is_total_lagrangian;
 use sphorge_engine::Unsupported;
 use sphorge_engine::model::{Model, Precision};
 
 /// Whether the engine can run a model.
 pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
-    let asked = [
-        (
-            model.numerics.precision == Precision::Double,
-            "pair sums in double precision: cards compute pairs in single precision, and keep what rounding leaves of all that steps add to",
-            "leave `numerics.precision` out, or run it with `--engine cpu`",
-        ),
-        (
-            model.audit.is_some() && is_total_lagrangian(model),
-            "audits of sums in the initial configuration",
-            "leave `audit` out, or run it with `--engine cpu`",
-        ),
-    ];
+    let asked = [(
+        model.numerics.precision == Precision::Double,
+        "pair sums in double precision: cards compute pairs in single precision, and keep what rounding leaves of all that steps add to",
+        "leave `numerics.precision` out, or run it with `--engine cpu`",
+    )];
     match asked.into_iter().find(|(asked, ..)| *asked) {
         Some((_, what, help)) => Err(Unsupported { what: what.to_owned(), help: help.to_owned() }),
         None => Ok(()),

@@ -1,15 +1,18 @@
-//! What lists that are kept miss: their sums beside those over an exact search.
+//! What lists miss that are kept or those of the reference configuration: their sums beside those over an exact search.
 
-use super::contact::meets;
+use super::contact::{SelfContact, meets};
 use super::grid::Grid;
 use super::images::Planes;
 use super::kept::{LENGTH, keeps_distances, stored_place};
 use super::neighbors::{Pair, different, now, over_cells, places};
+use super::reference::References;
+use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::record::{Index, Indices, KernelFault, Recorded};
 use sphorge_engine::AuditedRow;
 use sphorge_engine::model::Model;
 use sphorge_physics::audit::{AuditPair, AuditSums};
+use sphorge_physics::surface::soon_different_sides;
 use sphorge_physics::{Elementary, Real, SymmetricTensor};
 
 /// Sums of a row: rate of the density, 1/s, acceleration, and that by particles, not images, m/s².
@@ -79,24 +82,32 @@ fn is_inside(model: &Model, pair: &Pair) -> Recorded {
 /// Lists that are read.
 #[derive(Clone, Copy)]
 struct Lists {
-    rows: Reading,
-    kept: Indices,
+    /// Where their lengths are.
+    lengths: (Reading, usize),
+    entries: Indices,
+    /// Where each starts, in the reference configuration; those that are kept have the first neighbours of all before the second.
+    starts: Option<Indices>,
     stride: Index,
     planes: Planes,
 }
 
 impl Lists {
     fn of(bind: &mut Binder<'_>, model: &Model) -> Self {
-        let (rows, kept) = (bind.read(Group::Rows), bind.indices(Group::Kept));
-        Self { rows, kept, stride: bind.stride(), planes: Planes::of(model) }
+        let (stride, planes) = (bind.stride(), Planes::of(model));
+        let (lengths, entries, starts) = if is_total_lagrangian(model) {
+            ((bind.read(Group::Weight), 1), bind.indices(Group::List), Some(bind.indices(Group::ListStarts)))
+        } else {
+            ((bind.read(Group::Rows), LENGTH), bind.indices(Group::Kept), None)
+        };
+        Self { lengths, entries, starts, stride, planes }
     }
 
     fn length(self, i: Index) -> Recorded {
-        self.rows.get(LENGTH, i)
+        self.lengths.0.get(self.lengths.1, i)
     }
 
     fn entry(self, k: Index, i: Index) -> Index {
-        self.kept.at(k * self.stride + i)
+        self.entries.at(self.starts.map_or_else(|| k * self.stride + i, |starts| starts.at(i) + k))
     }
 }
 
@@ -127,10 +138,12 @@ pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -
     })
 }
 
-/// Sums over all within the kernel support, and how many of them the lists lack. What the contact presses is found anew in every step.
+/// Sums over all within the kernel support, and how many of them the lists lack. What the contact presses is found anew in every step, of a body with
+/// itself where it may press soon.
 pub(in crate::engine) fn exact<const D: usize>(
     model: &Model,
     grid: &Grid,
+    references: References,
     count: usize,
 ) -> Result<Recording, KernelFault> {
     recording("audit_exactly", count, |bind, i| {
@@ -138,6 +151,7 @@ pub(in crate::engine) fn exact<const D: usize>(
         let bodies = bind.indices(Group::Body);
         let (zero, one, half) = (Recorded::zero(), Recorded::one(), Recorded::of(0.5));
         let near = (points.place, now(points.constants));
+        let itself = SelfContact::of(bind, model, references, points.constants);
         let row =
             over_cells::<_, D>(bind, model, grid, i, near, [zero; OF_EXACT], |row: [Recorded; OF_EXACT], pair, j| {
                 let add = || {
@@ -147,7 +161,10 @@ pub(in crate::engine) fn exact<const D: usize>(
                     row[SUMS] += one;
                     let is_foreign = Recorded::select_lt(different(bodies, i, j), half, zero, one);
                     let lacks = lists.lack(i, Planes::entry_of(pair.bits, j));
-                    let missed = if meets(model) { lacks * (one - is_foreign) } else { lacks };
+                    let mut missed = if meets(model) { lacks * (one - is_foreign) } else { lacks };
+                    if let Some(itself) = itself {
+                        missed = missed * (one - itself.press::<D>(model, i, pair, j, soon_different_sides));
+                    }
                     row[SUMS + 1] += missed;
                     row[SUMS + 2] += missed * is_foreign;
                     row

@@ -89,8 +89,7 @@ struct Bodies {
     laws: Reading,
     count: u32,
     surfaces: Option<Surfaces>,
-    meets_itself: bool,
-    apart: Option<Apart>,
+    itself: Option<SelfContact>,
 }
 
 /// Surfaces of the total Lagrangian form.
@@ -101,22 +100,53 @@ struct Surfaces {
     outward: Reading,
 }
 
+/// The contact of a body with itself.
+#[derive(Clone, Copy)]
+pub(super) struct SelfContact {
+    surfaces: Surfaces,
+    constants: Reading,
+    apart: Option<Apart>,
+}
+
+impl SelfContact {
+    /// Nothing where bodies do not meet themselves.
+    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References, constants: Reading) -> Option<Self> {
+        let of = |bind: &mut Binder<'_>| Self {
+            surfaces: Surfaces::of(bind),
+            constants,
+            apart: Apart::of(bind, model, references),
+        };
+        model.has_self_contact().then(|| of(bind))
+    }
+
+    /// One where particles of one body press each other, or may do so soon, as `sides` has it of unit normals; else zero.
+    pub(super) fn press<const D: usize>(
+        self,
+        model: &Model,
+        i: Index,
+        pair: &Pair,
+        j: Index,
+        sides: impl Fn(Vector<Recorded>, Vector<Recorded>) -> Recorded,
+    ) -> Recorded {
+        let press = || self.surfaces.press::<D>(model, i, pair, j, self.constants, sides);
+        // What has come apart is renewed often, and meets itself in the sums.
+        let Some(apart) = self.apart else { return press() };
+        Recorded::if_lt(apart.has_come_apart(i), Recorded::of(0.5), press, Recorded::zero)
+    }
+}
+
 impl Bodies {
     fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
-        let surfaces = model.has_faces().then(|| Surfaces {
-            standing: bind.read(Group::Standing),
-            reference: bind.read(Group::Reference),
-            outward: bind.read(Group::Outward),
-        });
+        let surfaces = model.has_faces().then(|| Surfaces::of(bind));
+        let constants = bind.read(Group::Constants);
         Self {
             place: surfaces.map_or_else(|| bind.read(Group::Place), |of| of.standing),
             surfaces,
-            constants: bind.read(Group::Constants),
+            constants,
             body: bind.indices(Group::Body),
             laws: bind.read(Group::ContactLaws),
             count: model.bodies.len() as u32,
-            meets_itself: model.has_self_contact(),
-            apart: Apart::of(bind, model, references).filter(|_| model.has_self_contact()),
+            itself: SelfContact::of(bind, model, references, constants),
         }
     }
 
@@ -133,13 +163,7 @@ impl Bodies {
     ) -> S {
         over_cells::<_, D>(bind, model, grid, i, (self.place, at_start(self.constants)), start, |state, pair, j| {
             let (zero, one) = (Recorded::zero(), Recorded::one());
-            let of_itself = || {
-                let Some(surfaces) = self.surfaces.filter(|_| self.meets_itself) else { return zero };
-                let press = || surfaces.press::<D>(model, i, pair, j, self.constants);
-                // What has come apart is renewed often, and meets itself in the sums.
-                let whole = |apart: Apart| Recorded::if_lt(apart.has_come_apart(i), Recorded::of(0.5), press, || zero);
-                self.apart.map_or_else(press, whole)
-            };
+            let of_itself = || self.itself.map_or(zero, |of| of.press::<D>(model, i, pair, j, different_sides));
             let presses = match self.count {
                 1 => of_itself(),
                 _ => Recorded::if_lt(different(self.body, i, j), Recorded::of(0.5), of_itself, || one),
@@ -162,8 +186,23 @@ impl Bodies {
 }
 
 impl Surfaces {
-    /// One where particles of one body press each other, else zero.
-    fn press<const D: usize>(self, model: &Model, i: Index, pair: &Pair, j: Index, constants: Reading) -> Recorded {
+    fn of(bind: &mut Binder<'_>) -> Self {
+        Self {
+            standing: bind.read(Group::Standing),
+            reference: bind.read(Group::Reference),
+            outward: bind.read(Group::Outward),
+        }
+    }
+
+    fn press<const D: usize>(
+        self,
+        model: &Model,
+        i: Index,
+        pair: &Pair,
+        j: Index,
+        constants: Reading,
+        sides: impl Fn(Vector<Recorded>, Vector<Recorded>) -> Recorded,
+    ) -> Recorded {
         let (zero, image) = (Recorded::zero(), &pair.image);
         let (then_i, now_i) = (self.outward.vector(0, i), self.standing.vector(9, i));
         let x = apart::<D>(image, &places(self.reference, i), &places(self.reference, j));
@@ -173,7 +212,7 @@ impl Surfaces {
         }
         let then_j = image.vector(self.outward.vector(0, j));
         let sheet = sides_of_a_sheet(x, then_i, then_j, constants.get(3, i));
-        let sides = different_sides(now_i, image.vector(self.standing.vector(9, j)));
+        let sides = sides(now_i, image.vector(self.standing.vector(9, j)));
         let presses = Recorded::select_lt(sheet, Recorded::of(0.5), sides, zero);
         let reach = Recorded::of(model.numerics.kernel.support()) * constants.get(1, i);
         let presses = Recorded::select_lt(r2, reach * reach, zero, presses);
