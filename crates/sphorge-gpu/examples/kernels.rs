@@ -4,7 +4,7 @@ use sphorge_deck::{decks, load_text};
 use std::{error::Error, fs, path::PathBuf};
 
 /// Decks with all there is, and what to change in them.
-const DECKS: [(&str, &[(&str, &str)]); 15] = [
+const DECKS: [(&str, &[(&str, &str)]); 19] = [
     ("taylor-plate", &[("numerics.viscosity.balsara", "true")]),
     ("taylor-bar", &[("method", "\"patino\""), ("particles.spacing", "\"1.2 mm\"")]),
     ("plate-impact", &[("method", "\"patino\""), ("numerics.gradient-correction", "\"none\"")]),
@@ -20,6 +20,42 @@ const DECKS: [(&str, &[(&str, &str)]); 15] = [
     ("pulled", &[]),
     ("elastic-bar", &[("numerics.precision", "\"mixed\""), ("search", "\"skin\"")]),
     ("bullet", &[("search", "{ adaptive = { guard = \"none\" } }"), ("particles.spacing", "\"15 mm\"")]),
+    (
+        "bullet",
+        &[
+            ("search", "\"adaptive\""),
+            ("contact", "\"penalty\""),
+            ("particles.spacing", "\"15 mm\""),
+            ("periodic", "{ x = [\"-1 m\", \"1 m\"], y = [\"-1 m\", \"1 m\"], z = [\"-1 m\", \"1 m\"] }"),
+        ],
+    ),
+    (
+        "bullet",
+        &[
+            ("search", "\"skin\""),
+            ("contact", "\"penalty\""),
+            ("numerics.smoothing-length", "\"follow-density\""),
+            ("particles.spacing", "\"15 mm\""),
+        ],
+    ),
+    (
+        "taylor-bar",
+        &[
+            ("method", "\"total-lagrangian\""),
+            ("particles.spacing", "\"1.2 mm\""),
+            ("audit", "100"),
+            ("periodic", "{ x = [\"-9 mm\", \"9 mm\"], y = [\"-9 mm\", \"9 mm\"], z = [\"-9 mm\", \"90 mm\"] }"),
+        ],
+    ),
+    (
+        "taylor-bar-42crmo4",
+        &[
+            ("method", "\"patino\""),
+            ("search", "{ adaptive = { guard = \"none\" } }"),
+            ("numerics.mls-interval", "20"),
+            ("particles.spacing", "\"0.8 mm\""),
+        ],
+    ),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,9 +1,10 @@
 //! Several cards that share the particles of a run: to the bit what one card computes. Ranks are threads here.
 
 use super::card::card;
-use super::contact::{CONDUCT, PRESENT, RUBS, in_space, striking};
-use super::engine::{components, start_text};
+use super::contact::{CONDUCT, PRESENT, RUBS, in_space, slabs, striking};
+use super::engine::{IRON, components, start_text};
 use super::kept::BULLET;
+use super::periodic::{ACROSS, JOINED, LEAVES};
 use super::renewal::PULLED;
 use super::self_contact::{BLOCKS, closing};
 use crate::Gpu;
@@ -149,6 +150,32 @@ fn a_periodic_axis() {
         ("body.plate.velocity", "[\"900 m/s\", \"-200 m/s\"]"),
     ];
     compare(Deck::shipped("taylor-plate", &periodic), 60, &[3]);
+}
+
+#[test]
+fn a_periodic_axis_by_the_default_method_and_with_contact() {
+    compare(Deck::shipped(IRON.0, &[&JOINED[..], &[("audit", "20")]].concat()), 80, &[2, 3]);
+    let text = striking(&format!("{PRESENT}\n{RUBS}"));
+    compare(Deck { name: "striking", text: &text, overrides: &ACROSS }, 60, &[2]);
+    let skin = [("search", "\"skin\""), ("numerics.integrator", "\"leapfrog\"")];
+    compare(Deck { name: "striking", text: &text, overrides: &[&ACROSS[..], &skin].concat() }, 60, &[3]);
+    let adaptive = [&LEAVES[..], &[("search", "\"adaptive\""), skin[1]]].concat();
+    compare(Deck::shipped("taylor-plate", &adaptive), 80, &[2]);
+}
+
+#[test]
+fn smoothing_lengths_that_follow_the_density_in_lists_that_are_kept() {
+    let skin = [("search", "\"skin\""), ("numerics.smoothing-length", "\"follow-density\"")];
+    let disc = [("particles.spacing", "\"0.8 mm\""), ("time.courant", "0.1"), skin[0], skin[1]];
+    compare(Deck::shipped("penetration", &disc), 60, &[2]);
+    let text = striking(&format!("{PRESENT}\n{RUBS}"));
+    compare(Deck { name: "striking", text: &text, overrides: &skin }, 100, &[2, 3]);
+}
+
+#[test]
+fn nine_bodies_that_meet() {
+    let text = slabs(RUBS);
+    compare(Deck { name: "slabs", text: &text, overrides: &[] }, 60, &[2, 3]);
 }
 
 #[test]
