@@ -34,19 +34,27 @@ fn lists_with_a_skin_are_searched_again_when_they_have_used_it_up() {
 }
 
 #[test]
-fn a_saved_state_has_them() {
+fn a_saved_state_has_them_and_those_of_its_last_search() {
     if card().is_none() {
         return;
     }
-    let plate = [PLATE.1[0], FOLLOWS];
-    let [mut simulation, mut other] = [(); 2].map(|()| start(&Gpu::default(), PLATE.0, &plate));
-    count_steps(&mut simulation, 2e-6);
-    let mut archive = MemoryArchive::new();
-    simulation.persist(&mut archive).unwrap();
+    let disc = [&DISC[..], &SKIN[..1]].concat();
+    let [mut simulation, mut other] = [(); 2].map(|()| start(&Gpu::default(), "penetration", &disc));
+    count_steps(&mut simulation, 0.6e-6);
     let of = |simulation: &Simulation| components(&simulation.read("smoothing_length").unwrap());
     assert_ne!(of(&simulation), of(&other));
-    other.persist(&mut archive.to_load()).unwrap();
-    assert_eq!(of(&simulation), of(&other));
+    let mut searches = 0;
+    for _ in 0..80 {
+        let mut archive = MemoryArchive::new();
+        simulation.persist(&mut archive).unwrap();
+        other.persist(&mut archive.to_load()).unwrap();
+        assert_eq!(of(&simulation), of(&other));
+        // What is left of the skin is known from then.
+        let [share, again] = [&mut simulation, &mut other].map(|of| of.step(None).unwrap().searched_fraction);
+        assert_eq!(share, again);
+        searches += u32::from(share == 1.0);
+    }
+    assert!(searches > 5, "{searches}");
 }
 
 #[test]
