@@ -229,6 +229,7 @@ mod tests {
         assert_eq!([0.24, 0.26].map(|y| sides_of_a_sheet([0.0, y, 0.0], up, down, 1.0)), [0.0, 1.0]);
         assert_eq!([31.0, 33.0].map(|y| sides_of_a_sheet([0.0, 2.0 * y, 0.0], up, down, 2.0)), [1.0, 0.0]);
         assert_eq!([0.49, 0.51].map(|c| different_sides([c, 0.0, 0.0], [1.0, 0.0, 0.0])), [1.0, 0.0]);
+        assert_eq!([0.89, 0.91].map(|c| soon_different_sides([0.0, c, 0.0], [0.0, 1.0, 0.0])), [1.0, 0.0]);
     }
 
     #[test]
