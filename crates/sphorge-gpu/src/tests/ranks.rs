@@ -84,12 +84,12 @@ fn fields(simulation: &Simulation) -> Vec<(&'static str, Vec<f64>)> {
     FIELDS.iter().map(|field| (field.name, components(&simulation.read(field.name).unwrap()))).collect()
 }
 
-/// Runs to a step; what was searched of each step, and what audits have found.
-fn run(simulation: &mut Simulation, steps: u64) -> Vec<(f64, Option<Audit>)> {
+/// Runs to a step; what was searched of each step, how many pairs were summed, and what audits have found.
+fn run(simulation: &mut Simulation, steps: u64) -> Vec<(f64, u64, Option<Audit>)> {
     let mut told = Vec::new();
     while simulation.steps() < steps {
         let report = simulation.step(None).unwrap();
-        told.push((report.searched_fraction, report.audit));
+        told.push((report.searched_fraction, report.pairs, report.audit));
     }
     told
 }
