@@ -238,6 +238,14 @@ fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
     let middle = last.len() / 2;
     last[middle] ^= 1;
     fs::write(&kept[1], &last).unwrap();
+    place.run(&["resume", "run"]).expect_code(2).expect_told(&[
+        "the run in run has ended: completed at 40 us, step ",
+        "to continue it from its last checkpoint, at 36",
+        "a later `--set time.end=...`",
+    ]);
+    assert!(story(&place, "run") == whole, "a run that has ended was touched");
+    // Of one that was killed before it could tell of its end, the rest is computed again.
+    fs::remove_file(place.path("run/summary.json")).unwrap();
     place.run(&["resume", "run"]).expect_code(0).expect_told(&[
         "is damaged or not written by Sphorge",
         "it is passed over",
@@ -285,12 +293,14 @@ fn a_state_that_cannot_be_written_ends_no_run_and_changes_no_deck() {
         files
     };
     assert!(without_lock(before) == without_lock(everything()));
-    let deck = fs::read(place.path("run/deck.toml")).unwrap();
+    let [deck, summary] = ["run/deck.toml", "run/summary.json"].map(|file| (file, fs::read(place.path(file)).unwrap()));
     place.run(&changed).expect_code(0);
     assert_eq!(place.summary("run")["steps"], 30);
 
-    // What was changed and saved goes on also if the deck of the folder was not changed any more.
-    fs::write(place.path("run/deck.toml"), deck).unwrap();
+    // What was changed and saved goes on also if the rest of the folder was not changed any more.
+    for (file, bytes) in [deck, summary] {
+        fs::write(place.path(file), bytes).unwrap();
+    }
     place.run(&["resume", "run"]).expect_code(0);
     assert_eq!(place.summary("run")["steps"], 30);
     assert!(fs::read_to_string(place.path("run/deck.toml")).unwrap().contains("max-steps = 30"));

@@ -5,14 +5,16 @@ use super::{
     drive::{conclude, go_on},
     error::RunError,
     progress::{Observer, Pace, RunStart},
+    schedule::arrived,
     state::{Beginning, RunState},
 };
 use crate::{
     deck::{DeckReport, Setup, load_text_within},
     engine::{EngineKind, FieldSource, Simulation},
+    model::TimeControl,
     number::plain_quantity,
     output::{
-        AtPath, Checkpoint, Durability, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
+        AtPath, Checkpoint, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
         regular_file, write_file,
     },
 };
@@ -67,6 +69,23 @@ pub enum ResumeError {
         /// The key.
         key: String,
     },
+    /// The run has reached its end, and no more of it is asked for.
+    #[error("the run in {} has ended: {} at {}, step {steps}", path.display(), status.name(), plain_quantity(*time, "s"))]
+    #[diagnostic(code(sphorge::run::ended), help("{}", how_to_go_further(*reason, *saved_at)))]
+    Ended {
+        /// The folder.
+        path: PathBuf,
+        /// How it ended.
+        status: Status,
+        /// What ended it.
+        reason: EndReason,
+        /// When, s.
+        time: f64,
+        /// Steps done.
+        steps: u64,
+        /// Time of the last checkpoint, s, if it is not of the end.
+        saved_at: Option<f64>,
+    },
     /// An end before the time that has been reached.
     #[error("the run has reached {reached:e} s, its end cannot be {end:e} s")]
     #[diagnostic(code(sphorge::run::end_passed), help("set `time.end` to a later time"))]
@@ -97,6 +116,18 @@ fn way_out(has_ended: bool) -> &'static str {
     } else {
         "a run saves its state every ten minutes and when it is stopped, unless `--checkpoint-minutes 0` was given; run the deck again"
     }
+}
+
+/// What to do with a run that has ended.
+fn how_to_go_further(reason: EndReason, saved_at: Option<f64>) -> String {
+    let change = match reason {
+        EndReason::KineticEnergy => "a smaller `--set time.stop-kinetic-fraction=...`",
+        EndReason::MaxSteps => "a larger `--set time.max-steps=...`",
+        EndReason::EndTime | EndReason::User | EndReason::Failure => "a later `--set time.end=...`",
+    };
+    let from = saved_at
+        .map_or_else(String::new, |time| format!(" from its last checkpoint, at {}", plain_quantity(time, "s")));
+    format!("to continue it{from}, give {change}; to compute it again, use `sphorge run` with `--overwrite`")
 }
 
 /// Goes on with the run in a folder from its last checkpoint that is whole and its own, to the same bits as if it had never been broken.
@@ -166,9 +197,23 @@ pub fn resume(
         passed_over.push(file);
     }
     tell_others(passed_over.len(), observer);
-    let has_ended = Summary::read(&directory)
-        .is_ok_and(|summary| matches!(summary.status, Status::Completed | Status::CompletedWithWarnings));
-    Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended })
+    Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended: summary_of_end(&directory).is_some() })
+}
+
+/// The summary of a run that has reached its end.
+fn summary_of_end(directory: &RunDirectory) -> Option<Summary> {
+    let has_ended = |summary: &Summary| matches!(summary.status, Status::Completed | Status::CompletedWithWarnings);
+    Summary::read(directory).ok().filter(has_ended)
+}
+
+/// Whether a run is to go on from the end that its summary tells of. `former_fraction` is the share of kinetic energy of the deck it ended by.
+fn goes_beyond(end: &Summary, asked: &TimeControl, former_fraction: impl FnOnce() -> Option<f64>) -> bool {
+    if arrived(end.simulated_time, asked.end) || asked.max_steps.is_some_and(|most| end.steps >= most) {
+        return false;
+    }
+    // One that came to rest goes on if it is to come closer to rest.
+    let Some(fraction) = asked.stop_kinetic_fraction else { return true };
+    end.end_reason != EndReason::KineticEnergy || former_fraction().is_some_and(|former| fraction < former)
 }
 
 /// Checkpoints of no use that are told one by one.
@@ -213,6 +258,18 @@ fn go_on_from(
     let (end, reached) = (model.time.end, checkpoint.about.time);
     if end < reached * (1.0 - 1e-12) {
         return Err(ResumeError::EndPassed { end, reached });
+    }
+    if let Some(summary) = summary_of_end(&directory) {
+        let former_fraction = || {
+            let deck = regular_file::read_to_string(&directory.deck()).ok().filter(|deck| *deck != deck_text)?;
+            let former = load_text_within(&checkpoint.about.deck_name, &deck, &[], options.most_particles).ok()?;
+            former.model.time.stop_kinetic_fraction
+        };
+        if !goes_beyond(&summary, &model.time, former_fraction) {
+            let Summary { status, end_reason: reason, simulated_time: time, steps, .. } = summary;
+            let saved_at = (checkpoint.about.step != steps).then_some(reached);
+            return Err(ResumeError::Ended { path, status, reason, time, steps, saved_at });
+        }
     }
     kind.supports(&model)
         .map_err(|unsupported| ResumeError::Run(RunError::Unsupported { engine: kind.name(), unsupported }))?;

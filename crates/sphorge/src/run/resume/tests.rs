@@ -53,9 +53,19 @@ fn run_with(folder: &Path, overrides: &[(&str, &str)]) -> PathBuf {
     options.directory
 }
 
+/// Takes away what tells of the end of a run, as if it had been killed just before.
+fn forget_end(run: &Path) {
+    fs::remove_file(run.join("summary.json")).unwrap();
+}
+
 fn go_on_in(folder: &Path) -> (Result<Summary, ResumeError>, Vec<String>) {
+    go_on_with(folder, &[])
+}
+
+/// The same with changed keys.
+fn go_on_with(folder: &Path, overrides: &[(&str, &str)]) -> (Result<Summary, ResumeError>, Vec<String>) {
     let options = ResumeOptions {
-        overrides: Vec::new(),
+        overrides: overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect(),
         most_particles: 1e6,
         threads: Some(1),
         checkpoints: CheckpointPlan::default(),
@@ -104,6 +114,7 @@ fn are_passed_over(run: &Path, forgeries: &[Change<'_>]) {
     for (name, change, reason) in forgeries {
         fs::write(last, &whole).unwrap();
         forge(last, name, change);
+        forget_end(run);
         let (ended, told) = go_on_in(run);
         assert_eq!(ended.unwrap().steps, 12, "{name}");
         assert_eq!(told.len(), 2, "{name}: {told:?}");
@@ -172,7 +183,7 @@ fn many_checkpoints_of_no_use_are_told_in_few_words() {
         fs::write(run.join(format!("checkpoint-{step:012}.zip")), "").unwrap();
     }
     // One that was killed tells of its steps by its history alone.
-    fs::remove_file(run.join("summary.json")).unwrap();
+    forget_end(&run);
     let history = fs::read_to_string(run.join("history.csv")).unwrap();
     let last = history.lines().last().unwrap().replacen(",12,", ",13,", 1);
     fs::write(run.join("history.csv"), format!("{history}{last}\n")).unwrap();
@@ -203,6 +214,7 @@ fn a_checkpoint_of_another_version_goes_on_and_says_so() {
         *bytes = String::from_utf8_lossy(bytes).replace(&own, "\"9.9.9\"").into_bytes();
     };
     forge(&last, "checkpoint.json", other);
+    forget_end(&run);
     let (ended, told) = go_on_in(&run);
     assert_eq!(ended.unwrap().steps, 12);
     assert!(
@@ -210,4 +222,58 @@ fn a_checkpoint_of_another_version_goes_on_and_says_so() {
         "{told:?}"
     );
     assert!(told[1].starts_with("going on from step 12 at "), "{told:?}");
+}
+
+/// What a run that has ended is refused with: message and help.
+fn refusal(ended: &Result<Summary, ResumeError>) -> (String, String) {
+    let Err(error @ ResumeError::Ended { .. }) = ended else { panic!("{ended:?}") };
+    (error.to_string(), miette::Diagnostic::help(error).unwrap().to_string())
+}
+
+/// All files of a folder but the mark of who writes to it.
+fn files_in(run: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let paths = fs::read_dir(run).unwrap().map(|entry| entry.unwrap().path());
+    let files = paths.filter(|path| path.is_file() && !path.ends_with(".sphorge-lock"));
+    let mut files: Vec<_> = files.map(|path| (path.clone(), fs::read(path).unwrap())).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn a_run_that_has_ended_is_left_alone_unless_more_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    // Without the checkpoint of its end there is an older one.
+    fs::remove_file(run.join("checkpoint-000000000012.zip")).unwrap();
+    let before = files_in(&run);
+    for overrides in [&[][..], &[("time.end", "\"90 us\"")], &[("time.max-steps", "12")], &[("output.frames", "3")]] {
+        let (ended, told) = go_on_with(&run, overrides);
+        let (message, help) = refusal(&ended);
+        assert!(message.contains("has ended: completed at ") && message.ends_with(", step 12"), "{message}");
+        let ways = ["a larger `--set time.max-steps=...`", "from its last checkpoint, at ", "`--overwrite`"];
+        assert!(ways.iter().all(|way| help.contains(way)), "{help}");
+        assert!(told.is_empty() && files_in(&run) == before, "{overrides:?}: {told:?}");
+    }
+    let (ended, told) = go_on_with(&run, &[("time.max-steps", "14")]);
+    assert_eq!((ended.unwrap().steps, told.len()), (14, 1));
+    assert!(told[0].starts_with("going on from step ") && told[0].contains(", so that "), "{told:?}");
+}
+
+#[test]
+fn a_run_that_came_to_rest_goes_on_to_a_smaller_fraction_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    // The bar runs into a wall.
+    let stop = "[{ name = \"stop\", plane = { point = [\"12.5 mm\"], normal = [-1] } }]";
+    let key = "time.stop-kinetic-fraction";
+    let run = run_with(folder.path(), &[("wall", stop), (key, "0.9"), ("time.max-steps", "1000")]);
+    let summary = Summary::read(&RunDirectory::open(&run).unwrap()).unwrap();
+    assert_eq!(summary.end_reason, EndReason::KineticEnergy);
+    let before = files_in(&run);
+    for overrides in [&[][..], &[(key, "0.9")], &[(key, "0.95")], &[("time.end", "\"200 us\"")]] {
+        let (_, help) = refusal(&go_on_with(&run, overrides).0);
+        assert!(help.contains("to continue it, give a smaller `--set time.stop-kinetic-fraction=...`"), "{help}");
+        assert!(files_in(&run) == before, "{overrides:?}");
+    }
+    let ended = go_on_with(&run, &[(key, "0.5")]).0.unwrap();
+    assert!(ended.end_reason == EndReason::KineticEnergy && ended.steps > summary.steps, "{ended:?}");
 }
