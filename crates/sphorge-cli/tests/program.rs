@@ -103,7 +103,7 @@ fn a_run_is_drawn_and_compared() {
         assert!(fs::read(place.path(file)).unwrap().starts_with(b"\x89PNG"), "{file}");
     }
     let one = ["plot", "a", "--field", "stress.xy", "--frames", "first,2,1e-6", "--range", "-1e9,1e9", "--dpi", "50"];
-    assert_eq!(place.run(&one).expect_code(0).out, "a/plots/stress.xy-first-2-1e-6s.png\n");
+    assert_eq!(place.run(&one).expect_code(0).out, "a/plots/stress.xy-first-2-1us.png\n");
     let curve = place.run(&["plot", "a", "--column", "height"]).expect_code(0).out;
     assert_eq!(curve, "a/plots/history-height.png\n");
     place.run(&["plot", "a", "--field", "stres"]).expect_code(2).expect_told(&["no field `stres`", "von_mises_stress"]);
@@ -111,7 +111,11 @@ fn a_run_is_drawn_and_compared() {
     place.run(&["plot", "a", "--section"]).expect_code(2);
     let timed =
         ["plot", "a", "--field", "pressure", "--time", "1 us", "--range=-1,1GPa", "--format", "svg", "--dpi", "50"];
-    assert_eq!(place.run(&timed).expect_code(0).out, "a/plots/pressure-1e-6s.svg\n");
+    assert_eq!(place.run(&timed).expect_code(0).out, "a/plots/pressure-1us.svg\n");
+    // The name tells the time of the frame that is drawn, and a note where that is not what was asked for.
+    let late = place.run(&["plot", "a", "--field", "pressure", "--time", "1 ms", "--dpi", "50"]).expect_code(0);
+    assert_eq!(late.out, "a/plots/pressure-2us.png\n");
+    late.expect_told(&["note: the last frame of `a` is at 2 us: it is drawn in place of 1 ms"]);
     let apart = place
         .run(&["plot", "a", "--field", "pressure", "--frames", "all", "--dpi", "50", "-o", "all"])
         .expect_code(0)

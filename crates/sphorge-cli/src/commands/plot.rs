@@ -3,11 +3,12 @@
 use crate::{
     commands::plot_quantities::{read_quantities, read_width},
     failure::{Ending, Failure, Outcome},
+    readable::quantity,
     terminal,
 };
 use clap::{Args, ValueEnum};
 use sphorge::{
-    output::{OutputError, RunDirectory},
+    output::{OutputError, RunDirectory, read_series},
     particles::find_field,
     plot::{
         ColorMap, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, View, animate_field, common_measures,
@@ -260,6 +261,9 @@ impl<'a> Job<'a> {
             }
             return self.draw_measures();
         }
+        if !arguments.fields.is_empty() {
+            self.note_times_past_the_end();
+        }
         let mut files = Vec::new();
         for field in &arguments.fields {
             files.extend(self.draw_field(run, field)?);
@@ -326,7 +330,9 @@ impl<'a> Job<'a> {
             return Ok(vec![file]);
         }
         let frames = if self.frames.is_empty() { vec![FrameChoice::Last] } else { self.frames.clone() };
-        let words: Vec<_> = frames.iter().map(frame_word).collect();
+        // A series that cannot be read is refused by the drawing.
+        let series = read_series(run).unwrap_or_default();
+        let words: Vec<_> = frames.iter().map(|frame| frame_word(*frame, &series)).collect();
         let file = self.file(&format!("{field}-{}{measures}", words.join("-")));
         let picture = FieldPicture { frames, ..picture };
         match self.runs {
@@ -335,6 +341,24 @@ impl<'a> Job<'a> {
         }
         .map_err(failure)?;
         Ok(vec![file])
+    }
+
+    /// Tells which runs end before a time that was asked for.
+    fn note_times_past_the_end(&self) {
+        let times = self.frames.iter().filter_map(|frame| match frame {
+            FrameChoice::Time(time) => Some(*time),
+            _ => None,
+        });
+        let Some(latest) = times.reduce(f64::max) else { return };
+        for (name, run) in self.runs {
+            let end = read_series(run).ok().and_then(|series| series.last().map(|(time, _)| *time));
+            if let Some(end) = end.filter(|end| latest > end * (1.0 + 1e-9)) {
+                let [end, latest] = [end, latest].map(|time| quantity(time, "s"));
+                terminal::note(&format!(
+                    "note: the last frame of `{name}` is at {end}: it is drawn in place of {latest}"
+                ));
+            }
+        }
     }
 
     /// Where a picture of that name goes; of several runs, the name says which.
@@ -367,13 +391,16 @@ fn parse_range(text: &str, field: &str) -> Result<(f64, f64), Failure> {
     }
 }
 
-/// How a frame is called in the name of a picture.
-fn frame_word(frame: &FrameChoice) -> String {
+/// How a frame is called in the name of a picture: one chosen by its time, by the time it has.
+fn frame_word(frame: FrameChoice, series: &[(f64, PathBuf)]) -> String {
     match frame {
         FrameChoice::First => "first".to_owned(),
         FrameChoice::Last => "last".to_owned(),
         FrameChoice::Index(index) => index.to_string(),
-        FrameChoice::Time(time) => format!("{time:e}s"),
+        FrameChoice::Time(asked) => {
+            let time = frame.find(series).map_or(asked, |(time, _)| *time);
+            quantity(time, "s").replace(' ', "")
+        }
     }
 }
 

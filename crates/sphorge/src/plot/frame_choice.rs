@@ -37,15 +37,19 @@ impl std::str::FromStr for FrameChoice {
 }
 
 impl FrameChoice {
-    /// The file of the frame in a series of times and files.
-    pub(super) fn pick(self, series: &[(f64, PathBuf)]) -> Result<&Path, PlotError> {
-        let chosen = match self {
+    /// The frame in a series of times and files; none if there are not so many.
+    pub fn find(self, series: &[(f64, PathBuf)]) -> Option<&(f64, PathBuf)> {
+        match self {
             Self::First => series.first(),
             Self::Last => series.last(),
             Self::Index(index) => series.get(index),
             Self::Time(time) => series.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs())),
-        };
+        }
+    }
+
+    /// The file of the frame.
+    pub(super) fn pick(self, series: &[(f64, PathBuf)]) -> Result<&Path, PlotError> {
         let reason = || format!("the run has {} frames, numbered from 0", series.len());
-        chosen.map(|(_, path)| path.as_path()).ok_or_else(|| PlotError::Empty { reason: reason() })
+        self.find(series).map(|(_, path)| path.as_path()).ok_or_else(|| PlotError::Empty { reason: reason() })
     }
 }
