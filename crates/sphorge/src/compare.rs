@@ -1,6 +1,6 @@
 //! Runs side by side: measures, times, conservation.
 
-use super::number::{four_digits, plain, quantity};
+use super::number::{four_digits, plain, plain_quantity};
 use crate::output::{AuditRecord, OutputError, RunDirectory, Status, Summary};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
@@ -110,10 +110,12 @@ impl ComparisonRow {
             "B" if value < 1e9 => format!("{} MB", four_digits(value / 1e6)),
             "B" => format!("{} GB", four_digits(value / 1e9)),
             "1/s" => format!("{value:.3e}"),
+            // Counts are told to the last digit.
+            "" if value.fract() == 0.0 && value.abs() < 1e15 => format!("{value:.0}"),
             "" if value != 0.0 && value.abs() < 1e-3 => format!("{value:.2e}"),
             // Seconds of waiting are not counted in kiloseconds.
             "s" if value >= 1.0 => format!("{} s", four_digits(value)),
-            unit => quantity(value, unit),
+            unit => plain_quantity(value, unit),
         };
         let text = plain(text);
         match self.values[0].filter(|first| self.is_measure && k > 0 && *first != 0.0) {
@@ -173,7 +175,8 @@ mod tests {
             "a",
             &summary(4.0, &[("height", Some(0.02)), ("width", Some(0.015)), ("gap", Some(-3e-6))]),
         );
-        let second = save(folder.path(), "b", &summary(2.0, &[("height", Some(0.021)), ("period", None)]));
+        let second = Summary { steps: 195_112, ..summary(2.0, &[("height", Some(0.021)), ("period", None)]) };
+        let second = save(folder.path(), "b", &second);
         let comparison = Comparison::read(&[first, second]).unwrap();
         let row = |name: &str| comparison.rows.iter().find(|row| row.quantity == name).unwrap();
         assert_eq!(row("height").values, [Some(0.02), Some(0.021)]);
@@ -182,6 +185,7 @@ mod tests {
         assert_eq!(row("speed-up").values, [Some(1.0), Some(2.0)]);
         assert_eq!((row("height").text(0), row("height").text(1)), ("20 mm".into(), "21 mm (+5.00 %)".into()));
         assert_eq!((row("peak memory").text(1), row("width").text(1)), ("10.49 MB".into(), "–".into()));
+        assert_eq!(row("steps").text(1), "195112");
         assert_eq!(row("peak memory, per particle").text(0), "10486 B");
         assert_eq!(row("columns and lists, per particle").text(1), "900 B");
         let table = comparison.to_string();

@@ -34,16 +34,24 @@ pub(crate) fn tick_labels(ticks: &[f64], scale: f64) -> Vec<String> {
     ticks.iter().map(|t| minus(format!("{:.decimals$}", if *t == 0.0 { 0.0 } else { t / scale }))).collect()
 }
 
-/// A value with its unit, to four digits: `60 µs`, `1.234 GPa`.
+/// A value with its unit, to four digits: `60 µs`, `1.234 GPa`, `123.4 × 10⁶ 1/s`.
 pub(crate) fn quantity(value: f64, unit: &str) -> String {
-    let (scale, unit) = scaled_unit(value.abs(), unit);
-    let text = four_digits(value / scale);
-    if unit.is_empty() { text } else { format!("{text} {unit}") }
+    let scale = Scale::of(value.abs(), unit);
+    let times = if matches!(scale, Scale::Power(_)) { "× " } else { "" };
+    format!("{} {times}{}", four_digits(value / scale.divisor()), scale.unit(unit)).trim_end().to_owned()
 }
 
-/// The same for a terminal, in what a keyboard has: `60 us`, `-200 m/s`.
+/// The same for a terminal, in what a keyboard has: `60 us`, `-200 m/s`, `1.234e8 1/s`.
 pub(crate) fn plain_quantity(value: f64, unit: &str) -> String {
-    plain(quantity(value, unit))
+    plain(match Scale::of(value.abs(), unit) {
+        Scale::Power(_) => {
+            let digits = format!("{value:.3e}");
+            let (digits, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
+            let digits = digits.trim_end_matches('0').trim_end_matches('.');
+            format!("{digits}e{exponent} {}", pretty(unit)).trim_end().to_owned()
+        }
+        Scale::Prefix(..) => quantity(value, unit),
+    })
 }
 
 /// A number in what a keyboard has.
@@ -71,38 +79,70 @@ fn minus(text: String) -> String {
 /// Divisor and unit text for values up to `largest` in an SI `unit`: a prefix where the unit takes one, else a power of
 /// ten where the numbers would be long.
 pub(crate) fn scaled_unit(largest: f64, unit: &str) -> (f64, String) {
-    const PREFIXES: [(f64, &str); 9] = [
-        (1e12, "T"),
-        (1e9, "G"),
-        (1e6, "M"),
-        (1e3, "k"),
-        (1.0, ""),
-        (1e-3, "m"),
-        (1e-6, "µ"),
-        (1e-9, "n"),
-        (1e-12, "p"),
-    ];
-    let pretty = unit.replace("^2", "²").replace("^3", "³");
-    let plain = || (1.0, pretty.clone());
-    if largest == 0.0 || !largest.is_finite() {
-        return plain();
+    let scale = Scale::of(largest, unit);
+    (scale.divisor(), scale.unit(unit))
+}
+
+/// What makes the numbers before a unit short.
+#[derive(Clone, Copy, Debug)]
+enum Scale {
+    /// A divisor and what stands for it before the unit.
+    Prefix(f64, &'static str),
+    /// A power of ten.
+    Power(i32),
+}
+
+impl Scale {
+    /// For values up to `largest` in an SI unit.
+    fn of(largest: f64, unit: &str) -> Self {
+        const PREFIXES: [(f64, &str); 9] = [
+            (1e12, "T"),
+            (1e9, "G"),
+            (1e6, "M"),
+            (1e3, "k"),
+            (1.0, ""),
+            (1e-3, "m"),
+            (1e-6, "µ"),
+            (1e-9, "n"),
+            (1e-12, "p"),
+        ];
+        if largest == 0.0 || !largest.is_finite() {
+            return Self::Prefix(1.0, "");
+        }
+        // Per metre of thickness in plane strain, per square metre in one dimension.
+        let takes_prefix = matches!(unit, "Pa" | "m" | "s" | "W/kg") || unit.starts_with(['J', 'N']);
+        // Metres are not counted in thousands, nor speeds of hundreds in thousandths of a kilometre.
+        let speed = unit == "m/s" && largest < 0.1;
+        // Beyond the prefixes numbers would be long again.
+        if (takes_prefix || speed) && (1e-14..1e16).contains(&largest) {
+            let (scale, prefix) =
+                PREFIXES.into_iter().find(|(scale, _)| largest >= 0.999 * scale).unwrap_or((1e-12, "p"));
+            return if unit == "m" && scale > 1.0 { Self::Prefix(1.0, "") } else { Self::Prefix(scale, prefix) };
+        }
+        if (1e-3..1e5).contains(&largest) {
+            return Self::Prefix(1.0, "");
+        }
+        Self::Power(3 * (largest.log10() / 3.0).floor() as i32)
     }
-    // Per metre of thickness in plane strain, per square metre in one dimension.
-    let takes_prefix = matches!(unit, "Pa" | "m" | "s" | "W/kg") || unit.starts_with(['J', 'N']);
-    // Metres are not counted in thousands, nor speeds of hundreds in thousandths of a kilometre.
-    let speed = unit == "m/s" && largest < 0.1;
-    // Beyond the prefixes numbers would be long again.
-    if (takes_prefix || speed) && (1e-14..1e16).contains(&largest) {
-        let (scale, prefix) = PREFIXES.into_iter().find(|(scale, _)| largest >= 0.999 * scale).unwrap_or((1e-12, "p"));
-        let (scale, prefix) = if unit == "m" && scale > 1.0 { (1.0, "") } else { (scale, prefix) };
-        return (scale, format!("{prefix}{pretty}"));
+
+    fn divisor(self) -> f64 {
+        match self {
+            Self::Prefix(divisor, _) => divisor,
+            Self::Power(exponent) => 10f64.powi(exponent),
+        }
     }
-    if (1e-3..1e5).contains(&largest) {
-        return plain();
+
+    fn unit(self, unit: &str) -> String {
+        match self {
+            Self::Prefix(_, prefix) => format!("{prefix}{}", pretty(unit)),
+            Self::Power(exponent) => format!("10{} {}", superscript(exponent), pretty(unit)).trim_end().to_owned(),
+        }
     }
-    let exponent = 3 * (largest.log10() / 3.0).floor() as i32;
-    let power = format!("10{}", superscript(exponent));
-    (10f64.powi(exponent), if pretty.is_empty() { power } else { format!("{power} {pretty}") })
+}
+
+/// A unit in print.
+fn pretty(unit: &str) -> String {
+    unit.replace("^2", "²").replace("^3", "³")
 }
 
 fn superscript(number: i32) -> String {
@@ -159,7 +199,7 @@ mod tests {
             (0.02546, "m", "25.46 mm"),
             (1500.0, "m", "1500 m"),
             (0.0, "s", "0 s"),
-            (1.234e8, "1/s", "123.4 10⁶ 1/s"),
+            (1.234e8, "1/s", "123.4 × 10⁶ 1/s"),
             (0.9999e-3, "s", "0.9999 ms"),
             (30_436.0, "J/m", "30.44 kJ/m"),
             (0.0215, "m/s", "21.5 mm/s"),
@@ -168,6 +208,9 @@ mod tests {
         }
         let typed = [(6e-5, "s"), (-200.0, "m/s"), (-1.5e-6, "m")].map(|(value, unit)| plain_quantity(value, unit));
         assert_eq!(typed, ["60 us", "-200 m/s", "-1.5 um"]);
+        let long = [(6.187e-4, ""), (1e8, ""), (-1.234e8, "kg/m^3"), (f64::INFINITY, "")];
+        assert_eq!(long.map(|(value, unit)| plain_quantity(value, unit)), ["6.187e-4", "1e8", "-1.234e8 kg/m³", "inf"]);
+        assert_eq!(scaled_unit(2e6, ""), (1e6, "10⁶".into()));
         assert_eq!((grouped(2125), grouped(1234567)), ("2125".into(), "1\u{a0}234\u{a0}567".into()));
     }
 }

@@ -49,7 +49,11 @@ impl AxisScale {
             labels: tick_labels(&steps, fine),
             ticks: steps.iter().map(|step| origin + step).collect(),
             unit: fine_text,
-            origin: Some(format!("{number} {text}").trim_end().to_owned()),
+            origin: Some(if text.starts_with("10") {
+                format!("{number} × {text}")
+            } else {
+                format!("{number} {text}").trim_end().to_owned()
+            }),
             ..plain
         }
     }
