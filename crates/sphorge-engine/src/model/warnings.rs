@@ -174,7 +174,7 @@ impl WarningKind {
                 "steps-left",
                 1e8,
                 "steps to the end of the run at the present time step",
-                "raise `time.courant`, `time.max-step` or the spacing, or end the run earlier",
+                "use a larger spacing, end the run earlier, or raise `time.courant` or `time.max-step` where it was set low",
             ),
         }
     }

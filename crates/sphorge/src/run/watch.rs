@@ -29,6 +29,11 @@ const PIECE_STEPS: u64 = 500;
 const HOPELESS_STEPS: u64 = 100;
 /// Energy that counts as none, over that of the whole mass at the square of its sound speed.
 const NO_ENERGY: f64 = 1e-12;
+/// A step below this share of the first is small because of the solution, not because the deck asks for small steps.
+const COLLAPSED: f64 = 0.1;
+/// What to do about that.
+const COLLAPSED_CURE: &str = "the time step has collapsed because the solution is breaking down: lower `time.courant`, leave step control on \
+                              (`time.step-control.repeats`), soften the contact; `dt_reason` in history.csv names the limit of the step";
 /// Largest number a share of next to nothing is said to be.
 const LARGEST: f64 = 1e6;
 
@@ -190,10 +195,19 @@ impl Watch {
             time,
             field: "time step",
             ..RunFailure::of_engine(format!(
-                "the time step is {dt:.3e} s, so that {left:.1e} steps are left to the end: the run would not end; raise \
-                 `time.courant` or `time.max-step`, or `warnings.stop-at-steps` to go on"
+                "the time step is {dt:.3e} s, so that {left:.1e} steps are left to the end: the run would not end; {}, or raise \
+                 `warnings.stop-at-steps` to go on",
+                self.cure_of_steps(dt)
             ))
         })
+    }
+
+    /// What to do about too many steps of this size.
+    fn cure_of_steps(&self, dt: f64) -> &'static str {
+        match self.first_step {
+            Some(first) if dt < COLLAPSED * first => COLLAPSED_CURE,
+            _ => WarningKind::StepsLeft.info().cure,
+        }
     }
 
     fn look_at_ledger(&mut self, model: &Model, ledger: &Ledger, clock: Clock) {
@@ -344,6 +358,10 @@ impl Watch {
     fn record(&self, seen: &Seen, model: &Model) -> WarningRecord {
         let kind = WarningKind::ALL[usize::from(seen.kind)];
         let info = kind.info();
+        let cure = match kind {
+            WarningKind::StepsLeft => self.cure_of_steps((model.time.end - seen.worst_time) / seen.worst),
+            _ => info.cure,
+        };
         WarningRecord {
             name: info.name.to_owned(),
             meaning: info.meaning.to_owned(),
@@ -356,7 +374,7 @@ impl Watch {
             particle: seen.particle,
             body: seen.body.and_then(|body| model.bodies.get(body as usize)).map(|body| body.name.clone()),
             position: seen.position,
-            cure: info.cure.to_owned(),
+            cure: cure.to_owned(),
         }
     }
 }

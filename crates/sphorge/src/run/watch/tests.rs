@@ -320,7 +320,9 @@ fn a_step_that_collapses_is_told_and_a_run_without_end_is_stopped() {
     for step in 3..102 {
         watch.step(&model, 1e-11, step, 0.5).unwrap();
     }
-    assert_eq!(watch.records(&model)[1].name, "steps-left");
+    let record = &watch.records(&model)[1];
+    assert_eq!(record.name, "steps-left");
+    assert!(record.cure.contains("has collapsed") && record.cure.contains("lower `time.courant`"), "{record}");
     watch.step(&model, 1e-3, 102, 0.5).unwrap();
     for step in 103..202 {
         watch.step(&model, 1e-11, step, 0.5).unwrap();
@@ -331,6 +333,20 @@ fn a_step_that_collapses_is_told_and_a_run_without_end_is_stopped() {
         failure.message.contains("5.0e10 steps are left") && failure.message.contains("stop-at-steps"),
         "{failure}"
     );
+    assert!(failure.message.contains("lower `time.courant`") && !failure.message.contains("raise `time.courant`"));
+}
+
+#[test]
+fn a_deck_that_asks_for_many_small_steps_is_told_to_take_larger_ones() {
+    let model = testing::model(&["bar"]);
+    let mut watch = Watch::new(&model);
+    for step in 0..99 {
+        watch.step(&model, 1e-11, step, 0.0).unwrap();
+    }
+    let record = &watch.records(&model)[0];
+    assert!(record.name == "steps-left" && record.cure.contains("raise `time.courant`"), "{record}");
+    let failure = watch.step(&model, 1e-11, 99, 0.0).unwrap_err();
+    assert!(failure.message.contains("raise `time.courant`") && !failure.message.contains("collapsed"), "{failure}");
 }
 
 #[test]
