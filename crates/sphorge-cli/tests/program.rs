@@ -38,7 +38,7 @@ fn what_never_ends_is_not_read() {
     let cloud = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 us\" }\n\
                  [[body]]\nname = \"a\"\nmaterial = \"ofhc-copper\"\nshape = { table = { file = \"/dev/zero\", length-unit = \"mm\" } }\n";
     fs::write(place.path("cloud.toml"), cloud).unwrap();
-    place.run(&["check", "cloud.toml"]).expect_code(2).expect_told(&["is no regular file"]);
+    place.run(&["check", "cloud.toml"]).expect_code(2).expect_told(&["is not a regular file"]);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn a_run_is_drawn_and_compared() {
     // The name tells the time of the frame that is drawn, and a note where that is not what was asked for.
     let late = place.run(&["plot", "a", "--field", "pressure", "--time", "1 ms", "--dpi", "50"]).expect_code(0);
     assert_eq!(late.out, "a/plots/pressure-2us.png\n");
-    late.expect_told(&["note: the last frame of `a` is at 2 us: it is drawn in place of 1 ms"]);
+    late.expect_told(&["note: the last frame of `a` is at 2 us: it is drawn instead of 1 ms"]);
     let apart = place
         .run(&["plot", "a", "--field", "pressure", "--frames", "all", "--dpi", "50", "-o", "all"])
         .expect_code(0)

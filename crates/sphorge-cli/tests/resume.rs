@@ -199,7 +199,7 @@ fn a_run_that_is_stopped_goes_on_and_beyond_its_end() {
     place
         .run(&["resume", "run", "--set", "body.bar.temperature=\"300 K\""])
         .expect_code(2)
-        .expect_told(&["`body.bar.temperature` cannot change"]);
+        .expect_told(&["`body.bar.temperature` cannot change when a run is resumed"]);
     place.run(&["resume", "run", "--checkpoint-at-end"]).expect_code(0);
     same("resumed", &story(&place, "whole"), &story(&place, "run"));
 
@@ -248,8 +248,8 @@ fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
     fs::remove_file(place.path("run/summary.json")).unwrap();
     place.run(&["resume", "run"]).expect_code(0).expect_told(&[
         "is damaged or not written by Sphorge",
-        "it is passed over",
-        "going on from step",
+        "it is skipped",
+        "continuing from step",
         "are repeated",
     ]);
     same("resumed from the one before", &whole, &story(&place, "run"));
@@ -257,7 +257,10 @@ fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
     // Of another deck, and none at all.
     fs::write(place.path("run/deck.toml"), STRIKE.replace("40 us", "41 us")).unwrap();
     let refused = place.run(&["resume", "run"]).expect_code(2);
-    refused.expect_told(&["is of a run of another deck", "there is no checkpoint in run from which a run can go on"]);
+    refused.expect_told(&[
+        "belongs to a run of another deck",
+        "there is no checkpoint in run from which the run can continue",
+    ]);
     place.run(&["resume", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
 }
 

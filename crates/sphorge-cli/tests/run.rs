@@ -29,7 +29,7 @@ fn run_and_check_tell_of_a_spacing_that_does_not_fit() {
     for command in ["check", "run"] {
         let ended = place.run(&[&[command], &spacing[..]].concat()).expect_code(0);
         ended.expect_told(&[
-            "note: body `plate`: its particles weigh 1.3 % more than its shape",
+            "note: body `plate`: its particles have 1.3 % more mass than its shape",
             "fit better: 1.1429 mm",
         ]);
         assert!(ended.out.contains("1.254 %"), "{}", ended.out);
@@ -106,7 +106,7 @@ fn limited(place: &Place, limit: &str, spacing: &str) -> common::Ended {
 fn more_particles_than_the_process_may_hold_are_refused() {
     // A million particles, in 300 MB of addresses.
     let ended = limited(&Place::new(), "-v 300000", "\"0.0138 mm\"").expect_code(2);
-    ended.expect_told(&["too-many-particles", "the memory that may be used here holds"]);
+    ended.expect_told(&["too-many-particles", "the available memory is enough for"]);
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn strict_fails_a_broken_run_and_limits_are_those_of_the_deck() {
     let place = Place::new();
     fs::write(place.path("strip.toml"), STRIP).unwrap();
     let ended = place.run(&["run", "strip.toml", "--strict", "-o", "strict"]).expect_code(1);
-    ended.expect_told(&["--strict: the run is broken by", "pairing"]);
+    ended.expect_told(&["--strict: the run has warnings:", "pairing"]);
     assert_eq!(place.summary("strict")["status"], "completed with warnings");
     let names = "[\"pairing\", \"tearing\", \"expansion\", \"lost-neighbors\", \"plastic-work\", \"hot\"]";
     let off = format!("warnings.off={names}");

@@ -27,7 +27,7 @@ pub fn advice(model: &Model, particles: &Particles) -> Advice {
     let mut notes = match (model.formulation, model.search) {
         (Formulation::TotalLagrangian { renewal, .. }, _) => of_total_lagrangian(renewal, hardest.as_ref()),
         (Formulation::UpdatedLagrangian, Search::Initial) => vec![
-            "lists and kernel values of the start see no body that arrives and no large strain: they are for the published comparison alone"
+            "initial neighbour lists and kernel values do not follow approaching bodies or large strains: use them only for the published comparison"
                 .to_owned(),
         ],
         (Formulation::UpdatedLagrangian, Search::EveryStep | Search::Skin { .. } | Search::Adaptive(_)) => {
@@ -47,15 +47,15 @@ fn method(model: &Model) -> String {
     let mut parts = match (model.formulation, model.search) {
         (Formulation::TotalLagrangian { .. }, _) => vec!["total Lagrangian, sums over the initial neighbours"],
         (Formulation::UpdatedLagrangian, Search::EveryStep) => {
-            vec!["updated Lagrangian, sums over the present neighbours, searched every step"]
+            vec!["updated Lagrangian, sums over the current neighbours, searched every step"]
         }
         (Formulation::UpdatedLagrangian, Search::Skin { .. }) => {
-            vec!["updated Lagrangian, sums over the present neighbours, lists with a skin"]
+            vec!["updated Lagrangian, sums over the current neighbours, lists with a skin"]
         }
         (Formulation::UpdatedLagrangian, Search::Adaptive(_)) => {
-            vec!["updated Lagrangian, sums over the present neighbours, adaptive search"]
+            vec!["updated Lagrangian, sums over the current neighbours, adaptive search"]
         }
-        (Formulation::UpdatedLagrangian, Search::Initial) => vec!["updated Lagrangian, lists of the start"],
+        (Formulation::UpdatedLagrangian, Search::Initial) => vec!["updated Lagrangian, initial neighbour lists"],
     };
     if numerics.artificial_stress.is_some() {
         parts.push("artificial stress");
@@ -83,8 +83,8 @@ fn unseen_faces(model: &Model) -> Vec<String> {
     too_wide
         .map(|body| {
             format!(
-                "the kernel of body `{}` reaches over {:.1} spacings, so that a sheet of it three particles thick or less may have no faces and pass through \
-                 what it meets; `smoothing` is at most {:.4} where faces matter",
+                "the kernel of body `{}` extends over {:.1} spacings, so that the faces of a sheet of three particles or fewer may not be found, and it may \
+                 pass through what it hits; use a `smoothing` of at most {:.4} there",
                 body.name,
                 reach(body),
                 FARTHEST_REACH / support
@@ -110,7 +110,7 @@ fn rounded_positions(model: &Model, particles: &Particles) -> Option<String> {
     (share > ROUNDING).then(|| {
         format!(
             "the particles extend over {:.1e} spacings, so that mixed precision keeps their positions to {share:.0e} of a spacing; \
-             `numerics.precision = \"double\"` keeps them all",
+             `numerics.precision = \"double\"` keeps full precision",
             share * (1u64 << 31) as f64
         )
     })
@@ -132,14 +132,14 @@ fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
         let (speed, sound) = (squared.sqrt(), model.materials[body.material].equation_of_state.reference_sound_speed());
         if speed > FASTEST * sound {
             notes.push(format!(
-                "body `{}` starts at {speed:.3e} m/s, {:.0} times its speed of sound: no law here is made for that; check the unit",
+                "body `{}` starts at {speed:.3e} m/s, {:.0} times its speed of sound, beyond the range of the material laws: check the unit",
                 body.name,
                 speed / sound
             ));
         }
         if body.temperature > HOTTEST {
             notes.push(format!(
-                "body `{}` starts at {:.3e} K, where no metal is one: check the unit",
+                "body `{}` starts at {:.3e} K, far above the boiling point of any metal: check the unit",
                 body.name, body.temperature
             ));
         }
@@ -208,15 +208,15 @@ fn of_total_lagrangian(renewal: Option<f64>, hardest: Option<&Impact>) -> Vec<St
     let told = told(impact);
     vec![match renewal {
         Some(bound) if impact.damage_number >= HYPERVELOCITY => format!(
-            "{told}: it will come apart. In the total Lagrangian form a body does so where it is stretched {bound} times, numerically rather \
-             than by a law of fracture; a crater is that of the flow, temperatures of single fragments are not to be trusted"
+            "{told}: it will break apart. In the total Lagrangian form a body does so at a stretch of {bound}, by a numerical criterion rather \
+             than a fracture law; the crater follows from the flow, but temperatures of single fragments are not reliable"
         ),
         None if impact.damage_number >= HYPERVELOCITY => format!(
-            "{told}: it will come apart, which the total Lagrangian form does not let it with `renewal = 0`; leave that out"
+            "{told}: it will break apart, which the total Lagrangian form does not allow with `renewal = 0`; leave that out"
         ),
         Some(_) | None => format!(
-            "{told}: the time step follows the smallest stretch, so a face that is pressed flat takes up to several times the steps \
-             expected from the first"
+            "{told}: the time step follows the smallest stretch, so a flattened face can take several times as many steps as \
+             the first step suggests"
         ),
     }]
 }
@@ -226,22 +226,22 @@ fn of_updated_lagrangian(model: &Model, hardest: Option<&Impact>) -> Vec<String>
     let mut notes = Vec::new();
     let comes_apart = hardest.is_some_and(|impact| impact.damage_number >= HYPERVELOCITY);
     if !comes_apart && model.dimensions != Dimensions::One && model.thermal.mechanics {
-        let instead = "`method = \"total-lagrangian\"` does neither";
+        let instead = "`method = \"total-lagrangian\"` avoids both";
         notes.push(if numerics.artificial_stress.is_some() && numerics.xsph != 0.0 {
             format!(
-                "artificial stress with XSPH does negative work, so that metal that flows yields more than was supplied (a third more in \
-                 `taylor-plate`), and what is pulled still falls into pairs of particles; {instead}"
+                "artificial stress with XSPH does negative work, so that the plastic work exceeds the energy supplied (by a third in \
+                 `taylor-plate`), and in tension particles still clump in pairs; {instead}"
             )
         } else {
             format!(
-                "sums over the present neighbours fall into pairs of particles in tension, from a few per cent of elongation on, and feet that \
-                 are pressed flat flow apart; {instead}"
+                "with sums over the current neighbours, particles in tension clump in pairs from a few per cent of elongation on, and flattened \
+                 feet flow apart; {instead}"
             )
         });
     }
     if model.bodies.len() > 1 && model.contact == BodyContact::Sph {
         notes.push(
-            "bodies meet in kernel sums, which press before they touch and hold them together in tension; `contact = \"penalty\"` pushes alone"
+            "bodies interact through kernel sums, which repel them before they touch and hold them together in tension; `contact = \"penalty\"` only repels"
                 .to_owned(),
         );
     }
@@ -249,8 +249,8 @@ fn of_updated_lagrangian(model: &Model, hardest: Option<&Impact>) -> Vec<String>
         && adaptive.guard.is_none()
     {
         notes.push(
-            "without its guard the adaptive search finds neither bodies that arrive nor material that strains elastically, and no run says what it missed \
-             but one with `audit`"
+            "without its guard the adaptive search misses approaching bodies and material that strains elastically; only `audit` reports what it \
+             missed"
                 .to_owned(),
         );
     }
@@ -278,7 +278,7 @@ mod tests {
         assert!(plate.notes[0].contains("smallest stretch") && plate.step_shrinks);
         assert_eq!(of("iron-plate", &[("body.bar.velocity.1", "-20 m/s")]).notes, [""; 0]);
         let fast = of("iron-plate", &[("body.bar.velocity.1", "-3000 m/s")]);
-        assert!(fast.notes[0].contains("come apart") && fast.notes[0].contains("16 times"), "{fast:?}");
+        assert!(fast.notes[0].contains("break apart") && fast.notes[0].contains("a stretch of 16,"), "{fast:?}");
         let kept = [("body.bar.velocity.1", "-3000 m/s"), ("search", "{ total-lagrangian = { renewal = 0 } }")];
         assert!(of("iron-plate", &kept).notes[0].contains("leave that out"));
         // 2 h over twice the spacing.
@@ -286,7 +286,7 @@ mod tests {
             of("iron-plate", &[("body.bar.velocity.1", "-20 m/s"), ("particles.smoothing", smoothing)]).notes
         };
         assert_eq!(slow("2.0"), [""; 0]);
-        assert!(slow("2.2").len() == 1 && slow("2.2")[0].contains("reaches over 4.4 spacings"), "{:?}", slow("2.2"));
+        assert!(slow("2.2").len() == 1 && slow("2.2")[0].contains("extends over 4.4 spacings"), "{:?}", slow("2.2"));
         // What flies away from the wall strikes nothing.
         assert_eq!(of("iron-plate", &[("body.bar.velocity.1", "3000 m/s")]).notes, [""; 0]);
     }
@@ -296,7 +296,7 @@ mod tests {
         let notes = |path: &str, value: &str| of("iron-plate", &[(path, value)]).notes.join("\n");
         assert!(notes("body.bar.velocity.1", "-300 km/s").contains("times its speed of sound"));
         assert!(!notes("body.bar.velocity.1", "-6 km/s").contains("times its speed of sound"));
-        assert!(notes("body.bar.temperature", "20000 K").contains("no metal is one"));
+        assert!(notes("body.bar.temperature", "20000 K").contains("boiling point of any metal"));
         let far = |shift: &str, precision: &str| {
             let deck = format!(
                 "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\nnumerics = {{ precision = \

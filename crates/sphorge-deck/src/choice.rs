@@ -62,51 +62,51 @@ words! {
     }
     TemperatureWord, "source of temperature", TemperatureSource {
         "plastic-work" => TemperatureSource::PlasticWork, "heat of plastic work";
-        "energy" => TemperatureSource::Energy, "internal energy less cold, elastic and stored energy and the work of the artificial stress: for shock heating";
+        "energy" => TemperatureSource::Energy, "internal energy minus cold, elastic and stored energy and the work of the artificial stress: for shock heating";
     }
     ReturnRuleWord, "return rule", ReturnRule {
         "radial-return" => ReturnRule::RadialReturn, "factor yield stress over equivalent stress";
         "benz-asphaug" => ReturnRule::BenzAsphaug, "the square of that factor (Patiño et al. Eq 28 as printed)";
     }
-    SmoothingLengthWord, "course of the smoothing length", bool {
+    SmoothingLengthWord, "smoothing length rule", bool {
         "constant" => false, "as at the start";
         "follow-density" => true, "grows where material expands and shrinks where it is compressed, at most by a factor of 2";
     }
     CompressionWord, "compression of frames", bool {
-        "zlib" => true, "by zlib, as every reader of VTK files reads it";
-        "none" => false, "values as they are: longer files, for programs that read them without zlib";
+        "zlib" => true, "zlib, which every reader of VTK files supports";
+        "none" => false, "uncompressed: longer files, for programs without zlib";
     }
     PiecesWord, "files of a frame", bool {
-        "each-rank" => true, "each rank writes its particles, and a `.pvtp` file that ParaView opens as one names them all";
-        "one" => false, "the first rank gathers all particles and writes one file, that of a process alone";
+        "each-rank" => true, "each rank writes its particles; a `.pvtp` file, which ParaView opens, lists the files";
+        "one" => false, "the first rank gathers all particles and writes one file, as a single process does";
     }
     SearchWord, "search strategy", Strategy {
         "every-step" => Strategy::updated(Search::EveryStep), "all particles, every step";
-        "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, renewed when two particles may have closed in by it";
-        "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser), and those that the guard adds";
+        "skin" => Strategy::updated(defaults::SKIN), "lists with a skin, rebuilt when two particles may have approached each other by its thickness";
+        "adaptive" => Strategy::updated(Search::Adaptive(defaults::ADAPTIVE)), "particles whose plastic strain grows (Fraser) and those added by the guard";
         "total-lagrangian" => Strategy::total(defaults::HOURGLASS, defaults::RENEWAL, true), "none after the start: sums over the initial neighbours, until a body comes apart";
     }
     GuardWord, "guard of the adaptive search", Option<f64> {
-        "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and contact candidates are searched too, gradients are those of the positions as they are";
+        "full" => Some(defaults::GUARD_STRAIN), "strained elastic material and contact candidates are searched too, and gradients are taken at the current positions";
         "none" => None, "the rule of Fraser as published, kernel values of the last search";
     }
     FormulationWord, "total Lagrangian form", bool {
         "corrected" => true, "deformation gradient and first Piola-Kirchhoff stress with corrected gradients";
-        "frozen" => false, "lists and kernel values of the start in the sums of the other strategies (Fraser, Table 1)";
+        "frozen" => false, "initial lists and kernel values in the sums of the other strategies (Fraser, Table 1)";
     }
     MethodWord, "method", Method {
-        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture until a body is stretched sixteenfold, fourfold where it is liquid; bodies meet walls, each other and themselves in penalty contacts; leapfrog";
-        "updated-lagrangian" => Method::UpdatedLagrangian, "sums over the present neighbours, lists with a skin; bodies meet in kernel sums, walls push by Monaghan & Kos; leapfrog. For debris that meets again";
-        "patino" => Method::Patino, "that of Patiño et al.: the present neighbours, searched every step; artificial stress 0.3 with exponent 4, XSPH 0.5, predictor-corrector";
-        "fraser" => Method::Fraser, "that of Fraser et al.: the present neighbours, adaptive search with its guard; artificial stress 0.3 with exponent 6, XSPH 0.5, leapfrog";
+        "total-lagrangian" => Method::TotalLagrangian, "sums over the initial neighbours, without numerical fracture up to a stretch of 16, or 4 where a body is liquid; penalty contact of bodies with walls, each other and themselves; leapfrog";
+        "updated-lagrangian" => Method::UpdatedLagrangian, "sums over the current neighbours, lists with a skin; bodies interact through kernel sums, walls repel by Monaghan & Kos; leapfrog. For debris that collides again";
+        "patino" => Method::Patino, "that of Patiño et al.: the current neighbours, searched every step; artificial stress 0.3 with exponent 4, XSPH 0.5, predictor-corrector";
+        "fraser" => Method::Fraser, "that of Fraser et al.: the current neighbours, adaptive search with its guard; artificial stress 0.3 with exponent 6, XSPH 0.5, leapfrog";
     }
     ContactWord, "wall contact", WallContactKind {
         "monaghan-kos" => WallContactKind::MonaghanKos, "repulsion of Monaghan & Kos (1999)";
-        "penalty" => WallContactKind::Penalty, "linear penalty with damping and friction; pushes only";
+        "penalty" => WallContactKind::Penalty, "linear penalty with damping and friction; it never pulls";
     }
     BodyContactWord, "contact between bodies", bool {
-        "kernel-sum" => false, "particles of other bodies are neighbours like any other, as in the papers: bodies stick, and while a gap between them closes they are compressed before they touch (aluminium plates at 2 km/s: 1.2 times the Hugoniot pressure from face to face, 1.7 times from a gap of a spacing on; with `penalty` 1.07 times from any gap)";
-        "penalty" => true, "bodies push each other and never pull, with damping and friction";
+        "kernel-sum" => false, "particles of other bodies are neighbours like any others, as in the papers: bodies stick, and are compressed before they touch while a gap closes (aluminium plates at 2 km/s: 1.2 times the Hugoniot pressure from face to face, 1.7 times from a gap of a spacing on; with `penalty` 1.07 times from any gap)";
+        "penalty" => true, "bodies push each other but never pull; damping and friction";
     }
     AxisWord, "axis", usize {
         "x" => 0, "first axis";
@@ -115,8 +115,8 @@ words! {
     }
     EdgeWord, "edge of a crater", CraterEdge {
         "clear" => CraterEdge::Clear, "the clear opening";
-        "entry-lips" => CraterEdge::EntryLips, "from crest to crest of the lips on the side the projectile comes from";
-        "exit-lips" => CraterEdge::ExitLips, "from crest to crest of the lips on the side it leaves by";
+        "entry-lips" => CraterEdge::EntryLips, "from crest to crest of the lips on the entry side";
+        "exit-lips" => CraterEdge::ExitLips, "from crest to crest of the lips on the exit side";
     }
     SideWord, "side", f64 {
         "positive" => 1.0, "towards larger coordinates";
@@ -141,8 +141,8 @@ impl Choices for DimensionsWord {
     }
     fn table() -> Vec<(&'static str, Dimensions, &'static str)> {
         vec![
-            ("1d", Dimensions::One, "motion along x, uniaxial strain; stresses across are carried"),
-            ("plane-strain", Dimensions::PlaneStrain, "motion in the x-y plane; the stress out of it is carried"),
+            ("1d", Dimensions::One, "motion along x, uniaxial strain; transverse stresses are computed"),
+            ("plane-strain", Dimensions::PlaneStrain, "motion in the x-y plane; the out-of-plane stress is computed"),
             ("3d", Dimensions::Three, "three dimensions"),
         ]
     }

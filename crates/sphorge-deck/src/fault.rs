@@ -203,7 +203,7 @@ impl Problems {
         match self.check() {
             Err(report) => report,
             Ok(()) => {
-                let help = "this is a fault of Sphorge, please report it with the deck".to_owned();
+                let help = "this is a bug in Sphorge; please report it with the deck".to_owned();
                 DeckReport::placeless(self.source.name(), "internal", otherwise.to_owned(), Some(help))
             }
         }

@@ -45,7 +45,7 @@ fn read_text(path: &Path) -> io::Result<String> {
     let mut text = String::new();
     let length = File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)? as u64;
     if length > LONGEST {
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "no deck is longer than 8 MB"));
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is longer than 8 MB, the most a deck can be"));
     }
     Ok(text)
 }
@@ -59,10 +59,8 @@ pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) ->
     let text = read_text(path).map_err(|error| {
         let help = match error.kind() {
             _ if path.is_dir() => "this is a folder; name a deck, a .toml file",
-            io::ErrorKind::InvalidData => "a deck is a text in UTF-8",
-            io::ErrorKind::FileTooLarge => {
-                "particles by the thousand belong into a CSV file: `shape = { table = ... }`"
-            }
+            io::ErrorKind::InvalidData => "a deck is UTF-8 text",
+            io::ErrorKind::FileTooLarge => "put thousands of particles into a CSV file: `shape = { table = ... }`",
             _ => "check the path of the deck",
         };
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), Some(help.to_owned()))
@@ -177,5 +175,5 @@ pub(super) fn read_model(name: &str, problems: &mut Problems) -> Result<Interpre
     let raw: Option<RawDeck> = keys::read(problems);
     let interpreted = raw.and_then(|raw| interpret(&raw, name, problems));
     problems.check()?;
-    interpreted.ok_or_else(|| problems.report("the deck could not be interpreted"))
+    interpreted.ok_or_else(|| problems.report("the deck has errors"))
 }

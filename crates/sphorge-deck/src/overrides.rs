@@ -145,7 +145,7 @@ fn nothing_below(name: &str, expected: &Expected, next: &Segment, present: bool)
         let fault = Fault::new("override", format!("the deck has no `{name}` to change"), at, "not in the deck");
         return fault.help("only what is in the deck can be changed; add the entry to the deck");
     }
-    Fault::new("override", format!("`{name}` is a single value"), at, "nothing is below it").help("end the path there")
+    Fault::new("override", format!("`{name}` is a single value"), at, "has no entries").help("end the path here")
 }
 
 fn set_in(place: Place<'_>, expected: &Expected, path: &[Segment], above: &str, value: Value) -> Result<(), Fault> {

@@ -50,7 +50,7 @@ pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass])
         let excess = mass.excess();
         if excess.abs() > MASS_TOLERANCE {
             let word = if excess > 0.0 { "more" } else { "less" };
-            faults.push(format!("its particles weigh {:.1} % {word} than its shape", 100.0 * excess.abs()));
+            faults.push(format!("its particles have {:.1} % {word} mass than its shape", 100.0 * excess.abs()));
         }
         for layer in layers.iter().filter(|layer| layer.body == index) {
             let plane = match layer.plane {
@@ -60,7 +60,8 @@ pub(crate) fn notes(model: &Model, particles: &Particles, masses: &[FilledMass])
                 BoundingPlane::Wall(wall) => format!("wall `{}`", model.walls[wall].name),
             };
             let (gap, half) = (millimetres(layer.gap), millimetres(0.5 * body.spacing));
-            faults.push(format!("its first layer stands {gap} from {plane}, not half a spacing, {half}"));
+            faults
+                .push(format!("its first layer of particles is {gap} from {plane} instead of half a spacing ({half})"));
         }
         if faults.is_empty() {
             continue;
@@ -104,7 +105,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
     let axis_name = |axis: usize| ["x", "y", "z"][axis];
     match error {
         FillError::Empty { body, thickness, spacing } => {
-            let message = format!("body `{}` holds no particles", name(body));
+            let message = format!("body `{}` contains no particles", name(body));
             let label = format!("{} at its thinnest", millimetres(thickness));
             Fault::new("empty-body", message, places.bodies[body].clone(), label)
                 .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
@@ -114,8 +115,8 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
                 ))
         }
         FillError::NoSite { body, spacing } => {
-            let message = format!("body `{}` holds no particles", name(body));
-            Fault::new("empty-body", message, places.bodies[body].clone(), "none falls into its shape")
+            let message = format!("body `{}` contains no particles", name(body));
+            Fault::new("empty-body", message, places.bodies[body].clone(), "no lattice point is inside its shape")
                 .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
                 .help("check where the parts of its shape lie, or make the spacing smaller")
         }
@@ -123,7 +124,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             let gigabytes = count * bytes_per_particle(model) / 1e9;
             let memory = if gigabytes < 1e4 { format!("{gigabytes:.0}") } else { format!("{gigabytes:.1e}") };
             let message = format!("the deck makes about {count:.2e} particles, which take about {memory} GB");
-            let why = if limit < MAX_PARTICLES { "the memory that may be used here holds" } else { "the limit is" };
+            let why = if limit < MAX_PARTICLES { "the available memory is enough for" } else { "the limit is" };
             let d = model.dimensions.count() as f64;
             let coarser = model.bodies[body].spacing * (count / 1e6).powf(1.0 / d);
             // Where a unit has slipped by far it says nothing.
@@ -139,16 +140,14 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             };
             Fault::new("too-many-particles", message, spacing_of(body), "at this spacing")
                 .also(places.bodies[body].clone(), "most of them here")
-                .help(format!("{why} {limit:.0e}{cure}{kept}"))
+                .help(format!("{why} {limit:.0e} particles{cure}{kept}"))
         }
         FillError::Crowded { body, position, count, spacing } => {
-            let message = format!("particles of body `{}` are far nearer each other than its spacing", name(body));
+            let message = format!("particles of body `{}` are much closer to each other than its spacing", name(body));
             let label = format!("{count} of them within one spacing at {}", point(position, model));
             Fault::new("crowded-particles", message, places.bodies[body].clone(), label)
                 .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
-                .help(
-                    "check the unit of the file's lengths and the spacing: particles should be about one spacing apart",
-                )
+                .help("check the length unit of the file and the spacing: particles should be about one spacing apart")
         }
         FillError::Far { body, position, spacing } => {
             let message =
@@ -156,7 +155,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             let label = format!("a particle at {}", point(position, model));
             Fault::new("too-far", message, places.bodies[body].clone(), label)
                 .also(spacing_of(body), format!("the spacing is {}", millimetres(spacing)))
-                .help("double precision keeps 15 digits: move the bodies nearer the origin, or check the units")
+                .help("double precision has 15 digits: move the bodies closer to the origin, or check the units")
         }
         FillError::Overlap { first, second, position, count } => {
             let message = format!("bodies `{}` and `{}` overlap", name(first), name(second));
@@ -164,14 +163,14 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             Fault::new("overlap", message, places.bodies[second].clone(), "this body")
                 .also(
                     places.bodies[first].clone(),
-                    format!("{particles} of this one too near, as at {}", point(position, model)),
+                    format!("{particles} of this body too close to the other, for example at {}", point(position, model)),
                 )
-                .help("move them apart: touching bodies share a face, their outermost particles are a spacing apart")
+                .help("move them apart; bodies that touch share a face, and their outermost particles are one spacing apart")
         }
         FillError::EmptyRegion { region } => {
-            let message = format!("region `{}` holds no particles", model.regions[region].name);
-            Fault::new("empty-region", message, places.regions[region].clone(), "chooses nothing")
-                .help("particles sit half a spacing inside the faces of a body: check the shape, and its body")
+            let message = format!("region `{}` contains no particles", model.regions[region].name);
+            Fault::new("empty-region", message, places.regions[region].clone(), "selects no particles")
+                .help("particles are half a spacing inside the faces of a body: check the shape, and its body")
         }
         FillError::BehindWall { wall, body, depth } => {
             let message = format!("body `{}` is on or behind wall `{}`", name(body), model.walls[wall].name);
@@ -188,7 +187,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             };
             Fault::new("across-symmetry", message, places.symmetry[plane].clone(), "this plane")
                 .also(places.bodies[body].clone(), label)
-                .help("let the body end at the plane, with particles at cell centres (`intersection` with a box cuts off what is behind); check `side`")
+                .help("end the body at the plane, with particles at cell centres (an `intersection` with a box removes the rest); check `side`")
         }
         FillError::OutsideCell { axis, body } => {
             let message = format!("body `{}` reaches out of the periodic cell along {}", name(body), axis_name(axis));
@@ -210,7 +209,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             let message = format!("some particles are driven along {} by two motions", axis_name(axis));
             Fault::new("driven-twice", message, places.motions[second].clone(), "second")
                 .also(places.motions[first].clone(), "first")
-                .help("let the regions not overlap, or leave the axis \"free\" in one of the motions")
+                .help("choose regions that do not overlap, or leave the axis \"free\" in one of the motions")
         }
     }
 }

@@ -44,6 +44,6 @@ impl Strategy {
             dropped.push("pair-form");
         }
         let keys: Vec<String> = dropped.iter().map(|key| format!("`numerics.{key}`")).collect();
-        (!keys.is_empty()).then(|| format!("the total Lagrangian form runs without {}", keys.join(", ")))
+        (!keys.is_empty()).then(|| format!("the total Lagrangian form does not use {}", keys.join(", ")))
     }
 }

@@ -250,13 +250,8 @@ impl Parser<'_> {
                 Some('/') => true,
                 Some('*' | '·' | '⋅') => false,
                 Some(_) if divided => {
-                    let help = "put what stands below the stroke in brackets: J/(kg K)".to_owned();
-                    return Err(self.error(
-                        start,
-                        self.text.len(),
-                        "a product after `/` can be read two ways",
-                        Some(help),
-                    ));
+                    let help = "put the denominator in brackets: J/(kg K)".to_owned();
+                    return Err(self.error(start, self.text.len(), "a product after `/` is ambiguous", Some(help)));
                 }
                 Some(_) => {
                     let factor = self.power()?;

@@ -113,7 +113,7 @@ fn told(message: &str, at: &Range<usize>, text: &str) -> (String, &'static str) 
     let before = text.get(..at.start).unwrap_or_default().trim_end();
     if message.contains("must be quoted") {
         return (
-            format!("`{word}` must stand in quotes"),
+            format!("`{word}` must be in quotes"),
             "words and quantities are text: search = \"skin\", spacing = \"0.3 mm\"",
         );
     }
@@ -122,19 +122,19 @@ fn told(message: &str, at: &Range<usize>, text: &str) -> (String, &'static str) 
     }
     if text.get(at.start..).is_some_and(|rest| rest.starts_with(|c: char| c.is_control() && !c.is_whitespace())) {
         let help = "leave it out; text can hold it as an escape: \"\\u001B\"";
-        return ("a control character cannot stand in a deck".to_owned(), help);
+        return ("a deck cannot contain a control character".to_owned(), help);
     }
     match message {
         "duplicate key" => (
             format!("`{word}` is given twice"),
-            "take one of them out; an entry of a list of tables has two brackets: [[body]]",
+            "remove one of them; an entry of a list of tables has two brackets: [[body]]",
         ),
         "integer number overflowed" => (
             "the number is too large".to_owned(),
-            "whole numbers end at 9223372036854775807; with a decimal point they go on",
+            "the largest whole number is 9223372036854775807; write a larger one with a decimal point",
         ),
         _ if message.contains("recurs") => {
-            ("brackets stand in each other too deep".to_owned(), "no deck needs more than 80 of them")
+            ("brackets are nested too deeply".to_owned(), "at most 80 levels are possible")
         }
         _ => (message.to_owned(), "a deck is TOML: key = value, text in quotes, [table], [[list of tables]]"),
     }

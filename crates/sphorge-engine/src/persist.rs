@@ -51,10 +51,10 @@ pub trait Archive {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ArchiveError {
     /// A value is not there.
-    #[error("the saved state has no `{0}`")]
+    #[error("the saved state does not contain `{0}`")]
     Missing(String),
     /// A value has another type or length.
-    #[error("`{0}` of the saved state is of another size or kind")]
+    #[error("`{0}` of the saved state has another size or type")]
     Mismatch(String),
     /// The engine keeps its state to itself.
     #[error("{0}")]

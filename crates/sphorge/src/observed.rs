@@ -69,7 +69,7 @@ impl Observed {
             };
             add("normal_force", "force along the normal through the plane, positive in tension");
             for ending in ["force_x", "force_y", "force_z"] {
-                add(ending, "force of the material ahead of the plane on that behind");
+                add(ending, "force of the material ahead of the plane on the material behind it");
             }
         }
         Self { values: vec![None; columns.len()], columns, followed: vec![None; model.tracers.len()] }

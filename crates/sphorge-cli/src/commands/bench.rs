@@ -128,7 +128,7 @@ fn tables(report: &BenchReport, times: Option<&KernelTimes>) -> String {
     }
     if let Some(KernelTimes { limits, .. }) = times {
         text += &format!(
-            "{}: copies {:.0} GB/s, {:.2} tera-operations/s by products that are added to something, a launch that is waited for takes {}\n",
+            "{}: copies {:.0} GB/s, {:.2} tera-operations/s in multiply-adds; a launch with synchronisation takes {}\n",
             limits.name,
             limits.bytes_per_second / 1e9,
             limits.operations_per_second / 1e12,
@@ -203,7 +203,7 @@ fn tables(report: &BenchReport, times: Option<&KernelTimes>) -> String {
         text += &table::columns(&head, &[1, 2, 3, 4, 5], kernels.collect());
     }
     if times.is_some() {
-        text += "\nBandwidth is of what threads read and write, also from caches, beside a copy; arithmetic beside products that are added to something.\n";
+        text += "\nBandwidth counts all reads and writes of threads, including those from caches, relative to a copy; arithmetic is relative to multiply-adds.\n";
     }
     if !report.skipped.is_empty() {
         text += "\nNot measured\n\n";

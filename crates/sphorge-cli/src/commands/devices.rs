@@ -27,7 +27,7 @@ pub(crate) fn execute(_: DevicesArguments) -> Ending {
     let missing = survey.missing.iter().map(|of| format!("{}: {}; {}", of.interface, of.why, of.cure));
     let missing = missing.collect::<Vec<_>>().join("\n");
     if survey.cards.is_empty() {
-        return Err(Failure::bad_input("no graphics card is reached".to_owned(), missing));
+        return Err(Failure::bad_input("no usable graphics card was found".to_owned(), missing));
     }
     let rows = survey.cards.iter().map(|card| {
         let kind = if card.is_software { "software, slower than the processor" } else { "graphics card" };

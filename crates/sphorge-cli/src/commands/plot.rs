@@ -355,7 +355,7 @@ impl<'a> Job<'a> {
             if let Some(end) = end.filter(|end| latest > end * (1.0 + 1e-9)) {
                 let [end, latest] = [end, latest].map(|time| quantity(time, "s"));
                 terminal::note(&format!(
-                    "note: the last frame of `{name}` is at {end}: it is drawn in place of {latest}"
+                    "note: the last frame of `{name}` is at {end}: it is drawn instead of {latest}"
                 ));
             }
         }

@@ -105,7 +105,7 @@ pub(crate) fn conclude(summary: &Summary, directory: &Path, strict: bool) -> End
         Status::Stopped => Ok(Outcome::Stopped),
         Status::CompletedWithWarnings if strict => {
             let names: Vec<&str> = summary.warnings.iter().map(|warning| warning.name.as_str()).collect();
-            terminal::note(&format!("--strict: the run is broken by {}", names.join(", ")));
+            terminal::note(&format!("--strict: the run has warnings: {}", names.join(", ")));
             Err(Failure::Told)
         }
         _ => Ok(Outcome::Done),

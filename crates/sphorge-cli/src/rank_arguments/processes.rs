@@ -100,9 +100,9 @@ impl RankArguments {
 /// What is wrong where Slurm has started processes and does not tell MPI of them.
 fn unknown_to_mpi(count: usize) -> Failure {
     Failure::bad_input(
-        format!("`srun` has started {count} processes, and nothing by which MPI could join them"),
+        format!("`srun` has started {count} processes without an interface by which MPI could join them"),
         format!(
-            "`srun --mpi=pmix`, or another kind that {}, which this program is linked to, knows: `srun --mpi=list` names those there are",
+            "`srun --mpi=pmix`, or another interface supported by {}, which this program is linked to: `srun --mpi=list` shows those available",
             Processes::library()
         ),
     )
@@ -112,7 +112,7 @@ fn unknown_to_mpi(count: usize) -> Failure {
 fn alone_among(count: usize) -> Failure {
     Failure::bad_input(
         format!(
-            "{count} processes were started together, and MPI joins none of them: {}, which this program is linked to, does not know who has started them",
+            "{count} processes were started together, but MPI does not join them: {}, which this program is linked to, does not recognise what started them",
             Processes::library()
         ),
         "start it by the `mpirun` of that MPI, or by an `srun --mpi=KIND` that it knows (`srun --mpi=list` names the kinds); or build the program with the MPI \
@@ -123,7 +123,7 @@ fn alone_among(count: usize) -> Failure {
 fn other_number(asked: usize, started: usize) -> Failure {
     Failure::bad_input(
         format!("`--ranks {asked}` was given and {started} processes were started"),
-        "leave `--ranks` out where `mpirun` or `srun` says how many there are",
+        "leave out `--ranks`: `mpirun` or `srun` sets the number of processes",
     )
 }
 
@@ -228,11 +228,11 @@ fn conclude(status: ExitStatus, directory: &Path) -> Ending {
     };
     let kept = match RunDirectory::open(directory) {
         Ok(_) => format!(
-            "what was computed up to then is in {}: whole frames, history and checkpoints, from the last of which `sphorge resume` goes on",
+            "the results so far are in {}: complete frames, history and checkpoints; `sphorge resume` continues from the last one",
             directory.display()
         ),
         Err(_) => "nothing was computed yet".to_owned(),
     };
-    terminal::note(&format!("a rank of the run has ended {how}, and the others with it; {kept}"));
+    terminal::note(&format!("a rank of the run has ended {how}, and so have the others; {kept}"));
     Err(Failure::Told)
 }

@@ -243,12 +243,16 @@ pub(crate) fn symmetry(
             }
             let first = raw[j].axis.span();
             if other.side == plane.side {
-                let fault =
-                    Fault::new("conflict", "two symmetry planes hold the same side of one axis", at.clone(), "second");
+                let fault = Fault::new(
+                    "conflict",
+                    "two symmetry planes of one axis have the material on the same side",
+                    at.clone(),
+                    "second",
+                );
                 problems.push(fault.also(first, "first").help("leave one of them out, or turn its `side`"));
             } else if (plane.position - other.position) * plane.side >= 0.0 {
                 let fault =
-                    Fault::new("conflict", "no room is left between the two symmetry planes", at.clone(), "second");
+                    Fault::new("conflict", "there is no space between the two symmetry planes", at.clone(), "second");
                 problems
                     .push(fault.also(first, "first").help("material is on the `side` of each: check `at` and `side`"));
             }
@@ -257,7 +261,7 @@ pub(crate) fn symmetry(
     read.into_iter().collect()
 }
 
-/// Held or driven particles.
+/// Fixed or driven particles.
 pub(crate) fn motion(
     raw: &RawMotion,
     regions: &Names,

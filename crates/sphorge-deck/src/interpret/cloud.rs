@@ -84,7 +84,7 @@ impl Columns {
                 return Err("is empty; its first line names the columns".to_owned());
             }
             if let Some(other) = names.iter().find_map(|name| name.find([';', '\t', ' ']).map(|at| &name[at..=at])) {
-                return Err(format!("line 1: cells are set apart by commas, not by {other:?}"));
+                return Err(format!("line 1: columns are separated by commas, not by {other:?}"));
             }
             let plural = if missing.len() == 1 { "" } else { "s" };
             let found = listed(names.iter(), "and");
@@ -131,13 +131,13 @@ fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudP
     let one = |message: String| vec![message];
     // Devices and pipes may never end.
     if std::fs::metadata(path).is_ok_and(|file| !file.is_file()) {
-        return Err(one("is no regular file".to_owned()));
+        return Err(one("is not a regular file".to_owned()));
     }
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_path(path)
-        .map_err(|error| one(format!("cannot be read: {error}; it is sought from the folder of the deck")))?;
+        .map_err(|error| one(format!("cannot be read: {error}; its path is relative to the folder of the deck")))?;
     let names = reader.headers().map_err(|error| one(format!("is no CSV: {error}")))?.clone();
     let columns = Columns::find(&names, dimensions).map_err(one)?;
     let mut cells = Reader { names: &names, faults: Vec::new() };
@@ -153,7 +153,7 @@ fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudP
                         format!("line {}: {len} cell{plural}, where line 1 names {expected_len}", pos.line())
                     }
                     csv::ErrorKind::Utf8 { pos: Some(pos), .. } => {
-                        format!("line {}: bytes that are no text in UTF-8", pos.line())
+                        format!("line {}: the bytes are not UTF-8 text", pos.line())
                     }
                     _ => format!("is no CSV: {error}"),
                 };
@@ -178,12 +178,12 @@ fn read(path: &Path, dimensions: Dimensions, units: &Units) -> Result<Vec<CloudP
         if let Some(first) = lines.insert(position.map(|c| (c + 0.0).to_bits()), line)
             && position.iter().all(|c| c.is_finite())
         {
-            cells.faults.push(format!("lines {first} and {line} put a particle in one place"));
+            cells.faults.push(format!("lines {first} and {line} put two particles in the same place"));
         }
         particles.push(CloudParticle { position, velocity, share });
     }
     if particles.is_empty() && cells.faults.is_empty() {
-        cells.faults.push("holds no particles".to_owned());
+        cells.faults.push("contains no particles".to_owned());
     }
     if cells.faults.is_empty() { Ok(particles) } else { Err(cells.faults) }
 }

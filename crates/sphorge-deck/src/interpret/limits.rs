@@ -27,7 +27,7 @@ pub(crate) const OUTLINE: usize = 10_000;
 pub(crate) fn exceeds(raw: &RawDeck, problems: &mut Problems) -> bool {
     let boundaries = raw.thermal.as_ref().map_or(&[][..], |thermal| &thermal.boundary);
     let motion = |motion: &RawMotion| motion.region.span();
-    let body = "let one body have the parts of several, in a `union`, or particles from a file";
+    let body = "combine several bodies into one by a `union`, or use particles from a file";
     let counts = [
         check(raw.body.iter().map(|b| b.name.span()), BODIES, "bodies", body, problems),
         check(raw.region.iter().map(|r| r.name.span()), MAX_REGIONS, "regions", "", problems),

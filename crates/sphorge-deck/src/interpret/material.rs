@@ -41,9 +41,8 @@ impl Library {
             if length == 0 || length > LONGEST_NAME || !is_printable(name.get_ref()) {
                 let message = format!("`{}` cannot name a material", name.get_ref());
                 let fault = Fault::new("bad-name", message, name.span(), "this name");
-                problems.push(
-                    fault.help("use a name of one line of at most 64 characters, none of them a control character"),
-                );
+                problems
+                    .push(fault.help("use a name of at most 64 characters on one line, without control characters"));
             }
             let base = material.base.as_ref().and_then(|b| b.text(problems)).map(str::to_owned);
             let base_at = material.base.as_ref().map_or(name.span(), |b| b.span());
@@ -58,10 +57,11 @@ impl Library {
                 problems.push(library.unknown(base, material.base_at.clone()));
             } else if library.constants(name).is_none() {
                 let message = format!(
-                    "the bases of material `{name}` lead back to it, or through more than {LONGEST_CHAIN} others"
+                    "the `base` of material `{name}` leads back to itself, or through more than {LONGEST_CHAIN} other materials"
                 );
                 let fault = Fault::new("circular-base", message, material.base_at.clone(), "does not end");
-                problems.push(fault.help("a chain of `base` must end at a material without one, or in the catalogue"));
+                problems
+                    .push(fault.help("a chain of `base` must end at a material without `base`, or in the catalogue"));
             }
         }
         library

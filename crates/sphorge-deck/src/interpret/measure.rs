@@ -263,7 +263,7 @@ fn read_field(
     let index = names.iter().position(|n| *n == name);
     if index.is_none() {
         let (message, help) = if names.is_empty() {
-            (format!("`{}` is a single number, it has no components", field.name), "leave `component` out".to_owned())
+            (format!("`{}` is a scalar and has no components", field.name), "leave `component` out".to_owned())
         } else {
             let help = format!("it has {}", listed(names.iter().copied(), "and"));
             (format!("`{}` has no component `{name}`", field.name), help)

@@ -265,7 +265,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         // It goes to terminals and files as it is.
         let message = "expected a title of one line without control characters";
         let fault = Fault::new("control-character", message, word.span(), "this title");
-        problems.push(fault.help("it stands in terminals, pictures and files"));
+        problems.push(fault.help("it appears in terminals, pictures and files"));
     }
     check_together(raw, dimensions, strategy, numerics.as_ref(), contact, problems);
     let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
@@ -341,7 +341,7 @@ fn check_together(
         && n.integrator == Integrator::PredictorCorrector
     {
         let message = "the total Lagrangian form is integrated by leapfrog";
-        let help = "choose `integrator = \"leapfrog\"`, or a method that sums over the present neighbours: \
+        let help = "choose `integrator = \"leapfrog\"`, or a method that sums over the current neighbours: \
                     `method = \"updated-lagrangian\"`";
         problems.push(Fault::new("not-together", message, key.span(), "not in the total Lagrangian form").help(help));
     }
@@ -361,7 +361,7 @@ fn check_together(
     if let (Some(Formulation::TotalLagrangian { .. }), true, Some(cell)) =
         (strategy.map(|s| s.formulation), raw.body.len() > 1, cell)
     {
-        let message = "bodies in the total Lagrangian form do not meet across the ends of a periodic cell";
+        let message = "contact across the ends of a periodic cell is not possible in the total Lagrangian form";
         let fault = Fault::new("not-together", message, cell.span.clone(), "periodic");
         problems.push(with_search(fault).help("choose `method = \"updated-lagrangian\"`"));
     }
@@ -375,12 +375,12 @@ fn check_self_contact(raw: &RawDeck, dimensions: Dimensions, contact: Option<Bod
     let Some(ScalarOr::Composed(search, _)) = &raw.search else { return };
     let Some(given) = search.total_lagrangian.as_ref().and_then(|form| form.self_contact.as_ref()) else { return };
     let (where_not, why) = match (&raw.periodic.x, &raw.periodic.y, &raw.periodic.z) {
-        _ if contact == Some(BodyContact::Sph) => ("in kernel sums", raw.contact.as_ref().map(|c| c.span())),
+        _ if contact == Some(BodyContact::Sph) => ("with kernel sums", raw.contact.as_ref().map(|c| c.span())),
         _ if dimensions == Dimensions::One => ("in one dimension", raw.dimensions.as_ref().map(|word| word.span())),
         (Some(cell), ..) | (_, Some(cell), _) | (.., Some(cell)) => ("in a periodic cell", Some(cell.span.clone())),
         (None, None, None) => return,
     };
-    let message = format!("bodies do not meet themselves {where_not}");
+    let message = format!("self-contact is not possible {where_not}");
     let fault = Fault::new("not-together", message, given.span(), "not possible");
     let fault = match why {
         Some(span) => fault.also(span, "with this"),
@@ -393,15 +393,15 @@ fn check_self_contact(raw: &RawDeck, dimensions: Dimensions, contact: Option<Bod
 fn without_contact(strategy: Strategy, contact: BodyContact, bodies: usize) -> Option<(&'static str, &'static str)> {
     match (strategy.formulation, strategy.search, contact) {
         (Formulation::TotalLagrangian { .. }, _, BodyContact::Sph) if bodies > 1 => Some((
-            "the total Lagrangian form sums over the particles of one body, so bodies cannot meet in kernel sums",
+            "the total Lagrangian form sums over the particles of one body, so bodies cannot interact through kernel sums",
             "choose `contact = \"penalty\"`, which is its default, or `method = \"updated-lagrangian\"`",
         )),
         (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_)) => Some((
-            "lists of the start hold no body that arrives, so bodies cannot meet in a contact",
+            "initial neighbour lists do not include approaching bodies, so a contact between them is not possible",
             "choose another `search`, or leave `contact` out",
         )),
         (_, Search::Adaptive(adaptive), BodyContact::Penalty(_)) if adaptive.guard.is_none() => Some((
-            "the adaptive search without its guard misses bodies that arrive, so they cannot meet in a contact",
+            "the adaptive search without its guard misses approaching bodies, so a contact between them is not possible",
             "leave `guard` out, choose another `search`, or leave `contact` out",
         )),
         (_, Search::EveryStep | Search::Skin { .. } | Search::Adaptive(_) | Search::Initial, _) => None,
@@ -413,7 +413,8 @@ fn region(raw: &RawRegion, bodies: &Names, dimensions: Dimensions, problems: &mu
     let at = raw.name.span();
     let shape = raw.shape.as_ref().map(|s| shape::shape(s, dimensions, at.clone(), problems));
     if body.is_none() && shape.is_none() {
-        let fault = Fault::new("empty-region", "a region needs a `body`, a `shape` or both", at, "chooses nothing");
+        let fault =
+            Fault::new("empty-region", "a region needs a `body`, a `shape` or both", at, "selects no particles");
         problems.push(fault.if_its_entry_is_whole());
         return None;
     }

@@ -40,7 +40,7 @@ macro_rules! or_default {
     };
 }
 
-/// Choices of the discretisation.
+/// Numerical options.
 pub(crate) fn numerics(raw: &RawNumerics, usual: &Choices, problems: &mut Problems) -> Option<Numerics> {
     let kernel = or_default!(raw.kernel, Default::default(), |k: &Choice<_>| k.get(problems));
     let integrator = or_default!(raw.integrator, usual.integrator, |k: &Choice<_>| k.get(problems));
@@ -88,7 +88,7 @@ pub(crate) fn check_smoothing(
         Some(Search::EveryStep | Search::Skin { .. }) | None => false,
     };
     if outlive {
-        let message = "smoothing lengths that follow the density need lists that follow the positions";
+        let message = "smoothing lengths that follow the density need neighbour lists that follow the positions";
         let fault = Fault::new("wrong-search", message, given.span(), "not with the search of this deck");
         problems.push(fault.help("set `search` to \"skin\" or \"every-step\" (with `method = \"updated-lagrangian\"`), or leave the smoothing length constant"));
     }
@@ -104,7 +104,7 @@ fn smoothing_length(
         ScalarOr::Composed(table, at) => (table, at.clone()),
     };
     let options = vec![("follow-density", table.follow_density.as_ref())];
-    let follow = super::exactly_one(options, "a course of the smoothing length", at, problems)?;
+    let follow = super::exactly_one(options, "a smoothing length rule", at, problems)?;
     let factor = or_default!(follow.factor, defaults::SMOOTHING_FACTOR, |f: &Given<Number>| f
         .within(Bound::Between(1.0, 4.0), problems));
     Some(SmoothingLength::FollowDensity { factor: factor? })
@@ -207,8 +207,12 @@ fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<Adaptiv
     let bound = or_default!(raw.strain_bound, defaults::GUARD_STRAIN, |b| share(b, problems));
     let accumulate = or_default!(raw.accumulate, default.accumulate, |a: &crate::value::Flag| a.get(problems));
     if let (Some(None), Some(given)) = (guard, &raw.strain_bound) {
-        let fault =
-            Fault::new("not-together", "without its guard the search has no strain bound", given.span(), "not used");
+        let fault = Fault::new(
+            "not-together",
+            "without its guard the adaptive search does not use a strain bound",
+            given.span(),
+            "not used",
+        );
         problems.push(fault.help("leave `strain-bound` or `guard = \"none\"` out"));
     }
     let bound = bound?;
@@ -282,8 +286,7 @@ pub(crate) fn time(raw: &RawTime, problems: &mut Problems) -> Option<TimeControl
     if let Some(fixed) = &raw.fixed_step
         && let Some(given) = numbers.chain(repeats.as_ref().map(crate::value::Count::span)).next()
     {
-        let fault =
-            Fault::new("not-together", "a fixed step is taken as it is: there is no step control", given, "not used");
+        let fault = Fault::new("not-together", "a fixed time step cannot have step control", given, "not used");
         problems.push(fault.also(fixed.span(), "given here").help("leave out one of them"));
     }
     let max_steps = or_default!(raw.max_steps, None, |n: &crate::value::Count| n.whole(problems).map(Some));
@@ -331,8 +334,12 @@ pub(crate) fn output(
     let frame_interval = or_default!(raw.frame_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
     let history_interval = or_default!(raw.history_interval, None, |t: &Given<_>| t.positive(problems).map(Some));
     if let (Some(count), Some(interval)) = (&raw.frames, &raw.frame_interval) {
-        let fault =
-            Fault::new("exactly-one", "`frames` and `frame-interval` say the same", interval.span(), "and here");
+        let fault = Fault::new(
+            "exactly-one",
+            "`frames` and `frame-interval` both set the time between frames",
+            interval.span(),
+            "and here",
+        );
         problems.push(fault.also(count.span(), "here").help("keep one of them"));
     }
     let fields = match &raw.fields {

@@ -22,7 +22,7 @@ pub(crate) fn listed_fields(given: &[Choice<FieldWord>], problems: &mut Problems
         if let (Some(name), Some(first)) = (field, fields.iter().position(|other| other == field).filter(|&j| j < k)) {
             let fault =
                 Fault::new("duplicate-name", format!("field `{name}` is listed twice"), given[k].span(), "again");
-            problems.push(fault.also(given[first].span(), "first here").help("take one of them out"));
+            problems.push(fault.also(given[first].span(), "first here").help("remove one of them"));
         }
     }
     fields.into_iter().map(|field| field.map(str::to_owned)).collect()
@@ -48,8 +48,8 @@ fn tracer(raw: &RawTracer, scene: &Scene<'_>, problems: &mut Problems) -> Option
         Some(given) => {
             if given.is_empty() {
                 problems.push(
-                    Fault::new("empty-list", "a tracer needs a field to write", raw.name.span(), "writes nothing")
-                        .help("leave `fields` out for the usual ones"),
+                    Fault::new("empty-list", "a tracer needs a field to write", raw.name.span(), "no field to write")
+                        .help("leave `fields` out for the default ones"),
                 );
             }
             listed_fields(given, problems)

@@ -68,8 +68,8 @@ fn placed(
     let solid = match given? {
         Given::Table(table) if can_be_table => cloud(table, dimensions, problems),
         Given::Table(table) => {
-            let message = "particles from a file are the whole shape of a body";
-            problems.push(Fault::new("table-as-part", message, table.file.span(), "as a part or a region"));
+            let message = "particles from a file cannot be part of another shape or a region";
+            problems.push(Fault::new("table-as-part", message, table.file.span(), "must be the whole shape of a body"));
             None
         }
         given => solid(given, dimensions, at, problems),
@@ -340,14 +340,14 @@ fn solid_polygon(raw: &RawPolygon, at: Range<usize>, problems: &mut Problems) ->
     if let Some((a, b)) = crossing(&corners) {
         let fault = Fault::new(
             "bad-polygon",
-            "the line of a polygon crosses itself",
+            "the outline of the polygon crosses itself",
             raw.corners[b].span.clone(),
             "the edge that begins here",
         );
         problems.push(
             fault
                 .also(raw.corners[a].span.clone(), "crosses the one that begins here")
-                .help("list the corners in order around the area"),
+                .help("list the corners in order along the outline"),
         );
         return None;
     }
@@ -427,7 +427,7 @@ fn rotation_axis(raw: &RawRotate, dimensions: Dimensions, problems: &mut Problem
             "missing-key",
             "in three dimensions a rotation needs an `axis`",
             raw.angle.span(),
-            "about what?",
+            "has no `axis`",
         );
         problems.push(fault.help("add `axis = [0, 0, 1]`").if_its_entry_is_whole());
         return None;

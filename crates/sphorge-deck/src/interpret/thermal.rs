@@ -21,8 +21,9 @@ pub(crate) fn thermal(
     let boundaries: Vec<_> = raw.boundary.iter().map(|b| boundary(b, bodies, regions, problems)).collect();
     let (conduction, mechanics) = (conduction?, mechanics?);
     if !conduction && !mechanics {
-        let fault = Fault::new("conflict", "bodies do not move and no heat flows", raw.span(), "nothing happens");
-        problems.push(fault.help("leave one of `conduction = false` and `mechanics = false` out"));
+        let fault =
+            Fault::new("conflict", "the bodies do not move and no heat flows", raw.span(), "nothing to compute");
+        problems.push(fault.help("leave out `conduction = false` or `mechanics = false`"));
         return None;
     }
     Some(Thermal { conduction, mechanics, boundaries: boundaries.into_iter().collect::<Option<_>>()? })

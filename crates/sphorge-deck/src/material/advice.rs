@@ -26,14 +26,15 @@ fn poisson_ratio(constants: &Constants, material: &Material) -> Option<String> {
     let given =
         format!("material `{}`: its pressure law and shear modulus give Poisson's ratio {nu:.2}", material.name);
     match constants.elastic.completed().and_then(|elastic| elastic.poisson) {
-        Some(stated) => ((nu - stated).abs() > STATED_WITHIN)
-            .then(|| format!("{given}, its elastic constants {stated:.2}: one of them may be another metal's")),
+        Some(stated) => ((nu - stated).abs() > STATED_WITHIN).then(|| {
+            format!("{given}, its elastic constants give {stated:.2}: one of them may belong to another metal")
+        }),
         None => {
             let (least, most) = OF_METALS;
             (material.flow_law.yields() && !(least..=most).contains(&nu)).then(|| {
                 format!(
-                    "{given}, metals have {least:.2} to {most:.2}: one of them may be another metal's; `poisson-ratio` \
-                     beside `shear-modulus` says what is meant"
+                    "{given}; metals have {least:.2} to {most:.2}: one of them may belong to another metal; add `poisson-ratio` beside \
+                     `shear-modulus` if the value is intended"
                 )
             })
         }
@@ -45,8 +46,8 @@ fn temperature(material: &Material) -> Option<String> {
     let isothermal = material.flow_law.depends_on_temperature() && !material.heats() && material.taylor_quinney > 0.0;
     isothermal.then(|| {
         format!(
-            "material `{}` has no `specific-heat`: its temperature stays, and `{}` does not soften as it flows; \
-             `taylor-quinney = 0` says that this is meant",
+            "material `{}` has no `specific-heat`: its temperature is constant, and `{}` does not soften with plastic flow; \
+             set `taylor-quinney = 0` if this is intended",
             material.name,
             material.flow_law.key()
         )
@@ -67,7 +68,7 @@ mod tests {
         // Armco iron of the papers: K = 7890 3630^2 = 103.97 GPa, G = 80 GPa: 151.90/783.8 = 0.194.
         let iron = entry("armco-iron").unwrap().clone();
         let told = advice_of(&iron);
-        assert!(told.len() == 1 && told[0].contains("ratio 0.19, metals have 0.20 to 0.45"), "{told:?}");
+        assert!(told.len() == 1 && told[0].contains("ratio 0.19; metals have 0.20 to 0.45"), "{told:?}");
         // G = 78 GPa: 155.9/779.8 = 0.1999, G = 77.9 GPa: 156.1/779.6 = 0.2002; G = 10.7 GPa: 0.4504, G = 10.8 GPa: 0.4498.
         for (shear, is_told) in [(78.0e9, true), (77.9e9, false), (10.8e9, false), (10.7e9, true)] {
             let mut other = iron.clone();

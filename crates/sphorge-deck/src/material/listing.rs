@@ -43,7 +43,7 @@ pub struct LawListing {
 pub struct MaterialListing {
     /// Name in a deck.
     pub name: String,
-    /// What the material is.
+    /// Description of the material.
     pub description: String,
     /// Where the constants are published.
     pub reference: String,

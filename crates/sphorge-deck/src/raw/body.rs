@@ -19,9 +19,9 @@ tables! {
         spin: Option<RawSpin>;
         /// Initial velocity linear in space, added to the velocity.
         velocity_gradient: Option<RawVelocityGradient>;
-        /// Initial velocity by a table along an axis, added to the velocity.
+        /// Initial velocity as a table along an axis, added to the velocity.
         velocity_profile: Option<RawVelocityProfile>;
-        /// Initial velocity outwards by a table of the radius, added to the velocity.
+        /// Initial outward velocity as a table of the radius, added to the velocity.
         radial_velocity: Option<RawRadialVelocity>;
         /// Initial temperature.
         temperature: Option<Given<Temperature>>, example "20 degC", otherwise "the material's `reference-temperature`";
@@ -29,9 +29,9 @@ tables! {
         spacing: Option<Given<Length>>, example "0.3 mm", otherwise "that of `particles`";
         /// Smoothing length over spacing of this body.
         smoothing: Option<Given<Number>>, example 1.2, otherwise "that of `particles`";
-        /// How the particles of this body are arranged.
+        /// Arrangement of the particles of this body.
         lattice: Option<Choice<ArrangementWord>>, example "rings", otherwise "that of `particles`";
-        /// Where the square or cubic lattice sits in this body.
+        /// Placement of the square or cubic lattice in this body.
         placement: Option<Choice<PlacementWord>>, example "on-faces", otherwise "that of `particles`";
     }
 
@@ -57,7 +57,7 @@ tables! {
         along: Choice<AxisWord>, example "x";
         /// Velocity where the table says 1.
         amplitude: VectorOf<Velocity>, example ["0 m/s", "0.57 m/s"];
-        /// Rows of place on the axis and share of the amplitude, places increasing: linear between rows, constant outside.
+        /// Rows of coordinate on the axis and share of the amplitude, with increasing coordinates: linear between rows, constant outside.
         rows: Vec<(Given<Length>, Given<Number>)>, example [["0 mm", 0.0], ["200 mm", 1.0]];
     }
 
@@ -67,11 +67,11 @@ tables! {
         centre: Option<VectorOf<Length>>, example ["0 mm", "0 mm"], otherwise "the origin";
         /// In three dimensions: away from the line along this axis through the centre.
         axis: Option<Choice<AxisWord>>, example "z", otherwise "away from the centre itself";
-        /// Rows of radius and velocity, outwards if positive, radii increasing: linear between rows, constant outside.
+        /// Rows of radius and velocity (positive outwards), with increasing radii: linear between rows, constant outside.
         rows: Vec<(Given<Length>, Given<Velocity>)>, example [["20 mm", "120 m/s"], ["24 mm", "100 m/s"]];
     }
 
-    /// A named set of particles, chosen in the initial configuration; `body`, `shape` or both.
+    /// A named set of particles, selected in the initial configuration by `body`, `shape` or both.
     RawRegion {
         /// Name of the region.
         name: Word, example "left-end";

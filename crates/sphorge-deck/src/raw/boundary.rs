@@ -17,7 +17,7 @@ tables! {
         segment: Option<RawSegment>;
         /// Velocity of the wall, by axis: a constant, or rows of time and velocity (linear between rows, constant outside).
         velocity: Option<Vec<ScalarOr<Given<Velocity>, Rows<Velocity>>>>, example ["0 m/s", [["0 s", "0 m/s"], ["5 ms", "1 m/s"]]], otherwise "at rest";
-        /// How the wall pushes.
+        /// Contact law of the wall.
         contact: Option<ScalarOr<Choice<ContactWord>, RawContact>>, example { "penalty": { "friction": 0.2 } }, otherwise "`penalty` in the total Lagrangian form, else `monaghan-kos`";
     }
 
@@ -37,11 +37,11 @@ tables! {
         to: VectorOf<Length>, example ["5 mm", "0 mm"];
     }
 
-    /// A contact law with constants of its own; one of them.
+    /// A contact law with its constants; exactly one.
     RawContact {
         /// Repulsion of Monaghan & Kos (1999).
         monaghan_kos: Option<RawMonaghanKos>;
-        /// Linear penalty with damping and Coulomb friction; pushes only.
+        /// Linear penalty with damping and Coulomb friction; it never pulls.
         penalty: Option<RawPenalty>;
     }
 
@@ -53,11 +53,11 @@ tables! {
 
     /// Constants of the penalty contact.
     RawPenalty {
-        /// Stiffness over m c0² / spacing² of the particle.
+        /// Stiffness, relative to m c0² / spacing² of the particle.
         stiffness: Option<Given<Number>>, example 1.0, default 1.0;
         /// Damping as a share of critical, 0 to 1.
         damping: Option<Given<Number>>, example 0.1, default 0.1;
-        /// Coulomb coefficient. The wall is adiabatic: all the heat of friction goes to the body.
+        /// Coulomb friction coefficient. The wall is adiabatic: all heat of friction goes into the body.
         friction: Option<Given<Number>>, example 0.2, default 0.0;
     }
 
@@ -82,11 +82,11 @@ tables! {
         z: Option<VectorOf<Length>>, example ["0 mm", "5 mm"], otherwise "not periodic";
     }
 
-    /// Held or driven particles.
+    /// Fixed or driven particles.
     RawMotion {
         /// The particles.
         region: Word, example "left-end";
-        /// Velocity, by axis: a constant (zero holds), rows of time and velocity (linear between rows, constant outside), or
+        /// Velocity, by axis: a constant (zero for fixed), rows of time and velocity (linear between rows, constant outside), or
         /// `"free"`.
         velocity: Vec<ScalarOr<VelocityOrFree, Rows<Velocity>>>, example ["0 m/s", "free", [["0 s", "0 m/s"], ["5 ms", "1 m/s"]]];
     }

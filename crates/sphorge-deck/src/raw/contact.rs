@@ -4,21 +4,21 @@ use super::super::declare::tables;
 use super::super::{choice::*, value::*};
 
 tables! {
-    /// A contact between bodies with constants of its own; one of them.
+    /// The contact between bodies with its constants.
     RawBodyContact {
-        /// Bodies push each other and never pull; the force grows from the kernel-weighted overlap of their particles.
+        /// Bodies push each other but never pull; the force follows from the kernel-weighted overlap of their particles.
         penalty: Option<RawBodyPenalty>;
     }
 
-    /// Constants of the contact that never pulls.
+    /// Constants of the penalty contact between bodies.
     #[derive(Default)]
     RawBodyPenalty {
-        /// Pressure per closure by one spacing, over the harmonic mean of the two bulk moduli.
+        /// Pressure for a closure of one spacing, over the harmonic mean of the two bulk moduli.
         stiffness: Option<Given<Number>>, example 2.0, default 1.0;
         /// Damping as a share of critical, 0 to 1.
         damping: Option<Given<Number>>, example 0.5, default 0.3;
-        /// Coulomb coefficient. The heat of friction is shared in proportion to the effusivities sqrt(k rho c) of the materials, by halves
-        /// where a conductivity is not given.
+        /// Coulomb friction coefficient. The heat of friction is divided in proportion to the effusivities sqrt(k rho c) of the materials,
+        /// or equally where a conductivity is not given.
         friction: Option<Given<Number>>, example 0.1, default 0.0;
     }
 }

@@ -4,7 +4,7 @@ use super::super::declare::tables;
 use super::super::{choice::*, scalar::Scalar, value::*};
 
 tables! {
-    /// A number to report: a name and one kind.
+    /// A number to report: a name and exactly one kind.
     RawMeasure {
         /// Name of the measure: column of `history.csv`, key in `summary.json`.
         name: Word, example "height";
@@ -24,7 +24,7 @@ tables! {
         value: Option<RawValue>;
         /// Speed of a front: where a field crosses a level, followed over time and fitted by a straight line, m/s.
         front_speed: Option<RawFrontSpeed>;
-        /// Period of an oscillation: mean distance of the upward crossings of the mean of a field about its own mean, s.
+        /// Period of an oscillation, s: mean time between the upward crossings of the mean of a field through its own mean value.
         period: Option<RawFieldMeasure>;
         /// Time at which the mean velocity along an axis changes sign, s.
         reversal_time: Option<RawAlongAxis>;
@@ -62,7 +62,7 @@ macro_rules! selected {
                 body: Option<Word>, example "bar", otherwise "all";
                 /// Only particles of this region.
                 region: Option<Word>, example "left-end", otherwise "all";
-                /// Only particles that are inside this box at the time.
+                /// Only particles that are currently inside this box.
                 window: Option<RawWindow>, otherwise "everywhere";
                 $($own)*
             }
@@ -94,7 +94,7 @@ selected! {
         field: Choice<FieldWord>, example "temperature";
         /// Component of a vector or tensor: `x` to `z`, `xx` to `zz`.
         component: Option<Word>, example "y", otherwise "the magnitude";
-        /// Over all rows of the history so far rather than now.
+        /// Extremum over all rows of the history so far instead of the current value.
         over_time: Option<Flag>, example true, default false;
     }
     /// A field at a point.
@@ -112,7 +112,7 @@ selected! {
         field: Choice<FieldWord>, example "pressure";
         /// Component of a vector or tensor: `x` to `z`, `xx` to `zz`.
         component: Option<Word>, example "y", otherwise "the magnitude";
-        /// Axis the front runs along.
+        /// Axis along which the front moves.
         axis: Choice<AxisWord>, example "x";
         /// Value of the field that marks the front, in the unit of the field.
         level: Scalar, example "5 GPa";
@@ -135,10 +135,10 @@ macro_rules! perforation {
                 axis: Choice<AxisWord>, example "y";
                 /// Whether the flight is towards larger or smaller coordinates.
                 side: Option<Choice<SideWord>>, example "negative", default "positive";
-                /// A point of the line of flight.
+                /// A point on the line of flight.
                 point: Option<VectorOf<Length>>, example ["0 mm", "0 mm"], otherwise "the origin";
-                /// Particles of the plate hang together up to this distance, in its spacings. What hangs together with a piece of at
-                /// least a tenth of the plate's mass is the plate, all else is debris.
+                /// Particles of the plate are connected up to this distance, in its spacings. Connected pieces of at least a tenth of
+                /// the plate's mass are the plate, everything else is debris.
                 link: Option<Given<Number>>, example 1.5, default 1.5;
                 $($own)*
             }
@@ -174,7 +174,7 @@ perforation! {
     }
     /// The debris behind a plate: all particles, of any body, that are no longer part of the plate.
     RawCloud {
-        /// Share of the mass of the cloud to leave out at its outer end, where a few particles fly alone; 0 to 0.5.
+        /// Share of the mass of the cloud to leave out at its outer end, where there are only single particles; 0 to 0.5.
         leave_out: Option<Given<Number>>, example 0.01, default 0.0;
     }
 }

@@ -4,14 +4,14 @@ use super::super::declare::tables;
 use super::super::{choice::*, value::*};
 
 tables! {
-    /// Choices of the discretisation.
+    /// Numerical options.
     #[derive(Default)]
     RawNumerics {
         /// Smoothing kernel.
         kernel: Option<Choice<KernelWord>>, example "wendland-c2", default "cubic-spline";
         /// Time integrator.
         integrator: Option<Choice<IntegratorWord>>, example "predictor-corrector", otherwise "that of the method";
-        /// Arithmetic of the pair sums; state is always kept in double precision.
+        /// Arithmetic of the pair sums; the state is always kept in double precision.
         precision: Option<Choice<PrecisionWord>>, example "double", default "mixed";
         /// Form of the pair sums of velocity gradient and momentum.
         pair_form: Option<Choice<PairFormWord>>, example "density-weighted", default "volume-weighted";
@@ -25,15 +25,15 @@ tables! {
         xsph: Option<Given<Number>>, example 0.5, otherwise "that of the method";
         /// Restore the density by moving least squares every so many steps.
         mls_interval: Option<Count>, example 20, otherwise "never";
-        /// How pair work is shared between the two particles.
+        /// Division of pair work between the two particles.
         energy_split: Option<Choice<EnergySplitWord>>, example "symmetric", default "own-stress";
-        /// Where the temperature comes from.
+        /// Source of the temperature.
         temperature: Option<Choice<TemperatureWord>>, example "energy", default "plastic-work";
-        /// Course of the smoothing length.
+        /// Rule for the smoothing length.
         smoothing_length: Option<ScalarOr<Choice<SmoothingLengthWord>, RawSmoothingLength>>, example "follow-density", default "constant";
     }
 
-    /// A course of the smoothing length with constants of its own.
+    /// A rule for the smoothing length with its constants.
     RawSmoothingLength {
         /// Follow the density: `dh/dt = (h/d) div v` in `d` dimensions, that is `h = h0 (rho0/rho)^(1/d)`.
         follow_density: Option<RawFollowDensity>;
@@ -41,7 +41,7 @@ tables! {
 
     /// Bounds of a smoothing length that follows the density.
     RawFollowDensity {
-        /// Largest ratio to the initial smoothing length, and one over the smallest; above 1, at most 4.
+        /// Largest ratio to the initial smoothing length, and the inverse of the smallest; above 1, at most 4.
         factor: Option<Given<Number>>, example 1.5, default 2.0;
     }
 
@@ -65,11 +65,11 @@ tables! {
         exponent: Option<Count>, example 4, default 4;
     }
 
-    /// A search strategy with constants of its own; one of them.
+    /// A search strategy with its constants; exactly one.
     RawSearch {
-        /// Neighbour lists with a skin, renewed when two particles may have closed in by it.
+        /// Neighbour lists with a skin, rebuilt when two particles may have approached each other by its thickness.
         skin: Option<RawSkin>;
-        /// Particles whose plastic strain grows are searched again (Fraser), and those that the guard adds.
+        /// The neighbours of particles whose plastic strain grows (Fraser), and of those added by the guard, are searched again.
         adaptive: Option<RawAdaptive>;
         /// No search after the start: sums over the initial neighbours.
         total_lagrangian: Option<RawTotalLagrangian>;
@@ -79,9 +79,9 @@ tables! {
     RawAdaptive {
         /// Plastic strain increment above which a particle is searched.
         plastic_strain_threshold: Option<Given<Number>>, example 1e-5, default 1e-5;
-        /// Compare the increment since the last search of the particle, not that of the last step.
+        /// Compare the increment since the last search of the particle instead of that of the last step.
         accumulate: Option<Flag>, example true, default false;
-        /// Guard against what plastic strain does not show: `full`, or `none` for the rule as published.
+        /// Guard for changes that plastic strain does not show: `full`, or `none` for the rule as published.
         guard: Option<Choice<GuardWord>>, example "none", default "full";
         /// Strain since its last search at which the guard searches a particle.
         strain_bound: Option<Given<Number>>, example 0.005, default 0.005;
@@ -90,15 +90,15 @@ tables! {
     /// Constants of the total Lagrangian form.
     RawTotalLagrangian {
         /// Form of the sums. The corrected form leaves out artificial stress, XSPH and density restoration, which belong to
-        /// sums over current neighbours, and puts a bulk viscosity with the same constants in place of the pair viscosity.
+        /// sums over current neighbours, and uses a bulk viscosity with the same constants instead of the pair viscosity.
         form: Option<Choice<FormulationWord>>, example "frozen", default "corrected";
         /// Strength of the hourglass control of the corrected form (Ganzenmüller 2015), 0 for none. Its springs soften and yield with the material.
         hourglass: Option<Given<Number>>, example 3.0, default 12.0;
-        /// Principal stretch at which a body of the corrected form has come apart, 1.1 to 100, or 0 for never; at most 4 where it is liquid: bears no shear, or
-        /// is at its melting temperature, or has the energy of that. Its sums are taken in its present configuration from then on, set anew whenever it is stretched or pressed by a factor of two: what has no neighbours in common is two pieces.
+        /// Principal stretch at which a body of the corrected form comes apart, 1.1 to 100, or 0 for never; at most 4 where it is liquid: without shear stress,
+        /// at its melting temperature, or with the energy of melting. From then on its sums are taken in its current configuration, which is updated whenever it is stretched or compressed by a factor of two: parts without common neighbours are separate pieces.
         renewal: Option<Given<Number>>, example 4.0, default 16.0;
-        /// Whether bodies of the corrected form meet themselves, in the contact they meet each other in: where different sides of the surface
-        /// come together that are no neighbours in the reference configuration. Not in a periodic cell, nor in one dimension.
+        /// Self-contact of bodies of the corrected form, by the law of the contact between bodies, where parts of the surface meet
+        /// that are not neighbours in the reference configuration. Not in a periodic cell or in one dimension.
         self_contact: Option<Flag>, example false, default true;
     }
 

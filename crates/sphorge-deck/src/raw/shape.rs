@@ -4,8 +4,8 @@ use super::super::declare::tables;
 use super::super::{value::*, written::Spanned};
 
 tables! {
-    /// One solid, or several put together by `union`, `difference` or `intersection`; turned and then shifted. Every part is a shape
-    /// like this one, with its own `rotate` and `shift`, so parts can be composed themselves; at most 1000 at once.
+    /// One solid, or several combined by `union`, `difference` or `intersection`; rotated and then shifted. Every part is a shape
+    /// like this one, with its own `rotate` and `shift`, and can be a combination itself; at most 1000 parts each.
     RawShape {
         /// Box along the axes; an interval in one dimension.
         cuboid as "box": Option<RawBox>;
@@ -15,19 +15,19 @@ tables! {
         sphere: Option<RawBall>;
         /// Round cylinder or tube, in three dimensions.
         cylinder: Option<RawCylinder>;
-        /// Bar turned on a lathe: stepped, coned, waisted; in plane strain a plate of this outline.
+        /// Bar turned on a lathe: stepped, conical or waisted; in plane strain a plate of this outline.
         revolution: Option<RawRevolution>;
         /// Round bar with an ogive nose, as bullets have; in plane strain a plate of this outline.
         ogive: Option<RawOgive>;
-        /// Area inside a closed line of corners, in plane strain.
+        /// Area inside a closed polygon, in plane strain.
         polygon: Option<RawPolygon>;
         /// Particles from a file; the whole shape of a body.
         table: Option<RawTable>;
-        /// What is in any of these shapes.
+        /// The volume inside any of these shapes.
         union: Option<Vec<Spanned<RawShape>>>, otherwise "none";
-        /// What is in the first of these shapes and in no other.
+        /// The volume inside the first of these shapes and outside all others.
         difference: Option<Vec<Spanned<RawShape>>>, otherwise "none";
-        /// What is in all of these shapes.
+        /// The volume inside all of these shapes.
         intersection: Option<Vec<Spanned<RawShape>>>, otherwise "none";
         /// Rotation, done before the shift.
         rotate: Option<RawRotate>;
@@ -65,13 +65,13 @@ tables! {
         inner_radius: Option<Given<Length>>, example "3 mm", otherwise "no hole";
     }
 
-    /// What lies between an axis and a profile turned about it.
+    /// Solid between an axis and a profile rotated about it.
     RawRevolution {
-        /// Point of the axis from which axial distances count.
+        /// Point of the axis from which axial distances are measured.
         from: Option<VectorOf<Length>>, example ["0 mm", "0 mm", "0 mm"], otherwise "the origin";
         /// Direction of the axis, any length.
         axis: VectorOf<Number>, example [1, 0, 0];
-        /// Axial distance and radius, point by point along the axis; straight between them. Two points at one axial distance are a step.
+        /// Axial distance and radius, point by point along the axis, with straight lines between them. Two points at the same axial distance make a step.
         profile: Vec<VectorOf<Length>>, example [["0 mm", "75 mm"], ["200 mm", "75 mm"], ["225 mm", "50 mm"]];
     }
 
@@ -95,11 +95,11 @@ tables! {
         corners: Vec<VectorOf<Length>>, example [["0 mm", "0 mm"], ["10 mm", "0 mm"], ["0 mm", "5 mm"]];
     }
 
-    /// Particles from a CSV file. The first line names the columns: `x`, and with the dimensions of the deck `y` and `z`; if given `mass`
-    /// or `volume` of each particle, otherwise it stands for spacing to the power of the dimensions; if given the velocity `vx`, `vy`,
-    /// `vz`, to which that of the body is added. Other columns are not read; lines that begin with `#` are comments.
+    /// Particles from a CSV file. The first line names the columns: `x` and, depending on the dimensions of the deck, `y` and `z`;
+    /// optionally `mass` or `volume` of each particle (the default volume is the spacing to the power of the dimensions); optionally the
+    /// velocity `vx`, `vy`, `vz`, to which that of the body is added. Other columns are ignored; lines that begin with `#` are comments.
     RawTable {
-        /// The file, from the folder of the deck.
+        /// The file; its path is relative to the folder of the deck.
         file: Word, example "bar.csv";
         /// Unit of the coordinates.
         length_unit: Option<Word>, example "mm", default "m";

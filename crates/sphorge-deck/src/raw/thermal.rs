@@ -5,20 +5,20 @@ use super::super::value::*;
 use std::ops::Range;
 
 tables! {
-    /// Heat that flows between particles and through boundaries (Cleary & Monaghan 1999), between bodies where their faces are less than
+    /// Heat conduction between particles and through boundaries (Cleary & Monaghan 1999); between bodies where their faces are less than
     /// half a spacing apart.
     #[derive(Default)]
     RawThermal {
-        /// Whether heat flows; `false` turns a table with boundaries off.
+        /// Whether heat is conducted; `false` turns a table with boundaries off.
         conduction: Option<Flag>, default true;
-        /// Whether bodies move; with `false` they stay where they are, and the time step is that of conduction.
+        /// Whether bodies move; with `false` they stay at rest, and the time step is that of conduction.
         mechanics: Option<Flag>, default true;
-        /// Where heat comes in or goes out; no heat crosses other surfaces.
+        /// Boundaries where heat enters or leaves; all other surfaces are adiabatic.
         boundary: Vec<RawHeatBoundary>, or empty;
     }
 
-    /// A boundary heat flows through: `hold`, `surface-temperature`, `flux` or `convection`. All but `hold` act on free surfaces, which are
-    /// found as they form.
+    /// A heat boundary: `hold`, `surface-temperature`, `flux` or `convection`. All but `hold` act on free surfaces, which are
+    /// detected as they form.
     RawHeatBoundary {
         /// Name of the boundary: column `heat.NAME` of `history.csv`.
         name: Word, example "hot-end";
@@ -27,16 +27,16 @@ tables! {
         /// Only particles of this region.
         region: Option<Word>, example "left-end", otherwise "everywhere";
         /// All its particles, not only those on a surface, are kept at this temperature.
-        hold: Option<Given<Temperature>>, example "100 degC", otherwise "another kind";
+        hold: Option<Given<Temperature>>, example "100 degC", otherwise "one of the four kinds is needed";
         /// Free surfaces, half a spacing outside of the outermost particles, have this temperature.
-        surface_temperature: Option<Given<Temperature>>, example "100 degC", otherwise "another kind";
+        surface_temperature: Option<Given<Temperature>>, example "100 degC", otherwise "one of the four kinds is needed";
         /// Heat into free surfaces; negative takes it out.
-        flux: Option<Given<HeatFlux>>, example "5 kW/m^2", otherwise "another kind";
+        flux: Option<Given<HeatFlux>>, example "5 kW/m^2", otherwise "one of the four kinds is needed";
         /// Newton's law of cooling on free surfaces.
         convection: Option<RawConvection>;
     }
 
-    /// What surrounds a surface.
+    /// Surroundings of a surface.
     RawConvection {
         /// Heat transfer coefficient.
         coefficient: Given<HeatTransfer>, example "500 W/(m^2 K)";

@@ -105,11 +105,11 @@ fn what_holds_no_particles_is_named() {
         thin,
         "empty-body",
         "\"bar\"",
-        "body `bar` holds no particles",
+        "body `bar` contains no particles",
         "at most 0.2000 mm",
     );
     let region = "[[region]]\nname = \"top\"\nshape = { box = { min = [\"0 mm\", \"26 mm\"], max = [\"1 mm\", \"27 mm\"] } }\n[[wall]]";
-    told("[[wall]]", region, "empty-region", "\"top\"", "region `top` holds no particles", "");
+    told("[[wall]]", region, "empty-region", "\"top\"", "region `top` contains no particles", "");
     told(
         "[[wall]]",
         "[[region]]\nname = \"all\"\n[[wall]]",
@@ -193,7 +193,7 @@ fn names_that_measures_and_motions_use_must_exist() {
         component,
         "unknown-name",
         "\"x\"",
-        "is a single number",
+        "is a scalar",
         "leave `component` out",
     );
     let motion = "[[motion]]\nregion = \"grip\"\nvelocity = [\"free\", 0]\n[[wall]]";
@@ -275,7 +275,7 @@ fn a_contact_needs_a_search_that_sees_other_bodies() {
     let every = "search = \"every-step\"";
     for contact in ["\"penalty\"", "{ penalty = { friction = 0.2 } }"] {
         for (search, message) in [
-            ("{ total-lagrangian = { form = \"frozen\" } }", "hold no body that arrives"),
+            ("{ total-lagrangian = { form = \"frozen\" } }", "do not include approaching bodies"),
             ("{ adaptive = { guard = \"none\" } }", "without its guard"),
         ] {
             let with = format!("contact = {contact}\nsearch = {search}");
@@ -325,12 +325,12 @@ fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
     assert!(load_text("deck", &kernel_sum(&total), &[]).is_ok());
     let problem = fault(&kernel_sum(&two));
     assert_eq!(problem.code(), "not-together", "{problem}");
-    assert!(problem.to_string().contains("cannot meet in kernel sums"), "{problem}");
+    assert!(problem.to_string().contains("cannot interact through kernel sums"), "{problem}");
     // The same where the form is that of the default method, or of one that is named.
     for named in ["", "method = \"total-lagrangian\""] {
         let deck = kernel_sum(&two).replace("search = \"total-lagrangian\"", named);
         let problem = fault(&deck);
-        assert!(problem.to_string().contains("cannot meet in kernel sums"), "{named}: {problem}");
+        assert!(problem.to_string().contains("cannot interact through kernel sums"), "{named}: {problem}");
         let deck = two.replace("search = \"total-lagrangian\"", named);
         let cell = deck.replace("[[wall]]", "[periodic]\nx = [\"-3.9 mm\", \"3.9 mm\"]\n[[wall]]");
         assert!(fault(&cell).to_string().contains("across the ends of a periodic cell"), "{named}");
@@ -344,7 +344,7 @@ fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
 fn constants_of_a_search_that_are_not_used_are_refused() {
     let every = "search = \"every-step\"";
     let bound = "search = { adaptive = { guard = \"none\", strain-bound = 0.01 } }";
-    told(every, bound, "not-together", "0.01", "no strain bound", "`strain-bound`");
+    told(every, bound, "not-together", "0.01", "does not use a strain bound", "`strain-bound`");
     let hourglass = "search = { total-lagrangian = { form = \"frozen\", hourglass = 3 } }";
     told(every, hourglass, "not-together", "3", "no hourglass control", "`hourglass`");
 }

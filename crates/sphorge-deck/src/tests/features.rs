@@ -321,7 +321,7 @@ fn what_the_total_lagrangian_form_does_without_is_taken_out_once_and_told() {
     assert_eq!(
         setup.notes,
         [
-            "the total Lagrangian form runs without `numerics.artificial-stress`, `numerics.xsph`, `numerics.mls-interval`, `numerics.pair-form`"
+            "the total Lagrangian form does not use `numerics.artificial-stress`, `numerics.xsph`, `numerics.mls-interval`, `numerics.pair-form`"
         ]
     );
     let other = deck.replace("total-lagrangian", "every-step");
@@ -350,7 +350,7 @@ fn doubtful_materials_are_told_and_run() {
     let deck = changed("[time]", iron).replace("\"armco-iron\"", "\"iron\"");
     let setup = load_text("taylor", &fitted(&deck), &[]).unwrap();
     assert!(!setup.model.materials[0].heats());
-    assert!(setup.notes.len() == 1 && setup.notes[0].contains("has no `specific-heat`: its temperature stays"));
+    assert!(setup.notes.len() == 1 && setup.notes[0].contains("has no `specific-heat`: its temperature is constant"));
     let meant = deck.replace("density = 7850", "density = 7850\ntaylor-quinney = 0");
     assert_eq!(notes(&meant), Vec::<String>::new());
 }

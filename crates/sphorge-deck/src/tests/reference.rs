@@ -8,17 +8,17 @@ use std::{collections::VecDeque, fmt::Write, path::Path};
 
 const HEAD: &str = r#"# Deck reference
 
-*Written from the declarations in `crates/sphorge-deck/src/raw`; see `crates/sphorge-deck/src/tests/reference.rs`.*
+*Generated from the declarations in `crates/sphorge-deck/src/raw`; see `crates/sphorge-deck/src/tests/reference.rs`.*
 
 A deck is a [TOML](https://toml.io) file. The command line can change any key without touching the file:
-`--set particles.spacing="0.6 mm"`; an entry of a list is chosen by its name or its place from 0: `--set
-body.bar.velocity.1="-250 m/s"`, `--set body.0.material=ofhc-copper`. What was run is stored beside the results.
+`--set particles.spacing="0.6 mm"`; an entry of a list is selected by its name or its index from 0: `--set
+body.bar.velocity.1="-250 m/s"`, `--set body.0.material=ofhc-copper`. The deck as run is stored with the results.
 
 ## Quantities
 
 A quantity is text with a number and a unit, `"25.46 mm"`, `"452 J/(kg K)"`, `"7.89 g/cm^3"`, or a plain number in SI units. A
-unit is a product of the symbols below, with `/`, powers (`m^2`, `m2`, `s^-1`) and brackets; `J/kg K` is refused because it can
-be read two ways. Symbols marked * take the prefixes n, u (µ), m, c, d, k, M, G.
+unit is a product of the symbols below, with `/`, powers (`m^2`, `m2`, `s^-1`) and brackets; `J/kg K` is refused because it is
+ambiguous. Symbols marked * take the prefixes n, u (µ), m, c, d, k, M, G.
 
 "#;
 
@@ -35,25 +35,25 @@ A lattice is anchored to its shape and turns with it, so a symmetric shape gets 
 - In a disc, a sphere and across a cylinder, an ogive or a bar of revolution the lattice is centred with a cell corner on the
   centre or axis, and the particles whose centre is inside are kept. With `placement = "on-faces"` a particle sits on the centre
   or axis. A polygon has the lattice of the box around it.
-- Composed shapes carry on the lattice of their first part: a plate with a hole has the lattice of the plate, a bar with a head
+- Combined shapes continue the lattice of their first part: a plate with a hole has the lattice of the plate, a bar with a head
   that of the bar.
 - The mass of a particle is density times spacing to the power of the dimensions (per metre of thickness in plane strain, per
-  square metre in one dimension), so the mass of a body differs from that of its shape by what rounding adds or takes;
-  `sphorge check` prints both, the summary of a run holds both. Masses are not scaled to what the shape weighs: the density at the
-  start is the reference density, and particles fill the space they stand for.
-- `check` and `run` tell where that is more than 1 % of the mass, or where a body on a square or cubic lattice ends in a symmetry plane or
-  at a wall with a first layer that is not half a spacing away from it (by more than 0.05 spacings), with the nearest spacings that fit.
+  square metre in one dimension), so the mass of a body differs from that of its shape by rounding; `sphorge check` and the
+  summary of a run report both. Masses are not scaled to the mass of the shape: the initial density is the reference density, and
+  particles fill the space they represent.
+- `check` and `run` print a note, with the nearest spacings that fit, where the difference is more than 1 % of the mass, or where the first
+  layer of a body on a square or cubic lattice is not half a spacing (within 0.05 spacings) from the symmetry plane or wall at which the body ends.
 - `lattice = "hexagonal"`: rows shifted by half against their neighbours, in space layers across the third axis (or across the
-  axis of the bar) stacked as in hexagonal close packing. A particle stands for as much area or volume as in the square or cubic
+  axis of the bar) stacked as in hexagonal close packing. A particle represents the same area or volume as in the square or cubic
   lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.
 - `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
   each (the four about the centre in the centroids of their quarters), a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
-  quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body weighs exactly
-  what its shape does. Further parts of a `difference` or `intersection` cut particles away. The total Lagrangian form has it for all
-  bodies it fills, unless the deck says otherwise: corners of a cubic lattice reach beyond a round surface, and a bar of 12 particles
+  quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body has exactly the
+  mass of its shape. Further parts of a `difference` or `intersection` cut particles away. The total Lagrangian form uses it by default for all
+  bodies that it can fill: corners of a cubic lattice reach beyond a round surface, and a bar of 12 particles
   across gets a foot 4 % too wide.
 - A body has to be at least one spacing thick. Bodies that touch share a face: their outermost particles are then one spacing
-  apart. Bodies overlap, and are refused, where particles come nearer than half of that.
+  apart. Bodies whose particles are closer than half of that overlap and are refused.
 "#;
 
 fn cell(text: &str) -> String {
@@ -265,8 +265,8 @@ fn reference() -> String {
     for section in sections() {
         write_section(&mut text, &section);
     }
-    text.push_str("\n## Fields\n\nNames for `output.fields` and for measures. *usual*: written to frames unless `output.fields` says otherwise.\n\n");
-    text.push_str("| field | unit | usual | meaning |\n| --- | --- | --- | --- |\n");
+    text.push_str("\n## Fields\n\nNames for `output.fields` and for measures. *default*: written to frames unless `output.fields` says otherwise.\n\n");
+    text.push_str("| field | unit | default | meaning |\n| --- | --- | --- | --- |\n");
     for field in FIELDS.iter() {
         let usual = if field.default_output { "yes" } else { "" };
         let _ = writeln!(text, "| `{}` | {} | {usual} | {} |", field.name, field.unit, cell(field.meaning));

@@ -122,7 +122,7 @@ fn shapes_that_make_no_sense_say_why() {
     let part = "{ union = [{ sphere = { centre = [0, 0, 0], radius = 1 } }, { shift = [1, 0, 0] }] }";
     told(&deck("3d", part), "exactly-one", "{ shift = [1, 0, 0] }", "a shape needs one of");
     let apart = "{ intersection = [{ sphere = { centre = [0, 0, 0], radius = 0.1 } }, { sphere = { centre = [1, 0, 0], radius = 0.1 } }] }";
-    told(&deck("3d", apart), "empty-body", "\"bar\"", "holds no particles");
+    told(&deck("3d", apart), "empty-body", "\"bar\"", "contains no particles");
 }
 
 #[test]
@@ -207,8 +207,8 @@ fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
     );
     told("x,y,mass\n0,1,0\n", "", &["`bar.csv`, line 2, column `mass`: `0` must be above zero"]);
     told("x,y\n0,1\n0\n", "", &["`bar.csv`, line 3: 1 cell, where line 1 names 2"]);
-    told("x,y\n0,1\n1,1\n-0,1\n", "", &["`bar.csv`, lines 2 and 4 put a particle in one place"]);
-    told("x,y\n", "", &["`bar.csv` holds no particles"]);
+    told("x,y\n0,1\n1,1\n-0,1\n", "", &["`bar.csv`, lines 2 and 4 put two particles in the same place"]);
+    told("x,y\n", "", &["`bar.csv` contains no particles"]);
     told("x,y,mass,volume\n0,0,1,1\n", "", &["`bar.csv`, line 1: both `mass` and `volume`; one gives the other"]);
     told("x,y\n0,0\n", ", length-unit = \"kg\"", &["expected a length (m), found a mass in `kg`"]);
     let (_folder, path) = table(&format!("x,y\n{}", "a,1\n".repeat(9)), "");
@@ -218,5 +218,5 @@ fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
     std::fs::write(&path, text).unwrap();
     assert!(load(&path, &[], MAX_PARTICLES).err().unwrap().to_string().starts_with("`rod.csv` cannot be read"));
     let part = "{ union = [{ table = { file = \"bar.csv\" } }] }";
-    super::shapes::told(&deck("3d", part), "table-as-part", "\"bar.csv\"", "the whole shape of a body");
+    super::shapes::told(&deck("3d", part), "table-as-part", "\"bar.csv\"", "part of another shape");
 }

@@ -85,7 +85,7 @@ fn a_method_is_the_sum_of_its_choices() {
     let walls = [("wall.soft.contact", "monaghan-kos"), ("wall.hard.contact", "monaghan-kos")];
     let (stress, xsph) = ("numerics.artificial-stress", ("numerics.xsph", "0.5"));
     let plain = of(&[&walls[..], &[("search", "skin"), ("contact", "kernel-sum")]].concat());
-    // What a deck gets where it says nothing, and what it says with a search among the present neighbours.
+    // What a deck gets where it says nothing, and what it says with a search among the current neighbours.
     assert_eq!(of(&[]), of(&[("method", "total-lagrangian")]));
     assert_eq!(of(&[("search", "skin")]), of(&[("method", "updated-lagrangian")]));
     assert_eq!(of(&[("wall.soft.contact", "monaghan-kos"), ("search", "skin")]), plain);

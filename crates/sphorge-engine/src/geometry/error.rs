@@ -14,7 +14,7 @@ pub enum FillError {
         spacing: f64,
     },
     /// A body no particle of its lattice falls into.
-    #[error("body has no particles: none falls into its shape at a spacing of {spacing} m")]
+    #[error("body has no particles: no lattice point is inside its shape at a spacing of {spacing} m")]
     NoSite {
         /// Index of the body.
         body: usize,
@@ -22,7 +22,7 @@ pub enum FillError {
         spacing: f64,
     },
     /// More particles than can be run.
-    #[error("about {count:.3e} particles, at most {limit:.1e} can be run here")]
+    #[error("about {count:.3e} particles; at most {limit:.1e} are possible here")]
     TooMany {
         /// Index of the body with most of them.
         body: usize,

@@ -151,7 +151,7 @@ pub enum Solid {
         /// Length of the nose, m, at least the radius and at most the whole length.
         nose_length: f64,
     },
-    /// Area inside a closed line of corners, in plane strain.
+    /// Area inside a closed polygon, in plane strain.
     Polygon {
         /// Corners in order, m; the last is joined to the first.
         corners: Vec<[f64; 2]>,

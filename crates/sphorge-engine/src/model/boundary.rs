@@ -91,7 +91,7 @@ pub enum WallContact {
         /// Distance at which the repulsion begins, m.
         range: f64,
     },
-    /// Linear penalty with damping and Coulomb friction; pushes only.
+    /// Linear penalty with damping and Coulomb friction; it never pulls.
     Penalty {
         /// Stiffness as a multiple of the particle's `m c0² / spacing²`.
         stiffness: f64,
@@ -113,7 +113,7 @@ pub struct SymmetryPlane {
     pub side: f64,
 }
 
-/// Held or driven particles.
+/// Fixed or driven particles.
 #[derive(Clone, Debug)]
 pub struct PrescribedMotion {
     /// Index into [`super::Model::regions`].

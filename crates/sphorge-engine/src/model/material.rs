@@ -12,7 +12,7 @@ use sphorge_physics::{Real, SymmetricTensor, return_mapping::ReturnRule};
 pub struct Material {
     /// Name in the catalogue or the deck.
     pub name: String,
-    /// Where the constants come from.
+    /// Source of the constants.
     pub reference: String,
     /// Density at rest, kg/m³.
     pub density: f64,
@@ -22,7 +22,7 @@ pub struct Material {
     pub equation_of_state: EquationOfState<f64>,
     /// Flow law.
     pub flow_law: FlowLaw<f64>,
-    /// How the trial stress returns to the yield surface.
+    /// Return of the trial stress to the yield surface.
     pub return_rule: ReturnRule,
     /// Specific heat Cp, J/(kg K); [`NO_HEATING`] where the deck gives none: work does not change the temperature.
     pub specific_heat: f64,

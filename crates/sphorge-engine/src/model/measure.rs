@@ -68,7 +68,7 @@ pub enum CloudExtent {
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeasureKind {
     /// Extent along an axis, m: between the farthest points of particles, each of which is a ball of one spacing at the start and what its
-    /// deformation gradient makes of it then, while its body is in one piece; always that ball in sums over present neighbours.
+    /// deformation gradient makes of it then, while its body is in one piece; always that ball in sums over current neighbours.
     Extent {
         /// Which particles.
         selection: ParticleSelection,

@@ -34,7 +34,7 @@ pub enum GradientCorrection {
     Linear,
 }
 
-/// Where the temperature comes from.
+/// Source of the temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TemperatureSource {
     /// Heat of plastic work.
@@ -67,7 +67,7 @@ pub struct ArtificialStress {
     pub exponent: u32,
 }
 
-/// Choices of the discretisation.
+/// Numerical options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numerics {
     /// Smoothing kernel.
@@ -96,7 +96,7 @@ pub struct Numerics {
     pub energy_split: EnergySplit,
     /// Source of temperature.
     pub temperature: TemperatureSource,
-    /// Course of the smoothing length.
+    /// Rule for the smoothing length.
     pub smoothing_length: SmoothingLength,
 }
 
@@ -120,7 +120,7 @@ pub enum Search {
 /// Which configuration the sums are taken in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Formulation {
-    /// The present one: Cauchy stress over present neighbours.
+    /// The present one: Cauchy stress over current neighbours.
     #[default]
     UpdatedLagrangian,
     /// The initial one, or the one at its last renewal: deformation gradient and first Piola–Kirchhoff stress with corrected gradients over

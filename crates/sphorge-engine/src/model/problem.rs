@@ -17,7 +17,7 @@ pub struct Model {
     pub dimensions: Dimensions,
     /// Particle spacing, m.
     pub spacing: f64,
-    /// Choices of the discretisation.
+    /// Numerical options.
     pub numerics: Numerics,
     /// Which configuration the sums are taken in.
     pub formulation: Formulation,
@@ -31,7 +31,7 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Bodies in deck order.
     pub bodies: Vec<Body>,
-    /// How bodies meet.
+    /// Contact between bodies.
     pub contact: BodyContact,
     /// Heat that flows.
     pub thermal: Thermal,

@@ -262,7 +262,7 @@ columns! {
     pub plastic_work: f64 = 0.0, State, OnRequest("J/kg", "plastic work per mass"), Unmirrored[], None;
     pub neighbors: u32 = 0, State, OnRequest("", "neighbours inside the kernel support"), Unmirrored[], None;
     // The `AdaptNode` of Fraser.
-    pub adapted: u32 = 0, State, OnRequest("", "one where neighbours were searched in the last step, else zero"),
+    pub adapted: u32 = 0, State, OnRequest("", "1 if the neighbours were searched in the last step, otherwise 0"),
         Unmirrored[], None;
     pub last_searched: u32 = 0, State, OnRequest("", "number of the step of the last search"), Unmirrored[], None;
 

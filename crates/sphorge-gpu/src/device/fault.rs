@@ -12,7 +12,7 @@ pub enum CardFault {
         help: String,
     },
     /// It does not open.
-    #[error("{name} does not open: {why}")]
+    #[error("{name} cannot be opened: {why}")]
     DoesNotOpen {
         /// Name of the card.
         name: String,
@@ -20,7 +20,7 @@ pub enum CardFault {
         why: String,
     },
     /// A kernel is not taken.
-    #[error("kernel `{kernel}` is not taken by the driver: {why}")]
+    #[error("the driver does not accept kernel `{kernel}`: {why}")]
     Kernel {
         /// Name of the kernel.
         kernel: String,
@@ -28,7 +28,7 @@ pub enum CardFault {
         why: String,
     },
     /// There is no room.
-    #[error("no room for {bytes} bytes on {name}: {why}")]
+    #[error("{bytes} bytes do not fit in the memory of {name}: {why}")]
     Memory {
         /// Name of the card.
         name: String,

@@ -132,7 +132,7 @@ fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Mi
         return None;
     }
     let (interface, cure) = if cfg!(target_os = "macos") {
-        (Interface::Metal, "run it at a Mac that has a card")
+        (Interface::Metal, "use a Mac with a graphics card")
     } else if cfg!(windows) {
         (Interface::Direct3d12, "install the driver of the card")
     } else {
@@ -143,8 +143,8 @@ fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Mi
         )
     };
     let why = software.map_or_else(
-        || format!("no driver of {interface} is there"),
-        |name| format!("there is a software renderer alone, {name}: it runs on the processor"),
+        || format!("no {interface} driver is installed"),
+        |name| format!("there is only a software renderer, {name}, which runs on the processor"),
     );
     Some(Missing { interface, why, cure: cure.to_owned() })
 }
@@ -183,10 +183,10 @@ pub(super) fn choose(
     let in_the_way = in_the_way.collect::<Vec<_>>().join("; ");
     Err(match asked {
         Some(words) if !names.is_empty() => {
-            let others = if in_the_way.is_empty() { String::new() } else { format!("; others are not: {in_the_way}") };
-            (format!("no card is called `{words}`"), format!("there are: {}{others}", names.join(", ")))
+            let others = if in_the_way.is_empty() { String::new() } else { format!("; not available: {in_the_way}") };
+            (format!("no graphics card matches `{words}`"), format!("available: {}{others}", names.join(", ")))
         }
-        _ => ("no graphics card is reached".to_owned(), in_the_way),
+        _ => ("no usable graphics card was found".to_owned(), in_the_way),
     })
 }
 

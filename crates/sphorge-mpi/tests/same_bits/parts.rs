@@ -94,13 +94,13 @@ fn parts_of_some_ranks_are_gone_on_with_by_others_and_by_one_process() {
     assert_eq!(fs::read_dir(&parts[0]).unwrap().count(), 2);
     for (ranks, steps) in [(2, "40"), (5, "55"), (1, "70"), (4, "85")] {
         let told = go_on_ranks(ranks, &broken, steps);
-        assert!(told[0].starts_with("going on from step"), "{ranks}: {told:?}");
+        assert!(told[0].starts_with("continuing from step"), "{ranks}: {told:?}");
         // The last two are kept, and of these parts where there were several ranks.
         let (files, folders) = (saved(&broken, false), saved(&broken, true));
         assert!(files.len() == 2 && folders.len() <= 2, "{files:?} {folders:?}");
     }
     let told = go_on(Arc::new(Cpu), &broken, "1000000");
-    assert!(told[0].starts_with("going on from step 85"), "{told:?}");
+    assert!(told[0].starts_with("continuing from step 85"), "{told:?}");
     // Frames and rows where the run was broken are additional.
     let found = results(&broken);
     let last = |files: &Files| files["history.csv"].split(|byte| *byte == b'\n').rev().nth(1).map(<[u8]>::to_vec);
@@ -139,14 +139,14 @@ fn a_checkpoint_of_which_a_part_is_missing_or_spoiled_or_of_another_is_passed_ov
                 0 => go_on(Arc::new(Cpu), &spare, "30"),
                 ranks => go_on_ranks(ranks, &spare, "30"),
             };
-            assert!(told[0].contains(why) && told[0].ends_with("; it is passed over"), "{why}, {ranks}: {told:?}");
-            assert!(told[1].starts_with("going on from step 10"), "{why}, {ranks}: {told:?}");
+            assert!(told[0].contains(why) && told[0].ends_with("; it is skipped"), "{why}, {ranks}: {told:?}");
+            assert!(told[1].starts_with("continuing from step 10"), "{why}, {ranks}: {told:?}");
             fs::remove_dir_all(&spare).unwrap();
         }
         fs::write(&part, &whole).unwrap();
     }
     let told = go_on_ranks(2, &directory, "30");
-    assert!(told[0].starts_with("going on from step 20"), "{told:?}");
+    assert!(told[0].starts_with("continuing from step 20"), "{told:?}");
 }
 
 fn copy(from: &Path, to: &Path) {

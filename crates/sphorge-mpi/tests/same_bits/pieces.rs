@@ -90,7 +90,7 @@ fn pieces_that_are_not_those_of_one_frame_are_refused() {
     fs::copy(fields.join("000002/0001.vtp"), &second).unwrap();
     refused("of another frame");
     fs::copy(&first, &second).unwrap();
-    refused("each particle once");
+    refused("each particle exactly once");
     fs::write(&second, &whole[..whole.len() / 2]).unwrap();
     let mut frame = FrameFile::open(&fields.join("000001.pvtp")).unwrap();
     frame.column("plastic_strain").unwrap_err();

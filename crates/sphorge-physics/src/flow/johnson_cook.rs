@@ -118,14 +118,14 @@ impl<T: Elementary> YieldLaw<T> for JohnsonCook<T> {
             "T_0",
             PhysicalQuantity::Temperature,
             Bound::NonNegative,
-            "temperature up to which heat has no effect",
+            "temperature below which there is no thermal softening",
         ),
         Parameter::required(
             "melting-temperature",
             "T_m",
             PhysicalQuantity::Temperature,
             Bound::Positive,
-            "temperature at which no strength is left",
+            "temperature at which the strength is zero",
         ),
     ];
     const HAS_SHEAR: bool = true;

@@ -117,7 +117,7 @@ impl<T: Elementary> YieldLaw<T> for SteinbergGuinan<T> {
             "T_0",
             PhysicalQuantity::Temperature,
             Bound::NonNegative,
-            "temperature at which the shear modulus is the material's",
+            "temperature at which the shear modulus has the value of the material",
         ),
         Parameter::required(
             "melting-temperature",
@@ -146,7 +146,7 @@ impl<T: Elementary> YieldLaw<T> for SteinbergGuinan<T> {
             quantity: PhysicalQuantity::Dimensionless,
             bound: Bound::NonNegative,
             default: Some(0.0),
-            meaning: "plastic strain the metal has been hardened by before",
+            meaning: "plastic strain of previous hardening",
         },
     ];
     const HAS_SHEAR: bool = true;

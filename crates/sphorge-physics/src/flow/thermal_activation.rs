@@ -32,7 +32,7 @@ pub(super) const RATE_SENSITIVITY: Parameter = Parameter::required(
     "C_4",
     PhysicalQuantity::Unit("1/K"),
     Bound::NonNegative,
-    "how much less it softens per logarithm of the plastic strain rate",
+    "decrease of this softening per logarithm of the plastic strain rate",
 );
 /// The constant `rate_min`.
 pub(super) const LOWEST_RATE: Parameter = Parameter {

@@ -45,7 +45,7 @@ impl<T: Elementary> YieldLaw<T> for ZerilliArmstrongFcc<T> {
             "C_0",
             PhysicalQuantity::Pressure,
             Bound::NonNegative,
-            "yield stress at zero plastic strain, that of the grain size with it",
+            "yield stress at zero plastic strain, including that of the grain size",
         ),
         Parameter::required(
             "C2",

@@ -293,7 +293,7 @@ fn check_sizes(zip: &mut ZipArchive<BufReader<File>>, file_bytes: u64) -> Result
     for index in 0..zip.len() {
         let entry = zip.by_index_raw(index).map_err(|error| error.to_string())?;
         if entry.compression() != CompressionMethod::Stored || entry.compressed_size() != entry.size() {
-            return Err("a value in it is compressed, as none of a checkpoint is".to_owned());
+            return Err("a value in it is compressed, which checkpoints never are".to_owned());
         }
         bytes = bytes.saturating_add(entry.size());
         if bytes > file_bytes {

@@ -64,7 +64,7 @@ impl PartSet {
     pub(super) fn named(checkpoint: &Path, record: &PartsRecord) -> Result<Self, String> {
         let PartsRecord { folder, count } = record;
         if !is_parts_folder(folder) || !(1..=MOST).contains(count) {
-            return Err(format!("it names {count} parts in `{folder}`, as no checkpoint does"));
+            return Err(format!("it names {count} parts in `{folder}`, which is not possible"));
         }
         let run = std::path::absolute(checkpoint).map_err(|error| error.to_string())?;
         let parts = Self { folder: run.with_file_name(folder), count: *count };
@@ -126,7 +126,7 @@ impl PartSet {
         let about = values.read(ABOUT).ok().and_then(|about| serde_json::from_slice::<AboutPart>(&about).ok());
         match about {
             Some(about) if about == self.about(number) => Ok(values),
-            _ => Err(OutputError::damaged(&path, "it is a part of another checkpoint")),
+            _ => Err(OutputError::damaged(&path, "it belongs to another checkpoint")),
         }
     }
 

@@ -63,7 +63,7 @@ pub enum OutputError {
     #[error("the run in {} has not ended", path.display())]
     #[diagnostic(
         code(sphorge::output::not_ended),
-        help("if nothing runs any more, `sphorge resume {}` goes on with it; `sphorge plot` shows what there is", path.display())
+        help("if its process has ended, `sphorge resume {}` continues the run; `sphorge plot` draws what it has written", path.display())
     )]
     NotEnded {
         /// The folder.

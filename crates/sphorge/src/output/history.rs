@@ -117,17 +117,17 @@ impl Row {
 
     fn audit(&mut self, audit: Option<Audit>) {
         let count = |value: fn(&Audit) -> u64| audit.as_ref().map_or(Cell::Empty, |a| Cell::Count(value(a)));
-        let missed = "ordered pairs within the kernel support that the lists lacked at the last audit";
+        let missed = "ordered pairs within the kernel support that were missing from the lists at the last audit";
         self.add("audit_missed_pairs", "", missed, count(|a| a.missed_pairs));
-        let foreign = "of the missed pairs, those of particles of different bodies";
+        let foreign = "missed pairs between particles of different bodies";
         self.add("audit_missed_foreign_pairs", "", foreign, count(|a| a.missed_foreign_pairs));
         self.add("audit_stale_pairs", "", "listed pairs beyond the kernel support", count(|a| a.stale_pairs));
         let number = |value: fn(&Audit) -> f64| audit.as_ref().map(value);
-        let rate = "error of the density rate by the lists, root mean square, relative";
+        let rate = "relative error of the density rate due to the lists, root mean square";
         self.add("audit_density_rate_error", "", rate, number(|a| a.density_rate_error));
-        let force = "error of the force of stress by the lists, root mean square, relative";
+        let force = "relative error of the stress force due to the lists, root mean square";
         self.add("audit_force_error", "", force, number(|a| a.force_error));
-        let residual = "sum of the forces of stress between particles over the sum of their magnitudes";
+        let residual = "sum of the stress forces between particles over the sum of their magnitudes";
         self.add("audit_momentum_residual", "", residual, number(|a| a.momentum_residual));
     }
 
@@ -163,49 +163,50 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.add("dt_reason", "", "what limited that time step", reason);
     row.energies("", &total.energies);
     row.number("external_work", "J", "work of walls, gravity and driven regions so far", ledger.external_work);
-    let mls = "energy that density re-initialisation gave the pressure field without work so far";
+    let mls = "energy added to the pressure field by density re-initialisation so far, without work";
     row.number("mls_energy", "J", mls, ledger.mls_energy);
-    let booked = "energy the integrator booked into the internal energy so far, so that the total closes: second order of the time step";
+    let booked = "energy added to the internal energy by the integrator so far to close the energy balance; second order in the time step";
     row.number("integration_energy", "J", booked, ledger.integration_energy);
-    let hourglass = "work against the hourglass springs so far, in the internal energy: what they hold and what they turned into heat";
+    let hourglass = "work against the hourglass springs so far, part of the internal energy: stored in the springs or turned into heat";
     row.number("hourglass_energy", "J", hourglass, ledger.hourglass_energy);
-    let viscous = "what artificial viscosity turned into internal energy so far";
+    let viscous = "internal energy produced by artificial viscosity so far";
     row.number("viscous_energy", "J", viscous, ledger.viscous_energy);
-    let repulsion = "work against the artificial stress so far, in the internal energy: negative where it has driven particles apart";
+    let repulsion = "work against the artificial stress so far, part of the internal energy; negative where it has driven particles apart";
     row.number("artificial_stress_energy", "J", repulsion, ledger.artificial_stress_energy);
     if model.thermal.conduction {
-        let meaning = "heat that came in through all boundaries so far";
+        let meaning = "heat that entered through all boundaries so far";
         row.number("boundary_heat", "J", meaning, ledger.boundary_heat());
     }
     let contact_pairs = model.contact_pairs();
     if !contact_pairs.is_empty() {
         let sum = |of: fn(&ContactLedger) -> f64| ledger.contacts.iter().map(of).sum::<f64>();
-        let stored = "energy the contacts of bodies hold: work against their elastic force so far";
+        let stored = "energy stored in contacts between bodies: work against their elastic force so far";
         row.number("contact_stored_energy", "J", stored, sum(|c| c.stored_energy));
         row.number(
             "contact_friction_work",
             "J",
-            "heat of friction in contacts of bodies so far",
+            "heat of friction in contacts between bodies so far",
             sum(|c| c.friction_work),
         );
         row.number("contact_damping_work", "J", "heat of contact damping so far", sum(|c| c.damping_work));
     }
-    let meaning = "kinetic plus internal energy, and what contacts of bodies hold";
+    let meaning = "kinetic energy, internal energy and energy stored in contacts between bodies";
     row.number("total_energy", "J", meaning, ledger.total_energy());
-    let drift = "total energy less external work, boundary heat and initial total, over the energy in play";
+    let drift =
+        "total energy minus external work, boundary heat and initial total energy, relative to the energy in play";
     row.number("energy_drift", "", drift, sample.energy_drift);
     row.vector("momentum", "kg m/s", "linear momentum", total.momentum);
     row.number("momentum_scale", "kg m/s", "sum of m |v|", total.momentum_scale);
     let impulse = "impulse of walls, gravity and driven regions so far";
     row.vector("external_impulse", "N s", impulse, ledger.external_impulse);
-    let drift = "change of momentum less external impulse, over the largest sum of m |v| so far";
+    let drift = "change of momentum minus external impulse, over the largest sum of m |v| so far";
     row.number("momentum_drift", "", drift, sample.momentum_drift);
     row.vector("angular_momentum", "kg m^2/s", "angular momentum about the origin", total.angular_momentum);
-    let searched = "share of particles searched, mean over the steps since the previous row";
+    let searched = "share of particles whose neighbours were searched, mean over the steps since the previous row";
     row.add("searched_fraction", "", searched, sample.searched_fraction);
     let pairs = "ordered pairs inside the kernel support in the last step";
     row.add("pairs", "", pairs, sample.pairs.map_or(Cell::Empty, Cell::Count));
-    let warnings = "checks that have found the run broken so far, see `warnings` in summary.json";
+    let warnings = "number of checks that have given a warning so far, see `warnings` in summary.json";
     row.add("warnings", "", warnings, Cell::Count(sample.warnings));
     if model.audit.is_some() {
         row.audit(sample.audit);
@@ -217,11 +218,11 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         let meaning = "angular momentum of the body about the origin";
         row.vector(&format!("body.{name}.angular_momentum"), "kg m^2/s", meaning, sums.angular_momentum);
         row.vector(&format!("body.{name}.centre"), "m", "centre of mass of the body", sums.centre);
-        let meaning = "net force on the body, rate of its momentum";
+        let meaning = "net force on the body: rate of change of its momentum";
         row.vector(&format!("body.{name}.force"), "N", meaning, sums.force);
     }
     for (boundary, heat) in model.thermal.boundaries.iter().zip(&ledger.heat.supplied) {
-        row.number(&format!("heat.{}", boundary.name), "J", "heat that came in through the boundary so far", *heat);
+        row.number(&format!("heat.{}", boundary.name), "J", "heat that entered through the boundary so far", *heat);
     }
     for ((a, b), contact) in contact_pairs.into_iter().zip(&ledger.contacts) {
         let name = format!("contact.{}.{}", model.bodies[a].name, model.bodies[b].name);
@@ -238,7 +239,7 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
         row.vector(&format!("wall.{}.force", wall.name), "N", "force of the wall on the particles", *force);
         let WallLedger { work, friction_work, damping_work } = ledger.walls.get(k).copied().unwrap_or_default();
         let name = format!("wall.{}", wall.name);
-        row.number(&format!("{name}.work"), "J", "work of the wall on the particles so far, with its heat", work);
+        row.number(&format!("{name}.work"), "J", "work of the wall on the particles so far, including heat", work);
         row.number(&format!("{name}.friction_work"), "J", "heat of friction so far", friction_work);
         row.number(&format!("{name}.damping_work"), "J", "heat of contact damping so far", damping_work);
     }

@@ -10,7 +10,7 @@ use std::path::Path;
 /// There is none, it is something else, or the system refuses.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     // Asked before it is opened: to open a pipe waits for who writes to it.
-    if fs::metadata(path)?.is_file() { File::open(path) } else { Err(io::Error::other("is no regular file")) }
+    if fs::metadata(path)?.is_file() { File::open(path) } else { Err(io::Error::other("is not a regular file")) }
 }
 
 /// The bytes of a regular file.
@@ -41,13 +41,13 @@ mod tests {
         let file = folder.path().join("history.csv");
         fs::write(&file, "time\n").unwrap();
         assert_eq!(read_to_string(&file).unwrap(), "time\n");
-        assert_eq!(read(folder.path()).unwrap_err().to_string(), "is no regular file");
+        assert_eq!(read(folder.path()).unwrap_err().to_string(), "is not a regular file");
         assert_eq!(read(&folder.path().join("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
         #[cfg(unix)]
         {
             let device = folder.path().join("summary.json");
             std::os::unix::fs::symlink("/dev/zero", &device).unwrap();
-            assert_eq!(read(&device).unwrap_err().to_string(), "is no regular file");
+            assert_eq!(read(&device).unwrap_err().to_string(), "is not a regular file");
         }
     }
 }

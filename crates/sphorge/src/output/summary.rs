@@ -451,7 +451,7 @@ impl Summary {
         let summary: Self = serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))?;
         if summary.format > Self::FORMAT {
             let (format, own) = (summary.format, Self::FORMAT);
-            return Err(OutputError::damaged(&path, format!("its format is {format}, this program reads up to {own}")));
+            return Err(OutputError::damaged(&path, format!("its format is {format}; this program reads up to {own}")));
         }
         Ok(summary)
     }
@@ -526,7 +526,7 @@ mod tests {
         let run = RunDirectory::open(folder.path()).unwrap();
         Summary { format: Summary::FORMAT + 1, ..full() }.write(&run).unwrap();
         let Err(OutputError::Damaged { reason, .. }) = Summary::read(&run) else { panic!("it is read") };
-        assert_eq!(reason, "its format is 2, this program reads up to 1");
+        assert_eq!(reason, "its format is 2; this program reads up to 1");
         let mut former = serde_json::to_value(full()).unwrap();
         former.as_object_mut().unwrap().retain(|name, _| name != "format" && name != "units");
         std::fs::write(run.summary(), former.to_string()).unwrap();

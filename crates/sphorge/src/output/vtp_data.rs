@@ -90,7 +90,7 @@ pub(super) fn read(
     let compressed = sizes.iter().try_fold(0u64, |sum, size| sum.checked_add(*size));
     let compressed = compressed.filter(|bytes| *bytes <= reader.left()).ok_or(ENDS_EARLY)?;
     if compressed.checked_mul(MOST_FROM_A_BYTE).is_none_or(|most| expected > most) {
-        return Err("a block cannot hold as much as it says".to_owned());
+        return Err("a block is too short for its stated length".to_owned());
     }
     let mut bytes = Vec::new();
     for (k, size) in sizes.into_iter().enumerate() {
@@ -99,7 +99,7 @@ pub(super) fn read(
         let before = bytes.len() as u64;
         // One byte more than there should be, so that too many are seen.
         let read = ZlibDecoder::new(stream.as_slice()).take(length + 1).read_to_end(&mut bytes);
-        read.map_err(|error| format!("a block does not decompress: {error}"))?;
+        read.map_err(|error| format!("a block cannot be decompressed: {error}"))?;
         if bytes.len() as u64 - before != length {
             return Err(OTHER_LENGTH.to_owned());
         }
@@ -108,7 +108,7 @@ pub(super) fn read(
 }
 
 const ENDS_EARLY: &str = "the file ends early";
-const OTHER_LENGTH: &str = "a block has another length than the header says";
+const OTHER_LENGTH: &str = "the length of a block differs from that in the header";
 
 /// Reads forward in a file whose length is known, before memory is taken for what it is said to hold.
 struct Bounded<'a, F> {
@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(refused(0, u64::MAX, 100), OTHER_LENGTH);
         assert_eq!(refused(3, u64::MAX, 100), ENDS_EARLY);
         // A block of 2^60 bytes in a stream of a few.
-        assert!(refused(2, 1 << 60, 1 << 60).contains("cannot hold"));
+        assert!(refused(2, 1 << 60, 1 << 60).contains("is too short for its stated length"));
         // As many blocks of no bytes.
         let none = with_number(&with_number(&file, 1, 0), 2, 0);
         assert_eq!(read_back(&with_number(&none, 0, 1 << 59), 0).unwrap_err(), ENDS_EARLY);

@@ -91,7 +91,7 @@ impl FrameFile {
         for piece in opened {
             let (piece, other) = piece?;
             if other.arrays != told.arrays || other.header != told.header || other.bodies != told.bodies {
-                return Err(OutputError::damaged(&piece.path, "it is of another frame than the first piece"));
+                return Err(OutputError::damaged(&piece.path, "it belongs to another frame than the first piece"));
             }
             pieces.push(piece);
         }
@@ -154,7 +154,7 @@ impl FrameFile {
     fn places_by_id(&self) -> Result<Vec<u32>, OutputError> {
         let damaged = |reason: &str| OutputError::damaged(&self.path, reason);
         let index = self.arrays.iter().position(|a| a.name == ORDER && a.width == 1 && a.whole_numbers);
-        let index = index.ok_or_else(|| damaged("its pieces have no `id` to put particles in order by"))?;
+        let index = index.ok_or_else(|| damaged("its pieces have no `id` by which particles are ordered"))?;
         let bytes = self.bytes(|piece| piece.offsets[index], 4)?;
         let (ids, _) = bytes.as_chunks::<4>();
         let places: Vec<u32> = ids.iter().map(|id| u32::from_le_bytes(*id)).collect();
@@ -162,7 +162,7 @@ impl FrameFile {
         for &place in &places {
             match is_taken.get_mut(place as usize) {
                 Some(taken) if !*taken => *taken = true,
-                _ => return Err(damaged("its pieces do not hold each particle once")),
+                _ => return Err(damaged("its pieces do not contain each particle exactly once")),
             }
         }
         Ok(places)

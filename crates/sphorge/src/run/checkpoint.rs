@@ -129,7 +129,7 @@ impl Keeper {
         match written? {
             Some(path) => observer.saved(&path, step, time),
             None => {
-                observer.noted("the engine does not give its state away: the run cannot be resumed");
+                observer.noted("the engine cannot save its state: the run cannot be resumed");
                 self.plan = CheckpointPlan::default();
             }
         }

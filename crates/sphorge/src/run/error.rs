@@ -56,7 +56,7 @@ pub enum RunError {
     #[error("the run stopped because its output could not be written")]
     #[diagnostic(
         code(sphorge::run::output),
-        help("free space or repair the folder; `sphorge resume` goes on from the last checkpoint, if there is one")
+        help("free space or repair the folder; `sphorge resume` continues from the last checkpoint, if there is one")
     )]
     Output {
         /// What could not be written.
@@ -81,9 +81,9 @@ fn what_is_kept(directory: &Path) -> String {
     let place = directory.display();
     // The list of frames is there with the first of them.
     if directory.join("fields.pvd").exists() {
-        format!("frames and history up to that time are in {place}; look at the last frame near the place")
+        format!("frames and history up to that time are in {place}; look at the last frame there")
     } else {
-        format!("it failed before the first frame: {place} holds the deck and `summary.json` alone")
+        format!("it failed before the first frame: {place} contains only the deck and `summary.json`")
     }
 }
 

@@ -111,7 +111,7 @@ impl Repeater {
         let share = 0.5 * state.simulation.tried_share();
         if self.told < MOST_TOLD && failures == 1 {
             self.told += 1;
-            let last = if self.told == MOST_TOLD { "; others are counted in `summary.json`" } else { "" };
+            let last = if self.told == MOST_TOLD { "; further ones are only counted in `summary.json`" } else { "" };
             observer.noted(&format!(
                 "step {step} at {} is repeated at half its size: {}{last}",
                 plain_quantity(failure.time, "s"),
@@ -130,10 +130,10 @@ impl Repeater {
     fn given_up(&self, failure: RunFailure, share: f64) -> Trouble {
         let repeated = match self.most {
             0 => String::new(),
-            _ => format!("; steps were repeated until they were {share:.2e} of the stable one, to no avail"),
+            _ => format!("; repeating the step down to {share:.2e} of the stable step did not help"),
         };
         let message = format!(
-            "{}{repeated}; a smaller `time.courant`, more artificial viscosity or a gentler contact may help",
+            "{}{repeated}; a smaller `time.courant`, more artificial viscosity or a softer contact may help",
             failure.message
         );
         RunFailure { message, ..failure }.into()

@@ -46,7 +46,7 @@ pub const CHANGEABLE: [&str; 4] = ["time.end", "time.max-steps", "time.stop-kine
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ResumeError {
     /// There is nothing to go on from.
-    #[error("there is no checkpoint in {} from which a run can go on", path.display())]
+    #[error("there is no checkpoint in {} from which the run can continue", path.display())]
     #[diagnostic(
         code(sphorge::run::no_checkpoint),
         help("{}", way_out(*has_ended))
@@ -58,11 +58,11 @@ pub enum ResumeError {
         has_ended: bool,
     },
     /// A change that would make another run of it.
-    #[error("`{key}` cannot change in a run that goes on")]
+    #[error("`{key}` cannot change when a run is resumed")]
     #[diagnostic(
         code(sphorge::run::not_changeable),
         help(
-            "only `time.end`, `time.max-steps`, `time.stop-kinetic-fraction` and `output` can; start a new run for the rest"
+            "only `time.end`, `time.max-steps`, `time.stop-kinetic-fraction` and `output` can; start a new run for other changes"
         )
     )]
     NotChangeable {
@@ -87,7 +87,7 @@ pub enum ResumeError {
         saved_at: Option<f64>,
     },
     /// An end before the time that has been reached.
-    #[error("the run has reached {reached:e} s, its end cannot be {end:e} s")]
+    #[error("the run has reached {}, its end cannot be {}", plain_quantity(*reached, "s"), plain_quantity(*end, "s"))]
     #[diagnostic(code(sphorge::run::end_passed), help("set `time.end` to a later time"))]
     EndPassed {
         /// Asked for, s.
@@ -111,8 +111,8 @@ pub enum ResumeError {
 
 fn way_out(has_ended: bool) -> &'static str {
     if has_ended {
-        "the run has reached its end and there is no state of it to go on from; run the deck again to a later end, or with `--checkpoint-at-end` to \
-         go on beyond"
+        "the run has reached its end and its state was not saved; run the deck again to a later end, or with `--checkpoint-at-end` so that \
+         it can be continued beyond its end"
     } else {
         "a run saves its state every ten minutes and when it is stopped, unless `--checkpoint-minutes 0` was given; run the deck again"
     }
@@ -158,7 +158,7 @@ pub fn resume(
         let why = match Checkpoint::open(&file) {
             Err(error) => error.to_string(),
             Ok(checkpoint) if deck.as_ref().is_some_and(|deck| !checkpoint.is_of(deck)) => {
-                format!("{} is of a run of another deck", file.display())
+                format!("{} belongs to a run of another deck", file.display())
             }
             Ok(checkpoint) => {
                 match options.engines.iter().find(|engine| engine.saved_as() == checkpoint.about.engine) {
@@ -166,15 +166,15 @@ pub fn resume(
                         let known: Vec<_> =
                             options.engines.iter().map(|engine| format!("`{}`", engine.saved_as())).collect();
                         let (file, engine) = (file.display(), &checkpoint.about.engine);
-                        format!("{file} is of the engine `{engine}`, not of {}", known.join(" or "))
+                        format!("{file} was written by the engine `{engine}`, not by {}", known.join(" or "))
                     }
                     Some(kind) => {
                         let own = env!("CARGO_PKG_VERSION");
                         if checkpoint.about.version != own {
                             let version = &checkpoint.about.version;
                             observer.noted(&format!(
-                            "{} was written by version {version}, this is {own}: what it holds fits or is refused, but the run may not go on to the \
-                             same bits",
+                            "{} was written by version {version}, this is {own}: it is used if all values fit, but the results may not be \
+                             bit-identical",
                             file.display()
                         ));
                         }
@@ -192,7 +192,7 @@ pub fn resume(
             }
         };
         if passed_over.len() < MOST_TOLD {
-            observer.noted(&format!("{why}; it is passed over"));
+            observer.noted(&format!("{why}; it is skipped"));
         }
         passed_over.push(file);
     }
@@ -222,7 +222,7 @@ const MOST_TOLD: usize = 3;
 /// Tells how many more checkpoints of no use there are.
 fn tell_others(passed_over: usize, observer: &mut dyn Observer) {
     if passed_over > MOST_TOLD {
-        observer.noted(&format!("{} more checkpoints are passed over for such reasons", passed_over - MOST_TOLD));
+        observer.noted(&format!("{} more checkpoints are skipped for similar reasons", passed_over - MOST_TOLD));
     }
 }
 
@@ -283,7 +283,7 @@ fn go_on_from(
     }
     let about = &checkpoint.about;
     if (state.simulation.steps(), state.simulation.time()) != (about.step, about.time) {
-        return Ok(Err("its values are of another step than it says".to_owned()));
+        return Ok(Err("its values belong to another step than it says".to_owned()));
     }
     if let Some(field) = state.broken_field() {
         return Ok(Err(format!("its `{field}` has values that no particle can have")));
@@ -291,10 +291,10 @@ fn go_on_from(
     tell_others(passed_over.len(), observer);
     let repeated = match steps_done(&directory).saturating_sub(about.step) {
         0 => String::new(),
-        1 => ", so that 1 step is repeated".to_owned(),
-        steps => format!(", so that {steps} steps are repeated"),
+        1 => "; 1 step is repeated".to_owned(),
+        steps => format!("; {steps} steps are repeated"),
     };
-    observer.noted(&format!("going on from step {} at {}{repeated}", about.step, plain_quantity(about.time, "s")));
+    observer.noted(&format!("continuing from step {} at {}{repeated}", about.step, plain_quantity(about.time, "s")));
     observer.prepared();
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
@@ -308,7 +308,7 @@ fn go_on_from(
     // From here on the folder is that of the run that goes on.
     match state.recorder.missing_frames() {
         0 => {}
-        missing => observer.noted(&format!("{missing} frames of the time before are missing or empty")),
+        missing => observer.noted(&format!("{missing} earlier frames are missing or empty")),
     }
     state.recorder.rewrite().map_err(output)?;
     if deck != deck_text {

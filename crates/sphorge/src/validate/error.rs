@@ -21,18 +21,18 @@ pub enum ValidateError {
         known: String,
     },
     /// The folder holds something that is not a validation.
-    #[error("{} is not empty and not the folder of a validation", path.display())]
+    #[error("{} is neither empty nor the folder of a validation", path.display())]
     #[diagnostic(code(sphorge::validate::folder), help("choose another folder; nothing was changed"))]
     NotAValidation {
         /// The folder.
         path: PathBuf,
     },
     /// There is nothing in the folder that this program could go on with.
-    #[error("{} holds no runs of this very program to go on with", path.display())]
+    #[error("{} does not contain runs of exactly this program, so it cannot be resumed", path.display())]
     #[diagnostic(
         code(sphorge::validate::another_program),
         help(
-            "numbers of two programs do not belong in one report: run it again without `--resume`; nothing was changed"
+            "results of two programs cannot be combined in one report: run it again without `--resume`; nothing was changed"
         )
     )]
     AnotherProgram {
@@ -52,7 +52,7 @@ pub enum ValidateError {
     #[diagnostic(transparent)]
     Run(RunError),
     /// The user stopped it.
-    #[error("the validation was stopped; runs done so far are in {}", directory.display())]
+    #[error("the validation was stopped; finished runs are in {}", directory.display())]
     #[diagnostic(code(sphorge::validate::stopped))]
     Stopped {
         /// Folder of the validation.

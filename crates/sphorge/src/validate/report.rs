@@ -149,7 +149,7 @@ impl CaseReport {
     pub fn missed_in_words(&self) -> String {
         match self.missed() {
             0 => String::new(),
-            missed => format!(", {missed} missed as known"),
+            missed => format!(", {missed} known to be missed"),
         }
     }
 
@@ -193,8 +193,8 @@ impl Report {
     pub(super) fn known_misses(&self) -> String {
         match self.cases.iter().map(CaseReport::missed).sum() {
             0 => String::new(),
-            1 => "; one check is known to miss what is asked, by no more than it did".to_owned(),
-            missed => format!("; {missed} checks are known to miss what is asked, by no more than they did"),
+            1 => "; one check is known to miss its bound, and misses it by no more than before".to_owned(),
+            missed => format!("; {missed} checks are known to miss their bounds, and miss them by no more than before"),
         }
     }
 
@@ -293,7 +293,7 @@ mod tests {
         whole.add(case, 1.0);
         assert!(whole.passed);
         for text in [whole.to_string(), whole.markdown()] {
-            for words in ["1 of 2", "1 missed as known", "at most 1, kept at most 2", "one check is known to miss"] {
+            for words in ["1 of 2", "1 known to be missed", "at most 1, kept at most 2", "one check is known to miss"] {
                 assert!(text.contains(words), "{words}: {text}");
             }
         }

@@ -23,7 +23,7 @@ impl Architecture {
         let older = known.iter().copied().filter(|of| *of < capability).max();
         older.map(Self::Older).ok_or_else(|| {
             format!(
-                "its compute capability {capability} is older than what the compiler NVRTC knows: install an older one"
+                "its compute capability {capability} is too old for the installed compiler NVRTC: install an older version of it"
             )
         })
     }

@@ -67,7 +67,7 @@ pub(super) fn told(error: DriverError) -> String {
     let text = |of: Result<&std::ffi::CStr, DriverError>| of.map(|text| text.to_string_lossy().into_owned()).ok();
     match (text(error.error_string()), text(error.error_name())) {
         (Some(string), Some(name)) => format!("{string} ({name})"),
-        _ => format!("error {} of the driver", error.0 as u32),
+        _ => format!("driver error {}", error.0 as u32),
     }
 }
 

@@ -38,26 +38,26 @@ fn driver() -> Result<(i32, i32), Missing> {
     // SAFETY: loading a driver runs its start-up code, as every program on cards does.
     if !unsafe { sys::is_culib_present() } {
         return Err(missing(
-            "there is no driver of NVIDIA (libcuda.so.1, nvcuda.dll)".to_owned(),
+            "NVIDIA's driver is not installed (libcuda.so.1, nvcuda.dll)".to_owned(),
             "install the driver of the card; a container has to be started with the card (`docker run --gpus all`)",
         ));
     }
     let failed = |what: &str, error: result::DriverError| missing(format!("{what}: {}", told(error)), cure_of(error));
     result::init().map_err(|error| failed("NVIDIA's driver does not start", error))?;
-    let count =
-        result::device::get_count().map_err(|error| failed("NVIDIA's driver does not count its cards", error))?;
+    let count = result::device::get_count()
+        .map_err(|error| failed("NVIDIA's driver does not report the number of its cards", error))?;
     if count == 0 {
-        let cure = "see whether `nvidia-smi` lists a card, and whether CUDA_VISIBLE_DEVICES hides it";
+        let cure = "check whether `nvidia-smi` lists a card, and whether CUDA_VISIBLE_DEVICES hides it";
         return Err(missing("NVIDIA's driver finds no card".to_owned(), cure));
     }
     let mut version = 0;
     // SAFETY: writes one number.
     let asked = unsafe { sys::cuDriverGetVersion(&raw mut version) };
-    asked.result().map_err(|error| failed("NVIDIA's driver does not say its version", error))?;
+    asked.result().map_err(|error| failed("NVIDIA's driver does not report its version", error))?;
     let (major, minor) = (version / 1000, version % 1000 / 10);
     if major < OLDEST {
         return Err(missing(
-            format!("NVIDIA's driver knows CUDA {major}.{minor}, and {OLDEST}.0 is needed"),
+            format!("NVIDIA's driver supports CUDA {major}.{minor}; {OLDEST}.0 is needed"),
             "install a newer driver (525 or later on Linux)",
         ));
     }
@@ -67,10 +67,10 @@ fn driver() -> Result<(i32, i32), Missing> {
 fn cure_of(error: result::DriverError) -> &'static str {
     match error.0 {
         sys::CUresult::CUDA_ERROR_NO_DEVICE => {
-            "see whether `nvidia-smi` lists a card, and whether CUDA_VISIBLE_DEVICES hides it"
+            "check whether `nvidia-smi` lists a card, and whether CUDA_VISIBLE_DEVICES hides it"
         }
         sys::CUresult::CUDA_ERROR_SYSTEM_DRIVER_MISMATCH => {
-            "the library and the kernel module of the driver are of different versions: restart the machine, or install one of them anew"
+            "the library and the kernel module of the driver are of different versions: restart the machine, or reinstall one of them"
         }
         _ => "see what `nvidia-smi` says",
     }
@@ -82,12 +82,15 @@ fn compiler() -> Result<(i32, i32), Missing> {
     load_from_known_folders();
     // SAFETY: as for the driver.
     if !unsafe { nvrtc::sys::is_culib_present() } {
-        return Err(missing("an NVIDIA card is there, and its compiler NVRTC (libnvrtc) is not".to_owned(), CURE));
+        return Err(missing(
+            "there is an NVIDIA card, but its compiler NVRTC (libnvrtc) is not installed".to_owned(),
+            CURE,
+        ));
     }
     let (mut major, mut minor) = (0, 0);
     // SAFETY: writes two numbers.
     let asked = unsafe { nvrtc::sys::nvrtcVersion(&raw mut major, &raw mut minor) };
-    asked.result().map_err(|error| missing(format!("NVRTC does not say its version: {error}"), CURE))?;
+    asked.result().map_err(|error| missing(format!("NVRTC does not report its version: {error}"), CURE))?;
     if major < OLDEST {
         return Err(missing(format!("NVRTC is of CUDA {major}.{minor}, and {OLDEST}.0 is needed"), CURE));
     }

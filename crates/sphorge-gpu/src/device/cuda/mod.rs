@@ -75,7 +75,7 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
     let versions = library::reach()?;
     let silent = |error: DriverError| Missing {
         interface: Interface::Cuda,
-        why: format!("NVIDIA's driver does not tell of its cards: {}", told(error)),
+        why: format!("NVIDIA's driver does not list its cards: {}", told(error)),
         cure: "see what `nvidia-smi` says".to_owned(),
     };
     let candidate = |number: i32| -> Result<Option<Candidate>, DriverError> {
@@ -115,8 +115,8 @@ pub(super) fn candidates() -> Result<Vec<Candidate>, Missing> {
         Some(error) if known.is_empty() => Err(silent(error)),
         None if known.is_empty() => Err(Missing {
             interface: Interface::Cuda,
-            why: "NVRTC does not compile for the NVIDIA cards that are there".to_owned(),
-            cure: "install an NVRTC that knows them, such as that of CUDA 12 for cards older than Turing".to_owned(),
+            why: "NVRTC does not support the NVIDIA cards of this machine".to_owned(),
+            cure: "install an NVRTC that supports them, such as that of CUDA 12 for cards older than Turing".to_owned(),
         }),
         _ => Ok(known),
     }

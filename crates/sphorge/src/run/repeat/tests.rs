@@ -127,5 +127,5 @@ fn a_step_that_fails_again_and_again_ends_the_run_with_its_name() {
     assert!(failure.particle.is_some() && failure.position.is_some());
     let told = failure.to_string();
     assert!(told.contains("more than the 1e-12 of `time.step-control`"), "{told}");
-    assert!(told.contains("of the stable one, to no avail"), "{told}");
+    assert!(told.contains("of the stable step did not help"), "{told}");
 }

@@ -118,9 +118,9 @@ fn are_passed_over(run: &Path, forgeries: &[Change<'_>]) {
         let (ended, told) = go_on_in(run);
         assert_eq!(ended.unwrap().steps, 12, "{name}");
         assert_eq!(told.len(), 2, "{name}: {told:?}");
-        assert!(told[0].contains(reason) && told[0].ends_with("; it is passed over"), "{name}: {told:?}");
-        let (from, steps) = (format!("going on from step {before} at "), 12 - before);
-        let repeated = format!("so that {steps} step{} repeated", if steps == 1 { " is" } else { "s are" });
+        assert!(told[0].contains(reason) && told[0].ends_with("; it is skipped"), "{name}: {told:?}");
+        let (from, steps) = (format!("continuing from step {before} at "), 12 - before);
+        let repeated = format!("; {steps} step{} repeated", if steps == 1 { " is" } else { "s are" });
         assert!(told[1].starts_with(&from) && told[1].ends_with(&repeated), "{told:?}");
         assert!(!last.exists(), "{name}");
     }
@@ -190,9 +190,9 @@ fn many_checkpoints_of_no_use_are_told_in_few_words() {
     let (ended, told) = go_on_in(&run);
     assert_eq!(ended.unwrap().steps, 12);
     assert_eq!(told.len(), 5, "{told:?}");
-    assert!(told[..3].iter().all(|note| note.ends_with("it is passed over")), "{told:?}");
-    assert_eq!(told[3], "47 more checkpoints are passed over for such reasons");
-    assert!(told[4].starts_with("going on from step 12 at ") && told[4].ends_with("1 step is repeated"), "{told:?}");
+    assert!(told[..3].iter().all(|note| note.ends_with("it is skipped")), "{told:?}");
+    assert_eq!(told[3], "47 more checkpoints are skipped for similar reasons");
+    assert!(told[4].starts_with("continuing from step 12 at ") && told[4].ends_with("1 step is repeated"), "{told:?}");
     assert_eq!(checkpoints(&run).unwrap().len(), 2);
 
     fs::remove_file(run.join("checkpoint-000000000012.zip")).unwrap();
@@ -218,10 +218,10 @@ fn a_checkpoint_of_another_version_goes_on_and_says_so() {
     let (ended, told) = go_on_in(&run);
     assert_eq!(ended.unwrap().steps, 12);
     assert!(
-        told[0].contains("was written by version 9.9.9") && told[0].contains("not go on to the same bits"),
+        told[0].contains("was written by version 9.9.9") && told[0].contains("may not be bit-identical"),
         "{told:?}"
     );
-    assert!(told[1].starts_with("going on from step 12 at "), "{told:?}");
+    assert!(told[1].starts_with("continuing from step 12 at "), "{told:?}");
 }
 
 /// What a run that has ended is refused with: message and help.
@@ -256,7 +256,7 @@ fn a_run_that_has_ended_is_left_alone_unless_more_is_asked_for() {
     }
     let (ended, told) = go_on_with(&run, &[("time.max-steps", "14")]);
     assert_eq!((ended.unwrap().steps, told.len()), (14, 1));
-    assert!(told[0].starts_with("going on from step ") && told[0].contains(", so that "), "{told:?}");
+    assert!(told[0].starts_with("continuing from step ") && told[0].contains("; "), "{told:?}");
 }
 
 #[test]

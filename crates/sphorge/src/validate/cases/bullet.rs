@@ -91,9 +91,9 @@ pub(super) const CASE: Case = Case {
     expected_warnings: &[
         ExpectedWarning::new(
             "pieces",
-            "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+            "perforation breaks the plate and the projectile without a fracture law: what a fragment is follows from the sums",
         ),
-        ExpectedWarning::new("lost-neighbors", "fragments of a particle or two fly in the debris"),
+        ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
     ],
     variants,
     judge,
@@ -111,7 +111,7 @@ pub(super) const CASE: Case = Case {
                 times: &[50e-6, 150e-6, 400e-6, 1e-3],
                 settings: HOLE,
             },
-            caption: "Who is searched, at four times, in a cut through the hole (the paper's Figure 12)",
+            caption: "Particles searched, at four times, in a section through the hole (the paper's Figure 12)",
         },
         Picture {
             series: STRATEGIES,
@@ -181,7 +181,9 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let missed = number("missed pairs of different bodies", audit.map(|a| a.missed_foreign_pairs as f64));
         findings.add(missed.must(Bounds::AtMost(0.0), "foreign particles are searched for in every step"));
         let momentum = number("residual of momentum", audit.map(|a| a.momentum_residual));
-        findings.add(momentum.must(Bounds::AtMost(1e-13), "both rows of a pair or none: rounding"));
+        findings.add(
+            momentum.must(Bounds::AtMost(1e-13), "both rows of a pair or neither are listed; only rounding remains"),
+        );
     }
     for run in runs.series(DEFAULT) {
         let metre_per_second =
@@ -189,9 +191,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         findings.add(metre_per_second("residual velocity", "residual_velocity"));
         let drift = run.summary().map(|summary| summary.energy.largest_relative_drift);
         let drift = Finding::new("largest drift of energy", Unit::NONE, run.label(), drift);
-        findings.add(
-            drift.must(Bounds::AtMost(1e-7), "the sums close to the rounding of the pair sums in single precision"),
-        );
+        findings.add(drift.must(Bounds::AtMost(1e-7), "closed up to rounding of the pair sums in single precision"));
     }
     if let (Some(search), Some(all)) = (reference.summary().map(|s| s.stage_seconds.search), seconds(reference)) {
         findings.note(format!(

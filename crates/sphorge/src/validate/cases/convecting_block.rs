@@ -73,7 +73,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         if let Some(run) = runs.finest(series) {
             let drift = run.summary().map(|s| s.energy.largest_relative_drift);
             let finding = Finding::new(format!("{what}: drift of the heat account"), Unit::NONE, run.label(), drift);
-            findings.add(finding.must(Bounds::AtMost(1e-11), "what leaves is booked; what is left is rounding"));
+            findings.add(finding.must(Bounds::AtMost(1e-11), "the heat that leaves is counted; only rounding remains"));
         }
     }
 }

@@ -19,10 +19,10 @@ pub(super) const CASE: Case = Case {
     expected_warnings: &[
         ExpectedWarning::new(
             "pieces",
-            "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+            "perforation breaks the plate and the projectile without a fracture law: what a fragment is follows from the sums",
         ),
-        ExpectedWarning::new("lost-neighbors", "fragments of a particle or two fly in the debris"),
-        ExpectedWarning::new("expansion", "debris is far expanded, and the material has no `spall-pressure`"),
+        ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
+        ExpectedWarning::new("expansion", "the debris is strongly expanded, and the material has no `spall-pressure`"),
     ],
     variants,
     judge,
@@ -46,7 +46,7 @@ fn variants(effort: Effort) -> Vec<Variant> {
 
 fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING) {
-        let rounding = "pair sums in single precision: some thousand steps of their rounding";
+        let rounding = "rounding of pair sums in single precision over some thousand steps";
         let energy = run.summary().map(|s| s.energy.largest_relative_drift);
         let energy = Finding::new("drift of the energy ledger", Unit::NONE, run.label(), energy);
         findings.add(energy.must(Bounds::AtMost(1e-5), rounding));

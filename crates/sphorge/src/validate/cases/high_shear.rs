@@ -84,7 +84,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         ));
         findings.add(
             finding("fewest neighbours in the band", Unit::NONE, measure("fewest_band_neighbors"))
-                .must(Bounds::AtLeast(14.0), "a whole band: particles of the lattice have 20, those at a crack 12"),
+                .must(Bounds::AtLeast(14.0), "an intact band: particles of the lattice have 20, those at a crack 12"),
         );
         let loose = measure("least_band_density").map(|density| density / DENSITY);
         findings.add(
@@ -94,7 +94,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let drift = run.summary().map(|s| s.largest_momentum_drift);
         findings.add(
             finding("drift of linear momentum", Unit::NONE, drift)
-                .must(Bounds::AtMost(1e-6), "conserved exactly; pair sums in single precision leave their rounding"),
+                .must(Bounds::AtMost(1e-6), "conserved exactly, up to rounding of the pair sums in single precision"),
         );
     }
     let study = |name: &str, unit, measure: &str| {

@@ -31,7 +31,7 @@ pub(super) const CASE: Case = Case {
     expected_warnings: &[
         ExpectedWarning::new(
             "pieces",
-            "perforation tears the plate and the projectile without a law of fracture: fragments are what the sums leave together",
+            "perforation breaks the plate and the projectile without a fracture law: what a fragment is follows from the sums",
         ),
         ExpectedWarning::new(
             "pairing",
@@ -44,12 +44,12 @@ pub(super) const CASE: Case = Case {
             "the artificial stress takes up to 12 MJ/kg out of 4 % of the particles, whose internal energy ends below zero; \
                      temperature leaves its work out, and is then above what their energy allows",
         ),
-        ExpectedWarning::new("lost-neighbors", "fragments of a particle or two fly in the debris"),
+        ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
         ExpectedWarning::new(
             "cold",
-            "debris that is far expanded is beyond the pressure law, whose isotherm then gives no temperature",
+            "strongly expanded debris is outside the range of the pressure law, whose isotherm then gives no temperature",
         ),
-        ExpectedWarning::new("expansion", "debris is far expanded, and the material has no `spall-pressure`"),
+        ExpectedWarning::new("expansion", "the debris is strongly expanded, and the material has no `spall-pressure`"),
     ],
     variants,
     judge,
@@ -152,7 +152,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             }
         });
         let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
-        let rounding = "pair sums in single precision: some thousand steps of their rounding";
+        let rounding = "rounding of pair sums in single precision over some thousand steps";
         let energy = run.summary().map(|s| s.energy.largest_relative_drift);
         findings.add(finding("drift of the energy ledger", energy).must(Bounds::AtMost(1e-6), rounding));
         let momentum = run.summary().map(|s| s.largest_momentum_drift);

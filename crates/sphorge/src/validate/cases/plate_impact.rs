@@ -75,11 +75,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             findings.add(match measure {
                 "internal_energy" => finding.must(
                     Bounds::Relative(0.03),
-                    "the entropy left by the start of the shock is in the mean; it shrinks with the spacing",
+                    "the mean includes the entropy error of the start of the shock, which decreases with the spacing",
                 ),
                 _ => finding.must(
                     Bounds::Relative(0.01),
-                    "the front is some ten spacings wide and seen over 20 mm; 1 % is far above what that blurs",
+                    "the front is some ten spacings wide and seen over 20 mm; 1 % is far more than this inaccuracy",
                 ),
             });
         }

@@ -84,7 +84,7 @@ const ROUND_OFF: f64 = 1e-12;
 /// What nothing that acts within the rod may change.
 fn ledgers(run: &Run, findings: &mut Findings) {
     let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
-    let conserved = "conserved exactly by the settings; what is left is rounding";
+    let conserved = "conserved exactly with these settings; only rounding remains";
     let ledger = run.summary().map(|s| s.energy.largest_relative_drift);
     findings.add(finding("drift of the energy ledger", ledger).must(Bounds::AtMost(ROUND_OFF), conserved));
     let linear = run.summary().map(|s| s.largest_momentum_drift);
@@ -104,7 +104,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(DEFAULT) {
         let quantity = "drift of kinetic plus elastic energy, which viscosity takes from the swing";
         let drift = Finding::new(quantity, Unit::NONE, run.label(), energy(run));
-        findings.add(drift.must(Bounds::AtMost(5e-3), "less than the swing, a hundredth of the energy, has"));
+        findings.add(drift.must(Bounds::AtMost(5e-3), "less than the energy of the swing, a hundredth of the total"));
         ledgers(run, findings);
     }
     for run in runs.series(PLAIN) {

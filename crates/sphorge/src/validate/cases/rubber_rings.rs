@@ -86,7 +86,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let drift = run.summary().map(|s| s.largest_momentum_drift);
         findings.add(
             finding("drift of linear momentum", Unit::NONE, drift)
-                .must(Bounds::AtMost(1e-6), "pair sums in single precision leave their rounding"),
+                .must(Bounds::AtMost(1e-6), "rounding of the pair sums in single precision"),
         );
     }
     for run in runs.series(CHOICES) {

@@ -19,7 +19,7 @@ pub(super) const CASE: Case = Case {
     expected_warnings: &[
         ExpectedWarning::new(
             "plastic-work",
-            "plain updated Lagrangian sums do more plastic work in the foot than the impact brings along; the case compares shapes, and shows it",
+            "with plain updated Lagrangian sums the plastic work in the foot exceeds the energy of the impact; the case compares shapes and shows this",
         ),
         ExpectedWarning::new("hot", "it follows from the plastic work"),
     ],
@@ -47,7 +47,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         }));
     }
     for run in runs.series(SPACING) {
-        let rounding = "pair sums in single precision: some thousand steps of their rounding";
+        let rounding = "rounding of pair sums in single precision over some thousand steps";
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
         let energy = Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift);
         findings.add(energy.must(Bounds::AtMost(1e-6), rounding));

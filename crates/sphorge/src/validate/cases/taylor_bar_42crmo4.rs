@@ -84,7 +84,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING) {
         findings.add(
             Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift(run))
-                .must(Bounds::AtMost(1e-5), "pair sums in single precision: some thousand steps of their rounding"),
+                .must(Bounds::AtMost(1e-5), "rounding of pair sums in single precision over some thousand steps"),
         );
     }
     findings.note(

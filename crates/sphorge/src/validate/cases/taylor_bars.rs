@@ -305,7 +305,7 @@ impl Bar {
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
         findings.add(
             Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift)
-                .must(Bounds::AtMost(1e-5), "pair sums in single precision: some thousand steps of their rounding"),
+                .must(Bounds::AtMost(1e-5), "rounding of pair sums in single precision over some thousand steps"),
         );
     }
 

@@ -29,7 +29,7 @@ pub(super) const CASE: Case = Case {
     expected_warnings: &[
         ExpectedWarning::new(
             "plastic-work",
-            "plain updated Lagrangian sums do more plastic work in the foot than the impact brings along; the case compares shapes, and shows it",
+            "with plain updated Lagrangian sums the plastic work in the foot exceeds the energy of the impact; the case compares shapes and shows this",
         ),
         ExpectedWarning::new("hot", "it follows from the plastic work"),
     ],
@@ -85,7 +85,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
         findings.add(
             Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift)
-                .must(Bounds::AtMost(1e-6), "pair sums in single precision: some thousand steps of their rounding"),
+                .must(Bounds::AtMost(1e-6), "rounding of pair sums in single precision over some thousand steps"),
         );
     }
     for run in runs.series(CHOICES) {

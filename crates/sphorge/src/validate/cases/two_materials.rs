@@ -83,7 +83,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         }
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
         let finding = Finding::new("drift of the heat account", Unit::NONE, run.label(), drift);
-        findings.add(finding.must(Bounds::AtMost(1e-11), "antisymmetric exchange; what is left is rounding"));
+        findings.add(finding.must(Bounds::AtMost(1e-11), "antisymmetric exchange; only rounding remains"));
     }
     for (name, value, exact) in QUANTITIES {
         let study = Study::exact(name, Unit::KELVIN, exact());
