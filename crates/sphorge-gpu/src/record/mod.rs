@@ -17,4 +17,6 @@ pub use double::Double;
 pub use index::Index;
 pub use kernel::{Counters, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Scope};
 pub use number::Recorded;
-pub(crate) use operation::{Access, Binary, Element, Operation, Statement, Unary, Value, Variable};
+#[cfg(feature = "device")]
+pub(crate) use operation::Variable;
+pub(crate) use operation::{Access, Binary, Element, Operation, Statement, Unary, Value};
