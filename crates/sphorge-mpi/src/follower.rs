@@ -30,7 +30,7 @@ pub fn follow_with(
     files: &dyn RankFiles,
 ) -> Result<(), RunFailure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|error| RunFailure::of_engine(format!("there are no threads: {error}")))?;
+    let pool = pool.map_err(|error| RunFailure::of_engine(format!("cannot start the threads: {error}")))?;
     pool.install(|| receive_commands(&communicator, kinds, files))
 }
 
@@ -98,7 +98,7 @@ impl Following {
             Command::Reduce(message) => {
                 let message = ReductionMessage::read(&message);
                 let Some(reduction) = message.as_ref().and_then(ReductionMessage::reduction) else {
-                    return Err(RunFailure::of_engine("the first rank asks for a sum that there is not".to_owned()));
+                    return Err(RunFailure::of_engine("the first rank asks for an unknown sum".to_owned()));
                 };
                 part.reduce(&reduction)?;
             }

@@ -37,10 +37,10 @@ impl Processes {
     /// MPI cannot be started, or does not let threads of a rank take turns.
     pub fn join() -> Result<Arc<Self>, String> {
         let Some((universe, provided)) = initialize_with_threading(Threading::Serialized) else {
-            return Err("MPI was started before".to_owned());
+            return Err("MPI was already initialised".to_owned());
         };
         if provided < Threading::Serialized {
-            return Err("this MPI serves a single thread of a process alone".to_owned());
+            return Err("this MPI library supports only one thread per process".to_owned());
         }
         let world = universe.world();
         let (rank, size) = (world.rank() as usize, world.size() as usize);

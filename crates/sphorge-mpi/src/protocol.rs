@@ -102,7 +102,7 @@ impl Command {
     /// Waits for a command of the first rank.
     pub(crate) fn receive(ranks: &Ranks) -> Result<Self, RunFailure> {
         let unknown = || {
-            let message = "the first rank asks for what there is not; all ranks must be of one program";
+            let message = "the first rank sent an unknown request; all ranks must run the same program";
             RunFailure::of_engine(message.to_owned())
         };
         let bytes = ranks.broadcast(&[], Header::SIZE)?;

@@ -60,7 +60,7 @@ impl Messages for Awaited {
             let receiver = self.from[rank].lock().unwrap_or_else(PoisonError::into_inner);
             let bytes = receiver.recv().map_err(|_| ended(rank))?;
             if bytes.len() != length {
-                return Err(format!("rank {rank} has sent {} bytes in place of {length}", bytes.len()));
+                return Err(format!("rank {rank} has sent {} bytes instead of {length}", bytes.len()));
             }
             come[rank] = bytes;
         }

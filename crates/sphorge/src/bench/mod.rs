@@ -38,14 +38,14 @@ pub struct BenchCase {
 pub const CASES: &[BenchCase] = &[
     BenchCase {
         deck: "block",
-        meaning: "a lattice block at rest: pair sums and search at full cost, nothing yields, a skin is never used up",
+        meaning: "a lattice block at rest: pair sums and search at full cost, no plastic flow, the skin is never used up",
     },
     BenchCase { deck: "taylor-bar", meaning: "a round bar on a rigid wall: shock, plastic flow, heat" },
     BenchCase {
         deck: "penetration",
-        meaning: "a disc through a plate in plane strain: the flow is everywhere, few neighbours",
+        meaning: "a disc through a plate in plane strain: flow everywhere, few neighbours",
     },
-    BenchCase { deck: "bullet", meaning: "a bullet through a large plate: two smoothing lengths, the flow is local" },
+    BenchCase { deck: "bullet", meaning: "a bullet through a large plate: two smoothing lengths, local flow" },
 ];
 /// Values of `numerics.precision` that are measured.
 const PRECISIONS: &[&str] = &["mixed", "double"];

@@ -49,7 +49,7 @@ pub enum PlotError {
         height: u32,
     },
     /// The name of the file asks for a form that is not written.
-    #[error("{} is no name of a picture", path.display())]
+    #[error("{} is not the name of a picture", path.display())]
     #[diagnostic(code(sphorge::plot::format), help("end it with .png or .svg"))]
     Format {
         /// The name.

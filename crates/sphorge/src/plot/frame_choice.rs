@@ -29,7 +29,7 @@ impl std::str::FromStr for FrameChoice {
             "last" => Ok(Self::Last),
             _ => text.trim().parse().map(Self::Index).or_else(|_| {
                 read_quantity(text, "s").map(Self::Time).map_err(|reason| {
-                    format!("`{text}` is no frame ({reason}); write first, last, a number such as 12, or a time such as \"60 us\"")
+                    format!("`{text}` is not a frame ({reason}); write first, last, a number such as 12, or a time such as \"60 us\"")
                 })
             }),
         }

@@ -151,7 +151,7 @@ pub(super) fn charts(runs: &[(&str, &RunDirectory)], columns: &[String]) -> Resu
         }
     }
     if !charts.iter().any(Chart::has_values) {
-        return Err(PlotError::Empty { reason: "the columns hold no number".into() });
+        return Err(PlotError::Empty { reason: "the columns contain no numbers".into() });
     }
     Ok(charts)
 }

@@ -85,7 +85,7 @@ struct Changed {
 /// where they are the same.
 fn changed(before: &Pixels, now: &Pixels) -> Result<Changed, PlotError> {
     if (before.width, before.height) != (now.width, now.height) {
-        return Err(PlotError::Encode { reason: "frames of an animation have unlike sizes".to_owned() });
+        return Err(PlotError::Encode { reason: "frames of an animation have different sizes".to_owned() });
     }
     let differ = (0u32..).zip(before.rgb.iter().zip(&now.rgb)).filter(|(_, (a, b))| a != b);
     let places = differ.map(|(k, _)| (k % now.width, k / now.width));

@@ -32,8 +32,8 @@ const NO_ENERGY: f64 = 1e-12;
 /// A step below this share of the first is small because of the solution, not because the deck asks for small steps.
 const COLLAPSED: f64 = 0.1;
 /// What to do about that.
-const COLLAPSED_CURE: &str = "the time step has collapsed because the solution is breaking down: lower `time.courant`, leave step control on \
-                              (`time.step-control.repeats`), soften the contact; `dt_reason` in history.csv names the limit of the step";
+const COLLAPSED_CURE: &str = "the time step has collapsed because the solution is breaking down: lower `time.courant`, use step control \
+                              (`time.step-control.repeats` above 0), soften the contact; `dt_reason` in history.csv names the limit of the step";
 /// Largest number a share of next to nothing is said to be.
 const LARGEST: f64 = 1e6;
 
