@@ -157,7 +157,7 @@ fn arguments(line: &str) -> Option<Vec<String>> {
     let own = match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["sphorge", ..] => words[1..].to_vec(),
         ["cargo", "run", "--release", "--", ..] => words[4..].to_vec(),
-        ["cargo", "run", "--release", "--features", "gpu" | "mpi", "--", ..] => words[6..].to_vec(),
+        ["cargo", "run", "--release", "--features", "gpu" | "mpi" | "gpu,mpi", "--", ..] => words[6..].to_vec(),
         ["mpirun", "-n", _, "sphorge", ..] => words[4..].to_vec(),
         _ => return None,
     };
