@@ -7,12 +7,14 @@ mod suspicion;
 mod turns;
 
 pub use message::ReductionMessage;
-pub use suspicion::{PAIR_DISTANCE, PAIR_GAP, Suspects, Suspicion, TEARING_RADIUS, TEARING_SHARE};
+pub use suspicion::{
+    AGAINST, Looked, PAIR_DISTANCE, PAIR_GAP, Standard, Suspects, Suspicion, TEARING_RADIUS, TEARING_SHARE,
+};
 
 use crate::RunFailure;
 use crate::model::{Extremum, Model, ParticleSelection, Section};
 use crate::particles::{Column, Particles, stored_behind};
-use sphorge_physics::{Vector, tensor};
+use sphorge_physics::{Real, Tensor, Vector, tensor};
 use turns::best;
 pub use turns::{Alone, Turns};
 
@@ -270,6 +272,34 @@ fn unit(axis: usize) -> Vector<f64> {
     std::array::from_fn(|a| if a == axis { 1.0 } else { 0.0 })
 }
 
+/// How far a ball of that radius (m) reaches along a unit vector once it is deformed, m.
+pub fn reach<T: Real>(radius: T, deformation: &Tensor<T>, direction: Vector<T>) -> T {
+    let stretched = tensor::apply(&tensor::transpose(deformation), direction);
+    radius * tensor::dot(stretched, stretched).sqrt()
+}
+
+/// What is between two ends along an axis, m, and not beyond planes of symmetry.
+pub fn extent_between_planes(model: &Model, axis: usize, mut low: f64, mut high: f64) -> f64 {
+    // Particles pressed against the plane are flatter than half a spacing.
+    for plane in model.symmetry.iter().filter(|plane| plane.axis == axis) {
+        if plane.side > 0.0 {
+            low = low.max(plane.position);
+        } else {
+            high = high.min(plane.position);
+        }
+    }
+    high - low
+}
+
+/// A point of the line along an axis that diameters are taken about, m: of the sums of places and their number the mean, or in the planes of symmetry.
+pub fn line_of_diameter(model: &Model, axis: usize, [x, y, z, count]: [f64; 4]) -> Vector<f64> {
+    let mut centre = [x, y, z].map(|sum| sum / count);
+    for plane in model.symmetry.iter().filter(|plane| plane.axis != axis) {
+        centre[plane.axis] = plane.position;
+    }
+    centre
+}
+
 /// Selected particles at one time.
 struct Selected<'a> {
     model: &'a Model,
@@ -300,10 +330,7 @@ impl Selected<'_> {
         let (p, half) = (self.particles, 0.5 * self.spacing(i));
         let is_in_one_piece = p.earlier_deformation.get(i).is_none_or(|earlier| *earlier == tensor::identity());
         let deformation = p.deformation.get(i).filter(|_| is_in_one_piece);
-        deformation.map_or(half, |f| {
-            let stretched = tensor::apply(&tensor::transpose(f), direction);
-            half * tensor::dot(stretched, stretched).sqrt()
-        })
+        deformation.map_or(half, |f| reach(half, f, direction))
     }
 
     fn mean<R: Turns>(&self, values: &Values<'_>, turns: &R) -> Result<Option<f64>, R::Lost> {
@@ -339,16 +366,8 @@ impl Selected<'_> {
             let (x, reach) = (self.particles.position[i][axis], self.reach(i, unit(axis)));
             (x - reach, x + reach)
         };
-        let Some((mut low, mut high)) = self.range(ends, turns)? else { return Ok(None) };
-        // Particles pressed against the plane are flatter than half a spacing.
-        for plane in self.model.symmetry.iter().filter(|plane| plane.axis == axis) {
-            if plane.side > 0.0 {
-                low = low.max(plane.position);
-            } else {
-                high = high.min(plane.position);
-            }
-        }
-        Ok(Some(high - low))
+        let range = self.range(ends, turns)?;
+        Ok(range.map(|(low, high)| extent_between_planes(self.model, axis, low, high)))
     }
 
     fn diameter<R: Turns>(&self, axis: usize, turns: &R) -> Result<Option<f64>, R::Lost> {
@@ -362,11 +381,7 @@ impl Selected<'_> {
                 sums[3] += 1.0;
             }
         })?;
-        let [x, y, z, count] = sums;
-        let mut centre = [x, y, z].map(|sum| sum / count);
-        for plane in self.model.symmetry.iter().filter(|plane| plane.axis != axis) {
-            centre[plane.axis] = plane.position;
-        }
+        let centre = line_of_diameter(self.model, axis, sums);
         let radius = |i: usize| {
             let outward: Vector<f64> =
                 std::array::from_fn(|a| if a == axis { 0.0 } else { positions[i][a] - centre[a] });

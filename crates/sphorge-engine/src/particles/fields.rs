@@ -5,7 +5,7 @@ use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
 use crate::model::Material;
 use sphorge_physics::flow::FLOW_LAWS;
-use sphorge_physics::{SymmetricTensor, Tensor};
+use sphorge_physics::{Real, SymmetricTensor, Tensor};
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
@@ -135,8 +135,8 @@ impl Particles {
 }
 
 /// `sqrt(2/3 D' : D')` of a velocity gradient, 1/s (Patiño et al., Equation 27): that of plastic strain where elastic rates are small.
-fn equivalent_strain_rate(l: &Tensor<f64>) -> f64 {
-    2.0 / 3.0 * SymmetricTensor::symmetric_part(l).deviator().von_mises()
+pub fn equivalent_strain_rate<T: Real>(l: &Tensor<T>) -> T {
+    T::of(2.0 / 3.0) * SymmetricTensor::symmetric_part(l).deviator().von_mises()
 }
 
 #[cfg(test)]

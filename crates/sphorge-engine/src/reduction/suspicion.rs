@@ -5,11 +5,13 @@
 
 mod pairs;
 mod pieces;
+mod single;
 
 pub use pairs::{PAIR_DISTANCE, PAIR_GAP, TEARING_RADIUS, TEARING_SHARE};
+pub use single::{AGAINST, Looked, Standard};
 
 use super::Turns;
-use crate::model::{HeatBoundaryKind, Material, Model, SymmetryPlane};
+use crate::model::{Material, Model};
 use crate::particles::Particles;
 use pairs::{Pairs, Torn};
 use pieces::Pieces;
@@ -134,10 +136,6 @@ fn suspect_above(number: f64, limit: f64) -> Verdict {
     if number > limit { Some(Some((number, number))) } else { BLAMELESS }
 }
 
-fn suspect_below(number: f64, limit: f64) -> Verdict {
-    if number < limit { Some(Some((-number, number))) } else { BLAMELESS }
-}
-
 /// Goes through all particles; numbers as [`Suspects::of`] reads them.
 ///
 /// # Errors
@@ -148,48 +146,22 @@ pub(super) fn evaluate<R: Turns>(
     p: &Particles,
     turns: &R,
 ) -> Result<Vec<f64>, R::Lost> {
-    let material = |i: usize| model.materials.get(p.material[i] as usize);
+    if suspicion.is_of_single_particles() {
+        // The last is that of a material that is not there.
+        let standards: Vec<_> =
+            (0..=model.materials.len()).map(|material| suspicion.standard(model, material)).collect();
+        let sense = suspicion.sense();
+        return count(model, p, turns, |i| match standards[(p.material[i] as usize).min(model.materials.len())] {
+            Standard::Unseen => None,
+            Standard::Blameless => BLAMELESS,
+            Standard::Against(against) => {
+                let number = suspicion.number(model, &against, &Looked::of(model, p, i));
+                let is_worse = sense * number > sense * against[0];
+                if is_worse { Some(Some((sense * number, number))) } else { BLAMELESS }
+            }
+        });
+    }
     match suspicion {
-        Suspicion::Cold(limit) => count(model, p, turns, |i| suspect_below(p.temperature[i], limit)),
-        Suspicion::Hot(limit) => {
-            let warmest = warmest(model);
-            count(model, p, turns, |i| {
-                let Some(material) = material(i).filter(|material| material.heats()) else { return BLAMELESS };
-                // At least a kelvin: bodies may start at absolute zero.
-                let start = warmest.max(material.reference_temperature).max(1.0);
-                let allowed = start + p.energy[i].max(0.0) / material.specific_heat;
-                suspect_above(p.temperature[i] / allowed, limit)
-            })
-        }
-        Suspicion::Compressed(limit) => count(model, p, turns, |i| {
-            let Some(law) = material(i).map(|material| material.equation_of_state) else { return BLAMELESS };
-            let chi = 1.0 - law.reference_density() / p.density[i];
-            suspect_above(chi * law.shock_slope().unwrap_or(1.0), limit)
-        }),
-        Suspicion::Expanded(limit) => count(model, p, turns, |i| {
-            let Some(law) = material(i).map(|material| material.equation_of_state) else { return BLAMELESS };
-            suspect_below(p.density[i] / law.reference_density(), limit)
-        }),
-        Suspicion::Away { low, high, limit } => count(model, p, turns, |i| {
-            let x = p.position[i];
-            let outside = |a: usize| (low[a] - x[a]).max(x[a] - high[a]).max(0.0);
-            suspect_above((0..3).map(|a| outside(a).powi(2)).sum::<f64>().sqrt(), limit)
-        }),
-        Suspicion::Behind(limit) => count(model, p, turns, |i| {
-            let depth = |plane: &SymmetryPlane| (plane.position - p.position[i][plane.axis]) * plane.side;
-            let deepest = model.symmetry.iter().map(depth).fold(f64::NEG_INFINITY, f64::max);
-            suspect_above(deepest / model.bodies[p.body[i] as usize].spacing, limit)
-        }),
-        Suspicion::Lonely => {
-            let needed = model.dimensions.count() as f64 + 1.0;
-            let is_whole = wholes(model, p);
-            count(
-                model,
-                p,
-                turns,
-                |i| if is_whole(i) { suspect_below(f64::from(p.neighbors[i]), needed) } else { None },
-            )
-        }
         Suspicion::Apart => {
             let is_whole = wholes(model, p);
             let pieces = Pieces::find(model, p, &is_whole);
@@ -211,6 +183,13 @@ pub(super) fn evaluate<R: Turns>(
             let torn = Torn::find(model, p);
             count(model, p, turns, |i| if is_whole(i) { suspect_above(torn.share(i), TEARING_SHARE) } else { None })
         }
+        Suspicion::Cold(_)
+        | Suspicion::Hot(_)
+        | Suspicion::Compressed(_)
+        | Suspicion::Expanded(_)
+        | Suspicion::Away { .. }
+        | Suspicion::Behind(_)
+        | Suspicion::Lonely => Ok(Vec::new()),
     }
 }
 
@@ -223,17 +202,6 @@ fn can_break(material: &Material) -> bool {
 fn wholes<'a>(model: &Model, p: &'a Particles) -> impl Fn(usize) -> bool + Sync + use<'a> {
     let whole: Vec<bool> = model.materials.iter().map(|material| !can_break(material)).collect();
     move |i| whole.get(p.material[i] as usize).copied().unwrap_or(false)
-}
-
-/// The highest temperature that bodies start with and boundaries have, K.
-fn warmest(model: &Model) -> f64 {
-    let boundaries = model.thermal.boundaries.iter().filter(|_| model.thermal.conduction);
-    let of_boundary = boundaries.map(|boundary| match boundary.kind {
-        HeatBoundaryKind::HeldTemperature(t) | HeatBoundaryKind::SurfaceTemperature(t) => t,
-        HeatBoundaryKind::Convection { ambient, .. } => ambient,
-        HeatBoundaryKind::Flux(_) => 0.0,
-    });
-    model.bodies.iter().map(|body| body.temperature).chain(of_boundary).fold(0.0, f64::max)
 }
 
 /// Particles one thread takes at a time.

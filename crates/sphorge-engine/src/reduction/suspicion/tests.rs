@@ -1,7 +1,7 @@
 use super::*;
 use crate::model::{
-    Arrangement, Body, BodyContact, Dimensions, Formulation, HeatBoundary, Lattice, LatticePlacement, NO_HEATING,
-    Numerics, OutputControl, Search, Shape, Solid, Thermal, TimeControl, Transform,
+    Arrangement, Body, BodyContact, Dimensions, Formulation, HeatBoundary, HeatBoundaryKind, Lattice, LatticePlacement,
+    NO_HEATING, Numerics, OutputControl, Search, Shape, Solid, SymmetryPlane, Thermal, TimeControl, Transform,
 };
 use crate::reduction::{FieldSource, Reduction, evaluate as reduce};
 use sphorge_physics::{eos::EQUATIONS_OF_STATE, flow::FLOW_LAWS, return_mapping::ReturnRule};
