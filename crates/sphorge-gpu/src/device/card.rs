@@ -330,7 +330,7 @@ impl Card {
             match &launch.counted {
                 Some((counted, counts)) if profile.counts_next(&launch.name) => {
                     self.launch_all([counted]);
-                    let numbers = self.read(&counts.array).unwrap_or_default();
+                    let numbers = self.copy_back(&counts.array, counts.array.count).unwrap_or_default();
                     let of_threads = numbers.chunks_exact(COUNTED).take(counts.threads);
                     let sum = |k: usize| of_threads.clone().map(|of| f64::from(of[k])).sum();
                     profile.count(&launch.name, sum(0), sum(1));
@@ -403,12 +403,28 @@ impl Card {
     /// # Errors
     /// The card does not answer, or something that was asked of it before went wrong.
     pub fn read(&self, array: &Array) -> Result<Vec<f32>, CardFault> {
-        if array.count == 0 {
+        self.read_first(array, array.count)
+    }
+
+    /// The same of the first numbers.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn read_first(&self, array: &Array, count: usize) -> Result<Vec<f32>, CardFault> {
+        let count = count.min(array.count);
+        if let Some(profile) = &self.profile {
+            profile.add_read(4 * count as u64);
+        }
+        self.copy_back(array, count)
+    }
+
+    fn copy_back(&self, array: &Array, count: usize) -> Result<Vec<f32>, CardFault> {
+        if count == 0 {
             return Ok(Vec::new());
         }
         match (&self.way, &array.buffer) {
-            (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.read(block, array.count),
-            (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.read(buffer, array.count),
+            (Way::Cuda(cuda), Buffer::Cuda(block)) => cuda.read(block, count),
+            (Way::Graphics(graphics), Buffer::Graphics(buffer)) => graphics.read(buffer, count),
             _ => Err(CardFault::Lost { name: self.found.name.clone(), why: OTHER_CARD.to_owned() }),
         }
     }

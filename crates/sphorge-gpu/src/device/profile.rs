@@ -1,5 +1,6 @@
 //! Times of kernels, and what they do in them.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Which launch of a kernel counts what it does instead of being timed: the first steps are of a start.
@@ -7,7 +8,7 @@ const COUNTED: u64 = 3;
 
 /// Times of kernels, each waited for by itself; copies share them.
 #[derive(Clone, Debug, Default)]
-pub struct Profile(Arc<Mutex<Vec<KernelTime>>>);
+pub struct Profile(Arc<Mutex<Vec<KernelTime>>>, Arc<AtomicU64>);
 
 /// What the launches of a kernel took.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,6 +33,15 @@ pub struct KernelWork {
 }
 
 impl Profile {
+    /// Bytes that were waited for and copied back, not counting frames.
+    pub fn bytes_read(&self) -> u64 {
+        self.1.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn add_read(&self, bytes: u64) {
+        self.1.fetch_add(bytes, Ordering::Relaxed);
+    }
+
     /// Forgets the times, not the work.
     pub fn clear(&self) {
         for of in self.kernels().iter_mut() {
