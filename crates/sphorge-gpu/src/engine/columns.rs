@@ -2,7 +2,7 @@
 
 use crate::device::{Array, Card, CardFault, Launch};
 use crate::record::{
-    Counters, Element, Index, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope,
+    Counters, Double, Element, Index, IndexOutput, Indices, Input, Kernel, KernelFault, Output, Recorded, Scope,
 };
 use sphorge_physics::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
@@ -140,6 +140,16 @@ pub(super) enum Group {
     Section(usize),
     /// Particles of a material.
     Members(usize),
+    /// Sums over particles: see [`super::kernels::sums`]. Of each segment its chunk and body, the segment of each particle, numbers a sum is given, and
+    /// sums of lanes and of segments.
+    Segments,
+    SegmentOf,
+    SumNumbers,
+    LaneSums,
+    Sums,
+    /// What reductions know particles by: how many have a smaller `id`, and the bits of their regions.
+    PlacesById,
+    Regions,
     /// Cells: how many particles they have, which place each takes, where each cell starts, sums and starts of chunks of cells and of chunks of
     /// chunks.
     CellCounts,
@@ -233,7 +243,14 @@ impl Group {
             | Self::Around
             | Self::Sends
             | Self::Sent
-            | Self::Received => None,
+            | Self::Received
+            | Self::Segments
+            | Self::SegmentOf
+            | Self::SumNumbers
+            | Self::LaneSums
+            | Self::Sums
+            | Self::PlacesById
+            | Self::Regions => None,
         }
     }
 }
@@ -243,7 +260,20 @@ impl Group {
     pub(super) fn outlasts_columns(self) -> bool {
         matches!(
             self,
-            Self::Surface | Self::Members(_) | Self::ListStarts | Self::List | Self::Apart | Self::Step | Self::Sends
+            Self::Surface
+                | Self::Members(_)
+                | Self::ListStarts
+                | Self::List
+                | Self::Apart
+                | Self::Step
+                | Self::Sends
+                | Self::Segments
+                | Self::SegmentOf
+                | Self::SumNumbers
+                | Self::LaneSums
+                | Self::Sums
+                | Self::PlacesById
+                | Self::Regions
         )
     }
 }
@@ -286,6 +316,16 @@ pub(super) trait Fields: Copy {
     fn double(self, field: usize, rest: usize, i: Index) -> [Recorded; 2] {
         [self.get(field, i), self.get(rest, i)]
     }
+
+    /// Three numbers with their rests, which are the three columns behind them.
+    fn doubles(self, field: usize, i: Index) -> Vector<Double> {
+        [0, 1, 2].map(|a| Double::new(self.double(field + a, field + 3 + a, i)))
+    }
+
+    /// A tensor with what rounding left of it in the nine columns behind.
+    fn double_tensor(self, i: Index) -> Tensor<Double> {
+        [0, 1, 2].map(|a| [0, 1, 2].map(|b| Double::new(self.double(3 * a + b, 9 + 3 * a + b, i))))
+    }
 }
 
 impl Fields for Reading {
@@ -295,6 +335,12 @@ impl Fields for Reading {
 }
 
 impl Reading {
+    /// A number of one of several groups of `length` columns each.
+    pub(super) fn get_in_group(self, (group, length): (Index, usize), field: usize, i: Index) -> Recorded {
+        let column = group * Index::of(length as u32) + Index::of(field as u32);
+        self.buffer.at(column * Index::of(self.stride) + i)
+    }
+
     /// A number by its place among all of the group.
     pub(super) fn get_at(self, at: Index) -> Recorded {
         self.buffer.at(at)

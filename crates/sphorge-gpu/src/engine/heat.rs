@@ -61,7 +61,7 @@ impl GpuEngine {
         if self.heat.is_none() || self.coldest >= 0.0 || !self.coldest.is_nan() && !is_cooled {
             return Ok(());
         }
-        let wrong = check_values(&self.snapshot()?.particles, is_cooled).map_err(StepFault::wrong).err();
+        let wrong = check_values(&self.snapshot()?, is_cooled).map_err(StepFault::wrong).err();
         self.fail_together(wrong)?;
         Err(failure("a temperature is not finite"))
     }

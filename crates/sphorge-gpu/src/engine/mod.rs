@@ -5,34 +5,39 @@
 //! them in a second number, which carries them like double precision.
 
 mod columns;
-mod conservation;
 mod heat;
 mod kernels;
+mod ledger;
 mod lists;
 mod plan;
 mod ranks;
+mod reductions;
 mod renewal;
 mod room;
 mod saved;
 mod search;
+mod sections;
+mod segments;
 mod snapshot;
 mod start;
 mod step;
 mod supports;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 
 pub use start::{KernelText, kernel_texts};
 
 use crate::device::{Card, Launch, Profile};
-use columns::Columns;
+use columns::{Columns, Group};
 use kernels::grid::Grid;
 use plan::Plan;
 use ranks::Domain;
 use ranks::touched::Touched;
 use search::Kept;
-use snapshot::Snapshot;
+use segments::Segments;
 use sphorge_engine::{Engine, EngineKind, HeatClock, Model, Particles, RunFailure, Unsupported};
-use std::cell::OnceCell;
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// The engine for graphics cards, to be started on a model.
@@ -128,10 +133,13 @@ struct Stages {
     finish: Stage,
     /// Of each section the force through it.
     sections: Vec<Stage>,
+    section_sums: Vec<Stage>,
     /// The flow of heat: its sums where they are due, what flows, and the extremes of both.
     sum_heat: Stage,
     flow_heat: Stage,
     heat_extremes: Stage,
+    /// The sums of the ledger.
+    ledger: Stage,
 }
 
 /// An engine on a card.
@@ -166,8 +174,12 @@ struct GpuEngine {
     heat: Option<HeatClock>,
     /// Least temperature, K, where heat flows.
     coldest: f64,
-    /// What the card holds, where it was asked for since the last step.
-    snapshot: OnceCell<Snapshot>,
+    /// Portions that sums are taken of.
+    segments: Segments,
+    /// Groups that were copied back since the last step.
+    read_back: RefCell<Vec<(Group, Arc<Vec<f32>>)>>,
+    /// Reductions that were asked for.
+    reductions: RefCell<reductions::Known>,
 }
 
 impl EngineKind for Gpu {

@@ -4,9 +4,10 @@ use super::columns::{Group, Recording};
 use super::kernels::reference::References;
 use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
+use super::kernels::sums::Portions;
 use super::kernels::{
-    audit, conduction, contact, grid, kept, leapfrog, limits, moving_least_squares, pairs, predictor_corrector, reduce,
-    reference, reference_forces, smoothing, stress, walls, wrap,
+    audit, conduction, contact, grid, kept, leapfrog, ledger, limits, moving_least_squares, pairs, predictor_corrector,
+    reduce, reductions, reference, reference_forces, smoothing, stress, sums, walls, wrap,
 };
 use super::ranks::wears_out;
 use super::search::WAYS_TOGETHER;
@@ -32,6 +33,8 @@ pub(super) enum Threads {
 pub(super) struct Rows {
     pub(super) stride: usize,
     pub(super) are_shared: bool,
+    /// What sums are taken in.
+    pub(super) portions: Portions,
 }
 
 /// A kernel with the number of its threads.
@@ -52,6 +55,13 @@ fn sorting(grid: &Grid, rows: Rows, of: Sorted, threads: Threads) -> Result<Vec<
 /// Passes that bring rows together.
 fn reduced(passes: Vec<(Recording, usize)>) -> impl Iterator<Item = Planned> {
     passes.into_iter().map(|(kernel, threads)| Planned { kernel, threads: Threads::Of(threads) })
+}
+
+/// Kernels that take so many sums of so many segments: those of lanes, and the one that adds what lanes have found.
+fn summed(kernels: Vec<Recording>, of_lanes: Recording, (portions, sums): (Portions, usize)) -> Vec<Planned> {
+    let of_segments = |kernel| Planned { kernel, threads: Threads::Of(portions.segments * portions.lanes()) };
+    let last = Planned { kernel: of_lanes, threads: Threads::Of(portions.segments * sums) };
+    kernels.into_iter().map(of_segments).chain([last]).collect()
 }
 
 /// Every kernel of a run, in groups that are launched together.
@@ -93,10 +103,16 @@ pub(super) struct Plan {
     pub(super) finish: Vec<Planned>,
     /// Of each section the force through it.
     pub(super) sections: Vec<Vec<Planned>>,
+    /// Of each the sum over all particles.
+    pub(super) section_sums: Vec<Vec<Planned>>,
     /// The flow of heat: its sums where they are due, what flows, and the extremes of both.
     pub(super) sum_heat: Vec<Planned>,
     pub(super) flow_heat: Vec<Planned>,
     pub(super) heat_extremes: Vec<Planned>,
+    /// The sums of the ledger.
+    pub(super) ledger: Vec<Planned>,
+    /// Reductions that a run of the deck asks for, to be compiled with all others.
+    pub(super) reductions: Vec<Planned>,
 }
 
 /// Kernels of the number of dimensions of a model.
@@ -120,7 +136,7 @@ impl Plan {
         references: References,
     ) -> Result<Self, KernelFault> {
         let (all, all_here) = (Threads::Of(p.len()), Threads::OfAllHere);
-        let stride = rows.stride;
+        let Rows { stride, portions, .. } = rows;
         let of_particles = |kernel| Planned { kernel, threads: all };
         let of_surface = |kernel| Planned { kernel, threads: Threads::OfSurface };
         let mut plan = Self::default();
@@ -288,7 +304,14 @@ impl Plan {
                 )));
             }
             plan.sections.push(kernels);
+            let terms = [0, 1, 2].map(|column| sums::Term { column, rest: None });
+            let sums = sums::of_columns(Group::Section(number), &terms, (portions, 0), stride)?;
+            plan.section_sums.push(summed(sums, sums::of_lanes(portions.lanes(), stride)?, (portions, terms.len())));
         }
+        let (sums, lanes) = ledger::ledger(model, references, portions, stride)?;
+        let reductions = reductions::of_deck(model, references, (portions, stride))?;
+        plan.reductions = reductions.into_iter().map(|kernel| Planned { kernel, threads: all }).collect();
+        plan.ledger = summed(sums, lanes, (portions, ledger::LedgerSums::of(model).count));
         if model.thermal.conduction {
             let sums = in_dimension!(model, conduction::sums, model, grid, stride);
             plan.sum_heat.extend(sums.into_iter().map(of_particles));
@@ -317,7 +340,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// All of them, in the order of a run.
+    /// All of them but reductions, in the order of a run.
     pub(super) fn all(&self) -> impl Iterator<Item = &Recording> {
         let groups = [
             &self.renew,
@@ -345,8 +368,9 @@ impl Plan {
             &self.sum_heat,
             &self.flow_heat,
             &self.heat_extremes,
+            &self.ledger,
         ];
-        groups.into_iter().chain(&self.sections).flatten().map(|planned| &planned.kernel)
+        groups.into_iter().chain(&self.sections).chain(&self.section_sums).flatten().map(|planned| &planned.kernel)
     }
 }
 

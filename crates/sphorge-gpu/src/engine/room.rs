@@ -5,6 +5,7 @@ use super::kernels::grid::Grid;
 use super::plan::keeps_lists;
 use super::renewal::EARLIER;
 use super::search::SPARE;
+use super::segments::numbers as sums;
 use super::snapshot::fields;
 use crate::device::{Card, Memory};
 use sphorge_engine::model::{Body, Dimensions};
@@ -28,7 +29,8 @@ fn bytes(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> f64 {
     let columns = columns + if model.formulation.renews() { EARLIER } else { 0 };
     // Counts, starts and particles of cells, twice.
     let cells = 2 * grid.cells() + 3 * p.len();
-    4.0 * ((columns * stride + cells) as f64 + spare * neighbors * stride as f64)
+    let sums = sums(model, p.len());
+    4.0 * ((columns * stride + cells + sums) as f64 + spare * neighbors * stride as f64)
 }
 
 /// Refuses a group of columns whose places a card cannot number: each body that others meet has columns of its own.

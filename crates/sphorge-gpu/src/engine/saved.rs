@@ -14,7 +14,7 @@ use sphorge_engine::persist::{Archive, ArchiveError, Persist, persist_pieces};
 impl GpuEngine {
     /// Saves or loads everything that the steps to come depend on. On ranks [`Self::complete_state`] follows what was loaded.
     pub(super) fn persist_state(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
-        self.snapshot.take();
+        self.read_back.take();
         self.time.persist("time", archive)?;
         self.dt.persist("dt", archive)?;
         self.steps.persist("steps", archive)?;

@@ -6,9 +6,10 @@ use super::start::motions;
 use super::{GpuEngine, failure};
 use crate::device::Pending;
 use sphorge_engine::model::{Integrator, Model, Search, SmoothingLength};
-use sphorge_engine::particles::HistoryVariables;
-use sphorge_engine::{Column, ContactLedger, FieldSource, HeatLedger, Particles, RunFailure, WallLedger};
+use sphorge_engine::particles::{HistoryVariables, stored_behind};
+use sphorge_engine::{Column, FieldSource, Particles, RunFailure};
 use sphorge_physics::SymmetricTensor;
+use std::borrow::Cow;
 use std::cell::{OnceCell, RefCell};
 use std::sync::Arc;
 
@@ -112,7 +113,7 @@ pub(super) const STATE: &[Group] = &[
 ];
 
 /// Groups that fields of particles are read of; a model may not have all.
-const GROUPS_OF_PARTICLES: &[Group] = &[
+pub(super) const GROUPS_OF_PARTICLES: &[Group] = &[
     Group::Place,
     Group::Velocity,
     Group::Density,
@@ -134,27 +135,34 @@ const GROUPS_OF_PARTICLES: &[Group] = &[
 /// Those among them that are lists, and where particles were when they were made.
 pub(super) const LISTS: &[Group] = &[Group::Kept, Group::Rows, Group::SearchedAt];
 
-/// What a card holds after a step.
-pub(super) struct Snapshot {
-    pub(super) particles: Particles,
-    /// Pa.
-    pub(super) shear_modulus: Vec<f64>,
-    /// Work of what pairs do not do, J, its impulse, N s, booked energy, J, and those of viscosity, artificial stress, springs
-    /// and moving least squares, J.
-    pub(super) accounts: [f64; 9],
-    /// What each wall has done.
-    pub(super) walls: Vec<WallLedger>,
-    /// What the contact of each pair of bodies that have one does and has done.
-    pub(super) contacts: Vec<ContactLedger>,
-    /// What flowed through boundaries, and was exchanged.
-    pub(super) heat: HeatLedger,
-    /// Velocities that forces were evaluated with, m/s.
-    pub(super) evaluated: Vec<[f64; 3]>,
-}
+/// Stored fields that steps change.
+const CHANGING: [&str; 20] = [
+    "smoothing_length",
+    "position",
+    "velocity",
+    "acceleration",
+    "density",
+    "energy",
+    "energy_rate",
+    "temperature",
+    "pressure",
+    "sound_speed",
+    "deviator",
+    "velocity_gradient",
+    "plastic_strain",
+    "plastic_strain_increment",
+    "yield_stress",
+    "plastic_work",
+    "neighbors",
+    "adapted",
+    "last_searched",
+    "motion",
+];
 
-/// A group read back.
+/// A group read back; copies share it.
+#[derive(Clone)]
 pub(super) struct Group64 {
-    numbers: Vec<f32>,
+    numbers: Arc<Vec<f32>>,
     stride: usize,
 }
 
@@ -163,16 +171,16 @@ impl Group64 {
         f64::from(self.numbers[field * self.stride + i])
     }
 
-    fn double(&self, field: usize, rest: usize, i: usize) -> f64 {
+    pub(super) fn double(&self, field: usize, rest: usize, i: usize) -> f64 {
         self.at(field, i) + self.at(rest, i)
     }
 }
 
 /// What makes particles of groups that are read back, and what it knows beside them.
-struct ColumnReader {
+struct ColumnReader<'a> {
     model: Arc<Model>,
     /// The particles as they came.
-    initial: Particles,
+    initial: Cow<'a, Particles>,
     stride: usize,
     /// Steps begun, and the one of the last full search.
     steps: u32,
@@ -180,64 +188,124 @@ struct ColumnReader {
     is_renewed: bool,
 }
 
-impl ColumnReader {
-    /// The particles, whose groups `read` gives.
-    fn particles(self, read: &mut dyn FnMut(Group) -> Result<Vec<f32>, RunFailure>) -> Result<Particles, RunFailure> {
+impl ColumnReader<'_> {
+    /// A stored field of groups that `read` gives; none where a model does not have it.
+    fn column(
+        &self,
+        field: &str,
+        read: &mut dyn FnMut(Group) -> Result<Arc<Vec<f32>>, RunFailure>,
+    ) -> Result<Option<Column<'static>>, RunFailure> {
         let mut group = |of: Group| read(of).map(|numbers| Group64 { numbers, stride: self.stride });
-        let mut p = self.initial;
-        let count = p.len();
-        let (place, velocity) = (group(Group::Place)?, group(Group::Velocity)?);
-        let (density, energy) = (group(Group::Density)?, group(Group::Energy)?);
-        let (temperature, plastic) = (group(Group::Temperature)?, group(Group::Plastic)?);
-        let (rates, deviator) = (group(Group::Rates)?, group(Group::Deviator)?);
-        let (pressure, gradient) = (group(Group::Pressure)?, group(Group::Gradient)?);
-        let weight = group(Group::Weight)?;
+        let rows = 0..self.initial.len();
+        let scalars = |of: &dyn Fn(usize) -> f64| Column::Scalar(rows.clone().map(of).collect());
+        let whole = |of: &dyn Fn(usize) -> u32| Column::Integer(rows.clone().map(of).collect());
+        let vectors = |of: &dyn Fn(usize, usize) -> f64| {
+            Column::Vector(rows.clone().map(|i| [0, 1, 2].map(|a| of(a, i))).collect())
+        };
+        let tensors = |of: &dyn Fn(usize, usize) -> f64| {
+            let tensor = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of(3 * a + b, i)));
+            Column::Tensor(rows.clone().map(tensor).collect())
+        };
         let is_initial = walls::is_total_lagrangian(&self.model);
-        let rows = kept::adaptive(&self.model).map(|_| group(Group::Rows)).transpose()?;
         let follows = self.model.numerics.smoothing_length != SmoothingLength::Constant;
-        let constants = follows.then(|| group(Group::Constants)).transpose()?;
-        p.motion = motions(&self.model, &p);
-        for i in 0..count {
-            p.position[i] = [0, 1, 2].map(|a| place.double(a, 3 + a, i));
-            p.velocity[i] = [0, 1, 2].map(|a| velocity.double(a, 3 + a, i));
-            p.acceleration[i] = [0, 1, 2].map(|a| rates.at(a, i));
-            p.density[i] = density.double(0, 1, i);
-            if let Some(constants) = &constants {
-                p.smoothing_length[i] = constants.at(1, i);
+        let is_adaptive = kept::adaptive(&self.model).is_some();
+        let column = match field {
+            "position" | "velocity" => {
+                let of = group(if field == "position" { Group::Place } else { Group::Velocity })?;
+                vectors(&|a, i| of.double(a, 3 + a, i))
             }
-            p.energy[i] = energy.double(0, 1, i);
-            p.energy_rate[i] = energy.at(2, i);
-            p.temperature[i] = temperature.double(0, 1, i);
-            p.pressure[i] = pressure.at(0, i);
-            p.sound_speed[i] = pressure.at(1, i);
-            p.deviator[i] = SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|k| deviator.at(k, i)));
-            p.velocity_gradient[i] = [0, 1, 2].map(|a| [0, 1, 2].map(|b| gradient.at(3 * a + b, i)));
-            p.plastic_strain[i] = plastic.double(0, 1, i);
-            p.plastic_strain_increment[i] = plastic.at(2, i);
-            // A law that never yields has the largest number there.
-            p.yield_stress[i] = if plastic.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { plastic.at(3, i) };
-            p.plastic_work[i] = plastic.double(4, 5, i);
-            p.neighbors[i] = weight.at(1, i) as u32;
-            (p.adapted[i], p.last_searched[i]) = match &rows {
-                None => (u32::from(self.steps == self.last_searched), self.last_searched),
-                Some(rows) => (rows.at(kept::MARKED, i) as u32, rows.at(kept::LAST, i) as u32),
-            };
-        }
-        let variables = HistoryVariables::of(&self.model).variables;
-        let history = (!variables.is_empty()).then(|| group(Group::History)).transpose()?;
-        for (k, variable) in variables.into_iter().enumerate() {
-            let Some(history) = &history else { continue };
-            let values: Vec<f64> = (0..count).map(|i| history.double(2 * k, 2 * k + 1, i)).collect();
-            p.set_column(variable.name, &Column::Scalar(values.into()));
-        }
-        if is_initial {
-            let tensors = |of: Group64| {
-                let at = |i: usize| [0, 1, 2].map(|a| [0, 1, 2].map(|b| of.double(3 * a + b, 9 + 3 * a + b, i)));
-                (0..count).map(at).collect()
-            };
-            p.deformation = tensors(group(Group::Deformation)?);
-            if self.is_renewed {
-                p.earlier_deformation = tensors(group(Group::Earlier)?);
+            "acceleration" => {
+                let of = group(Group::Rates)?;
+                vectors(&|a, i| of.at(a, i))
+            }
+            "smoothing_length" if follows => {
+                let of = group(Group::Constants)?;
+                scalars(&|i| of.at(1, i))
+            }
+            "density" | "energy" | "temperature" | "plastic_strain" => {
+                let of = group(match field {
+                    "density" => Group::Density,
+                    "energy" => Group::Energy,
+                    "temperature" => Group::Temperature,
+                    _ => Group::Plastic,
+                })?;
+                scalars(&|i| of.double(0, 1, i))
+            }
+            "energy_rate" => {
+                let of = group(Group::Energy)?;
+                scalars(&|i| of.at(2, i))
+            }
+            "pressure" | "sound_speed" => {
+                let (of, place) = (group(Group::Pressure)?, usize::from(field == "sound_speed"));
+                scalars(&|i| of.at(place, i))
+            }
+            "deviator" => {
+                let of = group(Group::Deviator)?;
+                let tensor = |i: usize| SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|k| of.at(k, i)));
+                Column::Symmetric(rows.map(tensor).collect())
+            }
+            "velocity_gradient" => {
+                let of = group(Group::Gradient)?;
+                tensors(&|k, i| of.at(k, i))
+            }
+            "plastic_strain_increment" => {
+                let of = group(Group::Plastic)?;
+                scalars(&|i| of.at(2, i))
+            }
+            "yield_stress" => {
+                let of = group(Group::Plastic)?;
+                // A law that never yields has the largest number there.
+                scalars(&|i| if of.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { of.at(3, i) })
+            }
+            "plastic_work" => {
+                let of = group(Group::Plastic)?;
+                scalars(&|i| of.double(4, 5, i))
+            }
+            "neighbors" => {
+                let of = group(Group::Weight)?;
+                whole(&|i| of.at(1, i) as u32)
+            }
+            "adapted" if is_adaptive => {
+                let of = group(Group::Rows)?;
+                whole(&|i| of.at(kept::MARKED, i) as u32)
+            }
+            "last_searched" if is_adaptive => {
+                let of = group(Group::Rows)?;
+                whole(&|i| of.at(kept::LAST, i) as u32)
+            }
+            "adapted" => whole(&|_| u32::from(self.steps == self.last_searched)),
+            "last_searched" => whole(&|_| self.last_searched),
+            "motion" => Column::Integer(motions(&self.model, &self.initial).into()),
+            "deformation" if is_initial => {
+                let of = group(Group::Deformation)?;
+                tensors(&|k, i| of.double(k, 9 + k, i))
+            }
+            "earlier_deformation" if is_initial && self.is_renewed => {
+                let of = group(Group::Earlier)?;
+                tensors(&|k, i| of.double(k, 9 + k, i))
+            }
+            _ => match HistoryVariables::of(&self.model).variables.iter().position(|of| of.name == field) {
+                Some(k) => {
+                    let of = group(Group::History)?;
+                    scalars(&|i| of.double(2 * k, 2 * k + 1, i))
+                }
+                None => return Ok(self.initial.column(field).map(Column::into_owned)),
+            },
+        };
+        Ok(Some(column))
+    }
+
+    /// All of the particles.
+    fn particles(
+        &self,
+        read: &mut dyn FnMut(Group) -> Result<Arc<Vec<f32>>, RunFailure>,
+    ) -> Result<Particles, RunFailure> {
+        let mut p = Particles::clone(&self.initial);
+        let variables = HistoryVariables::of(&self.model).variables.into_iter().map(|variable| variable.name);
+        let deformed = ["deformation", "earlier_deformation"].into_iter();
+        for field in CHANGING.into_iter().chain(variables).chain(deformed) {
+            if let Some(column) = self.column(field, read)? {
+                p.set_column(field, &column);
             }
         }
         Ok(p)
@@ -245,14 +313,14 @@ impl ColumnReader {
 }
 
 impl GpuEngine {
-    fn column_reader(&self) -> ColumnReader {
+    fn column_reader(&self) -> ColumnReader<'_> {
         let last_searched = match self.model.search {
             Search::EveryStep => self.steps,
             Search::Skin { .. } | Search::Adaptive(_) | Search::Initial => self.kept.last_searched,
         };
         ColumnReader {
             model: self.model.clone(),
-            initial: self.initial.clone(),
+            initial: Cow::Borrowed(&self.initial),
             stride: self.stride,
             steps: self.steps,
             last_searched,
@@ -260,13 +328,41 @@ impl GpuEngine {
         }
     }
 
-    /// What particles are now: as it was read already, or on its way; none where there is no memory for copies beside the run.
-    pub(super) fn detached(&self) -> Result<Option<DetachedColumns>, RunFailure> {
-        if let Some(snapshot) = self.snapshot.get() {
-            let particles = OnceCell::from(snapshot.particles.clone());
-            return Ok(Some(DetachedColumns { count: self.initial.len(), pending: RefCell::default(), particles }));
+    /// What a group holds after a step: copied back once, and kept until the next.
+    fn read_once(&self, group: Group) -> Result<Arc<Vec<f32>>, RunFailure> {
+        let known = self.read_back.borrow().iter().find(|(of, _)| *of == group).map(|(_, numbers)| numbers.clone());
+        if let Some(numbers) = known {
+            return Ok(numbers);
         }
+        let numbers = Arc::new(read(&self.card, &self.columns, group)?);
+        self.read_back.borrow_mut().push((group, numbers.clone()));
+        Ok(numbers)
+    }
+
+    /// A field, of the groups that it is made of alone.
+    pub(super) fn field(&self, field: &str) -> Result<Column<'static>, RunFailure> {
+        let (reader, mut read) = (self.column_reader(), |group| self.read_once(group));
+        let missing = || failure(format!("no field `{field}`"));
+        let stored = stored_behind(field);
+        if stored == [field] {
+            return reader.column(field, &mut read)?.ok_or_else(missing);
+        }
+        let mut particles = Particles::new(self.initial.len());
+        for stored in stored {
+            particles.set_column(stored, &reader.column(stored, &mut read)?.ok_or_else(missing)?);
+        }
+        particles.column(field).map(Column::into_owned).ok_or_else(missing)
+    }
+
+    /// All that the card holds of the particles.
+    pub(super) fn snapshot(&self) -> Result<Particles, RunFailure> {
+        self.column_reader().particles(&mut |group| self.read_once(group))
+    }
+
+    /// What particles are now, on its way; none where there is no memory for copies beside the run.
+    pub(super) fn detached(&self) -> Result<Option<DetachedColumns>, RunFailure> {
         let reader = self.column_reader();
+        let reader = ColumnReader { initial: Cow::Owned(self.initial.clone()), ..reader };
         let queued = GROUPS_OF_PARTICLES.iter().filter_map(|group| Some((*group, self.columns.array(*group)?)));
         let pending =
             queued.map(|(group, array)| Ok(self.card.queue_read(array).map_err(failure)?.map(|copy| (group, copy))));
@@ -289,7 +385,7 @@ pub(super) struct DetachedColumns {
 
 /// Groups that are copied, and what makes particles of them.
 struct OnTheirWay {
-    reader: ColumnReader,
+    reader: ColumnReader<'static>,
     groups: Vec<(Group, Pending)>,
 }
 
@@ -298,14 +394,14 @@ impl DetachedColumns {
         if let Some(OnTheirWay { reader, groups }) = self.pending.take() {
             let mut arrived = Vec::new();
             for (group, pending) in groups {
-                arrived.push((group, pending.wait().map_err(failure)?));
+                arrived.push((group, Arc::new(pending.wait().map_err(failure)?)));
             }
-            let mut take = |wanted: Group| {
-                let place = arrived.iter().position(|(group, _)| *group == wanted);
-                place.map(|place| arrived.swap_remove(place).1).ok_or_else(|| failure(format!("no column {wanted:?}")))
+            let mut find = |wanted: Group| {
+                let found = arrived.iter().find(|(group, _)| *group == wanted).map(|(_, numbers)| numbers.clone());
+                found.ok_or_else(|| failure(format!("no column {wanted:?}")))
             };
             // Nobody else sets it: there is one of what it is made of.
-            let _ = self.particles.set(reader.particles(&mut take)?);
+            let _ = self.particles.set(reader.particles(&mut find)?);
         }
         self.particles.get().ok_or_else(|| failure("the card was lost while its fields were copied"))
     }
@@ -324,67 +420,8 @@ impl FieldSource for DetachedColumns {
 
 impl GpuEngine {
     pub(super) fn group(&self, group: Group) -> Result<Group64, RunFailure> {
-        let numbers = read(&self.card, &self.columns, group)?;
+        let numbers = Arc::new(read(&self.card, &self.columns, group)?);
         Ok(Group64 { numbers, stride: self.stride })
-    }
-
-    /// What the card holds now.
-    pub(super) fn snapshot(&self) -> Result<&Snapshot, RunFailure> {
-        if self.snapshot.get().is_none() {
-            // Nobody else sets it between.
-            let _ = self.snapshot.set(self.read_all()?);
-        }
-        self.snapshot.get().ok_or_else(|| failure("the card was not read"))
-    }
-
-    fn read_all(&self) -> Result<Snapshot, RunFailure> {
-        let particles = self.column_reader().particles(&mut |group| read(&self.card, &self.columns, group))?;
-        let (pressure, accounts, of_walls) =
-            (self.group(Group::Pressure)?, self.group(Group::Accounts)?, self.group(Group::Walls)?);
-        let p = &particles;
-        let count = p.len();
-        let sum = |of: &Group64, field: usize| -> f64 { (0..count).map(|i| of.double(field, field + 1, i)).sum() };
-        let of_wall = |at: usize| {
-            let [work, friction_work, damping_work] = [0, 2, 4].map(|field| sum(&of_walls, at + field));
-            WallLedger { work, friction_work, damping_work }
-        };
-        let mut heat = HeatLedger::default();
-        if self.model.thermal.conduction {
-            heat.exchanged = sum(&self.group(Group::Heat)?, conduction::EXCHANGED);
-            let boundaries = self.group(Group::Boundaries)?;
-            let supplied = |k: usize| sum(&boundaries, conduction::BOUNDARY * k + conduction::SUPPLIED);
-            heat.supplied = (0..self.model.thermal.boundaries.len()).map(supplied).collect();
-        }
-        let evaluated = self.group(Group::Evaluated)?;
-        let meetings = contact::meets(&self.model).then(|| self.group(Group::Meetings)).transpose()?;
-        let contact_of = |of: &Group64, (a, b): (usize, usize)| {
-            // Of a pair of particles each has a half of the works.
-            let halves = |one: usize, other: usize, field: usize| -> f64 {
-                let first = contact::MEETING * other + field;
-                let own = (0..count).filter(|i| p.body[*i] as usize == one);
-                own.map(|i| of.double(first, first + 1, i)).sum()
-            };
-            let work = |field| halves(a, b, field) + if a == b { 0.0 } else { halves(b, a, field) };
-            let force = |axis: usize| -> f64 {
-                let own = (0..count).filter(|i| a != b && p.body[*i] as usize == a);
-                own.map(|i| of.at(contact::MEETING * b + axis, i)).sum()
-            };
-            let [stored_energy, friction_work, damping_work] = contact::WORKS.map(|(field, _)| work(field));
-            // On the second.
-            ContactLedger { force: [0, 1, 2].map(|axis| 0.0 - force(axis)), stored_energy, friction_work, damping_work }
-        };
-        let contacts =
-            meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));
-        let contacts = contacts.map(|(of, pair)| contact_of(of, pair)).collect();
-        Ok(Snapshot {
-            shear_modulus: (0..count).map(|i| pressure.at(2, i)).collect(),
-            accounts: [0, 2, 4, 6, 8, 10, 12, 14, 16].map(|field| sum(&accounts, field)),
-            walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
-            evaluated: (0..count).map(|i| [0, 1, 2].map(|a| evaluated.at(a, i))).collect(),
-            contacts,
-            heat,
-            particles,
-        })
     }
 }
 

@@ -11,6 +11,7 @@ use super::ranks::touched::{ALL, ColumnSet, Touched};
 use super::ranks::{Domain, choose_at_start, exchange, stride_for, wears_out};
 use super::room::refuse_what_has_no_room;
 use super::search::Kept;
+use super::segments::{self, Segments};
 use super::snapshot::fields;
 use super::{Gpu, GpuEngine, Stage, Staged, Stages, failure};
 use crate::device::{Array, Card, CardFault};
@@ -22,7 +23,7 @@ use sphorge_engine::particles::{HistoryVariables, Permutation};
 use sphorge_engine::ranks::{Communicator, Ranks};
 use sphorge_engine::{HeatClock, Model, Particles, RunFailure, complete_initial_state};
 use sphorge_physics::artificial_stress::coefficient;
-use std::cell::OnceCell;
+use std::cell::RefCell;
 use std::iter;
 use std::sync::Arc;
 
@@ -103,7 +104,10 @@ impl GpuEngine {
         }
         let stride = stride_for(p.len(), ghosts);
         refuse_what_has_no_room(&card, (&model, &p), stride, &grid)?;
-        let columns = make_columns(&card, (&model, &p), stride, &grid, domain.is_some()).map_err(failure)?;
+        let mut columns = make_columns(&card, (&model, &p), stride, &grid, domain.is_some()).map_err(failure)?;
+        let total = domain.as_ref().map_or(p.len(), Domain::total);
+        let segments = Segments::of(&model, &p, total);
+        segments::insert(&card, &mut columns, &model, (&p, &segments)).map_err(failure)?;
         let mut engine = Self {
             card,
             columns,
@@ -122,7 +126,9 @@ impl GpuEngine {
             extremes: [0.0; limits::FIELDS],
             heat: model.thermal.conduction.then(HeatClock::default),
             coldest: f64::INFINITY,
-            snapshot: OnceCell::new(),
+            segments,
+            read_back: RefCell::default(),
+            reductions: RefCell::default(),
             domain,
             model,
         };
@@ -133,9 +139,14 @@ impl GpuEngine {
 
     /// The kernels of the step, compiled.
     pub(super) fn plan_of(&self, references: References) -> Result<Plan, RunFailure> {
-        let rows = Rows { stride: self.stride, are_shared: self.domain.is_some() };
+        let portions = self.segments.portions();
+        let rows = Rows { stride: self.stride, are_shared: self.domain.is_some(), portions };
         let plan = Plan::of(&self.model, &self.initial, rows, &self.grid, references).map_err(failure)?;
         self.card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
+        if !self.card.found().is_software {
+            // What is not asked for costs a software renderer more than it saves.
+            self.card.compile_ahead(&plan.reductions.iter().map(|of| &of.kernel.kernel).collect::<Vec<_>>());
+        }
         Ok(plan)
     }
 }
@@ -351,17 +362,21 @@ pub struct KernelText {
 /// A law cannot be written for a card.
 pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
-    let rows = Rows { stride, are_shared: false };
+    let portions = Segments::of(model, particles, particles.len()).portions();
+    let rows = Rows { stride, are_shared: false, portions };
     let of = |references| Plan::of(model, particles, rows, &grid_of(model, particles), references);
     let text = |recording: &Recording| KernelText {
         name: recording.kernel.name.clone(),
         wgsl: crate::source::wgsl(&recording.kernel),
         cuda: crate::source::cuda(&recording.kernel),
     };
-    let mut texts: Vec<_> = of(References::Initial)?.all().map(text).collect();
+    let of_plan = |plan: &Plan| -> Vec<_> {
+        plan.all().chain(plan.reductions.iter().map(|planned| &planned.kernel)).map(text).collect()
+    };
+    let mut texts = of_plan(&of(References::Initial)?);
     if model.formulation.renews() {
         // Those that are others once a body has come apart.
-        for mut other in of(References::Renewed)?.all().map(text) {
+        for mut other in of_plan(&of(References::Renewed)?) {
             if !texts.iter().any(|known| known.cuda == other.cuda) {
                 other.name += "_renewed";
                 texts.push(other);
@@ -385,7 +400,8 @@ fn each_kernel_of_ranks(
     stride: usize,
     visit: &mut dyn FnMut(&Recording),
 ) -> Result<(), KernelFault> {
-    let rows = Rows { stride, are_shared: true };
+    let portions = Segments::of(model, p, p.len()).portions();
+    let rows = Rows { stride, are_shared: true, portions };
     let plan = Plan::of(model, p, rows, &grid_of(model, p), References::Initial)?;
     let mut gathered = ColumnSet::new();
     for recording in plan.all() {
@@ -444,10 +460,14 @@ impl GpuEngine {
             forces: bound(&plan.forces)?,
             finish: bound(&plan.finish)?,
             sections: plan.sections.iter().map(bound).collect::<Result<_, _>>()?,
+            section_sums: plan.section_sums.iter().map(bound).collect::<Result<_, _>>()?,
             sum_heat: bound(&plan.sum_heat)?,
             flow_heat: bound(&plan.flow_heat)?,
             heat_extremes: bound(&plan.heat_extremes)?,
+            ledger: bound(&plan.ledger)?,
         };
+        // Those that were asked for before are bound to columns that may be others now.
+        self.reductions.take();
         Ok(())
     }
 }

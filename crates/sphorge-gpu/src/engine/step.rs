@@ -9,7 +9,7 @@ use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallCo
 use sphorge_engine::particles::HistoryVariables;
 use sphorge_engine::persist::{Archive, ArchiveError};
 use sphorge_engine::ranks::StepFault;
-use sphorge_engine::reduction::{self, Alone, Reduction};
+use sphorge_engine::reduction::Reduction;
 use sphorge_engine::{
     Audit, Column, Engine, FieldSource, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, largest_change,
 };
@@ -81,7 +81,7 @@ impl GpuEngine {
 
     /// The first particle of this card with a value that is none, if it has one.
     fn broken(&self) -> Result<Option<StepFault>, RunFailure> {
-        let p = &self.snapshot()?.particles;
+        let p = self.snapshot()?;
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let variables = HistoryVariables::of(&self.model).variables.into_iter();
         let kept: Vec<_> = variables
@@ -124,7 +124,7 @@ impl GpuEngine {
 
 impl Engine for GpuEngine {
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
-        self.snapshot.take();
+        self.read_back.take();
         self.dt = dt;
         self.steps += u32::from(dt > 0.0);
         self.set_step()?;
@@ -236,7 +236,7 @@ impl Engine for GpuEngine {
             Some(control) if !self.is_idle() && change.is_beyond(&control.largest) => {
                 let speed = |material: &Material| material.equation_of_state.reference_sound_speed();
                 let speeds: Vec<f64> = self.model.materials.iter().map(speed).collect();
-                let fault = largest_change(&control.largest, &self.snapshot()?.particles, &speeds, self.dt);
+                let fault = largest_change(&control.largest, &self.snapshot()?, &speeds, self.dt);
                 self.fail_together(fault)
             }
             _ => Ok(()),
@@ -281,17 +281,7 @@ impl Engine for GpuEngine {
     }
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        if let Reduction::SectionForce(section) = reduction {
-            return self.section_force(section);
-        }
-        let p = &self.snapshot()?.particles;
-        match &self.domain {
-            Some(domain) => reduction::evaluate_in_turn(reduction, &self.model, p, &domain.ranks),
-            None => {
-                let Ok(found) = reduction::evaluate_in_turn(reduction, &self.model, p, &Alone);
-                Ok(found)
-            }
-        }
+        self.reduction(reduction)
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

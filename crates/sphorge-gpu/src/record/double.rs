@@ -157,6 +157,14 @@ impl Real for Double {
     }
 }
 
+/// So that loops and branches of a kernel can carry it.
+impl Numbers<Recorded> for Double {
+    fn each(&mut self, visit: &mut dyn FnMut(&mut Recorded)) {
+        visit(&mut self.high);
+        visit(&mut self.low);
+    }
+}
+
 /// What is made of pairs of numbers, as their numbers see it.
 #[derive(Clone, Copy)]
 struct Parts<N>(N);

@@ -8,7 +8,7 @@ use crate::record::{Index, Kernel};
 
 /// The card the tests run on. Without one they say so and pass, unless `SPHORGE_NEEDS_CARD` says which there has to be, as where all is tested: by
 /// `CUDA` or `Vulkan`, or any.
-pub(super) fn card() -> Option<Card> {
+pub(crate) fn card() -> Option<Card> {
     let needed = std::env::var("SPHORGE_NEEDS_CARD").ok();
     match Card::open(None) {
         Ok(card) => {

@@ -6,7 +6,7 @@ use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
 
 /// Blocks of copper, of iron and of copper again, of other spacings: the upper strikes the middle, 1 mm to the right, which strikes the lower.
-pub(super) fn striking(more: &str) -> String {
+pub(crate) fn striking(more: &str) -> String {
     let block = |name: &str, material: &str, spacing: &str, low: &str, high: &str, velocity: &str| {
         format!(
             "[[body]]\nname = \"{name}\"\nmaterial = \"{material}\"\nspacing = \"{spacing} mm\"\n\
@@ -45,7 +45,7 @@ pub(super) fn striking(more: &str) -> String {
 /// So that friction warms one more than the other.
 pub(super) const CONDUCT: [(&str, &str); 2] =
     [("material.ofhc-copper.conductivity", "\"400 W/(m K)\""), ("material.armco-iron.conductivity", "\"20 W/(m K)\"")];
-pub(super) const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
+pub(crate) const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
 /// So stiff that the contact limits the step.
 const STIFF: &str = "contact = { penalty = { friction = 0.3, stiffness = 3.0 } }";
 /// K.

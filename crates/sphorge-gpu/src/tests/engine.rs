@@ -226,7 +226,7 @@ fn the_leapfrog_is_that_of_the_processor() {
 
 /// The default method. The wall stands 10 nm higher: where it touches at the start, rounding decides which step is
 /// the first that it damps.
-pub(super) const IRON: (&str, &[(&str, &str)]) = (
+pub(crate) const IRON: (&str, &[(&str, &str)]) = (
     "iron-plate",
     &[("particles.spacing", "\"0.6365 mm\""), ("wall.0.plane", "{ point = [\"0 mm\", \"1e-5 mm\"], normal = [0, 1] }")],
 );

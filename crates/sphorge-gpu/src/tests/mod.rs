@@ -3,15 +3,15 @@
 #[cfg(feature = "device")]
 mod audit;
 #[cfg(feature = "device")]
-mod card;
+pub(crate) mod card;
 #[cfg(feature = "device")]
 mod conduction;
 #[cfg(feature = "device")]
-mod contact;
+pub(crate) mod contact;
 #[cfg(feature = "device")]
 mod detached;
 #[cfg(feature = "device")]
-mod engine;
+pub(crate) mod engine;
 #[cfg(feature = "device")]
 mod history;
 #[cfg(feature = "device")]
@@ -20,7 +20,7 @@ mod laws;
 #[cfg(feature = "device")]
 mod measured;
 #[cfg(feature = "device")]
-mod motion;
+pub(crate) mod motion;
 mod pairs;
 #[cfg(feature = "device")]
 mod periodic;

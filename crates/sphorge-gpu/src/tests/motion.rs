@@ -7,7 +7,7 @@ use sphorge_engine::{Cpu, EngineKind, Ledger, Particles};
 
 /// Copper whose top is pushed down and to the side, faster and faster; the bottom is held up and free to slide, the foot of a corner of
 /// it held on the whole.
-fn driven(more: &str) -> String {
+pub(crate) fn driven(more: &str) -> String {
     let region = |name: &str, low: &str, high: &str| {
         format!("[[region]]\nname = \"{name}\"\nshape = {{ box = {{ min = {low}, max = {high} }} }}\n")
     };

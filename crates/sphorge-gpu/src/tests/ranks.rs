@@ -9,9 +9,11 @@ use super::renewal::PULLED;
 use super::self_contact::{BLOCKS, closing};
 use crate::Gpu;
 use sphorge_deck::{Setup, decks, load_text};
+use sphorge_engine::model::{Extremum, ParticleSelection};
 use sphorge_engine::particles::FIELDS;
 use sphorge_engine::persist::{Archive, ArchiveError, MemoryArchive};
 use sphorge_engine::ranks::{Loaded, RankFiles};
+use sphorge_engine::reduction::{Quantity, Suspicion};
 use sphorge_engine::{Audit, EngineKind, FieldSource, Model, PartKind, ParticleSource, Reduction, Simulation};
 use sphorge_mpi::{Leader, follow_with, threads};
 use std::sync::Arc;
@@ -105,7 +107,26 @@ fn assert_same(found: &Simulation, expected: &Simulation, what: &str) {
         sections.iter().map(|section| simulation.reduce(&Reduction::SectionForce(section)).unwrap()).collect()
     };
     assert_eq!(forces(found), forces(expected), "{what}");
-    // LEDGER
+    assert_eq!(found.ledger().unwrap(), expected.ledger().unwrap(), "{what}");
+    let (of, last) = (&ParticleSelection::default(), expected.count() as u32 - 1);
+    let quantity = |field| Quantity { field, component: None };
+    let point = expected.particles().unwrap().position[last as usize / 2];
+    let reductions = [
+        Reduction::Extent { of, axis: 0 },
+        Reduction::Diameter { of, axis: 1 },
+        Reduction::Mean { of, quantity: quantity("speed") },
+        Reduction::Extremum { of, quantity: quantity("pressure"), extremum: Extremum::Minimum },
+        Reduction::Interpolation { of, quantity: quantity("density"), point },
+        Reduction::OfParticle { id: last, quantity: quantity("velocity") },
+        Reduction::Slabs { of, quantity: quantity("pressure"), axis: 0, direction: 1.0 },
+        Reduction::Nearest { point, body: None },
+        // All are cold, and many as cold as each other.
+        Reduction::Suspects(Suspicion::Cold(1e5)),
+        Reduction::Suspects(Suspicion::Lonely),
+    ];
+    for reduction in reductions {
+        assert_eq!(found.reduce(&reduction).unwrap(), expected.reduce(&reduction).unwrap(), "{what}: {reduction:?}");
+    }
 }
 
 /// Compares so many steps on each number of ranks with one card.

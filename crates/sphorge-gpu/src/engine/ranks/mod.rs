@@ -17,6 +17,7 @@ pub(super) mod touched;
 use super::columns::{Columns, Group};
 use super::kernels::contact;
 use super::kernels::limits::CHUNK;
+use super::kernels::sums::chunk_of;
 use super::kernels::walls::is_total_lagrangian;
 use super::start::make_columns;
 use super::{GpuEngine, Stage, failure};
@@ -74,7 +75,8 @@ impl Domain {
             )));
         }
         // Of few particles a chunk may be more than a share.
-        let chunk = if count >= CHUNK * size { CHUNK } else { 1 };
+        let chunk = chunk_of(count);
+        let chunk = if count >= chunk * size { chunk } else { 1 };
         let starts =
             (0..=size).map(|rank| if rank == size { count } else { count * rank / size / chunk * chunk }).collect();
         Ok(Self {

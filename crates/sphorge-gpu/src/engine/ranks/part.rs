@@ -1,6 +1,6 @@
 //! A card as one of several that share the particles of a run.
 
-use crate::engine::{Gpu, GpuEngine, failure};
+use crate::engine::{Gpu, GpuEngine};
 use sphorge_engine::ranks::Communicator;
 use sphorge_engine::{Column, Engine, FieldSource, Model, Part, PartKind, Particles, Reduction, RunFailure};
 use std::sync::Arc;
@@ -61,6 +61,6 @@ impl FieldSource for GpuEngine {
 impl GpuEngine {
     /// A field of the particles of this card, in their common order.
     pub(in crate::engine) fn own_column(&self, field: &str) -> Result<Column<'_>, RunFailure> {
-        self.snapshot()?.particles.column(field).ok_or_else(|| failure(format!("no field `{field}`")))
+        self.field(field)
     }
 }

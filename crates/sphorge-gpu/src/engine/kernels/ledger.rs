@@ -1,0 +1,226 @@
+//! The sums of the ledger, and where each is.
+
+use super::reference::References;
+use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
+use super::walls::{AtWall, Deformed, is_total_lagrangian, of_wall};
+use super::{conduction, contact, walls};
+use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
+use crate::record::{Double, Index, KernelFault, Recorded};
+use sphorge_engine::model::Model;
+use sphorge_physics::heat::elastic_energy;
+use sphorge_physics::tensor::{dot, multiply};
+use sphorge_physics::{Real, Vector};
+
+/// Kinetic energy, J, mass times speed, momentum, angular momentum about the origin, mass times place, mass times acceleration.
+pub(in crate::engine) const KINETIC: usize = 0;
+pub(in crate::engine) const SPEED: usize = 1;
+pub(in crate::engine) const MOMENTUM: usize = 2;
+pub(in crate::engine) const ANGULAR: usize = 5;
+pub(in crate::engine) const PLACE: usize = 8;
+pub(in crate::engine) const FORCE: usize = 11;
+const MOTION: usize = 14;
+/// Internal and elastic energy and plastic work, J.
+pub(in crate::engine) const INTERNAL: usize = MOTION;
+pub(in crate::engine) const ELASTIC: usize = MOTION + 1;
+pub(in crate::engine) const PLASTIC: usize = MOTION + 2;
+const ENERGIES: usize = 3;
+/// The accounts, in their order.
+pub(in crate::engine) const ACCOUNTS: usize = MOTION + ENERGIES;
+pub(in crate::engine) const OF_ACCOUNTS: usize = 9;
+
+/// Sums of the contact with each body: force, N, and works, J.
+pub(in crate::engine) const MEETING: usize = 3 + contact::WORKS.len();
+
+/// Numbers the ledger is given with their rests: the length of the step, of each wall displacement and velocity, of each body smoothing length, spacing and
+/// sound speed at rest.
+const OF_WALL: usize = 6;
+const OF_BODY: usize = 3;
+
+/// Where the sums of a model are behind those that every model has.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine) struct LedgerSums {
+    /// Of each wall the works.
+    pub(in crate::engine) walls: usize,
+    /// Of each wall the force.
+    pub(in crate::engine) wall_forces: usize,
+    /// Heat exchanged, and what each boundary has supplied.
+    pub(in crate::engine) heat: usize,
+    /// Of the contact with each body.
+    pub(in crate::engine) meetings: usize,
+    /// Number of sums.
+    pub(in crate::engine) count: usize,
+}
+
+impl LedgerSums {
+    pub(in crate::engine) fn of(model: &Model) -> Self {
+        let walls = ACCOUNTS + OF_ACCOUNTS;
+        let wall_forces = walls + walls::SUMS * model.walls.len();
+        let heat = wall_forces + 3 * model.walls.len();
+        let meetings = heat + if model.thermal.conduction { 1 + model.thermal.boundaries.len() } else { 0 };
+        let count = meetings + if contact::meets(model) { MEETING * model.bodies.len() } else { 0 };
+        Self { walls, wall_forces, heat, meetings, count }
+    }
+}
+
+/// How many numbers the ledger is given, with their rests.
+pub(in crate::engine) fn numbers_given(model: &Model) -> usize {
+    2 * (1 + OF_WALL * model.walls.len() + OF_BODY * model.bodies.len())
+}
+
+/// What the ledger is given: walls stand where they did when forces were evaluated.
+pub(in crate::engine) fn numbers(model: &Model, dt: f64, then: f64) -> Vec<f32> {
+    let mut numbers = vec![dt];
+    for wall in &model.walls {
+        numbers.extend([0, 1, 2].map(|a| wall.velocity[a].integral(0.0, then)));
+        numbers.extend([0, 1, 2].map(|a| wall.velocity[a].at(then)));
+    }
+    for body in &model.bodies {
+        let sound_speed = model.materials[body.material].equation_of_state.reference_sound_speed();
+        numbers.extend([body.smoothing_length, body.spacing, sound_speed]);
+    }
+    numbers.into_iter().flat_map(|number| [number as f32, (number - f64::from(number as f32)) as f32]).collect()
+}
+
+/// Kernels that sum the ledger of so many segments, each with a thread of every lane, and the last, which adds what lanes have found.
+pub(in crate::engine) fn ledger(
+    model: &Model,
+    references: References,
+    portions: Portions,
+    count: usize,
+) -> Result<(Vec<Recording>, Recording), KernelFault> {
+    let of = LedgerSums::of(model);
+    let mut kernels = vec![motion(portions, count)?, energies(portions, count)?];
+    let pairs = |first: usize| Term { column: first, rest: Some(first + 1) };
+    let mut add = |group: Group, terms: &[Term], first: usize| -> Result<(), KernelFault> {
+        kernels.extend(of_columns(group, terms, (portions, first), count)?);
+        Ok(())
+    };
+    let accounts: Vec<_> = (0..OF_ACCOUNTS).map(|k| pairs(2 * k)).collect();
+    add(Group::Accounts, &accounts, ACCOUNTS)?;
+    let works = (0..model.walls.len()).flat_map(|wall| (0..walls::SUMS).map(move |k| walls::FIELDS * wall + 2 * k));
+    add(Group::Walls, &works.map(pairs).collect::<Vec<_>>(), of.walls)?;
+    if model.thermal.conduction {
+        add(Group::Heat, &[pairs(conduction::EXCHANGED)], of.heat)?;
+        let supplied = (0..model.thermal.boundaries.len()).map(|k| conduction::BOUNDARY * k + conduction::SUPPLIED);
+        add(Group::Boundaries, &supplied.map(pairs).collect::<Vec<_>>(), of.heat + 1)?;
+    }
+    if contact::meets(model) {
+        kernels.push(meetings(model.bodies.len(), (portions, of.meetings), count)?);
+    }
+    for wall in 0..model.walls.len() {
+        kernels.push(wall_force(model, wall, references, (portions, of.wall_forces + 3 * wall), count)?);
+    }
+    Ok((kernels, of_lanes(portions.lanes(), count)?))
+}
+
+/// Place and velocity, and what comes of them.
+fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
+    recording("sum_motion", count, |bind, thread| {
+        let lane = Lane::of(bind, portions, thread);
+        let (place, velocity) = (bind.read(Group::Place), bind.read(Group::Velocity));
+        let (rates, constants) = (bind.read(Group::Rates), bind.read(Group::Constants));
+        lane.sum::<MOTION>(bind, (KINETIC, MOTION), |i| {
+            let (m, x, v) = (Double::from(constants.get(0, i)), place.doubles(0, i), velocity.doubles(0, i));
+            let momentum = v.map(|v| m * v);
+            let squared = dot(v, v);
+            let angular = [(1, 2), (2, 0), (0, 1)].map(|(b, c)| x[b] * momentum[c] - x[c] * momentum[b]);
+            let mut terms = [Double::zero(); MOTION];
+            terms[KINETIC] = Double::of(0.5) * m * squared;
+            terms[SPEED] = m * squared.sqrt();
+            terms[MOMENTUM..ANGULAR].copy_from_slice(&momentum);
+            terms[ANGULAR..PLACE].copy_from_slice(&angular);
+            terms[PLACE..FORCE].copy_from_slice(&x.map(|x| m * x));
+            terms[FORCE..].copy_from_slice(&rates.vector(0, i).map(|a| m * Double::from(a)));
+            terms
+        });
+    })
+}
+
+/// What a particle holds: of its elastic energy the shear, and the volume by `p^2 / (2 rho c^2)`.
+fn energies(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
+    recording("sum_energies", count, |bind, thread| {
+        let lane = Lane::of(bind, portions, thread);
+        let (energy, density) = (bind.read(Group::Energy), bind.read(Group::Density));
+        let (deviator, pressures) = (bind.read(Group::Deviator), bind.read(Group::Pressure));
+        let (plastic, constants) = (bind.read(Group::Plastic), bind.read(Group::Constants));
+        lane.sum::<ENERGIES>(bind, (INTERNAL, ENERGIES), |i| {
+            let [m, pressure, sound_speed, shear_modulus] =
+                [constants.get(0, i), pressures.get(0, i), pressures.get(1, i), pressures.get(2, i)].map(Double::from);
+            let rho = Double::new(density.double(0, 1, i));
+            let deviator = in_pairs(deviator.symmetric(0, i));
+            let bulk = pressure / (rho * sound_speed);
+            let elastic = elastic_energy(deviator, shear_modulus, rho) + Double::of(0.5) * bulk * bulk;
+            let held = [Double::new(energy.double(0, 1, i)), elastic, Double::new(plastic.double(4, 5, i))];
+            held.map(|of| m * of)
+        });
+    })
+}
+
+fn in_pairs(tensor: sphorge_physics::SymmetricTensor<Recorded>) -> sphorge_physics::SymmetricTensor<Double> {
+    sphorge_physics::SymmetricTensor::from_array(tensor.to_array().map(Double::from))
+}
+
+/// The contact with each body: however many there are, they are taken in one loop.
+fn meetings(bodies: usize, (portions, first): (Portions, usize), count: usize) -> Result<Recording, KernelFault> {
+    recording("sum_meetings", count, |bind, thread| {
+        let (lane, meetings) = (Lane::of(bind, portions, thread), bind.read(Group::Meetings));
+        let to = bind.write(Group::LaneSums);
+        bind.scope.fold(Index::of(0), Index::of(bodies as u32), NOTHING, |scope, nothing, body| {
+            let of_body = (body, contact::MEETING);
+            let sums = lane.fold(scope, [Double::zero(); MEETING], |all, i| {
+                let at = |field: usize| meetings.get_in_group(of_body, field, i);
+                core::array::from_fn(|k| {
+                    let term = match k.checked_sub(3) {
+                        None => Double::from(at(k)),
+                        Some(work) => Double::new([0, 1].map(|rest| at(contact::WORKS[work].0 + rest))),
+                    };
+                    all[k] + term
+                })
+            });
+            for (k, sum) in sums.into_iter().enumerate() {
+                lane.set(to, Index::of((first + k) as u32) + body * Index::of(MEETING as u32), sum);
+            }
+            nothing
+        });
+    })
+}
+
+/// Force of a wall on particles where they are now.
+fn wall_force(
+    model: &Model,
+    k: usize,
+    references: References,
+    (portions, first): (Portions, usize),
+    count: usize,
+) -> Result<Recording, KernelFault> {
+    recording(&format!("sum_wall_force_{k}"), count, |bind, thread| {
+        let (lane, numbers) = (Lane::of(bind, portions, thread), bind.read(Group::SumNumbers));
+        let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
+        let constants = bind.read(Group::Constants);
+        let deformation = is_total_lagrangian(model).then(|| {
+            let earlier = (references == References::Renewed).then(|| bind.read(Group::Earlier));
+            (bind.read(Group::Deformation), earlier, bind.read(Group::Gradient))
+        });
+        let of_wall_at = 1 + OF_WALL * k;
+        let of_body_at = 1 + OF_WALL * model.walls.len();
+        let number = |at: usize| given(numbers, Index::of(2 * at as u32));
+        let vector = |at: usize| -> Vector<Double> { [0, 1, 2].map(|a| number(at + a)) };
+        let (dt, shift, moving) = (number(0), vector(of_wall_at), vector(of_wall_at + 3));
+        let body = Index::of(2 * of_body_at as u32) + Index::of(2 * OF_BODY as u32) * lane.body();
+        let [h, spacing, sound_speed] = [0, 2, 4].map(|at| given(numbers, body + Index::of(at)));
+        lane.sum::<3>(bind, (first, 3), |i| {
+            let deformed = deformation.map(|(since, earlier, gradient)| {
+                let (f, earlier) = (since.double_tensor(i), earlier.map(|of| of.double_tensor(i)));
+                let whole = earlier.map_or(f, |earlier| multiply(&f, &earlier));
+                let velocity_gradient = gradient.tensor(0, i).map(|row| row.map(Double::from));
+                Deformed { whole, earlier, velocity_gradient }
+            });
+            let at = place.doubles(0, i);
+            let x = [0, 1, 2].map(|a| at[a] - shift[a]);
+            let velocity = evaluated.vector(0, i).map(Double::from);
+            let own = AtWall { h, spacing, sound_speed, deformed };
+            let push = of_wall(&model.walls[k], &own, x, velocity, moving, dt);
+            push.acceleration.map(|a| Double::from(constants.get(0, i)) * a)
+        });
+    })
+}

@@ -1,0 +1,211 @@
+//! Conservation sums, taken on the card when asked for.
+
+use super::columns::Group;
+use super::kernels::contact;
+use super::kernels::ledger::{
+    ACCOUNTS, ANGULAR, ELASTIC, FORCE, INTERNAL, KINETIC, LedgerSums, MEETING, MOMENTUM, OF_ACCOUNTS, PLACE, PLASTIC,
+    SPEED, numbers,
+};
+use super::kernels::walls::SUMS;
+use super::{GpuEngine, Stage, failure};
+use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Model, RunFailure, WallLedger};
+
+/// Sums of every segment, as they were read back: of each segment a number and its rest, sum after sum.
+pub(super) struct SegmentSums {
+    numbers: Vec<f32>,
+    segments: usize,
+}
+
+impl SegmentSums {
+    pub(super) fn new(numbers: Vec<f32>, segments: usize) -> Self {
+        Self { numbers, segments }
+    }
+
+    /// The two numbers that stand for one, or for themselves.
+    pub(super) fn pair(&self, sum: usize, segment: usize) -> [f64; 2] {
+        let at = 2 * (sum * self.segments + segment);
+        [self.numbers[at], self.numbers[at + 1]].map(f64::from)
+    }
+
+    pub(super) fn at(&self, sum: usize, segment: usize) -> f64 {
+        let [number, rest] = self.pair(sum, segment);
+        number + rest
+    }
+
+    /// Adds the first sums of the segments in their order.
+    pub(super) fn add(&self, sums: &mut [f64]) {
+        for segment in 0..self.segments {
+            for (sum, place) in sums.iter_mut().enumerate() {
+                *place += self.at(sum, segment);
+            }
+        }
+    }
+}
+
+/// Sums over the segments of each body and motion: those of the card, and then the mass.
+struct Table<'a> {
+    model: &'a Model,
+    of: LedgerSums,
+    sums: Vec<f64>,
+}
+
+impl<'a> Table<'a> {
+    /// Adds segments in their order, each process its own, one after the other.
+    fn add(engine: &'a GpuEngine, found: &SegmentSums) -> Result<Self, RunFailure> {
+        let model = &engine.model;
+        let of = LedgerSums::of(model);
+        let motions = model.motions.len() + 1;
+        let width = of.count + 1;
+        let mut sums = vec![0.0; model.bodies.len() * motions * width];
+        engine.in_turn(&mut sums, |sums| {
+            for (k, segment) in engine.segments.list.iter().enumerate() {
+                let row = (segment.body as usize * motions + segment.motion as usize) * width;
+                for (sum, place) in sums[row..row + of.count].iter_mut().enumerate() {
+                    *place += found.at(sum, k);
+                }
+                sums[row + of.count] += segment.mass;
+            }
+        })?;
+        Ok(Self { model, of, sums })
+    }
+
+    /// A sum over the particles of a body that a motion drives, by its number and one, zero for none.
+    fn at(&self, body: usize, motion: usize, sum: usize) -> f64 {
+        self.sums[(body * (self.model.motions.len() + 1) + motion) * (self.of.count + 1) + sum]
+    }
+
+    fn of_body(&self, body: usize, sum: usize) -> f64 {
+        (0..=self.model.motions.len()).map(|motion| self.at(body, motion, sum)).sum()
+    }
+
+    fn of_all(&self, sum: usize) -> f64 {
+        (0..self.model.bodies.len()).map(|body| self.of_body(body, sum)).sum()
+    }
+
+    fn mass(&self, body: usize, motion: usize) -> f64 {
+        self.at(body, motion, self.of.count)
+    }
+
+    /// The sums of a body, whose particles have the accelerations that motions impose along the axes they drive, m/s².
+    fn body(&self, body: usize, driven: &[[Option<f64>; 3]]) -> BodyLedger {
+        let vector = |first: usize| [0, 1, 2].map(|a| self.of_body(body, first + a));
+        let force = |motion: usize, a: usize| match driven[motion][a] {
+            Some(driven) => self.mass(body, motion) * driven,
+            None => self.at(body, motion, FORCE + a),
+        };
+        let [kinetic, internal, elastic, plastic_work] =
+            [KINETIC, INTERNAL, ELASTIC, PLASTIC].map(|sum| self.of_body(body, sum));
+        BodyLedger {
+            mass: (0..driven.len()).map(|motion| self.mass(body, motion)).sum(),
+            energies: Energies { kinetic, internal, elastic, plastic_work },
+            momentum: vector(MOMENTUM),
+            angular_momentum: vector(ANGULAR),
+            momentum_scale: self.of_body(body, SPEED),
+            centre: vector(PLACE),
+            force: [0, 1, 2].map(|a| (0..driven.len()).map(|motion| force(motion, a)).sum()),
+        }
+    }
+
+    /// Reaction of a motion on its particles, N: what the last step's accelerations lack.
+    fn reaction(&self, motion: usize, driven: [Option<f64>; 3]) -> [f64; 3] {
+        let lacking = |body: usize, a: usize| {
+            driven[a].map_or(0.0, |driven| self.mass(body, motion) * driven - self.at(body, motion, FORCE + a))
+        };
+        [0, 1, 2].map(|a| (0..self.model.bodies.len()).map(|body| lacking(body, a)).sum())
+    }
+
+    fn wall(&self, wall: usize) -> WallLedger {
+        let [work, friction_work, damping_work] = [0, 1, 2].map(|k| self.of_all(self.of.walls + SUMS * wall + k));
+        WallLedger { work, friction_work, damping_work }
+    }
+
+    fn contact(&self, (a, b): (usize, usize)) -> ContactLedger {
+        let meeting = |one: usize, other: usize, k: usize| self.of_body(one, self.of.meetings + MEETING * other + k);
+        // Of a pair of particles each has a half of the works.
+        let work = |k: usize| meeting(a, b, 3 + k) + if a == b { 0.0 } else { meeting(b, a, 3 + k) };
+        // On the second.
+        let force = |axis: usize| if a == b { 0.0 } else { 0.0 - meeting(a, b, axis) };
+        ContactLedger {
+            force: [0, 1, 2].map(force),
+            stored_energy: work(0),
+            friction_work: work(1),
+            damping_work: work(2),
+        }
+    }
+
+    fn heat(&self) -> HeatLedger {
+        if !self.model.thermal.conduction {
+            return HeatLedger::default();
+        }
+        let boundaries = 0..self.model.thermal.boundaries.len();
+        HeatLedger {
+            exchanged: self.of_all(self.of.heat),
+            supplied: boundaries.map(|k| self.of_all(self.of.heat + 1 + k)).collect(),
+        }
+    }
+
+    fn ledger(&self, driven: &[[Option<f64>; 3]]) -> Ledger {
+        let mut bodies: Vec<_> = (0..self.model.bodies.len()).map(|body| self.body(body, driven)).collect();
+        let mut total = BodyLedger::total(&bodies);
+        bodies.iter_mut().chain([&mut total]).for_each(BodyLedger::close);
+        let accounts: [f64; OF_ACCOUNTS] = core::array::from_fn(|k| self.of_all(ACCOUNTS + k));
+        let [work, x, y, z, integration_energy, viscous_energy, artificial_stress_energy, hourglass_energy, mls_energy] =
+            accounts;
+        let walls = 0..self.model.walls.len();
+        let pairs = if contact::meets(self.model) { self.model.contact_pairs() } else { Vec::new() };
+        let wall_force = |wall: usize| [0, 1, 2].map(|a| self.of_all(self.of.wall_forces + 3 * wall + a));
+        Ledger {
+            bodies,
+            total,
+            external_work: work,
+            external_impulse: [x, y, z],
+            walls: walls.clone().map(|wall| self.wall(wall)).collect(),
+            wall_forces: walls.map(wall_force).collect(),
+            integration_energy,
+            viscous_energy,
+            artificial_stress_energy,
+            hourglass_energy,
+            mls_energy,
+            contacts: pairs.into_iter().map(|pair| self.contact(pair)).collect(),
+            motion_forces: (1..driven.len()).map(|motion| self.reaction(motion, driven[motion])).collect(),
+            heat: self.heat(),
+        }
+    }
+}
+
+impl GpuEngine {
+    pub(super) fn conservation(&self) -> Result<Ledger, RunFailure> {
+        let then = self.time - (self.dt - self.dt_to_evaluation());
+        self.give_numbers(&numbers(&self.model, self.dt, then))?;
+        self.launch_own(&self.stages.ledger);
+        let found = self.segment_sums(LedgerSums::of(&self.model).count)?;
+        Ok(Table::add(self, &found)?.ledger(&self.accelerations()))
+    }
+
+    /// Launches kernels that read nothing of ghosts.
+    pub(super) fn launch_own(&self, stage: &Stage) {
+        self.card.launch(stage.iter().map(|staged| &staged.launch));
+    }
+
+    /// The numbers that the next sums are given.
+    pub(super) fn give_numbers(&self, numbers: &[f32]) -> Result<(), RunFailure> {
+        let array = self.columns.array(Group::SumNumbers).ok_or_else(|| failure("no numbers of sums"))?;
+        self.card.write(array, numbers);
+        Ok(())
+    }
+
+    /// The first sums of all segments.
+    pub(super) fn segment_sums(&self, count: usize) -> Result<SegmentSums, RunFailure> {
+        let array = self.columns.array(Group::Sums).ok_or_else(|| failure("no sums"))?;
+        let segments = self.segments.len();
+        let numbers = self.card.read_first(array, 2 * count * segments).map_err(failure)?;
+        Ok(SegmentSums::new(numbers, segments))
+    }
+
+    /// Accelerations that motions impose now, m/s²: of none, and of each.
+    fn accelerations(&self) -> Vec<[Option<f64>; 3]> {
+        let of_motions = self.model.motions.iter();
+        let imposed = of_motions.map(|motion| [0, 1, 2].map(|a| motion.axes[a].acceleration(self.time, self.dt)));
+        [[None; 3]].into_iter().chain(imposed).collect()
+    }
+}

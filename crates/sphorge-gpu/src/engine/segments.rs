@@ -1,0 +1,130 @@
+//! Particles in the portions that sums are taken of.
+
+use super::columns::{Columns, Group};
+use super::kernels::ledger::{self, LedgerSums};
+use super::kernels::reductions;
+use super::kernels::sums::{MOST_SUMS, Portions, chunk_of};
+use super::start::motions;
+use crate::device::{Card, CardFault};
+use sphorge_engine::{Model, Particles};
+use std::collections::BTreeMap;
+
+/// Particles of one chunk, body and prescribed motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Segment {
+    /// Number of the chunk.
+    pub(super) chunk: u32,
+    pub(super) body: u32,
+    /// Number of the motion and one, zero for none.
+    pub(super) motion: u32,
+    pub(super) particles: u32,
+    /// kg.
+    pub(super) mass: f64,
+}
+
+/// The segments of all particles.
+///
+/// A sum depends on the particles of its segment alone, and segments are added in order: sums stay the same to the bit when particles are shared out in
+/// whole chunks.
+#[derive(Clone, Debug)]
+pub(super) struct Segments {
+    /// By chunk, then body, then motion.
+    pub(super) list: Vec<Segment>,
+    /// Number of the segment of each particle; behind the last particle, up to a whole chunk, the number of segments, which is that of none.
+    pub(super) of_particles: Vec<u32>,
+    /// Rows of the particles by their `id`.
+    by_id: Vec<u32>,
+    /// Particles of a chunk.
+    chunk: usize,
+}
+
+impl Segments {
+    /// Of the particles of a process, where there are so many in all.
+    pub(super) fn of(model: &Model, p: &Particles, total: usize) -> Self {
+        let chunk_length = chunk_of(total);
+        let motions = motions(model, p);
+        let (mut list, mut of_particles) = (Vec::new(), Vec::with_capacity(p.len().next_multiple_of(chunk_length)));
+        for chunk in 0..p.len().div_ceil(chunk_length) {
+            let rows = chunk * chunk_length..((chunk + 1) * chunk_length).min(p.len());
+            let mut numbers: BTreeMap<(u32, u32), usize> = rows.clone().map(|i| ((p.body[i], motions[i]), 0)).collect();
+            for (number, ((body, motion), place)) in (list.len()..).zip(&mut numbers) {
+                *place = number;
+                list.push(Segment { chunk: chunk as u32, body: *body, motion: *motion, particles: 0, mass: 0.0 });
+            }
+            for i in rows {
+                let number = numbers[&(p.body[i], motions[i])];
+                list[number].particles += 1;
+                list[number].mass += p.mass[i];
+                of_particles.push(number as u32);
+            }
+        }
+        of_particles.resize(of_particles.len().next_multiple_of(chunk_length), list.len() as u32);
+        let mut by_id: Vec<u32> = (0..p.len() as u32).collect();
+        by_id.sort_unstable_by_key(|row| p.id[*row as usize]);
+        Self { list, of_particles, by_id, chunk: chunk_length }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    pub(super) fn portions(&self) -> Portions {
+        Portions { segments: self.list.len(), chunk: self.chunk }
+    }
+
+    /// The row of a particle, if it is here.
+    pub(super) fn row_of(&self, p: &Particles, id: u32) -> Option<usize> {
+        let place = self.by_id.binary_search_by_key(&id, |row| p.id[*row as usize]);
+        place.ok().map(|place| self.by_id[place] as usize)
+    }
+
+    /// The row of a particle that has so many before it by their `id`.
+    pub(super) fn row_at(&self, place: f64) -> usize {
+        self.by_id.get(place as usize).map_or(0, |row| *row as usize)
+    }
+
+    /// How many particles each has before it by their `id`: numbers that cards hold exactly.
+    fn places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.by_id.len()];
+        for (place, row) in (0..).zip(&self.by_id) {
+            places[*row as usize] = place;
+        }
+        places
+    }
+
+    /// What kernels know of each: chunk and body.
+    pub(super) fn for_kernels(&self) -> Vec<u32> {
+        self.list.iter().flat_map(|segment| [segment.chunk, segment.body]).collect()
+    }
+}
+
+/// Numbers of the sums of so many particles of a few bodies, each once and once for each lane, with rests.
+pub(super) fn numbers(model: &Model, particles: usize) -> usize {
+    let chunk = chunk_of(particles);
+    let portions = Portions { segments: particles.div_ceil(chunk) + model.bodies.len(), chunk };
+    2 * (portions.lanes() + 1) * portions.segments * most_sums(model)
+}
+
+/// Most sums that are taken at once.
+fn most_sums(model: &Model) -> usize {
+    LedgerSums::of(model).count.max(MOST_SUMS)
+}
+
+/// Brings to the card what sums are taken by.
+pub(super) fn insert(
+    card: &Card,
+    columns: &mut Columns,
+    model: &Model,
+    (p, segments): (&Particles, &Segments),
+) -> Result<(), CardFault> {
+    let given = ledger::numbers_given(model).max(reductions::numbers_given(model.bodies.len()));
+    let sums = 2 * segments.len() * most_sums(model);
+    columns.insert(Group::Segments, card.indices(&segments.for_kernels())?);
+    columns.insert(Group::SegmentOf, card.indices(&segments.of_particles)?);
+    columns.insert(Group::SumNumbers, card.zeros(given)?);
+    columns.insert(Group::PlacesById, card.indices(&segments.places())?);
+    columns.insert(Group::Regions, card.indices(&p.regions)?);
+    columns.insert(Group::LaneSums, card.zeros(segments.portions().lanes() * sums)?);
+    columns.insert(Group::Sums, card.zeros(sums)?);
+    Ok(())
+}
