@@ -251,7 +251,9 @@ impl GpuEngine {
         let last_searched = self.kept.last_searched;
         self.find_all()?;
         self.kept.last_searched = last_searched;
-        self.overwrite(Group::Place, &now)?;
+        // Columns may be longer by now, for more ghosts.
+        self.overwrite(Group::Place, &self.as_long_as_columns(now, stride))?;
+        let lengths = lengths.map(|lengths| self.as_long_as_columns(lengths, stride));
         lengths.map_or(Ok(()), |lengths| self.overwrite(Group::Constants, &lengths))
     }
 

@@ -40,9 +40,6 @@ const MARGIN: f64 = 0.25;
 /// Room for ghosts beyond those there are, as a share.
 const SPARE: f64 = 0.25;
 
-/// Fewest particles of a rank.
-const FEWEST: usize = 32;
-
 /// What a rank has of the particles, and who its ghosts are.
 pub(super) struct Domain {
     pub(super) ranks: Ranks,
@@ -68,15 +65,13 @@ impl Domain {
     /// There are too few particles for so many ranks.
     pub(super) fn new(ranks: Ranks, count: usize) -> Result<Self, RunFailure> {
         let size = ranks.size();
-        if count < FEWEST * size {
+        let chunk = chunk_of(count);
+        if count < chunk * size {
             return Err(failure(format!(
-                "{count} particles are too few for {size} ranks: take `--ranks {}`",
-                (count / FEWEST).max(1)
+                "{count} particles are too few for {size} ranks, which take whole chunks of {chunk}: take `--ranks {}`",
+                (count / chunk).max(1)
             )));
         }
-        // Of few particles a chunk may be more than a share.
-        let chunk = chunk_of(count);
-        let chunk = if count >= chunk * size { chunk } else { 1 };
         let starts =
             (0..=size).map(|rank| if rank == size { count } else { count * rank / size / chunk * chunk }).collect();
         Ok(Self {
@@ -267,6 +262,13 @@ impl Domain {
     }
 }
 
+/// Copies the first rows of columns to columns of another length.
+fn copy_rows(from: &[f32], from_stride: usize, to: &mut [f32], to_stride: usize, rows: usize) {
+    for (from, to) in from.chunks_exact(from_stride).zip(to.chunks_exact_mut(to_stride)) {
+        to[..rows].copy_from_slice(&from[..rows]);
+    }
+}
+
 /// The columns there are of a group.
 fn existing(columns: &Columns, group: Group, stride: usize) -> u128 {
     let count = columns.array(group).map_or(0, |array| array.count() / stride);
@@ -410,6 +412,16 @@ impl GpuEngine {
         self.set_step()
     }
 
+    /// Columns of a former length, as long as columns are now; ghosts have yet to take them over.
+    pub(super) fn as_long_as_columns(&self, numbers: Vec<f32>, before: usize) -> Vec<f32> {
+        if before == self.stride {
+            return numbers;
+        }
+        let mut longer = vec![0.0; numbers.len() / before * self.stride];
+        copy_rows(&numbers, before, &mut longer, self.stride, self.initial.len());
+        longer
+    }
+
     /// Takes longer columns, for more ghosts. Other ranks need not.
     fn grow(&mut self) -> Result<(), RunFailure> {
         let Some(domain) = &self.domain else { return Ok(()) };
@@ -428,9 +440,7 @@ impl GpuEngine {
                     Some(longer) => self.card.read(longer).map_err(failure)?,
                     None => vec![0.0; columns * stride],
                 };
-                for column in 0..columns {
-                    longer[column * stride..][..own].copy_from_slice(&numbers[column * before..][..own]);
-                }
+                copy_rows(&numbers, before, &mut longer, stride, own);
                 self.columns.insert(group, self.card.numbers(&longer).map_err(failure)?);
             } else if group.outlasts_columns() {
                 self.columns.insert(group, array);
@@ -475,4 +485,17 @@ fn cells(model: &Model, edge: f64) -> Cells {
         Dimensions::Three => 3,
     };
     Cells::new((1.0 + margin) * edge, axes, model.periodic)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_keep_their_numbers_in_columns_of_another_length() {
+        let shorter = [1.0, 2.0, 0.0, 3.0, 4.0, 0.0];
+        let mut longer = [9.0; 8];
+        copy_rows(&shorter, 3, &mut longer, 4, 2);
+        assert_eq!(longer, [1.0, 2.0, 9.0, 9.0, 3.0, 4.0, 9.0, 9.0]);
+    }
 }
