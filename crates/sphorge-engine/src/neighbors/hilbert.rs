@@ -61,11 +61,9 @@ impl HilbertCurve {
         let [first, second, third] = self.bits;
         // From the highest bit downwards one axis has bits, then two, then all three.
         let above = u64::from(x[0] >> second);
-        let plane = [0, 1].map(|a| (x[a] & mask(second)) >> third);
-        let cube = x.map(|x| x & mask(third));
         debug_assert!(x[0] >> first == 0);
-        let above = above << (2 * (second - third)) | place_of(plane, second - third);
-        above << (3 * third) | place_of(cube, third)
+        let above = above << (2 * (second - third)) | place_of([x[0] >> third, x[1] >> third], second - third);
+        above << (3 * third) | place_of(x, third)
     }
 }
 
@@ -73,7 +71,7 @@ fn mask(bits: u32) -> u32 {
     (1 << bits) - 1
 }
 
-/// Place on the curve through a cube of 2^`bits` cells a side. It begins at zero and ends at the far end of the first axis.
+/// Place on the curve through a cube of 2^`bits` cells a side; higher bits of the coordinates do not count. The curve begins at zero and ends at the far end of the first axis.
 fn place_of<const AXES: usize>(mut x: [u32; AXES], bits: u32) -> u64 {
     // Skilling's transform from coordinates to the bits of the place, each coordinate with every `AXES`-th of them.
     for level in (1..bits).rev() {
@@ -154,9 +152,17 @@ mod tests {
     fn points_of_one_axis_are_sorted() {
         let points = [0.5, -1.0, 2.0, 0.1, 0.5, -3.0].map(|x| [7.0 * x, -x, f64::NAN]);
         assert_eq!(hilbert_order(&points, 0.5, 1), [5, 1, 3, 0, 4, 2]);
-        // One cube holds all of them.
-        assert_eq!(hilbert_order(&points, 100.0, 3), [0, 1, 2, 3, 4, 5]);
         assert_eq!(hilbert_order(&[], 1.0, 3), []);
+        // More cubes than there are places for.
+        let points = [7e6, 9e6, 8e6, 0.0].map(|x| [x, 0.0, 0.0]);
+        assert_eq!([1, 3].map(|axes| hilbert_order(&points, 1.0, axes)), [[3, 0, 2, 1]; 2]);
+    }
+
+    #[test]
+    fn points_of_one_cube_keep_their_order() {
+        let points: Vec<_> = (0..5000).map(|k| [f64::from(k % 10), f64::from(k * 7 % 20), 0.0]).collect();
+        let halves = (0..5000).filter(|k| k * 7 % 20 < 10).chain((0..5000).filter(|k| k * 7 % 20 >= 10));
+        assert_eq!(hilbert_order(&points, 10.0, 3), halves.collect::<Vec<_>>());
     }
 
     #[test]
