@@ -212,12 +212,12 @@ impl Share {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Puts the particles of all ranks in the order of the cells; each rank gets those of its blocks, with all their columns, and other blocks where
+    /// Puts the particles of all ranks in their common order, that of the cells tile by tile; each rank gets those of its blocks, with all their columns, and other blocks where
     /// works have come apart.
     pub(super) fn sort_among_ranks(&mut self, cell: f64) -> Result<(), RunFailure> {
         let Some(share) = self.domain.as_ref().map(|domain| domain.share.clone()) else { return Ok(()) };
         let positions = share.gather(&self.particles.position)?;
-        let order = self.lists.searcher.cell_order(&positions, cell).to_vec();
+        let order = self.lists.searcher.tiled_order(&positions, cell);
         let pairs = share.gather(&self.particles.neighbors)?;
         // Before the first step none are counted, and shares are those of the start.
         let are_counted = pairs.iter().any(|&pairs| pairs > 0);

@@ -98,12 +98,11 @@ impl CellPoints {
                 }))
     }
 
-    /// Indices of the points in the order of the cells of a search with the given reach, m: points of one cell are then served
-    /// one after the other.
-    pub(super) fn cell_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
+    /// Indices of the points in the order of tiles of cells of a search with the given reach, m, along a Hilbert curve.
+    pub(super) fn tiled_order(&mut self, points: &[Vector<f64>], reach: f64) -> Vec<u32> {
         self.grid.sort(points, reach * (1.0 + CELL_MARGIN));
         self.forget();
-        self.grid.order()
+        self.grid.tiled_order()
     }
 
     /// Makes the next search sort points into cells again: they have been put elsewhere, or into another order.

@@ -1,10 +1,15 @@
 //! A uniform grid of cells and the points sorted into it.
 
+use super::hilbert::HilbertCurve;
 use rayon::prelude::*;
 use sphorge_physics::Vector;
 
 /// Points one thread takes at a time.
 pub(super) const CHUNK: usize = 1024;
+
+/// Cells along the edges of a tile, as a power of two; along the axis that runs fastest there are twice as many. Smaller tiles cost time: runs of
+/// neighbours end where a tile does.
+const TILE_BITS: u32 = 3;
 
 /// Coordinates of points that are sorted into cells are smaller than this, m: their differences and the cubes of these must be numbers.
 const FARTHEST: f64 = 1e100;
@@ -94,6 +99,28 @@ impl CellGrid {
     /// Point indices in cell order.
     pub fn order(&self) -> &[u32] {
         &self.order
+    }
+
+    /// Point indices in the order of tiles of cells along a Hilbert curve, in cell order within a tile: a piece of the order that is not much smaller
+    /// than a tile is compact, and a tile is long enough along the axis that runs fastest for neighbours to be in contiguous runs.
+    pub fn tiled_order(&self) -> Vec<u32> {
+        // The last axis along which there is more than one cell, the rim aside.
+        let fastest = (0..3).rev().find(|&a| self.extent[a] > 3);
+        let bits = [0, 1, 2].map(|a| TILE_BITS + u32::from(Some(a) == fastest));
+        // Tiles keep their places in space, as cells do.
+        let first =
+            [0, 1, 2].map(|a| (self.origin[a] * self.inverse_size).round().rem_euclid(f64::from(1u32 << bits[a])));
+        // Inner cells begin at one.
+        let tile = |cell: [usize; 3]| [0, 1, 2].map(|a| (first[a] as u32 + cell[a] as u32 - 1) >> bits[a]);
+        let curve = HilbertCurve::through(tile(self.extent.map(|cells| cells - 2)));
+        let place = |cell: usize| {
+            let row = cell / self.extent[2];
+            curve.place(tile([row / self.extent[1], row % self.extent[1], cell % self.extent[2]]))
+        };
+        let occupied = (0..self.cells()).filter(|&cell| !self.members_run(cell).is_empty());
+        let mut cells: Vec<(u64, usize)> = occupied.map(|cell| (place(cell), cell)).collect();
+        cells.par_sort_unstable();
+        cells.iter().flat_map(|&(_, cell)| self.members(cell)).copied().collect()
     }
 
     /// The contiguous runs `(first, last)` of `order` that hold every point within one cell of `p`; some may be empty.
@@ -253,6 +280,68 @@ mod tests {
             let expected: Vec<_> = around(one).into_iter().filter(|c| around(other).contains(c)).collect();
             assert_eq!(both, expected);
         }
+    }
+
+    /// Points of a lattice, `sides` of them along each axis and `spacing` apart, in any order.
+    fn lattice(sides: [u32; 3], spacing: f64) -> Vec<Vector<f64>> {
+        let count = sides.iter().product::<u32>();
+        let point = |k: u32| [k % sides[0], k / sides[0] % sides[1], k / sides[0] / sides[1]];
+        // A step that has no factor in common with the count takes every point once.
+        (0..count).map(|k| point((k * 7919) % count).map(|x| (f64::from(x) + 0.5) * spacing)).collect()
+    }
+
+    fn tiled_order(points: &[Vector<f64>]) -> Vec<u32> {
+        let mut grid = CellGrid::default();
+        grid.sort(points, 1.0);
+        grid.tiled_order()
+    }
+
+    #[test]
+    fn cells_are_together_in_tiles_and_tiles_along_the_curve() {
+        // Eight points in each cell; extents in cells, in tiles, and cells of a tile.
+        for (sides, tiles, tile) in [
+            ([16, 16, 32], [2, 2, 2], [8, 8, 16]),
+            ([64, 128, 1], [8, 8, 1], [8, 16, 1]),
+            ([1, 1, 64], [1, 1, 4], [1, 1, 16]),
+        ] {
+            let points = lattice(sides.map(|side: u32| if side == 1 { 1 } else { 2 * side }), 0.5);
+            let mut passed: Vec<[u32; 3]> = Vec::new();
+            let order = tiled_order(&points);
+            let members = order.len() / tiles.iter().product::<u32>() as usize;
+            for piece in order.chunks(members) {
+                let cells = piece.iter().map(|&i| points[i as usize].map(|x| x as u32));
+                let mut sorted: Vec<_> = cells.clone().collect();
+                sorted.sort_unstable();
+                assert!(cells.eq(sorted.iter().copied()), "{sides:?}: cells are in their own order within a tile");
+                let tile_of = |cell: [u32; 3]| [0, 1, 2].map(|a| cell[a] / tile[a]);
+                let here = tile_of(sorted[0]);
+                assert!(sorted.iter().all(|&cell| tile_of(cell) == here), "{sides:?}: {here:?}");
+                let steps = |there: &[u32; 3]| (0..3).map(|a| here[a].abs_diff(there[a])).sum::<u32>();
+                assert!(passed.last().is_none_or(|there| steps(there) == 1), "{sides:?}: {here:?} after {passed:?}");
+                passed.push(here);
+            }
+        }
+    }
+
+    #[test]
+    fn points_that_move_together_by_whole_tiles_keep_their_order() {
+        let points = lattice([40, 35, 70], 0.5);
+        let order = tiled_order(&points);
+        let moved = |way: Vector<f64>| {
+            tiled_order(&points.iter().map(|p| [0, 1, 2].map(|a| p[a] + way[a])).collect::<Vec<_>>())
+        };
+        assert!(order == moved([8.0, -16.0, 0.0]) && order == moved([-80.0, 0.0, 160.0]));
+        // Tiles themselves stay where they are.
+        assert_ne!(order, moved([4.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn points_outside_of_the_grid_have_their_places_in_the_order() {
+        let mut points = lattice([20, 20, 20], 0.4);
+        points.extend([[1e9, -1e9, 1e9], [-1e90, 0.0, 0.0]]);
+        let mut order = tiled_order(&points);
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..8002));
     }
 
     #[test]

@@ -26,12 +26,8 @@ pub fn hilbert_order(points: &[Vector<f64>], cell: f64, axes: usize) -> Vec<u32>
     // A saturating cast; cubes without size hold everything in the first one.
     let coordinates = |p: &Vector<f64>| [0, 1, 2].map(|a| (((p[a] - low[a]) / cell) as u32).min(last));
     let curve = HilbertCurve::through(coordinates(&high));
-    let mut keys: Vec<(u64, u32)> = places
-        .par_iter()
-        .with_min_len(CHUNK)
-        .enumerate()
-        .map(|(i, p)| (curve.place(coordinates(p)), i as u32))
-        .collect();
+    let key = |(i, p): (usize, &Vector<f64>)| (curve.place(coordinates(p)), i as u32);
+    let mut keys: Vec<(u64, u32)> = places.par_iter().with_min_len(CHUNK).enumerate().map(key).collect();
     keys.par_sort_unstable();
     keys.into_iter().map(|(_, i)| i).collect()
 }
@@ -39,7 +35,7 @@ pub fn hilbert_order(points: &[Vector<f64>], cell: f64, axes: usize) -> Vec<u32>
 /// A curve through all cells of a box whose sides are powers of two. Where sides are unequal it goes through cubes of the shortest side one after
 /// the other, and these lie on a curve of fewer axes. Of a box whose two shorter sides are equal, consecutive cells have a face in common.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HilbertCurve {
+pub(super) struct HilbertCurve {
     /// Axes, that of the longest side first.
     axes: [usize; 3],
     /// Bits of coordinates along these axes.
@@ -47,16 +43,16 @@ pub(crate) struct HilbertCurve {
 }
 
 impl HilbertCurve {
-    /// The curve through all cells up to this one; coordinates are below 2^21.
-    pub(crate) fn through(last: [u32; 3]) -> Self {
-        let bits = last.map(|x| (u32::BITS - x.leading_zeros()).min(BITS));
+    /// The curve through all cells up to this one, whose coordinates have no more than 63 bits together.
+    pub(super) fn through(last: [u32; 3]) -> Self {
+        let bits = last.map(|x| u32::BITS - x.leading_zeros());
         let mut axes = [0, 1, 2];
         axes.sort_by_key(|&a| std::cmp::Reverse(bits[a]));
         Self { axes, bits: axes.map(|a| bits[a]) }
     }
 
     /// Place of a cell on the curve.
-    pub(crate) fn place(&self, cell: [u32; 3]) -> u64 {
+    pub(super) fn place(&self, cell: [u32; 3]) -> u64 {
         let x = self.axes.map(|a| cell[a]);
         let [first, second, third] = self.bits;
         // From the highest bit downwards one axis has bits, then two, then all three.

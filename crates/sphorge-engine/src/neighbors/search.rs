@@ -197,10 +197,10 @@ impl Searcher {
         });
     }
 
-    /// Indices of the points in the order of the cells of a search with the given reach, m: points of one cell are then served
-    /// one after the other.
-    pub(crate) fn cell_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
-        self.points.cell_order(points, reach)
+    /// Indices of the points in the order of tiles of cells of a search with the given reach, m, along a Hilbert curve: points of one cell are served one
+    /// after the other, and any piece of the order, such as a rank has, is compact.
+    pub(crate) fn tiled_order(&mut self, points: &[Vector<f64>], reach: f64) -> Vec<u32> {
+        self.points.tiled_order(points, reach)
     }
 
     /// Makes the next search sort points into cells again: they have been put elsewhere, or into another order.

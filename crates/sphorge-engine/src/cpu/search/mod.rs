@@ -288,14 +288,14 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Puts the particles in the order of the cells, so that neighbours in space are neighbours in memory.
+    /// Puts the particles in the order of cells, tile by tile, so that neighbours in space are neighbours in memory.
     pub(super) fn sort_particles(&mut self) -> Result<(), RunFailure> {
         let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
         if self.domain.is_some() {
             self.sort_among_ranks(size)?;
         } else {
             let Lists { searcher, permutation, .. } = &mut self.lists;
-            permutation.set(searcher.cell_order(&self.particles.position, size));
+            permutation.set(&searcher.tiled_order(&self.particles.position, size));
             self.particles.reorder(permutation);
         }
         self.lists.stale = true;

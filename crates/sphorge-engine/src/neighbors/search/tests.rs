@@ -135,7 +135,7 @@ fn points_are_put_in_the_order_of_their_cells() {
     let points: Vec<Vector<f64>> =
         (0..40).map(|k| [f64::from(if k % 2 == 0 { k } else { 39 - k }), 0.0, 0.0]).collect();
     let mut searcher = Searcher::default();
-    let order = searcher.cell_order(&points, 0.5);
+    let order = searcher.tiled_order(&points, 0.5);
     let sorted: Vec<f64> = order.iter().map(|&i| points[i as usize][0]).collect();
     assert!(sorted.len() == 40 && sorted.is_sorted(), "{sorted:?}");
 }
