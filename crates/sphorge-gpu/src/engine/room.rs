@@ -2,6 +2,7 @@
 
 use super::failure;
 use super::kernels::grid::Grid;
+use super::kernels::kept;
 use super::plan::keeps_lists;
 use super::renewal::EARLIER;
 use super::search::SPARE;
@@ -13,7 +14,7 @@ use sphorge_engine::{Model, Particles, RunFailure};
 use std::f64::consts::PI;
 
 /// About how many bytes a run takes on a card: columns, cells, and lists of the neighbours that particles of the spacing of the largest support have.
-fn bytes(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> f64 {
+fn bytes(model: &Model, count: usize, stride: usize, grid: &Grid) -> f64 {
     let columns: usize = fields(model).map(|(_, fields)| fields).sum();
     let of_body = |body: &Body| {
         let radius = grid.reach * body.smoothing_length / body.spacing;
@@ -26,11 +27,24 @@ fn bytes(model: &Model, p: &Particles, stride: usize, grid: &Grid) -> f64 {
     let neighbors = model.bodies.iter().map(of_body).fold(0.0, f64::max);
     let may_grow = keeps_lists(model) || model.formulation.renews();
     let spare = if may_grow { 1.0 + SPARE } else { 1.0 };
-    let columns = columns + if model.formulation.renews() { EARLIER } else { 0 };
+    let columns = columns + of_features(model);
     // Counts, starts and particles of cells, twice.
-    let cells = 2 * grid.cells() + 3 * p.len();
-    let sums = sums(model, p.len());
+    let cells = 2 * grid.cells() + 3 * count;
+    let sums = sums(model, count);
     4.0 * ((columns * stride + cells + sums) as f64 + spare * neighbors * stride as f64)
+}
+
+/// Columns beside those of every model.
+fn of_features(model: &Model) -> usize {
+    let of = |is_needed: bool, columns: usize| if is_needed { columns } else { 0 };
+    of(model.formulation.renews(), EARLIER)
+        // Normals and depths of the surface, and who is of it.
+        + of(model.has_faces(), 7)
+        + of(keeps_lists(model), kept::ROWS + kept::SEARCHED_AT)
+        // Marks, candidates and where they were found, and the correction of the strain.
+        + of(kept::adaptive(model).is_some(), 8 + kept::STRAINED + 1)
+        // Bodies and motions, and starts of lists.
+        + 3
 }
 
 /// Refuses a group of columns whose places a card cannot number: each body that others meet has columns of its own.
@@ -55,7 +69,7 @@ pub(super) fn refuse_what_has_no_room(
     grid: &Grid,
 ) -> Result<(), RunFailure> {
     refuse_what_is_too_long(model, stride)?;
-    let needed = bytes(model, p, stride, grid) + card.profile_bytes(stride) as f64;
+    let needed = bytes(model, p.len(), stride, grid) + card.profile_bytes(stride) as f64;
     match card.memory() {
         Some(Memory { total, free: Some(free) }) if needed > free as f64 => {
             let title = card.found().title();
@@ -73,7 +87,35 @@ pub(super) fn refuse_what_has_no_room(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sphorge_deck::load_text;
+    use crate::engine::ranks::stride_for;
+    use crate::engine::start::grid_of;
+    use sphorge_deck::{decks, load_text};
+
+    #[test]
+    fn ten_million_particles_have_room_in_16_gigabytes() {
+        let count = 10_000_000;
+        let stride = stride_for(count, 0);
+        for (deck, overrides) in [
+            ("copper-bar", &[][..]),
+            ("block", &[]),
+            ("block", &[("search", "\"adaptive\"")]),
+            ("bullet", &[("search", "\"adaptive\""), ("particles.spacing", "\"20 mm\"")]),
+            ("taylor-bar", &[("method", "\"fraser\""), ("search", "\"skin\"")]),
+        ] {
+            let text = decks::find(deck).unwrap().text;
+            let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+            let setup = load_text(deck, text, &overrides).unwrap();
+            let mut grid = grid_of(&setup.model, &setup.particles);
+            // As many more cells as there are more particles, and twice as many along each axis at worst.
+            let times = 8.0 * count as f64 / setup.particles.len() as f64;
+            let cells = (grid.cells() as f64 * times) as u32;
+            grid.counts = [cells, 1, 1];
+            let needed = bytes(&setup.model, count, stride, &grid);
+            assert!(needed < 16e9, "{deck}: {needed:e} bytes");
+            // What is left out would be seen: columns alone take a good part of it.
+            assert!(needed > 5e9, "{deck}: {needed:e} bytes");
+        }
+    }
 
     #[test]
     fn a_column_whose_places_have_no_numbers_is_refused() {
