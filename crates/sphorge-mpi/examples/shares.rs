@@ -76,7 +76,7 @@ fn compare(name: &str, points: &[Point], reach: f64, parts: &[usize]) {
         bisect(points, &mut (0..points.len() as u32).collect::<Vec<_>>(), 0, parts, &mut bisected);
         let kinds = [
             ("cells", in_order(grid.order(), parts)),
-            ("tiles", in_order(&grid.tiled_order(), parts)),
+            ("tiles", in_order(grid.tiled_order(), parts)),
             ("Hilbert", in_order(&hilbert_order(points, 1.1 * reach, 3), parts)),
             ("bisection", bisected),
         ];

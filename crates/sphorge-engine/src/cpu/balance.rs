@@ -87,7 +87,7 @@ pub(super) fn share_at_start(ranks: Ranks, model: &Model, particles: &Particles)
     let (mut searcher, mut list) = (Searcher::default(), NeighborList::default());
     let factor = model.numerics.kernel.support();
     let range = range_of(&particles.smoothing_length);
-    let order = searcher.tiled_order(&particles.position, factor * range.1);
+    let order = searcher.tiled_order(&particles.position, factor * range.1).to_vec();
     let points: Vec<Vector<f64>> = order.iter().map(|&i| particles.position[i as usize]).collect();
     let smoothing_length: Vec<f64> = order.iter().map(|&i| particles.smoothing_length[i as usize]).collect();
     let reach = Reach { smoothing_length: &smoothing_length, factor, range };

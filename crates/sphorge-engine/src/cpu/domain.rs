@@ -217,7 +217,7 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn sort_among_ranks(&mut self, cell: f64) -> Result<(), RunFailure> {
         let Some(share) = self.domain.as_ref().map(|domain| domain.share.clone()) else { return Ok(()) };
         let positions = share.gather(&self.particles.position)?;
-        let order = self.lists.searcher.tiled_order(&positions, cell);
+        let order = self.lists.searcher.tiled_order(&positions, cell).to_vec();
         let pairs = share.gather(&self.particles.neighbors)?;
         // Before the first step none are counted, and shares are those of the start.
         let are_counted = pairs.iter().any(|&pairs| pairs > 0);

@@ -99,7 +99,7 @@ impl CellPoints {
     }
 
     /// Indices of the points in the order of tiles of cells of a search with the given reach, m, along a Hilbert curve.
-    pub(super) fn tiled_order(&mut self, points: &[Vector<f64>], reach: f64) -> Vec<u32> {
+    pub(super) fn tiled_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
         self.grid.sort(points, reach * (1.0 + CELL_MARGIN));
         self.forget();
         self.grid.tiled_order()

@@ -37,6 +37,9 @@ pub struct CellGrid {
     /// Point indices in cell order.
     order: Vec<u32>,
     cell_of: Vec<u32>,
+    /// Occupied cells by their tile's place on the curve, and point indices in that order, once they were asked for.
+    by_tile: Vec<(u64, usize)>,
+    tiled: Vec<u32>,
 }
 
 impl CellGrid {
@@ -103,7 +106,7 @@ impl CellGrid {
 
     /// Point indices in the order of tiles of cells along a Hilbert curve, in cell order within a tile: a piece of the order that is not much smaller
     /// than a tile is compact, and a tile is long enough along the axis that runs fastest for neighbours to be in contiguous runs.
-    pub fn tiled_order(&self) -> Vec<u32> {
+    pub fn tiled_order(&mut self) -> &[u32] {
         // The last axis along which there is more than one cell, the rim aside.
         let fastest = (0..3).rev().find(|&a| self.extent[a] > 3);
         let bits = [0, 1, 2].map(|a| TILE_BITS + u32::from(Some(a) == fastest));
@@ -117,10 +120,16 @@ impl CellGrid {
             let row = cell / self.extent[2];
             curve.place(tile([row / self.extent[1], row % self.extent[1], cell % self.extent[2]]))
         };
+        // Room of its own, kept from one sorting to the next: no step allocates.
+        let (mut by_tile, mut tiled) = (std::mem::take(&mut self.by_tile), std::mem::take(&mut self.tiled));
         let occupied = (0..self.cells()).filter(|&cell| !self.members_run(cell).is_empty());
-        let mut cells: Vec<(u64, usize)> = occupied.map(|cell| (place(cell), cell)).collect();
-        cells.par_sort_unstable();
-        cells.iter().flat_map(|&(_, cell)| self.members(cell)).copied().collect()
+        by_tile.clear();
+        by_tile.extend(occupied.map(|cell| (place(cell), cell)));
+        by_tile.par_sort_unstable();
+        tiled.clear();
+        by_tile.iter().for_each(|&(_, cell)| tiled.extend_from_slice(self.members(cell)));
+        (self.by_tile, self.tiled) = (by_tile, tiled);
+        &self.tiled
     }
 
     /// The contiguous runs `(first, last)` of `order` that hold every point within one cell of `p`; some may be empty.
@@ -180,7 +189,8 @@ impl CellGrid {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        4 * (self.starts.capacity() + self.order.capacity() + self.cell_of.capacity())
+        4 * (self.starts.capacity() + self.order.capacity() + self.cell_of.capacity() + self.tiled.capacity())
+            + size_of::<(u64, usize)>() * self.by_tile.capacity()
     }
 
     fn coordinates(&self, p: &Vector<f64>) -> [usize; 3] {
@@ -293,7 +303,7 @@ mod tests {
     fn tiled_order(points: &[Vector<f64>]) -> Vec<u32> {
         let mut grid = CellGrid::default();
         grid.sort(points, 1.0);
-        grid.tiled_order()
+        grid.tiled_order().to_vec()
     }
 
     #[test]

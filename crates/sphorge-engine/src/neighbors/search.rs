@@ -199,7 +199,7 @@ impl Searcher {
 
     /// Indices of the points in the order of tiles of cells of a search with the given reach, m, along a Hilbert curve: points of one cell are served one
     /// after the other, and any piece of the order, such as a rank has, is compact.
-    pub(crate) fn tiled_order(&mut self, points: &[Vector<f64>], reach: f64) -> Vec<u32> {
+    pub(crate) fn tiled_order(&mut self, points: &[Vector<f64>], reach: f64) -> &[u32] {
         self.points.tiled_order(points, reach)
     }
 

@@ -295,7 +295,7 @@ impl<T: PairScalar> CpuEngine<T> {
             self.sort_among_ranks(size)?;
         } else {
             let Lists { searcher, permutation, .. } = &mut self.lists;
-            permutation.set(&searcher.tiled_order(&self.particles.position, size));
+            permutation.set(searcher.tiled_order(&self.particles.position, size));
             self.particles.reorder(permutation);
         }
         self.lists.stale = true;
