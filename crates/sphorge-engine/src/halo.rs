@@ -9,8 +9,7 @@ mod images;
 mod parcels;
 mod remote;
 
-pub(crate) use images::Image;
-pub use images::Images;
+pub use images::{Image, Images};
 pub(crate) use parcels::{Arrival, Columns, Exchanged, ExchangedSets, begin, fill, finish};
 pub use parcels::{Incoming, Outgoing};
 pub(crate) use remote::Remote;
@@ -23,7 +22,7 @@ use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 pub enum FieldSet {
     /// With every search: what does not change between searches, and positions.
     Search,
-    /// Before an audit: the state of the last step.
+    /// For an audit, which has ghosts of its own: the state of the last step.
     Audit,
     /// Before the velocity gradient: positions and velocities.
     Motion,
@@ -112,6 +111,8 @@ pub trait Halo: Send + Sync {
     /// The point each ghost is an image of: a particle of this domain or, where that is of another rank, the ghost that stands for it; what is no
     /// image is its own.
     fn sources(&self) -> &[u32];
+    /// The ghosts that are images, behind those that are not. Their sources are numbered as particles and ghosts are.
+    fn images(&self) -> &[Image];
     /// Bytes held.
     fn bytes(&self) -> usize;
     /// Saves or loads who the ghosts are.

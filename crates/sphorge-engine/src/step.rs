@@ -32,7 +32,6 @@ pub fn advance(
     clock.lap(engine, &mut seconds.integrate, &mut waiting.integrate);
     let search = engine.refresh_neighbors()?;
     clock.lap(engine, &mut seconds.search, &mut waiting.search);
-    engine.exchange(FieldSet::Audit)?;
     let audit = engine.audit()?;
     clock.skip(engine);
     engine.begin_exchange(FieldSet::Motion)?;

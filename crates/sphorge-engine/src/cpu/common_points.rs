@@ -23,9 +23,17 @@ pub(super) struct CommonPoints {
 }
 
 impl CommonPoints {
-    /// No points yet; images are those of these planes and periodic axes.
-    pub(super) fn new(planes: Images) -> Self {
-        Self { images: planes, ..Self::default() }
+    /// No rank names any of the points yet; images are these, or come of these planes and periodic axes.
+    pub(super) fn new(images: Images) -> Self {
+        Self { images, ..Self::default() }
+    }
+
+    /// The same points, and behind them the images within `reach` (m) of particles of all ranks at these positions that are not among them. No rank names
+    /// any yet.
+    pub(super) fn supplemented(&self, positions: &[Vector<f64>], reach: f64) -> Self {
+        let mut images = self.images.clone();
+        images.supplement(positions, reach);
+        Self::new(images)
     }
 
     /// Makes the images of the particles of all ranks within `reach` (m) of where they are needed. Says whether they are others than before.
@@ -36,7 +44,7 @@ impl CommonPoints {
     /// Puts values of the images behind those of all particles.
     pub(super) fn extend<V: Copy>(&self, values: &mut Vec<V>, of: impl Fn(&Image, V) -> V) {
         values.reserve(self.images.count());
-        for image in self.images.all() {
+        for image in self.images.images() {
             values.push(of(image, values[image.source as usize]));
         }
     }
@@ -65,7 +73,7 @@ impl CommonPoints {
             read(point, if (point as usize) < count { &mut places } else { &mut images });
         }
         for &image in &images {
-            read(self.images.all()[image as usize - count].source, &mut places);
+            read(self.images.images()[image as usize - count].source, &mut places);
         }
         places.sort_unstable();
         images.sort_unstable();
@@ -75,7 +83,7 @@ impl CommonPoints {
             numbers[point as usize] = (own.len() + k) as u32;
         }
         let of_this_rank = |&image: &u32| {
-            let mut image = self.images.all()[image as usize - count];
+            let mut image = self.images.images()[image as usize - count];
             image.source = numbers[image.source as usize];
             image
         };
@@ -110,9 +118,14 @@ impl CommonPoints {
         self.images.sources()
     }
 
-    /// Images of the particles of all ranks.
+    /// Number of images of the particles of all ranks.
     pub(super) fn images(&self) -> usize {
         self.images.count()
+    }
+
+    /// Images of the particles of all ranks.
+    pub(super) fn all_images(&self) -> &Images {
+        &self.images
     }
 
     pub(super) fn bytes(&self) -> usize {

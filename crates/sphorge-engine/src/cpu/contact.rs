@@ -11,7 +11,7 @@ use super::domain::{Domain, Share};
 use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
-use crate::halo::Halo;
+use crate::halo::{Halo, Image};
 use crate::lanes::PairScalar;
 use crate::model::{self, Model};
 use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
@@ -215,15 +215,20 @@ impl BodyContacts {
         self.pushes.resize(blocks, Vec::new());
     }
 
-    /// Whether particle `i` of this rank has a point, of all ranks where there are others, for a neighbour in another body.
-    pub(super) fn has_pair(&self, i: usize, point: u32, domain: Option<&Domain>) -> bool {
-        let of_all = |j: u32| match (domain, &self.search) {
+    /// Images that pairs name, where these are others than those of the list.
+    pub(super) fn images(&self, domain: Option<&Domain>) -> Option<&[Image]> {
+        self.search.as_ref().map(|search| search.images(domain.map(|domain| &domain.share)))
+    }
+
+    /// The points, of all ranks where there are others, that particle `i` of this rank meets.
+    pub(super) fn met_by<'a>(&'a self, i: usize, domain: Option<&'a Domain>) -> impl Iterator<Item = u32> + 'a {
+        let of_all = move |j: u32| match (domain, &self.search) {
             (None, _) => j,
             (Some(domain), None) => domain.point(j),
             (Some(domain), Some(search)) => search.point(domain, j),
         };
-        let mut rows = self.foreign.blocks()[i / BLOCK].rows();
-        rows.any(|(own, row)| own == i && row.iter().any(|&j| of_all(j) == point))
+        let rows = self.foreign.blocks()[i / BLOCK].rows();
+        rows.filter(move |(own, _)| *own == i).flat_map(|(_, row)| row.iter()).map(move |&j| of_all(j))
     }
 
     /// Takes the pairs of different bodies out of a list that was just rebuilt.

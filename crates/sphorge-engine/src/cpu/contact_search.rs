@@ -350,6 +350,11 @@ impl ContactSearch {
         share.map_or_else(|| count + self.ghosts.count(), |share| share.count() + self.common.images())
     }
 
+    /// The images among the points that pairs may name.
+    pub(super) fn images(&self, share: Option<&Share>) -> &[Image] {
+        share.map_or_else(|| self.ghosts.halo.images(), |_| self.common.all_images().images())
+    }
+
     /// The number among the points of all ranks of a point of this one.
     pub(super) fn point(&self, share: &Share, number: u32) -> u32 {
         self.common.point(share.own(), number)

@@ -105,26 +105,9 @@ impl Domain {
         Ok(halo)
     }
 
-    /// Positions and smoothing lengths, m, of the particles of all ranks as they are, and of their images.
-    ///
-    /// # Errors
-    /// A rank is lost.
-    pub(super) fn gather_present(&self, particles: &Particles) -> Result<(Vec<Vector<f64>>, Vec<f64>), RunFailure> {
-        let (mut points, mut smoothing_length) =
-            (self.gather(&particles.position)?, self.gather(&particles.smoothing_length)?);
-        self.points.extend(&mut points, |image, x| image.position(&x));
-        self.points.extend(&mut smoothing_length, |_, h| h);
-        Ok((points, smoothing_length))
-    }
-
-    /// Ghosts for what reads other points than rows of the lists do, and how these are numbered.
-    ///
-    /// # Errors
-    /// A rank is lost.
-    pub(super) fn also_here(&self, named: impl Iterator<Item = u32>) -> Result<(CommonPoints, Remote), RunFailure> {
-        let mut points = self.points.clone();
-        let halo = points.adopt(&self.share, named)?;
-        Ok((points, halo))
+    /// The points that are searched.
+    pub(super) fn points(&self) -> &CommonPoints {
+        &self.points
     }
 
     /// The point that a particle or ghost of this rank is, by its number.

@@ -12,8 +12,7 @@ impl<T: PairScalar> CpuEngine<T> {
     fn is_exchanged(&self, fields: FieldSet) -> bool {
         let moves = !self.idle(self.step.dt);
         match fields {
-            FieldSet::Search | FieldSet::Stress => true,
-            FieldSet::Audit => self.audit_is_due(),
+            FieldSet::Search | FieldSet::Audit | FieldSet::Stress => true,
             FieldSet::Motion => moves,
             FieldSet::Density => moves && self.restoration_is_due(),
             FieldSet::Volume => moves && self.formulation.corrects_forces(self),

@@ -4,10 +4,11 @@ use super::{GhostColumn, Halo, Incoming, Outgoing, Packed};
 use crate::model::{Model, SymmetryPlane};
 use crate::persist::{Archive, ArchiveError, Persist, require};
 use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
+use std::collections::HashSet;
 
 /// An image: its source with a sign and a shift per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Image {
+pub struct Image {
     /// Point it is an image of.
     pub(crate) source: u32,
     /// +1, or -1 along axes it is mirrored on.
@@ -17,6 +18,11 @@ pub(crate) struct Image {
 }
 
 impl Image {
+    /// What tells it from all other images: which particle it is of, and in which planes and cells.
+    pub(crate) fn identity(&self) -> (u32, [Vector<u64>; 2]) {
+        (self.source, [self.sign, self.shift].map(|of_axes| of_axes.map(f64::to_bits)))
+    }
+
     /// Position of the image when its source is at `p`, m.
     #[inline(always)]
     pub(crate) fn position(&self, p: &Vector<f64>) -> Vector<f64> {
@@ -105,9 +111,32 @@ impl Images {
         Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ..Self::default() }
     }
 
-    /// All images, in the order they were made in.
-    pub(crate) fn all(&self) -> &[Image] {
-        &self.images
+    /// These images, of the same planes and periodic axes.
+    pub(crate) fn with(&self, images: &[Image]) -> Self {
+        let sources = images.iter().map(|image| image.source).collect();
+        Self { images: images.to_vec(), sources, ..self.planes() }
+    }
+
+    /// Adds the images within `reach` (m) of particles at these positions that are not there yet. The others keep their numbers, wherever they are now.
+    pub(crate) fn supplement(&mut self, positions: &[Vector<f64>], reach: f64) {
+        let mut present = self.planes();
+        present.rebuild(positions, reach + self.farthest_outside(positions));
+        let known: HashSet<_> = self.images.iter().map(Image::identity).collect();
+        self.images.extend(present.images.iter().filter(|image| !known.contains(&image.identity())));
+        self.sources.clear();
+        self.sources.extend(self.images.iter().map(|image| image.source));
+    }
+
+    /// How far a particle is beyond a plane or a periodic end, m. Those that do not wrap, or that are pressed through a plane, are neighbours of images of
+    /// particles that are as much farther from it on this side.
+    fn farthest_outside(&self, positions: &[Vector<f64>]) -> f64 {
+        let beyond = |p: &Vector<f64>| {
+            let planes = self.symmetry.iter().map(|plane| plane.side * (plane.position - p[plane.axis]));
+            let ends =
+                self.periodic.iter().zip(p).filter_map(|(cell, x)| cell.map(|(low, high)| (low - x).max(x - high)));
+            planes.chain(ends).fold(0.0, f64::max)
+        };
+        positions.iter().map(beyond).fold(0.0, f64::max)
     }
 
     /// The same planes and periodic axes, without images.
@@ -212,6 +241,11 @@ impl Halo for Images {
         &self.sources
     }
 
+    /// In the order they were made in.
+    fn images(&self) -> &[Image] {
+        &self.images
+    }
+
     fn bytes(&self) -> usize {
         size_of::<Image>() * (self.images.capacity() + self.former.capacity()) + 4 * self.sources.capacity()
     }
@@ -253,6 +287,23 @@ mod tests {
         fill(&halo, GhostColumn::Point(&p, &mut images));
         images.sort_by(|a, b| a.partial_cmp(b).unwrap());
         assert_eq!(images, [[-0.2, -0.3, 5.0], [-0.2, 0.3, 5.0], [0.2, -0.3, 5.0]]);
+    }
+
+    #[test]
+    fn images_that_came_near_stand_behind_those_that_were() {
+        let plane = SymmetryPlane { axis: 0, position: 0.0, side: 1.0 };
+        let mut halo = Images { symmetry: vec![plane], ..Images::default() };
+        let at = |x: [f64; 3]| x.map(|x| [x, 0.0, 0.0]);
+        halo.rebuild(&at([5.0, 0.5, 5.0]), 1.0);
+        assert_eq!(halo.sources(), [1]);
+        let mut later = halo.with(halo.images());
+        later.supplement(&at([0.5, 3.0, 5.0]), 1.0);
+        assert_eq!(later.sources(), [1, 0]);
+        // Where a particle is beyond the plane by as much more.
+        later.supplement(&at([0.5, -0.5, 1.4]), 1.0);
+        assert_eq!(later.sources(), [1, 0, 2]);
+        later.supplement(&at([0.5, -0.5, 1.4]), 1.0);
+        assert_eq!(later.count(), 3);
     }
 
     #[test]

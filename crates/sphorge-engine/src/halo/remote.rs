@@ -143,6 +143,10 @@ impl Halo for Remote {
         &self.sources
     }
 
+    fn images(&self) -> &[Image] {
+        &self.images
+    }
+
     fn bytes(&self) -> usize {
         size_of::<Image>() * self.images.capacity()
             + 4 * (self.places.capacity() + self.sources.capacity())

@@ -38,4 +38,9 @@ fn lists_of_the_initial_configuration() {
     let short = [("time.end", "\"8 us\""), ("output.history-interval", "\"1 us\""), ("audit", "9")];
     let stale = worst(super::contact::CLAMP, &short, &[2, 5], "audit_stale_pairs");
     assert!(stale > 0.0, "{stale}");
+    // Images of present positions, some of which came near after the start, in the contact and beside it.
+    let bar = [("particles.spacing", "\"0.95 mm\""), ("audit", "20"), ("output.frames", "2")];
+    let short = [("time.end", "\"8 us\""), ("output.history-interval", "\"1 us\"")];
+    let missed = worst("copper-bar", &[&bar[..], &short].concat(), &[2, 3], "audit_missed_pairs");
+    assert!(missed > 100.0, "{missed}");
 }

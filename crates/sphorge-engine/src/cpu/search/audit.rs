@@ -5,8 +5,7 @@ use super::super::common_points::CommonPoints;
 use super::super::domain::Domain;
 use super::super::ghosts::{Ghosts, WithGhosts};
 use super::super::stored::StoredBlock;
-use super::place;
-use crate::halo::FieldSet;
+use crate::halo::{FieldSet, Halo, Image, Images};
 use crate::lanes::PairScalar;
 use crate::neighbors::{BLOCK, Block, DisplacementBound, NeighborList, Reach, Searcher, brute_force_rows};
 use crate::particles::Particles;
@@ -16,6 +15,7 @@ use sphorge_physics::audit::{AuditPair, AuditSums};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::{SymmetricTensor, Vector, tensor::dot};
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Up to this many points every pair is tested; beyond, a cell search of its own finds the pairs.
@@ -113,7 +113,8 @@ impl Totals {
     }
 }
 
-/// The points of all ranks, by their places in the common order and images behind them, and the columns of those that rows name.
+/// The points of all ranks, by their places in the common order and images behind them, and the columns of those that rows name. Images are those of the
+/// lists, with their numbers, and behind them those that are near now.
 struct Sight<'a> {
     points: &'a [Vector<f64>],
     reach: Reach<'a>,
@@ -124,12 +125,23 @@ struct Sight<'a> {
     ghosts: &'a Particles,
     /// Which ghosts these are, where there are other ranks.
     common: Option<&'a CommonPoints>,
+    /// The points that images of the contact are, where it has images of its own; none where they are far by now.
+    of_contact: Option<Vec<Option<u32>>>,
 }
 
 impl Sight<'_> {
     /// Where columns, with those of the ghosts behind them, have a point.
     fn number(&self, point: u32) -> usize {
         self.common.map_or(point, |common| common.number(point)) as usize
+    }
+
+    /// The point that is known to the contact by this number.
+    fn met(&self, number: u32) -> Option<u32> {
+        let image = (number as usize).checked_sub(self.count);
+        match (&self.of_contact, image) {
+            (Some(of_contact), Some(image)) => of_contact[image],
+            _ => Some(number),
+        }
     }
 }
 
@@ -140,12 +152,16 @@ impl<T: PairScalar> CpuEngine<T> {
     /// # Errors
     /// A rank is lost.
     pub(in super::super) fn audit_lists(&mut self) -> Result<Audit, RunFailure> {
-        // Those of the lists may be older.
-        let (mut points, mut smoothing_length) = (Vec::new(), Vec::new());
-        match &self.domain {
-            None => place(&self.particles, &self.ghosts, false, &mut points, &mut smoothing_length),
-            Some(domain) => (points, smoothing_length) = domain.gather_present(&self.particles)?,
-        }
+        let (mut points, mut smoothing_length) = match &self.domain {
+            None => (self.particles.position.clone(), self.particles.smoothing_length.clone()),
+            Some(domain) => {
+                (domain.gather(&self.particles.position)?, domain.gather(&self.particles.smoothing_length)?)
+            }
+        };
+        let count = points.len();
+        let mut common = self.points_of_now(&points, &smoothing_length);
+        common.extend(&mut points, |image, x| image.position(&x));
+        common.extend(&mut smoothing_length, |_, h| h);
         let own = self.domain.as_ref().map_or(0..self.particles.len(), |domain| domain.own());
         let exact = self.exact_rows(&points, own.clone(), &smoothing_length);
         let ours = |i: usize| -> Cow<'_, [u32]> {
@@ -153,25 +169,24 @@ impl<T: PairScalar> CpuEngine<T> {
             let of_all = |domain: &Domain| row.iter().map(|&j| domain.point(j)).collect();
             self.domain.as_ref().map_or(Cow::Borrowed(row), |domain| Cow::Owned(of_all(domain)))
         };
-        let on_ranks = match &self.domain {
-            None => None,
+        let halo: Box<dyn Halo> = match &self.domain {
+            None => Box::new(common.all_images().clone()),
             Some(domain) => {
                 let named = exact.blocks().iter().flat_map(Block::entries).copied();
-                let (common, halo) =
-                    domain.also_here(named.chain((0..own.len()).flat_map(|i| ours(i).into_owned())))?;
-                let mut ghosts = Ghosts::new(Box::new(halo));
-                ghosts.exchange(&[FieldSet::Search, FieldSet::Audit], &self.particles);
-                domain.ranks.check_lost()?;
-                Some((common, ghosts))
+                Box::new(common.adopt(domain, named.chain((0..own.len()).flat_map(|i| ours(i).into_owned())))?)
             }
         };
+        let mut ghosts = Ghosts::new(halo);
+        ghosts.exchange(&[FieldSet::Search, FieldSet::Audit], &self.particles);
+        self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())?;
         let sight = Sight {
             points: &points,
             reach: Reach::new(&smoothing_length, self.model.numerics.kernel.support()),
-            count: self.domain.as_ref().map_or(own.len(), |domain| domain.count()),
+            count,
             first: own.start,
-            ghosts: &on_ranks.as_ref().map_or(&self.ghosts, |(_, ghosts)| ghosts).columns,
-            common: on_ranks.as_ref().map(|(common, _)| common),
+            ghosts: &ghosts.columns,
+            common: self.domain.as_ref().map(|_| &common),
+            of_contact: self.images_of_contact(&common, count),
         };
         let rows: Vec<(AuditedRow, AuditedRow)> = (0..own.len())
             .into_par_iter()
@@ -181,6 +196,25 @@ impl<T: PairScalar> CpuEngine<T> {
             })
             .collect();
         self.sum_audit(&rows)
+    }
+
+    /// The points that lists name, by the same numbers, and all images that are near at these positions (m) of the particles of all ranks. Images
+    /// of the lists may be those of an earlier configuration.
+    fn points_of_now(&self, positions: &[Vector<f64>], smoothing_length: &[f64]) -> CommonPoints {
+        let reach = self.model.numerics.kernel.support() * smoothing_length.iter().copied().fold(0.0, f64::max);
+        match &self.domain {
+            None => CommonPoints::new(Images::new(&self.model).with(self.ghosts.halo.images())),
+            Some(domain) => domain.points().clone(),
+        }
+        .supplemented(positions, reach)
+    }
+
+    /// For each image of the contact, where it has its own, the one of these points, `count` particles and their images, that it is.
+    fn images_of_contact(&self, common: &CommonPoints, count: usize) -> Option<Vec<Option<u32>>> {
+        let images = self.contacts.as_ref()?.images(self.domain.as_ref())?;
+        let all = common.all_images().images().iter();
+        let points: HashMap<_, u32> = all.map(Image::identity).zip(count as u32..).collect();
+        Some(images.iter().map(|image| points.get(&image.identity()).copied()).collect())
     }
 
     /// Rows of some of the points, with all their neighbours.
@@ -245,7 +279,10 @@ impl<T: PairScalar> CpuEngine<T> {
                     continue;
                 }
                 audited.pairs += 1;
-                let in_contact = || self.contacts.as_ref().is_some_and(|c| c.has_pair(i, point, self.domain.as_ref()));
+                let in_contact = || {
+                    let mut met = self.contacts.iter().flat_map(|c| c.met_by(i, self.domain.as_ref()));
+                    met.any(|j| sight.met(j) == Some(point))
+                };
                 if !known.contains(&point) && !in_contact() {
                     audited.missed += 1;
                     audited.missed_foreign += u64::from(bodies.at(i) != bodies.at(j));
