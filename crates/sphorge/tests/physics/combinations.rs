@@ -138,7 +138,7 @@ fn what_a_search_cannot_serve_is_refused_with_the_reason() {
     for (search, choices, reason) in [
         ("total-lagrangian", &[("contact", "kernel-sum")][..], "over the particles of one body"),
         ("total-lagrangian", PERIODIC, "across the ends of a periodic cell"),
-        ("{ total-lagrangian = { form = \"frozen\" } }", PENALTY, "no body that arrives"),
+        ("{ total-lagrangian = { form = \"frozen\" } }", PENALTY, "do not include approaching bodies"),
         ("{ adaptive = { guard = \"none\" } }", PENALTY, "without its guard"),
         ("total-lagrangian", PREDICTOR, "integrated by leapfrog"),
     ] {
