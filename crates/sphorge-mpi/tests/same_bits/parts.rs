@@ -126,7 +126,7 @@ fn a_checkpoint_of_which_a_part_is_missing_or_spoiled_or_of_another_is_passed_ov
             spoiled[whole.len() / 2] ^= 1;
             fs::write(&part, spoiled).unwrap();
         }),
-        ("of another checkpoint", &|| {
+        ("belongs to another checkpoint", &|| {
             fs::copy(before.join("0002.zip"), &part).unwrap();
         }),
     ];

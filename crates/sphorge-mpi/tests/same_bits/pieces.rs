@@ -88,7 +88,7 @@ fn pieces_that_are_not_those_of_one_frame_are_refused() {
     let [first, second] = ["000001/0000.vtp", "000001/0001.vtp"].map(|name| fields.join(name));
     let whole = fs::read(&second).unwrap();
     fs::copy(fields.join("000002/0001.vtp"), &second).unwrap();
-    refused("of another frame");
+    refused("belongs to another frame");
     fs::copy(&first, &second).unwrap();
     refused("each particle exactly once");
     fs::write(&second, &whole[..whole.len() / 2]).unwrap();
