@@ -8,11 +8,11 @@ tables! {
     RawMeasure {
         /// Name of the measure: column of `history.csv`, key in `summary.json`.
         name: Word, example "height";
-        /// Extent along an axis, m, between the farthest points of particles: half a spacing from their centres, deformed with the body in the total
-        /// Lagrangian form until it comes apart.
+        /// Extent along an axis, m, between the outermost points of the particles. These are half a spacing from the centres; in the total
+        /// Lagrangian form they deform with the body until it comes apart.
         extent: Option<RawAlongAxis>;
-        /// Diameter of the section across an axis, m: twice the distance of the farthest point of a particle, as for `extent`, from the axis through
-        /// the mean position. In plane strain across `z` that of a disc, across `x` or `y` a width.
+        /// Diameter of the section across an axis, m: twice the largest distance of a point of a particle, as for `extent`, from the axis through
+        /// the mean position. In plane strain this is the diameter of a disc for `z` and a width for `x` or `y`.
         diameter: Option<RawAlongAxis>;
         /// Largest value of a field.
         maximum: Option<RawExtreme>;
@@ -20,7 +20,7 @@ tables! {
         minimum: Option<RawExtreme>;
         /// Mean of a field, weighted by mass.
         mean: Option<RawFieldMeasure>;
-        /// Kernel-interpolated value of a field at a point.
+        /// Value of a field at a point, interpolated with the kernel.
         value: Option<RawValue>;
         /// Speed of a front: where a field crosses a level, followed over time and fitted by a straight line, m/s.
         front_speed: Option<RawFrontSpeed>;

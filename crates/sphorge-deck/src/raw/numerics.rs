@@ -21,7 +21,7 @@ tables! {
         viscosity: Option<ScalarOr<Flag, RawViscosity>>, default true;
         /// Artificial stress (Gray, Monaghan & Swift 2001); `true` for the constants of that paper.
         artificial_stress: Option<ScalarOr<Flag, RawArtificialStress>>, example { "epsilon": 0.3, "exponent": 4 }, otherwise "that of the method";
-        /// XSPH strength, 0 to 1: positions move with a velocity averaged over neighbours to this share.
+        /// XSPH strength, 0 to 1: share of the velocity averaged over the neighbours in the velocity that moves a particle.
         xsph: Option<Given<Number>>, example 0.5, otherwise "that of the method";
         /// Restore the density by moving least squares every so many steps.
         mls_interval: Option<Count>, example 20, otherwise "never";

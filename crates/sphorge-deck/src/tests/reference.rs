@@ -11,14 +11,14 @@ const HEAD: &str = r#"# Deck reference
 *Generated from the declarations in `crates/sphorge-deck/src/raw`; see `crates/sphorge-deck/src/tests/reference.rs`.*
 
 A deck is a [TOML](https://toml.io) file. The command line can change any key without touching the file:
-`--set particles.spacing="0.6 mm"`; an entry of a list is selected by its name or its index from 0: `--set
-body.bar.velocity.1="-250 m/s"`, `--set body.0.material=ofhc-copper`. The deck as run is stored with the results.
+`--set particles.spacing="0.6 mm"`. An entry of a list is selected by its name or by its index from 0:
+`--set body.bar.velocity.1="-250 m/s"`, `--set body.0.material=ofhc-copper`. The deck as run is stored with the results.
 
 ## Quantities
 
-A quantity is text with a number and a unit, `"25.46 mm"`, `"452 J/(kg K)"`, `"7.89 g/cm^3"`, or a plain number in SI units. A
-unit is a product of the symbols below, with `/`, powers (`m^2`, `m2`, `s^-1`) and brackets; `J/kg K` is refused because it is
-ambiguous. Symbols marked * take the prefixes n, u (µ), m, c, d, k, M, G.
+A quantity is a text with a number and a unit, such as `"25.46 mm"`, `"452 J/(kg K)"` or `"7.89 g/cm^3"`, or a plain number
+in SI units. A unit is a product of the symbols below, with `/`, powers (`m^2`, `m2`, `s^-1`) and brackets. `J/kg K` is
+refused because it is ambiguous. Symbols marked * take the prefixes n, u (µ), m, c, d, k, M, G.
 
 "#;
 
@@ -28,32 +28,36 @@ given if they are zero.
 
 ## How shapes are filled
 
-A lattice is anchored to its shape and turns with it, so a symmetric shape gets a symmetric lattice.
+A lattice is anchored to its shape and rotates with it, so a symmetric shape gets a symmetric lattice.
 
-- Along the edge of a box, or along a cylinder, the number of cells is the length over the spacing, rounded. The lattice is
-  centred: an edge that is no multiple of the spacing is over- or underfilled by less than a quarter of a spacing at either end.
-- In a disc, a sphere and across a cylinder, an ogive or a bar of revolution the lattice is centred with a cell corner on the
-  centre or axis, and the particles whose centre is inside are kept. With `placement = "on-faces"` a particle sits on the centre
-  or axis. A polygon has the lattice of the box around it.
-- Combined shapes continue the lattice of their first part: a plate with a hole has the lattice of the plate, a bar with a head
-  that of the bar.
-- The mass of a particle is density times spacing to the power of the dimensions (per metre of thickness in plane strain, per
-  square metre in one dimension), so the mass of a body differs from that of its shape by rounding; `sphorge check` and the
-  summary of a run report both. Masses are not scaled to the mass of the shape: the initial density is the reference density, and
-  particles fill the space they represent.
-- `check` and `run` print a note, with the nearest spacings that fit, where the difference is more than 1 % of the mass, or where the first
-  layer of a body on a square or cubic lattice is not half a spacing (within 0.05 spacings) from the symmetry plane or wall at which the body ends.
-- `lattice = "hexagonal"`: rows shifted by half against their neighbours, in space layers across the third axis (or across the
-  axis of the bar) stacked as in hexagonal close packing. A particle represents the same area or volume as in the square or cubic
-  lattice of the same spacing; neighbours are 1.075 spacings apart in the plane, 1.122 in space.
-- `lattice = "rings"`: a whole number of rings of one width between hole and surface, particles equally spaced in the middle of
-  each (the four about the centre in the centroids of their quarters), a multiple of four with none on the two axes across, so that planes of symmetry through the centre cut it into halves and
-  quarters that are alike; along a cylinder a whole number of slices. A particle has the mass of its share of the ring, so the body has exactly the
-  mass of its shape. Further parts of a `difference` or `intersection` cut particles away. The total Lagrangian form uses it by default for all
-  bodies that it can fill: corners of a cubic lattice reach beyond a round surface, and a bar of 12 particles
-  across gets a foot 4 % too wide.
-- A body has to be at least one spacing thick. Bodies that touch share a face: their outermost particles are then one spacing
-  apart. Bodies whose particles are closer than half of that overlap and are refused.
+- **Boxes, and cylinders along their axis.** The number of cells is the length over the spacing, rounded. The lattice is
+  centred: if the length is not a multiple of the spacing, the ends are over- or underfilled by less than a quarter of a
+  spacing each.
+- **Discs, spheres, and sections of cylinders, ogives and bars of revolution.** The lattice is centred with a cell corner
+  on the centre or axis, and the particles whose centre is inside the shape are kept. With `placement = "on-faces"` a
+  particle sits on the centre or axis. A polygon has the lattice of its bounding box.
+- **Combined shapes** continue the lattice of their first part: a plate with a hole has the lattice of the plate, a bar
+  with a head that of the bar.
+- **Mass.** The mass of a particle is density times spacing to the power of the dimensions (per metre of thickness in plane
+  strain, per square metre in one dimension). The mass of a body therefore differs from that of its shape by rounding;
+  `sphorge check` and the summary of a run report both. Masses are not scaled to the mass of the shape: the initial density
+  is the reference density, and particles fill the space they represent.
+- **Notes.** `check` and `run` print a note with the nearest spacings that fit if the two masses differ by more than 1 %, or
+  if the first layer of a body on a square or cubic lattice is not half a spacing (within 0.05 spacings) from the symmetry
+  plane or wall at which the body ends.
+- **`lattice = "hexagonal"`.** Neighbouring rows are shifted by half a particle distance. In three dimensions, layers across
+  the third axis (or across the axis of the bar) are stacked as in hexagonal close packing. A particle represents the same
+  area or volume as in the square or cubic lattice of the same spacing; neighbours are 1.075 spacings apart in two
+  dimensions, 1.122 in three.
+- **`lattice = "rings"`.** A whole number of rings of equal width between hole and surface, with equally spaced particles in
+  the middle of each ring, and a whole number of slices along a cylinder. The four particles around the centre are at the
+  centroids of their quarters. Each ring has a multiple of four particles and none on the two axes across, so that symmetry
+  planes through the centre divide it into equal halves and quarters. A particle has the mass of its share of the ring, so
+  the body has exactly the mass of its shape. Further parts of a `difference` or `intersection` cut particles away. The
+  total Lagrangian form uses rings by default for all bodies that they can fill: corners of a cubic lattice protrude from a
+  round surface, and a bar of 12 particles across gets a foot 4 % too wide.
+- **Thickness and contact.** A body has to be at least one spacing thick. Bodies that touch share a face: their outermost
+  particles are then one spacing apart. Bodies whose particles are closer than half of that overlap and are refused.
 "#;
 
 fn cell(text: &str) -> String {

@@ -103,14 +103,14 @@ impl<T: Elementary> YieldLaw<T> for SteinbergGuinan<T> {
             "A",
             PhysicalQuantity::Unit("1/Pa"),
             Bound::NonNegative,
-            "relative growth of the shear modulus with pressure",
+            "relative increase of the shear modulus with pressure",
         ),
         Parameter::required(
             "B",
             "B",
             PhysicalQuantity::Unit("1/K"),
             Bound::NonNegative,
-            "relative fall of the shear modulus with temperature",
+            "relative decrease of the shear modulus with temperature",
         ),
         Parameter::required(
             "reference-temperature",
@@ -131,14 +131,14 @@ impl<T: Elementary> YieldLaw<T> for SteinbergGuinan<T> {
             "gamma_0",
             PhysicalQuantity::Dimensionless,
             Bound::NonNegative,
-            "Grüneisen parameter at rest, in the law of melting",
+            "Grüneisen parameter at rest, in the melting law",
         ),
         Parameter::required(
             "a",
             "a",
             PhysicalQuantity::Dimensionless,
             Bound::NonNegative,
-            "correction of the Grüneisen parameter with volume, in the law of melting",
+            "correction of the Grüneisen parameter with volume, in the melting law",
         ),
         Parameter {
             key: "initial-plastic-strain",
