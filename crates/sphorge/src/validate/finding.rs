@@ -203,7 +203,7 @@ impl Finding {
         self.value.filter(|_| reference.value != 0.0).map(|value| (value - reference.value) / reference.value.abs())
     }
 
-    /// Holds the value against the tolerance.
+    /// Compares the value with the tolerance.
     pub(super) fn judge(&mut self) {
         let Some(tolerance) = &self.tolerance else { return };
         let values = || self.references.iter().map(|r| r.value);
@@ -224,12 +224,12 @@ impl Finding {
         };
     }
 
-    /// What passes, in words; empty if nothing is asked.
+    /// The tolerance in words; empty if there is none.
     pub fn demand(&self) -> String {
         let Some(tolerance) = &self.tolerance else { return String::new() };
         let asked = self.bounds_in_words(tolerance.bounds);
         match tolerance.kept {
-            Some(kept) => format!("{asked}, kept {}", self.bounds_in_words(kept)),
+            Some(kept) => format!("{asked}, if missed {}", self.bounds_in_words(kept)),
             None => asked,
         }
     }

@@ -53,7 +53,8 @@ impl Folder {
             let program = earlier::program().unwrap_or_else(|| "an unknown program".to_owned());
             writeln!(
                 out,
-                "Written by `sphorge validate`, and replaced by the next one in this folder unless it goes on with `--resume`:"
+                "Written by `sphorge validate` and replaced by the next validation in this folder, unless that \
+                 continues it with `--resume`:"
             )?;
             writeln!(out, "{program}")
         })?;

@@ -60,7 +60,7 @@ impl CaseReport {
             text.push('\n');
         }
         if !self.findings.is_empty() {
-            *text += "| quantity | run | ours | reference | deviation | asked | verdict |\n";
+            *text += "| quantity | run | ours | reference | deviation | tolerance | verdict |\n";
             *text += "|---|---|---:|---|---:|---|---|\n";
             rows(text, self.findings.iter().flat_map(finding_rows));
             let mut told: Vec<(&str, &str)> = Vec::new();

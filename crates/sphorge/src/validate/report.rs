@@ -140,16 +140,16 @@ impl CaseReport {
         (of(Verdict::Passed), self.verdicts().count() - of(Verdict::Shown))
     }
 
-    /// Number of checks that miss what is asked, as is known.
+    /// Number of checks that are known to miss their tolerance and do.
     pub fn missed(&self) -> usize {
         self.verdicts().filter(|verdict| *verdict == Verdict::Missed).count()
     }
 
-    /// The same in words, to follow those of [`Self::checks`]; nothing where there is none.
+    /// The same in words, to follow those of [`Self::checks`]; empty if there are none.
     pub fn missed_in_words(&self) -> String {
         match self.missed() {
             0 => String::new(),
-            missed => format!(", {missed} known to be missed"),
+            missed => format!(", {missed} missed"),
         }
     }
 
@@ -165,7 +165,7 @@ pub struct Report {
     pub version: &'static str,
     /// How much was computed.
     pub effort: Effort,
-    /// Number of cases asked for; more than there are here while the others are computed, or where the user stopped it.
+    /// Number of cases requested; more than there are here while others are computed, or if the user stopped the validation.
     pub asked: usize,
     /// Whether all were computed and no case failed.
     pub passed: bool,
@@ -178,7 +178,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Of so many cases, none of which is computed.
+    /// For so many cases, none of which is computed yet.
     pub(super) fn new(effort: Effort, asked: usize) -> Self {
         let (version, machine) = (env!("CARGO_PKG_VERSION"), Machine::here());
         Self { version, effort, asked, passed: false, seconds: 0.0, machine, cases: Vec::with_capacity(asked) }
@@ -189,12 +189,12 @@ impl Report {
         self.cases.iter().flat_map(|case| &case.runs).filter_map(|run| run.seconds).sum()
     }
 
-    /// What is known of the checks that miss what is asked, in words; nothing where there is none.
+    /// A sentence on the checks that are known to miss their tolerance; empty if there are none.
     pub(super) fn known_misses(&self) -> String {
         match self.cases.iter().map(CaseReport::missed).sum() {
             0 => String::new(),
-            1 => "; one check is known to miss its bound, and misses it by no more than before".to_owned(),
-            missed => format!("; {missed} checks are known to miss their bounds, and miss them by no more than before"),
+            1 => "; one check is known to miss its tolerance and has not got worse".to_owned(),
+            missed => format!("; {missed} checks are known to miss their tolerances and have not got worse"),
         }
     }
 
@@ -293,7 +293,7 @@ mod tests {
         whole.add(case, 1.0);
         assert!(whole.passed);
         for text in [whole.to_string(), whole.markdown()] {
-            for words in ["1 of 2", "1 known to be missed", "at most 1, kept at most 2", "one check is known to miss"] {
+            for words in ["1 of 2 checks, 1 missed", "at most 1, if missed at most 2", "one check is known to miss"] {
                 assert!(text.contains(words), "{words}: {text}");
             }
         }

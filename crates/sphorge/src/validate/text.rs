@@ -44,7 +44,7 @@ impl fmt::Display for CaseReport {
             writeln!(f, "{}\n{}", numbers.title, table(&numbers.head, &columns, numbers.rows.iter()))?;
         }
         if !self.findings.is_empty() {
-            let head = ["quantity", "run", "ours", "reference", "deviation", "asked", "verdict"];
+            let head = ["quantity", "run", "ours", "reference", "deviation", "tolerance", "verdict"];
             writeln!(f, "{}", table(&head, &[2, 3, 4], self.findings.iter().flat_map(finding_rows)))?;
         }
         if !self.studies.is_empty() {

@@ -80,18 +80,21 @@ const HOLE: ViewSettings =
 pub(super) const CASE: Case = Case {
     name: "bullet",
     title: "Steel bullet through an aluminium plate: search strategies",
-    about: "Fraser et al., Table 1: the same impact with five neighbour searches, and more. Times are those of the steps without \
-            output and audits, on the threads given. The paper's are of a graphics card and of drawings that are lost, so speed-ups compare better \
-            than seconds, and its 141 m/s is not aimed at: the residual velocity owes much to the kernel sums in which the bodies \
-            meet, and the run with a contact that cannot pull shows how much. What must hold is that a guarded search gives the \
-            answer of a search in every step. Its rule as published misses the other body where the material is still elastic, and \
-            sees pairs from one side: momentum drifts. By the default method, whose neighbours are those of the start, there is no strategy to \
-            choose; its runs are coarser than the others, since what is flattened asks for short steps.",
+    about: "Fraser et al., Table 1: the same impact with five neighbour searches, and further runs. Times are those \
+            of the steps without output and audits, on the given number of threads. The paper's times are from a \
+            graphics card, and its drawings are lost. Speed-ups are therefore more comparable than seconds, and the \
+            141 m/s of the paper is not a target: the residual velocity depends strongly on the kernel sums through \
+            which the bodies interact, as the run with a contact that cannot pull shows. The requirement is that a \
+            guarded search gives the result of a search in every step. The rule as published misses the other body \
+            where the material is still elastic, and treats pairs from one side only, so that momentum drifts. The \
+            default method uses the initial neighbours and has no search strategy to choose. Its runs are coarser \
+            than the others, because flattened material requires short steps.",
     deck: "bullet",
     expected_warnings: &[
         ExpectedWarning::new(
             "pieces",
-            "perforation breaks the plate and the projectile without a fracture law: what a fragment is follows from the sums",
+            "perforation breaks the plate and the projectile without a fracture law: the fragments follow from the \
+             numerical sums",
         ),
         ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
     ],
@@ -174,15 +177,15 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         findings.add(if row.label == "guarded 1e-4" {
             residual
         } else {
-            residual.must(Bounds::Relative(0.01), "a guarded search must not change the answer")
+            residual.must(Bounds::Relative(0.01), "a guarded search must not change the result")
         });
         let audit = run.summary().and_then(|s| s.audit);
         let number = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
         let missed = number("missed pairs of different bodies", audit.map(|a| a.missed_foreign_pairs as f64));
-        findings.add(missed.must(Bounds::AtMost(0.0), "foreign particles are searched for in every step"));
+        findings.add(missed.must(Bounds::AtMost(0.0), "particles of other bodies are searched in every step"));
         let momentum = number("residual of momentum", audit.map(|a| a.momentum_residual));
         findings.add(
-            momentum.must(Bounds::AtMost(1e-13), "both rows of a pair or neither are listed; only rounding remains"),
+            momentum.must(Bounds::AtMost(1e-13), "a pair is listed in both rows or in neither; only rounding remains"),
         );
     }
     for run in runs.series(DEFAULT) {

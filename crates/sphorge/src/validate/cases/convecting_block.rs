@@ -14,10 +14,12 @@ const PLATE: &str = "plate";
 
 pub(super) const CASE: Case = Case {
     name: "convecting-block",
-    title: "A block that cools by convection",
-    about: "Newton's law of cooling on free surfaces, which are found from the particles. A square block, whose edges stand for less \
-            than two faces (an error of first order that goes with the number of edges), and the plate that is left where it is periodic \
-            along y. Rises over the air after 80 s, Biot number 1, Fourier number 0.5, against the series and their product.",
+    title: "Block that cools by convection",
+    about: "Newton's law of cooling on free surfaces, which are detected from the particles: a square block, and the \
+            plate that it becomes with a periodic y axis. Particles at an edge of the block have less than the area \
+            of two faces, an error of first order in proportion to the number of edges. Temperature rises over the \
+            air after 80 s, at a Biot number of 1 and a Fourier number of 0.5, are compared with the series solution \
+            of the plate and with the product of two of them.",
     deck: "convecting-block",
     expected_warnings: &[],
     variants,
@@ -61,7 +63,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
                 let finding = finding.exact("series", exact);
                 findings.add(match series {
                     PLATE => finding.must(Bounds::Relative(2e-3), "second order, at the quick spacing"),
-                    _ => finding.must(Bounds::Relative(2e-2), "edges of first order, at the quick spacing"),
+                    _ => finding.must(
+                        Bounds::Relative(2e-2),
+                        "error of the edges of first order, at the quick \
+                                                               spacing",
+                    ),
                 });
             }
             let study = Study::exact(name, Unit::KELVIN, exact);
@@ -72,8 +78,9 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         }
         if let Some(run) = runs.finest(series) {
             let drift = run.summary().map(|s| s.energy.largest_relative_drift);
-            let finding = Finding::new(format!("{what}: drift of the heat account"), Unit::NONE, run.label(), drift);
-            findings.add(finding.must(Bounds::AtMost(1e-11), "the heat that leaves is counted; only rounding remains"));
+            let finding = Finding::new(format!("{what}: drift of the heat balance"), Unit::NONE, run.label(), drift);
+            findings
+                .add(finding.must(Bounds::AtMost(1e-11), "the heat that leaves is included; only rounding remains"));
         }
     }
 }

@@ -13,13 +13,14 @@ const SPACING: &str = "spacing";
 pub(super) const CASE: Case = Case {
     name: "disc-on-plate",
     title: "Steel disc through an aluminium plate at 3.1 km/s",
-    about: "The example of PySPH with its units corrected. Nothing is published of it; the numbers are shown with the spacing, and \
-            what is conserved is asked for.",
+    about: "The example of PySPH with corrected units. There are no published results: the numbers are shown with \
+            the spacing, and only conservation is checked.",
     deck: "disc-on-plate",
     expected_warnings: &[
         ExpectedWarning::new(
             "pieces",
-            "perforation breaks the plate and the projectile without a fracture law: what a fragment is follows from the sums",
+            "perforation breaks the plate and the projectile without a fracture law: the fragments follow from the \
+             numerical sums",
         ),
         ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
         ExpectedWarning::new("expansion", "the debris is strongly expanded, and the material has no `spall-pressure`"),
@@ -48,7 +49,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING) {
         let rounding = "rounding of pair sums in single precision over some thousand steps";
         let energy = run.summary().map(|s| s.energy.largest_relative_drift);
-        let energy = Finding::new("drift of the energy ledger", Unit::NONE, run.label(), energy);
+        let energy = Finding::new("drift of the energy balance", Unit::NONE, run.label(), energy);
         findings.add(energy.must(Bounds::AtMost(1e-5), rounding));
         let momentum = run.summary().map(|s| s.largest_momentum_drift);
         let momentum = Finding::new("drift of linear momentum", Unit::NONE, run.label(), momentum);

@@ -19,9 +19,9 @@ const BAR_SPEED: f64 = 3619.7;
 pub(super) const CASE: Case = Case {
     name: "elastic-bar",
     title: "Axial vibration of a slender elastic bar",
-    about: "The bar is fixed at one end by a symmetry plane and set going with a uniform velocity; its mean velocity is a \
-            triangle wave with the period of two round trips, `4 L/c`, from which `c` is computed. A quarter of the section is \
-            modelled, between symmetry planes.",
+    about: "The bar is fixed at one end by a symmetry plane and starts with a uniform velocity. Its mean velocity is \
+            a triangle wave with the period of two round trips, `4 L/c`, from which `c` is computed. A quarter of \
+            the section is modelled, between symmetry planes.",
     deck: "elastic-bar",
     expected_warnings: &[],
     variants,
@@ -67,19 +67,22 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let drift = run.largest_drift(&["kinetic_energy", "elastic_energy"], "kinetic_energy");
         let energy = Finding::new("largest drift of kinetic plus elastic energy", Unit::PERCENT, run.label(), drift);
         if series == SPACING {
-            findings.add(speed.must(
-                Bounds::Relative(0.01),
-                "half a spacing more or less at the free end is 0.4 % to 1.3 % of the length",
-            ));
+            findings.add(
+                speed.must(Bounds::Relative(0.01), "half a spacing at the free end is 0.4 % to 1.3 % of the length"),
+            );
             findings.add(period);
-            findings.add(energy.must(Bounds::AtMost(1e-2), "the settings conserve; the step is of second order"));
+            findings.add(energy.must(
+                Bounds::AtMost(1e-2),
+                "these settings conserve energy; the step is of second \
+                                                            order",
+            ));
             let booked = run.summary().map(|s| s.energy.integration.abs());
             let first = run.column("kinetic_energy").and_then(|column| column.first().copied());
             let booked = booked.zip(first).map(|(booked, first)| booked / first);
             let quantity = "energy booked by the integrator over the kinetic energy at the start";
             findings.add(Finding::new(quantity, Unit::PERCENT, run.label(), booked).must(
                 Bounds::AtMost(0.1),
-                "a wave with a sharp front that nothing damps; third order in the step (`tests/physics/conservation.rs`)",
+                "an undamped wave with a sharp front; third order in the step (`tests/physics/conservation.rs`)",
             ));
         } else {
             findings.add(speed);
@@ -94,11 +97,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         );
     }
     findings.note(
-        "Plain sums see less than the whole strain at free faces: a bar that is mostly faces is soft. The same bar with more \
-         particles across converges to the theory.",
+        "Plain sums underestimate the strain at free faces, so a slender bar, which consists mostly of faces, is too \
+         soft. The same bar with more particles across converges to the theory.",
     );
     findings.note(
-        "Without viscosity nothing damps the shortest waves of the lattice: over many periods they take up the energy of the \
-         long one, sooner at finer spacings. The period is that of the first two swings.",
+        "Without viscosity nothing damps the shortest waves of the lattice: over many periods they absorb the energy \
+         of the long wave, sooner at finer spacings. The period is that of the first two oscillations.",
     );
 }

@@ -18,9 +18,9 @@ pub(super) const CASE: Case = Case {
     name: "elastic-plastic-piston",
     title: "Elastic-plastic piston at 20 m/s in copper",
     about: "A weak shock splits into an elastic precursor and a plastic front. The exact states follow from the jump \
-            conditions across both, the precursor taken as linear elastic (its own compression makes it 0.1 % faster). Front \
-            speeds are taken where the velocity is half way between the states on either side; the plastic front runs into \
-            material that moves at 4.716 m/s already.",
+            conditions across both; the precursor is taken as linear elastic (its own compression makes it 0.1 % \
+            faster). Front speeds are measured where the velocity is half-way between the states on either side. The \
+            plastic front runs into material that already moves at 4.716 m/s.",
     deck: "elastic-plastic-piston",
     expected_warnings: &[],
     variants,
@@ -74,7 +74,7 @@ const QUANTITIES: [(&str, f64, &str, Unit, f64, &str); 6] = [
         "stress over rho0 c_L",
     ),
     ("plateau_stress", 0.0, "axial stress behind both fronts", Unit::MEGAPASCAL, -741.6e6, "jump conditions"),
-    ("plateau_pressure", 0.0, "pressure behind both fronts", Unit::MEGAPASCAL, 681.6e6, "axial stress less 2Y/3"),
+    ("plateau_pressure", 0.0, "pressure behind both fronts", Unit::MEGAPASCAL, 681.6e6, "axial stress minus 2Y/3"),
 ];
 
 fn judge(runs: &Runs, findings: &mut Findings) {
@@ -95,7 +95,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let finding = Finding::new("largest von Mises stress", Unit::MEGAPASCAL, run.label(), yielded);
         let finding = finding.exact("yield stress", 90e6);
         findings.add(match asked {
-            true => finding.must(Bounds::Relative(1e-9), "the return mapping never leaves stress outside"),
+            true => finding.must(
+                Bounds::Relative(1e-9),
+                "the return mapping never leaves stress outside the yield \
+                                                          surface",
+            ),
             false => finding,
         });
     }
@@ -106,7 +110,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         findings.study(study);
     }
     findings.note(
-        "Plain sums overrate gradients by 2.2 % in one dimension at h = 1.2 spacings, and with them both speeds; stresses, \
-         fixed by momentum, less so.",
+        "Plain sums overestimate gradients by 2.2 % in one dimension at h = 1.2 spacings, and with them both speeds. \
+         Stresses, which momentum determines, are affected less.",
     );
 }

@@ -15,8 +15,9 @@ const WIDE: &str = "h = 1.2 spacings";
 pub(super) const CASE: Case = Case {
     name: "heat-slab",
     title: "Conduction through a slab",
-    about: "One face of a cold slab is brought to 100 degC and kept there, the other one is kept cold; both are particles that are held. \
-            Temperatures at three depths after 60 s, as rise over the cold side, against the series. The bodies do not move.",
+    about: "One face of a cold slab is set to 100 degC and kept there, the other one is kept cold; both are \
+            particles with a prescribed temperature. Temperatures at three depths after 60 s, as rises over the cold \
+            side, are compared with the series solution. The bodies do not move.",
     deck: "heat-slab",
     expected_warnings: &[],
     variants,
@@ -67,7 +68,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             });
         }
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
-        let finding = Finding::new("drift of the heat account", Unit::NONE, run.label(), drift);
+        let finding = Finding::new("drift of the heat balance", Unit::NONE, run.label(), drift);
         findings.add(finding.must(Bounds::AtMost(1e-11), "antisymmetric exchange; only rounding remains"));
     }
     for (series, prefix) in [(SPACING, ""), (WIDE, "h = 1.2 spacings: ")] {
@@ -75,7 +76,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             let study = Study::exact(format!("{prefix}{name}"), Unit::KELVIN, exact(x));
             let study = runs.series(series).fold(study, |s, run| s.point(run.label(), run.spacing, rise(run, measure)));
             findings.study(match series {
-                SPACING => study.must_converge(1e-5, "second order in the spacing; the time step goes with its square"),
+                SPACING => study.must_converge(
+                    1e-5,
+                    "second order in the spacing; the time step is proportional to \
+                                                      its square",
+                ),
                 _ => study,
             });
         }

@@ -17,11 +17,12 @@ const DENSITY: f64 = 7890.0;
 pub(super) const CASE: Case = Case {
     name: "high-shear",
     title: "High shear of an Armco iron plate at 254 m/s",
-    about: "Patiño et al., test 1: the upper half of the plate slides over the lower. The paper shows fields (Figures 2 to 4) and \
-            no numbers: strain and temperature are largest in a smooth band between the halves, and the plate does not tear along \
-            it, which older particle codes did. The band is the two rows of particles next to the plane, away from its free ends. \
-            Its strain and temperature grow with the resolution: with thermal softening and no length scale in the material, the \
-            width of a shear band is that of the kernel.",
+    about: "Patiño et al., test 1: the upper half of the plate slides over the lower half. The paper shows fields \
+            (Figures 2 to 4) and no numbers: strain and temperature are largest in a smooth band between the halves, \
+            and the plate does not tear along it, as it did in older particle codes. The band is the two rows of \
+            particles next to the plane, without its free ends. Its strain and temperature grow with the resolution: \
+            with thermal softening and no length scale in the material, the width of a shear band is that of the \
+            kernel.",
     deck: "high-shear",
     expected_warnings: &[],
     variants,
@@ -78,17 +79,19 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         findings.add(finding("largest temperature", Unit::KELVIN, measure("max_temperature")));
         let uneven =
             measure("max_plastic_strain").zip(measure("band_plastic_strain")).map(|(most, mean)| most / mean - 1.0);
-        findings.add(finding("largest plastic strain above the mean of the band", Unit::PERCENT, uneven).must(
-            Bounds::AtMost(0.1),
-            "a smooth band: localisation in single particles would raise the maximum alone",
-        ));
+        findings.add(
+            finding("largest plastic strain above the mean of the band", Unit::PERCENT, uneven).must(
+                Bounds::AtMost(0.1),
+                "a smooth band: localisation in single particles would raise only the maximum",
+            ),
+        );
         findings.add(
             finding("fewest neighbours in the band", Unit::NONE, measure("fewest_band_neighbors"))
                 .must(Bounds::AtLeast(14.0), "an intact band: particles of the lattice have 20, those at a crack 12"),
         );
         let loose = measure("least_band_density").map(|density| density / DENSITY);
         findings.add(
-            finding("least density of the band, share of that at rest", Unit::PERCENT, loose)
+            finding("lowest density of the band over that at rest", Unit::PERCENT, loose)
                 .must(Bounds::AtLeast(0.98), "no voids; the stress of the band is below 1 GPa, 1 % in density"),
         );
         let drift = run.summary().map(|s| s.largest_momentum_drift);

@@ -53,11 +53,11 @@ const LAW: [(&str, &str, Strength); 4] = [
 pub(super) const CASE: Case = Case {
     name: "homogeneous",
     title: "Homogeneous deformation under every flow law",
-    about: "A cube of a thousand particles, so heavy that stress does not move it, flies apart along F = 1 + t L0: shear in two \
-            planes, stretch and a little change of volume, to an equivalent strain of 0.4. Stress, plastic strain and temperature \
-            are set beside the solution of the rate equations (Jaumann rate, von Mises flow, heat of plastic work) by a \
-            Runge-Kutta method with steps of 5 ns, written for this check alone. For Johnson-Cook the plastic strain rate is \
-            that at which the law yields the present stress.",
+    about: "A cube of a thousand particles, so heavy that stress does not accelerate it, deforms along F = 1 + t L0: \
+            shear in two planes, stretch and a small change of volume, up to an equivalent strain of 0.4. Stress, \
+            plastic strain and temperature are compared with a solution of the rate equations (Jaumann rate, von \
+            Mises flow, heat of plastic work) by a Runge-Kutta method with steps of 5 ns, written only for this \
+            check. For Johnson-Cook the plastic strain rate is the one at which the law gives the current stress.",
     deck: "homogeneous",
     expected_warnings: &[],
     variants,
@@ -218,8 +218,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         }
         let spread = run.measure("most_plastic_strain").zip(run.measure("least_plastic_strain")).map(|(m, l)| m - l);
         findings.add(
-            Finding::new("spread of plastic strain over the particles", Unit::NONE, run.label(), spread)
-                .must(Bounds::AtMost(1e-9), "the gradient of a linear velocity is exact at every particle, faces too"),
+            Finding::new("spread of plastic strain over the particles", Unit::NONE, run.label(), spread).must(
+                Bounds::AtMost(1e-9),
+                "the gradient of a linear velocity is exact at every particle, also at \
+                                             faces",
+            ),
         );
     }
     for run in runs.series(STEPS) {

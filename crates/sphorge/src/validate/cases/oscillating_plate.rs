@@ -38,11 +38,12 @@ fn clamped(period: f64, spacing: f64) -> f64 {
 pub(super) const CASE: Case = Case {
     name: "oscillating-plate",
     title: "Oscillating plate of rubber",
-    about: "Gray, Monaghan & Swift (2001), four amplitudes. The reference is a finite-element run of the same plate with the same \
-            clamp and the same initial velocity (CalculiX, 20-node bricks, large displacements); thin-plate theory gives 0.254 s. \
-            Particles are held at their centres: the plate they clamp is half a spacing longer, and so is that of the reference. A \
-            plate with both ends free, which has no clamp, tells the bending alone. \
-            The period is the time at which the deflection of the free end is zero and rising again (CalculiX: the mean of two).",
+    about: "Gray, Monaghan & Swift (2001), four amplitudes. The reference is a finite-element run of the same plate \
+            with the same clamp and the same initial velocity (CalculiX, 20-node bricks, large displacements); \
+            thin-plate theory gives 0.254 s. Particles are held at their centres. The plate that they clamp is \
+            therefore half a spacing longer, and so is that of the reference. A plate with two free ends has no \
+            clamp and tests the bending alone. The period is the time at which the deflection of the free end is \
+            zero and rising again (CalculiX: the mean of two).",
     deck: "oscillating-plate",
     expected_warnings: &[],
     variants,
@@ -130,7 +131,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         findings.add(match row {
             Some(row) => beside_elements(finding, row.2, run.spacing).must(
                 Bounds::Relative(0.01),
-                "ten particles across: bending is soft by twice 0.4 %, an error of the faces, of first order",
+                "ten particles across: bending is too soft by twice 0.4 %, an error of the faces of first order",
             ),
             None => finding,
         });
@@ -138,7 +139,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(FREE) {
         let finding = Finding::new("period with free ends", Unit::MILLISECOND, run.label(), period(run));
         let finding = finding.beside(ReferenceKind::FiniteElements, "finite elements", FREE_PERIOD);
-        findings.add(finding.must(Bounds::Relative(0.01), "five particles across and more, with no clamp"));
+        findings.add(finding.must(Bounds::Relative(0.01), "five or more particles across, without a clamp"));
     }
     let finding = |run: &Run| {
         let finding = Finding::new("period", Unit::MILLISECOND, run.label(), period(run));
@@ -157,18 +158,19 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     findings.study(
         runs.series(SPACING)
             .fold(study, |study, run| study.point(run.label(), run.spacing, period(run)))
-            .must_converge(0.0, "clamp and faces, of first order in the spacing"),
+            .must_converge(0.0, "errors of clamp and faces, of first order in the spacing"),
     );
     findings.note(
-        "Most of what the clamped plate swings too slowly is the place of the clamp: a row of particles more or less that is held changes \
-         the period by 4.0 % at 4 mm, twice the spacing over the length, and the plate with free ends is within 0.4 % at 4 mm, \
-         0.1 % at 2 mm. Springs against hourglassing carry a part of the bending: with smoothing lengths of 1.2 spacings and no springs the clamped plate takes 0.301 s at \
-         4 mm, with a strength of 1 and 3 0.295 s and 0.285 s.",
+        "Most of the error of the clamped plate, which oscillates too slowly, is due to the position of the clamp: \
+         one row of held particles more or less changes the period by 4.0 % at 4 mm, twice the spacing over the \
+         length. The plate with free ends is within 0.4 % at 4 mm and 0.1 % at 2 mm. Hourglass springs carry a part \
+         of the bending: with smoothing lengths of 1.2 spacings and no springs the period of the clamped plate is \
+         0.301 s at 4 mm, with a strength of 1 and 3 it is 0.295 s and 0.285 s.",
     );
     findings.note(
-        "Sums over current neighbours make the plate soft for two reasons. The gradient at a face is that of half a spacing inside: \
-         in the linear eigenvalue problem of the corrected sums, ten particles across give 0.2686 s (plain sums 0.2899 s), 32 give \
-         0.2576 s. The artificial stress takes away a part of every tension; without it, strains of 1 % already make the particles \
-         clump.",
+        "Sums over current neighbours make the plate too soft for two reasons. The gradient at a face is that of \
+         half a spacing inside: in the linear eigenvalue problem of the corrected sums, ten particles across give \
+         0.2686 s (plain sums 0.2899 s), 32 give 0.2576 s. The artificial stress removes a part of every tension; \
+         without it, particles clump already at strains of 1 %.",
     );
 }

@@ -24,30 +24,33 @@ const ON_A_GRID: (f64, f64) = (0.0404, 1.234);
 pub(super) const CASE: Case = Case {
     name: "penetration",
     title: "Aluminium disc through an aluminium plate at 6180 m/s",
-    about: "Patiño et al., test 3, at 20 us. The crater is the clear opening of the plate (what hangs together with it), the cloud \
-            everything that is no longer part of the plate; its length counts from the back face of the undeformed plate, and the \
-            outermost per cent of its mass is left out. The paper does not say how it measures either.",
+    about: "Patiño et al., test 3, at 20 us. The crater is the clear opening of the plate (all particles connected \
+            with it). The cloud is everything that is no longer part of the plate; its length is measured from the \
+            back face of the undeformed plate, and the outermost per cent of its mass is left out. The paper does \
+            not say how it measures either.",
     deck: "penetration",
     expected_warnings: &[
         ExpectedWarning::new(
             "pieces",
-            "perforation breaks the plate and the projectile without a fracture law: what a fragment is follows from the sums",
+            "perforation breaks the plate and the projectile without a fracture law: the fragments follow from the \
+             numerical sums",
         ),
         ExpectedWarning::new(
             "pairing",
-            "a tenth of the disc (0.107 at 0.4 mm) lies in pairs at 2.7 us, behind the shock where release pulls it apart, not late \
-                     in the debris: numerical fracture that the artificial stress does not prevent",
+            "a tenth of the disc (0.107 at 0.4 mm) is in pairs at 2.7 us, behind the shock where release pulls it \
+                     apart, not late in the debris: numerical fracture that the artificial stress does not prevent",
         ),
-        ExpectedWarning::new("tearing", "the same, where it is"),
+        ExpectedWarning::new("tearing", "the same failure, in a part of the disc"),
         ExpectedWarning::new(
             "hot",
-            "the artificial stress takes up to 12 MJ/kg out of 4 % of the particles, whose internal energy ends below zero; \
-                     temperature leaves its work out, and is then above what their energy allows",
+            "the artificial stress takes up to 12 MJ/kg from 4 % of the particles, whose internal energy becomes \
+                     negative; the temperature does not include this work and is then above what their energy allows",
         ),
         ExpectedWarning::new("lost-neighbors", "the debris contains fragments of one or two particles"),
         ExpectedWarning::new(
             "cold",
-            "strongly expanded debris is outside the range of the pressure law, whose isotherm then gives no temperature",
+            "strongly expanded debris is outside the range of the pressure law, whose isotherm then does not give a \
+             meaningful temperature",
         ),
         ExpectedWarning::new("expansion", "the debris is strongly expanded, and the material has no `spall-pressure`"),
     ],
@@ -122,31 +125,29 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             .beside(ReferenceKind::Experiment, "experiment, least", 0.0275)
             .beside(ReferenceKind::Experiment, "experiment, most", 0.0345);
         let on_a_grid = |finding: Finding, value: f64| {
-            if is_fluid { finding.beside(ReferenceKind::Eulerian, "a fluid on a grid at rest", value) } else { finding }
+            if is_fluid { finding.beside(ReferenceKind::Eulerian, "a fluid on a fixed grid", value) } else { finding }
         };
         findings.add(if at_the_papers {
-            crater.must(Bounds::InRange, "inside the experiments")
+            crater.must(Bounds::InRange, "within the range of the experiments")
         } else if is_fluid {
             let crater = Finding::new("crater diameter", Unit::CENTIMETRE, run.label(), run.measure("crater_diameter"));
-            on_a_grid(crater, ON_A_GRID.0).must(Bounds::Relative(0.07), "what is left of its tension: see below")
+            on_a_grid(crater, ON_A_GRID.0).must(Bounds::Relative(0.07), "effect of the remaining tension: see below")
         } else {
             beside(crater, |row| row.1)
         });
         let cloud = Finding::new("length over width of the cloud", Unit::NONE, run.label(), slenderness(run));
         let cloud = on_a_grid(cloud, ON_A_GRID.1);
         findings.add(match run.label() {
-            label if label.ends_with(FLUID) => cloud.must(
-                Bounds::Relative(0.05),
-                "at equal spacing; the grid itself has 1.25 with 0.4 mm, 1.33 with 0.1 mm",
-            ),
+            label if label.ends_with(FLUID) => cloud
+                .must(Bounds::Relative(0.05), "at equal spacing; the grid gives 1.25 with 0.4 mm, 1.33 with 0.1 mm"),
             label => {
                 let cloud = beside(cloud.beside(ReferenceKind::Experiment, "experiment", 1.39), |row| row.2);
                 match label {
                     "0.2 mm" => cloud.must(
                         Bounds::Relative(0.137),
-                        "1.2 to 1.58: the experiment, and what another measuring rule changes",
+                        "1.2 to 1.58: the experiment, with the uncertainty of the measuring rule",
                     ),
-                    _ if at_the_papers => cloud.must(Bounds::InRange, "among those that are published"),
+                    _ if at_the_papers => cloud.must(Bounds::InRange, "within the range of the published values"),
                     _ => cloud,
                 }
             }
@@ -154,7 +155,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
         let rounding = "rounding of pair sums in single precision over some thousand steps";
         let energy = run.summary().map(|s| s.energy.largest_relative_drift);
-        findings.add(finding("drift of the energy ledger", energy).must(Bounds::AtMost(1e-6), rounding));
+        findings.add(finding("drift of the energy balance", energy).must(Bounds::AtMost(1e-6), rounding));
         let momentum = run.summary().map(|s| s.largest_momentum_drift);
         findings.add(finding("drift of linear momentum", momentum).must(Bounds::AtMost(1e-6), rounding));
     }
@@ -164,13 +165,17 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     findings.study(trend("crater diameter", Unit::CENTIMETRE, &|run| run.measure("crater_diameter")));
     findings.study(trend("length over width of the cloud", Unit::NONE, &slenderness));
     findings.note(
-        "The metal as a fluid that bears no tension has a cloud of 1.25, 1.23, 1.33 on grids at rest of 0.4, 0.2, 0.1 mm (`reference/eulerian`), whose program gives the \
-         exact pressure of a plate impact at this speed; as a fluid that bears 0.1 GPa the default method has 1.23 with 0.2 mm. Tension is what narrows its crater: 35.8, 37.2, 38.2 mm where it bears any, 1 and 0.1 GPa, beside \
-         40.4 mm on the grid; with 0.4 mm, where it runs to the end with 1 MPa too, 39.2 beside 39.2 mm. The method of the paper gives what the paper \
-         gives: at 0.4 mm 1.53, of which its artificial stress is 0.13 and XSPH 0.04; what else makes its cloud slender was not traced.",
+        "The metal as a fluid without tension has a cloud of 1.25, 1.23, 1.33 on fixed grids of 0.4, 0.2, 0.1 mm \
+         (`reference/eulerian`), whose program gives the exact pressure of a plate impact at this speed. As a fluid \
+         with a tension of up to 0.1 GPa the default method gives 1.23 with 0.2 mm. Tension is what narrows its \
+         crater: it is 35.8, 37.2, 38.2 mm wide with unlimited tension, 1 and 0.1 GPa, compared with 40.4 mm on the \
+         grid. With 0.4 mm, where the run with 1 MPa reaches its end too, it is 39.2 mm, on the grid 39.2 mm. The \
+         method of the paper gives the result of the paper: at 0.4 mm 1.53, of which 0.13 are due to its artificial \
+         stress and 0.04 to XSPH. The other reasons for its slender cloud were not traced.",
     );
     findings.note(
-        "Temperatures of single particles in the cloud are not to be trusted: the material has no tensile strength of its own \
-         here, and a fragment stretched far below its density at rest has a cold energy that no metal has.",
+        "Temperatures of single particles in the cloud are not reliable: the material has no tensile strength of its \
+         own in this case, and a fragment stretched far below its density at rest has a cold energy that no metal \
+         has.",
     );
 }

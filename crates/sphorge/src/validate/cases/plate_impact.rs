@@ -25,10 +25,10 @@ const ENERGY: f64 = 0.5 * PARTICLE_SPEED * PARTICLE_SPEED;
 pub(super) const CASE: Case = Case {
     name: "plate-impact",
     title: "Symmetric plate impact of copper at 500 m/s",
-    about: "A plane shock without strength, against the Rankine-Hugoniot jump conditions with `Us = c0 + S up`. Pressure, \
-            density, energy and velocity are means over the shocked target between 10 and 25 mm, 7.5 us after the impact. \
-            The energy still holds what the start of the shock left behind (wall heating), which spreads over a fixed number \
-            of particles.",
+    about: "A plane shock without strength, compared with the Rankine-Hugoniot jump conditions with `Us = c0 + S \
+            up`. Pressure, density, energy and velocity are means over the shocked target between 10 and 25 mm, 7.5 \
+            us after the impact. The energy still contains the error of the start of the shock (wall heating), which \
+            is spread over a fixed number of particles.",
     deck: "plate-impact",
     expected_warnings: &[],
     variants,
@@ -79,7 +79,8 @@ fn judge(runs: &Runs, findings: &mut Findings) {
                 ),
                 _ => finding.must(
                     Bounds::Relative(0.01),
-                    "the front is some ten spacings wide and seen over 20 mm; 1 % is far more than this inaccuracy",
+                    "the front is some ten spacings wide and is observed over 20 mm; 1 % is far more than this \
+                     inaccuracy",
                 ),
             });
         }
@@ -93,14 +94,14 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let study = study(name, unit, exact, measure, runs.series(SPACING));
         findings.study(study.must_converge(
             5e-4,
-            "the exact solution is the limit; below 0.05 % noise behind the shock is as large as the error",
+            "converges to the exact solution; below 0.05 % noise behind the shock is as large as the error",
         ));
     }
     let (measure, name, unit, exact, _) = QUANTITIES[0];
     findings.study(study(&format!("{name}, plain sums"), unit, exact, measure, runs.series(PLAIN)));
     findings.note(
-        "Plain sums do not converge to the shock speed at a fixed ratio of smoothing length to spacing: on the lattice of \
-         h = 1.2 spacings they overrate every gradient in one dimension by 2.2 %.",
+        "Plain sums do not converge to the shock speed at a fixed ratio of smoothing length to spacing: on the \
+         lattice with h = 1.2 spacings they overestimate every gradient in one dimension by 2.2 %.",
     );
 }
 

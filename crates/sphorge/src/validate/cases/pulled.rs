@@ -17,13 +17,15 @@ const EVEN_ROD: &str = "rod that contracts";
 pub(super) const CASE: Case = Case {
     name: "pulled",
     title: "A strip and a rod pulled to 1.4 times their length",
-    about: "A strip of aluminium of 20 mm by 20 mm in plane strain and a rod of copper of 8 mm by 30 mm are pulled at both ends, each \
-            end at 10 m/s: far beyond the load at which they neck. With rigid grips force and strain are set beside finite elements of \
-            the same bodies (`reference/finite-elements/tensile_bar.py`). With ends that may contract the bodies stretch evenly, and \
-            the Johnson-Cook law alone says what the middle bears until it necks: the rate equations of stress, plastic strain and heat, \
-            driven by what an extensometer of 6 mm measures in the run, by a Runge-Kutta method written for this check alone. That strip \
-            is three times as long: how the load enters a square one is felt in its middle. \
-            A metal without a law of damage stays whole: no check of a run may find anything.",
+    about: "A strip of aluminium of 20 mm by 20 mm in plane strain and a rod of copper of 8 mm by 30 mm are pulled \
+            at both ends, each end at 10 m/s, far beyond the load at which they neck. With rigid grips, force and \
+            strain are compared with finite elements of the same bodies \
+            (`reference/finite-elements/tensile_bar.py`). With ends that can contract, the bodies stretch evenly, \
+            and the Johnson-Cook law alone determines the load of the middle until it necks: the rate equations of \
+            stress, plastic strain and heat, driven by the readings of a 6 mm extensometer in the run, are solved by \
+            a Runge-Kutta method written only for this check. That strip is three times as long, because in a square \
+            one the introduction of the load affects the middle. A metal without a damage law stays in one piece: no \
+            check of a run may report anything.",
     deck: "pulled",
     expected_warnings: &[],
     variants,
@@ -326,8 +328,8 @@ fn beside_the_law(run: &Run, metal: &Metal, plane: bool, section: f64) -> Option
 
 fn judge(runs: &Runs, findings: &mut Findings) {
     findings.note(
-        "The finite elements of the strip agree until its neck heats: 0.4 % at 24 %, 4 % at 32 %, 9 % at 40 %, where the force falls \
-         with finer elements.",
+        "The finite elements of the strip agree until its neck heats up: within 0.4 % at 24 % elongation, 4 % at 32 \
+         %, 9 % at 40 %, where the force decreases with finer elements.",
     );
     for (series, end) in [(STRIP, 0.4e-3), (ROD, 0.6e-3)] {
         let meshes = elements(series);
@@ -371,7 +373,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             findings.add(if series == ROD {
                 strain.must(
                     Bounds::Relative(0.08),
-                    "two fifths of it came over the last 8 %; finer elements strain by 2 % more",
+                    "two fifths of it develop over the last 8 % of elongation; finer elements strain by 2 % more",
                 )
             } else {
                 strain
@@ -386,25 +388,26 @@ fn judge(runs: &Runs, findings: &mut Findings) {
             let finding = |quantity: &str, value| Finding::new(quantity, Unit::PERCENT, run.label(), value);
             findings.add(finding("largest deviation of the force from the law", off.map(|off| off.0)).must(
                 Bounds::AtMost(0.015),
-                "waves of the start are left: 1.2 % and 1.3 % in the strips, 0.2 % in the rod",
+                "waves from the start remain: 1.2 % and 1.3 % in the strips, 0.2 % in the rod",
             ));
             findings.add(
                 finding("deviation of the plastic strain at the end", off.map(|off| off.1))
-                    .must(Bounds::AtMost(0.01), "of the middle, where the extensometer has begun to see a neck"),
+                    .must(Bounds::AtMost(0.01), "of the middle, where a neck begins to affect the extensometer"),
             );
             let uneven =
                 run.measure("most_in_gauge").zip(run.measure("least_in_gauge")).map(|(most, least)| most / least - 1.0);
             findings.add(finding("unevenness of the plastic strain between the marks", uneven).must(
                 Bounds::AtMost(0.04),
-                "the beginning of a neck; pairs of particles or hourglasses would strain unlike their neighbours",
+                "the beginning of a neck; pairs of particles or hourglass modes would strain differently from their \
+                 neighbours",
             ));
         }
     }
 }
 
 /// Why the force of the strip differs.
-const GRIPPED: &str =
-    "grips hold the centres of particles, and keep the middle from contracting; it falls with the spacing";
+const GRIPPED: &str = "grips hold the centres of particles and prevent the middle from contracting; the error decreases with the \
+     spacing";
 
 /// Force through the middle at a time, s.
 fn force(run: &Run, time: f64) -> Option<f64> {

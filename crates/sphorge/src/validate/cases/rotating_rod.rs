@@ -15,10 +15,10 @@ const PLAIN: &str = "plain sums";
 pub(super) const CASE: Case = Case {
     name: "rotating-rod",
     title: "Ten turns of a free elastic rod",
-    about: "Nothing acts on the rod, so energy, linear and angular momentum stay. The ledger (kinetic plus internal energy) is \
-            conserved by construction; kinetic plus elastic energy, computed from the stress, tells whether the stress did the \
-            work that the forces did. Largest drifts over ten turns, energy relative to the initial total, linear momentum to the \
-            sum of m |v|.",
+    about: "Nothing acts on the rod, so energy, linear and angular momentum are constant. The energy balance \
+            (kinetic plus internal energy) is conserved by construction. Kinetic plus elastic energy, computed from \
+            the stress, shows whether the stress did the work that the forces did. Largest drifts over ten turns; \
+            energy is relative to the initial total, linear momentum to the sum of m |v|.",
     deck: "rotating-rod",
     expected_warnings: &[],
     variants,
@@ -86,7 +86,7 @@ fn ledgers(run: &Run, findings: &mut Findings) {
     let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
     let conserved = "conserved exactly with these settings; only rounding remains";
     let ledger = run.summary().map(|s| s.energy.largest_relative_drift);
-    findings.add(finding("drift of the energy ledger", ledger).must(Bounds::AtMost(ROUND_OFF), conserved));
+    findings.add(finding("drift of the energy balance", ledger).must(Bounds::AtMost(ROUND_OFF), conserved));
     let linear = run.summary().map(|s| s.largest_momentum_drift);
     findings.add(finding("drift of linear momentum", linear).must(Bounds::AtMost(ROUND_OFF), conserved));
     findings.add(finding("drift of angular momentum", angular(run)).must(Bounds::AtMost(ROUND_OFF), conserved));
@@ -102,15 +102,19 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         ledgers(run, findings);
     }
     for run in runs.series(DEFAULT) {
-        let quantity = "drift of kinetic plus elastic energy, which viscosity takes from the swing";
+        let quantity = "drift of kinetic plus elastic energy, due to the viscous damping of the oscillation";
         let drift = Finding::new(quantity, Unit::NONE, run.label(), energy(run));
-        findings.add(drift.must(Bounds::AtMost(5e-3), "less than the energy of the swing, a hundredth of the total"));
+        findings.add(drift.must(
+            Bounds::AtMost(5e-3),
+            "less than the energy of the oscillation, a hundredth of the \
+                                                       total",
+        ));
         ledgers(run, findings);
     }
     for run in runs.series(PLAIN) {
         let finding = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
         let ledger = run.summary().map(|s| s.energy.largest_relative_drift);
-        findings.add(finding("drift of the energy ledger, a tenth of a turn", ledger));
+        findings.add(finding("drift of the energy balance, a tenth of a turn", ledger));
         let linear = run.summary().map(|s| s.largest_momentum_drift);
         findings.add(finding("drift of linear momentum, a tenth of a turn", linear));
     }
@@ -121,12 +125,13 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     findings.study(drift("drift of angular momentum, plain sums, a tenth of a turn", angular));
     findings.study(drift("drift of kinetic plus elastic energy, plain sums, a tenth of a turn", energy));
     findings.note(
-        "The smoothing length is 1.6 spacings: over 1.2, the default, the hourglass springs of a rod without viscosity feed a vibration \
-         from point to point that grows by a factor of e in amplitude every eighth of a second, whatever the time step, and is 3 % of the energy after ten \
-         turns. The default viscosity keeps it down.",
+        "The smoothing length is 1.6 spacings. With the default of 1.2, the hourglass springs of a rod without \
+         viscosity feed a vibration from particle to particle whose amplitude grows by a factor of e every eighth of \
+         a second, whatever the time step, and which has 3 % of the energy after ten turns. The default viscosity \
+         suppresses it.",
     );
     findings.note(
-        "Plain sums see a strain at free faces in pure rotation, and their forces exert a torque. Over ten turns they turn most \
-         of the rotation into strain, so their drift is taken over a tenth of a turn.",
+        "Plain sums give a strain at free faces in pure rotation, and their forces exert a torque. Over ten turns \
+         they convert most of the rotation to strain, so their drift is measured over a tenth of a turn.",
     );
 }

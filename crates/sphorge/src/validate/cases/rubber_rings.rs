@@ -21,10 +21,11 @@ const ELEMENTS: f64 = 0.8;
 pub(super) const CASE: Case = Case {
     name: "rubber-rings",
     title: "Colliding rubber rings",
-    about: "Gray, Monaghan & Swift (2001), with the constants of PySPH's example: two elastic rings collide, flatten, and must part \
-            without a torn particle. The edges of the rings tell that they parted, and finite elements of the same rings how fast. Part \
-            of the energy stays in vibrations of the rings. Sums over current neighbours need a wider kernel: there, the fewest \
-            neighbours any particle ever had tell a tear.",
+    about: "Gray, Monaghan & Swift (2001), with the constants of PySPH's example: two elastic rings collide, \
+            flatten, and must separate without tearing. The gap between the edges of the rings shows that they \
+            separate, and finite elements of the same rings how fast. Part of the energy remains in vibrations of \
+            the rings. Sums over current neighbours need a wider kernel; the smallest number of neighbours that any \
+            particle ever had reveals a tear.",
     deck: "rubber-rings",
     expected_warnings: &[],
     variants,
@@ -70,17 +71,19 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING) {
         let finding = |name: &str, unit, value| Finding::new(name, unit, run.label(), value);
         let gap = run.measure("left_edge").zip(run.measure("right_edge")).map(|(left, right)| right - left);
-        findings.add(
-            finding("gap between the rings at 0.4 ms", Unit::MILLIMETRE, gap)
-                .must(Bounds::AtLeast(3.0 * run.spacing), "they part: three spacings, beyond the reach of the contact"),
-        );
+        findings.add(finding("gap between the rings at 0.4 ms", Unit::MILLIMETRE, gap).must(
+            Bounds::AtLeast(3.0 * run.spacing),
+            "they separate: three spacings, beyond the reach of the \
+                                                           contact",
+        ));
         let share = run.measure("rebound_speed").map(|v| v / SPEED);
         findings.add(
-            finding("speed after over speed before", Unit::NONE, share)
+            finding("speed after the collision over speed before", Unit::NONE, share)
                 .beside(ReferenceKind::FiniteElements, "finite elements, 16 x 192", ELEMENTS)
                 .must(
                     Bounds::Relative(if run.spacing > 1.2e-3 { 0.02 } else { 0.01 }),
-                    "ten rows of particles across; six, at low resolution, are as far off as six elements, 1.1 %",
+                    "ten rows of particles across; the error of six rows, at low resolution, is that of six \
+                     elements, 1.1 %",
                 ),
         );
         let drift = run.summary().map(|s| s.largest_momentum_drift);
@@ -92,7 +95,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(CHOICES) {
         let fewest = run.measure("fewest_neighbors");
         findings.add(Finding::new(
-            "fewest neighbours of any particle (with few, it tears)",
+            "fewest neighbours of any particle (few mean a tear)",
             Unit::NONE,
             run.label(),
             fewest,

@@ -13,15 +13,15 @@ const SPACING: &str = "spacing";
 pub(super) const CASE: Case = Case {
     name: "taylor-bar",
     title: "Taylor impact of a round bar of Armco iron at 200 m/s",
-    about: "The plate of `taylor-plate` made round, in three dimensions. No published number: the trend with the spacing, and \
-            what is conserved.",
+    about: "A round bar with the dimensions of `taylor-plate`, in three dimensions. There is no published result: \
+            the case shows the trend with the spacing and checks conservation.",
     deck: "taylor-bar",
     expected_warnings: &[
         ExpectedWarning::new(
             "plastic-work",
             "with plain updated Lagrangian sums the plastic work in the foot exceeds the energy of the impact; the case compares shapes and shows this",
         ),
-        ExpectedWarning::new("hot", "it follows from the plastic work"),
+        ExpectedWarning::new("hot", "a consequence of the plastic work"),
     ],
     variants,
     judge,
@@ -49,7 +49,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING) {
         let rounding = "rounding of pair sums in single precision over some thousand steps";
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
-        let energy = Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift);
+        let energy = Finding::new("drift of the energy balance", Unit::NONE, run.label(), drift);
         findings.add(energy.must(Bounds::AtMost(1e-6), rounding));
         let drift = run.summary().map(|s| s.largest_momentum_drift);
         let momentum = Finding::new("drift of linear momentum", Unit::NONE, run.label(), drift);

@@ -24,10 +24,10 @@ const ANSWERS: [(&str, &str, Unit, f64, f64, f64); 4] = [
 pub(super) const CASE: Case = Case {
     name: "taylor-bar-42crmo4",
     title: "Taylor impact of a 42CrMo4 bar with heat at 287 m/s",
-    about: "A round bar of 6.4 x 32.4 mm, Johnson-Cook with the constants of the DynELA benchmark (Pantalé et al.), beside Abaqus \
-            Explicit and DynELA in 3D at 80 us. A quarter of the bar against planes of symmetry: the wall is rigid and without \
-            friction, as theirs. Heat is conducted, and diffuses 0.03 mm in that time. Strain and \
-            temperature are largest at the middle of the foot.",
+    about: "A round bar of 6.4 x 32.4 mm, Johnson-Cook with the constants of the DynELA benchmark (Pantalé et al.), \
+            compared with Abaqus Explicit and DynELA in 3D at 80 us. A quarter of the bar against symmetry planes: \
+            the wall is rigid and without friction, as in the reference. Heat is conducted, and diffuses by 0.03 mm \
+            in that time. Strain and temperature are largest in the middle of the foot.",
     deck: "taylor-bar-42crmo4",
     expected_warnings: &[],
     variants,
@@ -83,15 +83,15 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     let drift = |run: &super::super::runs::Run| run.summary().map(|s| s.energy.largest_relative_drift);
     for run in runs.series(SPACING) {
         findings.add(
-            Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift(run))
+            Finding::new("drift of the energy balance", Unit::NONE, run.label(), drift(run))
                 .must(Bounds::AtMost(1e-5), "rounding of pair sums in single precision over some thousand steps"),
         );
     }
     findings.note(
-        "The hourglass control decides the foot. Its springs soften and yield with the metal. Springs that stay elastic hold up the \
-         flow (foot of 8.8 mm at ten times Young's modulus), and where they are weak enough not to (0.3), particles of the foot broke \
-         down to melting at twelve across while the step did not follow the compression. Sums over current neighbours find the \
-         foot too wide. Axisymmetric finite elements of our own (`reference/finite-elements`) give 26.53 mm, 11.23 mm, 1.87 and \
-         879 K.",
+        "The hourglass control determines the foot. Its springs soften and yield with the metal. Springs that stay \
+         elastic resist the flow (foot of 8.8 mm at ten times Young's modulus). Where they are weak enough not to \
+         (0.3), particles in the foot failed and melted with twelve across, as long as the time step did not follow \
+         the compression. Sums over current neighbours give too wide a foot. Our own axisymmetric finite elements \
+         (`reference/finite-elements`) give 26.53 mm, 11.23 mm, 1.87 and 879 K.",
     );
 }

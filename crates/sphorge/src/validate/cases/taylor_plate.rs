@@ -22,16 +22,16 @@ const PUBLISHED: [(&str, f64, f64); 4] = [
 pub(super) const CASE: Case = Case {
     name: "taylor-plate",
     title: "Taylor impact of an Armco iron plate at 200 m/s",
-    about: "Patiño et al., test 2, with the paper's constants in plane strain. Final height and width of the particles (extent \
-            plus one spacing) beside the four codes of Table 3, a resolution study, and what the choices the paper leaves open \
-            change at its spacing of 0.3 mm.",
+    about: "Patiño et al., test 2, with the paper's constants in plane strain. Final height and width of the \
+            particles (extent plus one spacing) are compared with the four codes of Table 3. A resolution study \
+            follows, and the effect of choices that the paper leaves open, at its spacing of 0.3 mm.",
     deck: "taylor-plate",
     expected_warnings: &[
         ExpectedWarning::new(
             "plastic-work",
             "with plain updated Lagrangian sums the plastic work in the foot exceeds the energy of the impact; the case compares shapes and shows this",
         ),
-        ExpectedWarning::new("hot", "it follows from the plastic work"),
+        ExpectedWarning::new("hot", "a consequence of the plastic work"),
     ],
     variants,
     judge,
@@ -78,13 +78,17 @@ fn judge(runs: &Runs, findings: &mut Findings) {
     for run in runs.series(SPACING) {
         let height = beside("height", run, "height", |row| row.1);
         findings.add(match run.label() {
-            "0.3 mm" => height.must(Bounds::InRange, "inside the four published codes at the paper's spacing"),
+            "0.3 mm" => height.must(
+                Bounds::InRange,
+                "within the range of the four published codes at the spacing of \
+                                                      the paper",
+            ),
             _ => height,
         });
         findings.add(beside("width", run, "width", |row| row.2));
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
         findings.add(
-            Finding::new("drift of the energy ledger", Unit::NONE, run.label(), drift)
+            Finding::new("drift of the energy balance", Unit::NONE, run.label(), drift)
                 .must(Bounds::AtMost(1e-6), "rounding of pair sums in single precision over some thousand steps"),
         );
     }
@@ -100,10 +104,11 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         }));
     }
     findings.note(
-        "What the width has beyond 1.80 cm is a numerical error of the paper's sums, in which the foot does more plastic work than the \
-         impact brings along: 1.80 cm is what finite elements of the same plate and constants give on a wall that lets go, as this one \
-         does (1.71 cm on one that does not). It is not a matter of resolution: finer particles give a wider foot still. On a wall with \
-         a friction of 0.1 and 0.3 the finite elements are 1.58 and 1.37 cm wide; the paper's repulsive wall has none. The deck \
-         `iron-plate` computes this plate by the default method.",
+        "The part of the width beyond 1.80 cm is a numerical error of the paper's sums, in which the plastic work in \
+         the foot exceeds the energy of the impact. Finite elements of the same plate with the same constants give \
+         1.80 cm on a wall from which it can separate, as here (1.71 cm on one from which it cannot). It is not a \
+         matter of resolution: finer particles give an even wider foot. On a wall with a friction coefficient of 0.1 \
+         and 0.3 the finite elements are 1.58 and 1.37 cm wide; the repulsive wall of the paper has no friction. The \
+         deck `iron-plate` computes this plate with the default method.",
     );
 }

@@ -16,19 +16,22 @@ const HARDENING: &str = "hardening";
 pub(super) const CASE: Case = Case {
     name: "tensile",
     title: "Tension of a waisted steel bar",
-    about: "Fraser et al., verification: a bar is pulled 7.5 mm in 10 ms. Published are the largest plastic strains of a finite-element \
-            run (0.281) and of the paper's particles (0.286). Without hardening the neck has no width of its own: finite elements \
-            (CalculiX, axisymmetric, the same bar) give more with every refinement, 0.11 to 0.28 with four-node elements of 10 to \
-            1.25 mm, 0.25 to 0.37 with eight-node elements of 10 to 2.5 mm. The published figure is that of one mesh, and particles \
-            are set beside elements of their spacing. With a hardening of 2 GPa the elements converge. A quarter of the bar \
-            between planes of symmetry. Strain is that of the particles that start around the middle of the waist. Particles 2.5 mm \
-            apart take an hour of a core: they ran once (`reference/fine/tensile.py`), without hardening, and are quoted.",
+    about: "Fraser et al., verification: a bar is pulled by 7.5 mm in 10 ms. The paper has the largest plastic \
+            strains of a finite-element run (0.281) and of its particles (0.286). Without hardening the width of the \
+            neck is not determined: finite elements (CalculiX, axisymmetric, the same bar) give more strain with \
+            every refinement, 0.11 to 0.28 with four-node elements of 10 to 1.25 mm, 0.25 to 0.37 with eight-node \
+            elements of 10 to 2.5 mm. The published number belongs to one mesh, and particles are compared with \
+            elements of their spacing. With a hardening of 2 GPa the elements converge. A quarter of the bar is \
+            modelled between symmetry planes. Strain is that of the particles that start around the middle of the \
+            waist. A run with a spacing of 2.5 mm takes an hour on one core; it was made once \
+            (`reference/fine/tensile.py`), without hardening, and is quoted.",
     deck: "tensile",
     expected_warnings: &[ExpectedWarning {
         name: "plastic-work",
-        reason: "the artificial stress of the paper's method gives way while metal is pulled: after 3 ms at 5 mm its work is -717 J where 395 J \
-                 were supplied (-391 J of 421 J without XSPH; without artificial stress 8 J are left of 471 J for viscosity), and metal \
-                 yields by as much more; runs without it are held to the limit",
+        reason: "the artificial stress of the paper's method does negative work while metal is pulled: -717 J after \
+                 3 ms at 5 mm, where 395 J were supplied (-391 J of 421 J without XSPH; without artificial stress 8 \
+                 J of 471 J are left for viscosity), and the plastic work is larger by as much; runs without it must \
+                 respect the limit",
         runs: &WITH_ARTIFICIAL_STRESS,
     }],
     variants,
@@ -295,25 +298,28 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         findings.add(if has_artificial_stress {
             finding
         } else {
-            finding.must(Bounds::AtMost(1.01), "metal yields by what is supplied")
+            finding.must(Bounds::AtMost(1.01), "plastic work cannot exceed the energy supplied")
         });
     }
     findings.note(
-        "Sums over current neighbours stay behind the elements where the bar hardens, and farther with finer particles: 0.113 at 10 mm, \
-         0.075 at 5 mm for 0.136. The artificial stress, which pushes apart what is in tension, is the largest cause: without it the \
-         middle strains by 0.140 at 10 mm (0.119 without XSPH, 0.117 with the linear gradient correction). Noise is another: the axis \
-         of the grips, 55 mm from the middle, strains by 0.023 at 5 mm where elements have 0.009 and the total Lagrangian form 0.007. Without \
-         hardening both run into the neck and their strain is that of no mesh. The total Lagrangian form strains more with finer particles, as elements do: \
-         0.200, 0.258 and 0.293 at 10, 5 and 2.5 mm. With hardening it has the strain of \
-         the elements all along the bar, 0.116 at 10 mm and 0.132 at 5 mm, as four-node elements of these sizes have in a calculation of \
-         our own (`reference/finite-elements/tensile_bar.py`: 0.116, 0.132, 0.135 at 10, 5, 2.5 mm): what is left is resolution. Its hourglass springs soften with the secant modulus. Springs that keep Young's modulus hold up \
-         the neck, 0.104 at 10 mm instead of 0.116; with none it strains by 0.140.",
+        "With hardening, sums over current neighbours give less strain than the elements, and even less with finer \
+         particles: 0.113 at 10 mm and 0.075 at 5 mm instead of 0.136. The main cause is the artificial stress, \
+         which pushes particles in tension apart: without it the middle strains by 0.140 at 10 mm (0.119 without \
+         XSPH, 0.117 with the linear gradient correction). Noise is another cause: the axis of the grips, 55 mm from \
+         the middle, strains by 0.023 at 5 mm, compared with 0.009 in the elements and 0.007 in the total Lagrangian \
+         form. Without hardening both strain mainly in the neck, and their strain is that of no mesh. The total \
+         Lagrangian form strains more with finer particles, as elements do: 0.200, 0.258 and 0.293 at 10, 5 and 2.5 \
+         mm. With hardening it has the strain of the elements all along the bar, 0.116 at 10 mm and 0.132 at 5 mm, \
+         as four-node elements of these sizes have in a calculation of our own \
+         (`reference/finite-elements/tensile_bar.py`: 0.116, 0.132, 0.135 at 10, 5, 2.5 mm): the remaining \
+         difference is resolution. Its hourglass springs soften with the secant modulus. Springs that keep Young's \
+         modulus resist necking, 0.104 at 10 mm instead of 0.116; without springs the strain is 0.140.",
     );
     for run in perfect().chain(series(HARDENING)) {
         let drift = run.summary().map(|s| s.energy.relative_drift);
         findings.add(
-            Finding::new("drift of the energy ledger at the end", Unit::NONE, run.label(), drift)
-                .must(Bounds::AtMost(1e-5), "pair sums in single precision, of a bar that starts at rest"),
+            Finding::new("drift of the energy balance at the end", Unit::NONE, run.label(), drift)
+                .must(Bounds::AtMost(1e-5), "pair sums in single precision, for a bar that starts at rest"),
         );
     }
 }

@@ -15,9 +15,10 @@ const CONTACT: &str = "contact that never pulls";
 pub(super) const CASE: Case = Case {
     name: "two-materials",
     title: "Two materials in contact",
-    about: "Cold metal and hot copper, whose conductivity is 20 times larger, touch. Their seam takes one temperature at once and \
-            keeps it; its value here is that at which the flux is the same from the particles on both sides. Rises over the cold \
-            side after 4 s, against error functions. Heat passes in the kernel sum and where bodies have a contact of their own.",
+    about: "Cold metal and hot copper, whose conductivity is 20 times larger, touch. Their interface immediately \
+            takes one temperature and keeps it; its computed value is the one at which the fluxes from the particles \
+            on both sides are equal. Rises over the cold side after 4 s are compared with error functions. Heat is \
+            exchanged with kernel-sum contact and with penalty contact.",
     deck: "two-materials",
     expected_warnings: &[],
     variants,
@@ -25,7 +26,7 @@ pub(super) const CASE: Case = Case {
     pictures: &[Picture {
         series: SPACING,
         subject: Subject::History(&["cold_side", "hot_side", "in_metal", "in_copper"]),
-        caption: "Temperature on both sides of the seam and away from it",
+        caption: "Temperature on both sides of the interface and away from it",
     }],
 };
 
@@ -69,9 +70,9 @@ fn seam(run: &Run) -> Option<f64> {
 type Quantity = (&'static str, fn(&Run) -> Option<f64>, fn() -> f64);
 
 const QUANTITIES: [Quantity; 3] = [
-    ("rise of the seam", seam, seam_exact),
-    ("rise in the metal, 10 mm from the seam", |run| rise(run, "in_metal"), || exact(METAL, 0.0, 0.01)),
-    ("rise in the copper, 20 mm from the seam", |run| rise(run, "in_copper"), || exact(COPPER, 100.0, 0.02)),
+    ("rise of the interface", seam, seam_exact),
+    ("rise in the metal, 10 mm from the interface", |run| rise(run, "in_metal"), || exact(METAL, 0.0, 0.01)),
+    ("rise in the copper, 20 mm from the interface", |run| rise(run, "in_copper"), || exact(COPPER, 100.0, 0.02)),
 ];
 
 fn judge(runs: &Runs, findings: &mut Findings) {
@@ -79,10 +80,14 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let Some(run) = runs.finest(series) else { continue };
         for (name, value, exact) in QUANTITIES {
             let finding = Finding::new(name, Unit::KELVIN, run.label(), value(run)).exact("error functions", exact());
-            findings.add(finding.must(Bounds::Relative(5e-3), "the seam is two particles wide; the quick spacing"));
+            findings.add(finding.must(
+                Bounds::Relative(5e-3),
+                "the interface is two particles wide; at the quick \
+                                                               spacing",
+            ));
         }
         let drift = run.summary().map(|s| s.energy.largest_relative_drift);
-        let finding = Finding::new("drift of the heat account", Unit::NONE, run.label(), drift);
+        let finding = Finding::new("drift of the heat balance", Unit::NONE, run.label(), drift);
         findings.add(finding.must(Bounds::AtMost(1e-11), "antisymmetric exchange; only rounding remains"));
     }
     for (name, value, exact) in QUANTITIES {
