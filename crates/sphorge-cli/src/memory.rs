@@ -103,9 +103,8 @@ impl OrEnd {
             };
             let _ = writeln!(
                 out,
-                ": {bytes} bytes more were not to be had\n\
-                 Files that were written are complete; a run can be resumed from its last checkpoint. `sphorge check` tells how much memory a \
-                 deck takes."
+                ": {bytes} more bytes could not be allocated\nFiles that were written are complete; a run can be \
+                 resumed from its last checkpoint. `sphorge check` tells how much memory a deck takes."
             );
             // At once: what else ends a program would write what is buffered, perhaps in the middle of the write that wanted memory.
             signal_hook::low_level::exit(1);

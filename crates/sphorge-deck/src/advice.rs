@@ -212,7 +212,7 @@ fn of_total_lagrangian(renewal: Option<f64>, hardest: Option<&Impact>) -> Vec<St
              than a fracture law; the crater follows from the flow, but temperatures of single fragments are not reliable"
         ),
         None if impact.damage_number >= HYPERVELOCITY => format!(
-            "{told}: it will break apart, which the total Lagrangian form does not allow with `renewal = 0`; leave that out"
+            "{told}: it will break apart, which the total Lagrangian form does not allow with `renewal = 0`; leave this key out"
         ),
         Some(_) | None => format!(
             "{told}: the time step follows the smallest stretch, so a flattened face can take several times as many steps as \

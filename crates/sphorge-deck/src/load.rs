@@ -45,7 +45,7 @@ fn read_text(path: &Path) -> io::Result<String> {
     let mut text = String::new();
     let length = File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)? as u64;
     if length > LONGEST {
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is longer than 8 MB, the most a deck can be"));
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is longer than 8 MB, the limit for decks"));
     }
     Ok(text)
 }

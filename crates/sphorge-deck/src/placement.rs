@@ -130,7 +130,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             // Where a unit has slipped by far it says nothing.
             let is_sensible = (1e-7..1e3).contains(&coarser);
             let cure = if is_sensible {
-                format!("; a spacing of {} makes a million", millimetres(coarser))
+                format!("; a spacing of {} gives a million", millimetres(coarser))
             } else {
                 "; check the units".to_owned()
             };
@@ -176,7 +176,7 @@ pub(crate) fn fault(error: FillError, model: &Model, places: &SourceSpans) -> Fa
             let message = format!("body `{}` is on or behind wall `{}`", name(body), model.walls[wall].name);
             Fault::new("behind-wall", message, places.walls[wall].clone(), "this wall")
                 .also(places.bodies[body].clone(), format!("reaches {} behind it", millimetres(depth.max(0.0))))
-                .help("the normal points from the wall towards the material; move the body or turn the normal")
+                .help("the normal points from the wall towards the material; move the body or reverse the normal")
         }
         FillError::AcrossSymmetry { plane, body, distance } => {
             let message = format!("body `{}` reaches across a symmetry plane, or meets its image", name(body));

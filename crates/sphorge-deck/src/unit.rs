@@ -201,7 +201,7 @@ pub(crate) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     parser.space();
     // Only a bracket ends a product before the text does.
     if parser.at < text.len() {
-        return Err(parser.error(parser.at, parser.at + 1, "a bracket is closed that was not opened", None));
+        return Err(parser.error(parser.at, parser.at + 1, "a closing bracket has no opening one", None));
     }
     Ok(unit)
 }

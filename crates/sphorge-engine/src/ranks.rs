@@ -378,5 +378,5 @@ pub(crate) fn decoded<V: Fixed>(bytes: &[u8]) -> Result<Vec<V>, RunFailure> {
 
 /// Another rank has sent bytes that are no values.
 pub(crate) fn unreadable() -> RunFailure {
-    lost("it has sent what means nothing; all ranks must be of one program".to_owned())
+    lost("it sent an invalid message; all ranks must run the same program".to_owned())
 }

@@ -85,7 +85,7 @@ impl EngineKind for Leader {
         Command::Start { engine: self.kind.name().to_owned(), name, deck }.broadcast(&self.crew.ranks)?;
         if let Some(rank) = self.crew.ranks.gather_one(true)?.iter().position(|loaded| !loaded) {
             return Err(RunFailure::of_engine(format!(
-                "rank {rank} cannot load the deck that the first one has loaded: less memory, or another version of the program"
+                "rank {rank} cannot load the deck that the first rank has loaded: it has less memory, or another version of the program"
             )));
         }
         let part = self.kind.start_part(model.clone(), particles, self.crew.communicator.clone())?;

@@ -86,7 +86,7 @@ fn rows(summaries: &[Summary]) -> Vec<ComparisonRow> {
         let audited = |value: fn(&AuditRecord) -> f64| move |s: &Summary| s.audit.as_ref().map_or(f64::NAN, value);
         add("missed pairs, share", "", &audited(|a| a.missed_share));
         add("missed foreign pairs", "", &audited(|a| a.missed_foreign_pairs as f64));
-        add("residual of momentum", "", &audited(|a| a.momentum_residual));
+        add("momentum residual", "", &audited(|a| a.momentum_residual));
     }
     add("neighbors", "", &|s| s.mean_neighbors);
     add("particle-steps per second", "1/s", &|s| s.particle_steps_per_second);

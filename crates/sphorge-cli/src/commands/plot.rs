@@ -232,7 +232,7 @@ impl<'a> Job<'a> {
         if format != self.format {
             let ending = self.format.extension();
             return Err(Failure::bad_input(
-                format!("{} does not end in .{ending}, the format that was chosen", file.display()),
+                format!("{} does not end in .{ending}, the chosen format", file.display()),
                 format!("end it with .{ending}, or leave out `--format`"),
             ));
         }

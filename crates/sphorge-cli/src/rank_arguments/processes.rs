@@ -100,9 +100,9 @@ impl RankArguments {
 /// What is wrong where Slurm has started processes and does not tell MPI of them.
 fn unknown_to_mpi(count: usize) -> Failure {
     Failure::bad_input(
-        format!("`srun` has started {count} processes without an interface by which MPI could join them"),
+        format!("`srun` has started {count} processes without an interface through which MPI can connect them"),
         format!(
-            "`srun --mpi=pmix`, or another interface supported by {}, which this program is linked to: `srun --mpi=list` shows those available",
+            "`srun --mpi=pmix`, or another interface supported by {}, to which this program is linked: `srun --mpi=list` shows those available",
             Processes::library()
         ),
     )
@@ -112,7 +112,7 @@ fn unknown_to_mpi(count: usize) -> Failure {
 fn alone_among(count: usize) -> Failure {
     Failure::bad_input(
         format!(
-            "{count} processes were started together, but MPI does not join them: {}, which this program is linked to, does not recognise what started them",
+            "{count} processes were started together, but MPI does not connect them: {}, to which this program is linked, does not recognise what started them",
             Processes::library()
         ),
         "start it by the `mpirun` of that MPI, or by an `srun --mpi=KIND` that it knows (`srun --mpi=list` names the kinds); or build the program with the MPI \
@@ -233,6 +233,6 @@ fn conclude(status: ExitStatus, directory: &Path) -> Ending {
         ),
         Err(_) => "nothing was computed yet".to_owned(),
     };
-    terminal::note(&format!("a rank of the run has ended {how}, and so have the others; {kept}"));
+    terminal::note(&format!("a rank of the run ended {how}, and the others were ended; {kept}"));
     Err(Failure::Told)
 }

@@ -249,7 +249,7 @@ pub(crate) fn symmetry(
                     at.clone(),
                     "second",
                 );
-                problems.push(fault.also(first, "first").help("leave one of them out, or turn its `side`"));
+                problems.push(fault.also(first, "first").help("leave one of them out, or change its `side`"));
             } else if (plane.position - other.position) * plane.side >= 0.0 {
                 let fault =
                     Fault::new("conflict", "there is no space between the two symmetry planes", at.clone(), "second");

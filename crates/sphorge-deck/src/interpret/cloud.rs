@@ -97,7 +97,7 @@ impl Columns {
             volume: place("volume"),
         };
         if columns.mass.is_some() && columns.volume.is_some() {
-            return Err("line 1: both `mass` and `volume`; one gives the other".to_owned());
+            return Err("line 1: both `mass` and `volume`; one determines the other".to_owned());
         }
         Ok(columns)
     }

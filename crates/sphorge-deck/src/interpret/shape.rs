@@ -402,7 +402,7 @@ fn transform(raw: &RawShape, dimensions: Dimensions, at: Range<usize>, problems:
     };
     if dimensions == Dimensions::One {
         problems.push(
-            Fault::new("wrong-dimensions", "a shape cannot turn in one dimension", at, "has a `rotate`")
+            Fault::new("wrong-dimensions", "a shape cannot be rotated in one dimension", at, "has a `rotate`")
                 .help("leave `rotate` out"),
         );
         return None;
@@ -442,7 +442,7 @@ fn rotation_axis(raw: &RawRotate, dimensions: Dimensions, problems: &mut Problem
     if dimensions == Dimensions::PlaneStrain && (direction[0] != 0.0 || direction[1] != 0.0) {
         problems.push(Fault::new(
             "wrong-dimensions",
-            "in plane strain shapes turn about z",
+            "in plane strain shapes are rotated about z",
             axis.span.clone(),
             "another axis",
         ));

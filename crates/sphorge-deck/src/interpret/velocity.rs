@@ -95,7 +95,7 @@ fn table<V: Kind>(
             continue;
         };
         if sound && rows.last().is_some_and(|&(before, _)| x <= before) {
-            let message = format!("the places of a {what} must increase");
+            let message = format!("the coordinates of a {what} must increase");
             problems.push(Fault::new("place-order", message, place.span(), "not beyond the row before"));
             sound = false;
         }

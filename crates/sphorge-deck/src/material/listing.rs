@@ -99,7 +99,7 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
         line("specific-heat", "Cp", constants.specific_heat, "J/(kg K)", "specific heat"),
         line("conductivity", "k", constants.conductivity, "W/(m K)", "thermal conductivity"),
         line("taylor-quinney", "beta", constants.taylor_quinney, "", "share of plastic work that heats"),
-        line("spall-pressure", "p_s", constants.spall_pressure, "Pa", "tension borne before spalling"),
+        line("spall-pressure", "p_s", constants.spall_pressure, "Pa", "tension at which it spalls"),
         line(
             "reference-temperature",
             "T_0",

@@ -163,7 +163,7 @@ fn too_many_particles_are_counted_before_they_are_made() {
     assert_eq!(problem.code(), "too-many-particles");
     assert!(problem.to_string().contains("about 1.93e12 particles"), "{problem}");
     assert!(problem.to_string().contains("GB"));
-    assert!(problem.help().unwrap().contains("makes a million"));
+    assert!(problem.help().unwrap().contains("gives a million"));
 }
 
 #[test]
@@ -415,7 +415,7 @@ fn files_that_cannot_be_read_say_so() {
 fn faults_of_velocity_tables_are_told_at_their_place() {
     let velocity = "velocity = [\"0 m/s\", \"-200 m/s\"]";
     let radial = |rest: &str| format!("radial-velocity = {{ {rest} }}");
-    let order = "the places of a radial velocity must increase";
+    let order = "the coordinates of a radial velocity must increase";
     told(velocity, &radial("rows = [[1, 2], [0.5, 3]]"), "place-order", "0.5", order, "");
     told(velocity, &radial("rows = [[-1, 2]]"), "out-of-range", "-1", "zero or above", "");
     told(velocity, &radial("rows = []"), "empty-table", "\"bar\"", "the radial velocity has no rows", "");
@@ -429,5 +429,5 @@ fn faults_of_velocity_tables_are_told_at_their_place() {
     );
     assert!(load_text("deck", &changed(velocity, &radial("axis = \"z\", rows = [[0, 2]]")), &[]).is_ok());
     let profile = "velocity-profile = { along = \"x\", amplitude = [1, 0], rows = [[1, 2], [1, 3]] }";
-    told(velocity, profile, "place-order", "1", "the places of a velocity profile must increase", "");
+    told(velocity, profile, "place-order", "1", "the coordinates of a velocity profile must increase", "");
 }

@@ -209,7 +209,7 @@ fn what_is_wrong_with_a_file_of_particles_names_line_and_column() {
     told("x,y\n0,1\n0\n", "", &["`bar.csv`, line 3: 1 cell, where line 1 names 2"]);
     told("x,y\n0,1\n1,1\n-0,1\n", "", &["`bar.csv`, lines 2 and 4 put two particles in the same place"]);
     told("x,y\n", "", &["`bar.csv` contains no particles"]);
-    told("x,y,mass,volume\n0,0,1,1\n", "", &["`bar.csv`, line 1: both `mass` and `volume`; one gives the other"]);
+    told("x,y,mass,volume\n0,0,1,1\n", "", &["`bar.csv`, line 1: both `mass` and `volume`; one determines the other"]);
     told("x,y\n0,0\n", ", length-unit = \"kg\"", &["expected a length (m), found a mass in `kg`"]);
     let (_folder, path) = table(&format!("x,y\n{}", "a,1\n".repeat(9)), "");
     let Err(report) = load(&path, &[], MAX_PARTICLES) else { panic!("nine faults") };

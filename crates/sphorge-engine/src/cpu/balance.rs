@@ -75,7 +75,7 @@ pub(super) fn share_at_start(ranks: Ranks, model: &Model, particles: &Particles)
     let blocks = count.div_ceil(BLOCK);
     if blocks < size {
         return Err(RunFailure::of_engine(format!(
-            "{count} particles are too few for {size} ranks, which take whole blocks of {BLOCK}: there are {blocks}; take `--ranks {}`",
+            "{count} particles are too few for {size} ranks, which get whole blocks of {BLOCK} particles: there are {blocks}; use `--ranks {}`",
             blocks.max(1)
         )));
     }

@@ -24,7 +24,7 @@ pub fn check(p: &Particles, is_cooled: bool) -> Result<(), RunFailure> {
     let value = p.column(field).map_or(f64::NAN, |c| c.magnitude(i));
     let message = if field == "temperature" && p.temperature[i] < 0.0 {
         format!(
-            "`temperature` became {value} K: a flux out of the body takes more heat than there is; convection ends by itself"
+            "`temperature` became {value} K: a flux out of the body removes more heat than it contains; convection stops at the ambient temperature"
         )
     } else {
         format!("`{field}` became {value}")
@@ -63,10 +63,10 @@ pub fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f6
     let (changed, number, limit) = change(i).worst(limits);
     let number = if number < 1e-3 { format!("{number:.1e}") } else { format!("{number:.3}") };
     let (field, what) = match changed {
-        Changed::Density => ("density", format!("the density changed by {number} of itself")),
+        Changed::Density => ("density", format!("the density changed by {number} of its value")),
         Changed::Stretch => ("velocity_gradient", format!("the material was stretched by {number}")),
         Changed::Energy => {
-            ("energy", format!("the energy changed by {number} of itself and the square of the sound speed"))
+            ("energy", format!("the energy changed by {number} of its value plus the square of the sound speed"))
         }
         Changed::Jump => ("position", format!("the particle was pushed by {number} smoothing lengths")),
     };

@@ -271,7 +271,7 @@ columns! {
     pub(crate) external_acceleration: Vector<f64> = [0.0; 3], Step,
         Internal("m/s^2", "acceleration by walls and gravity, part of the total"), Unmirrored[], None;
     pub(crate) external_power: f64 = 0.0, Step,
-        Internal("W/kg", "power of walls beyond that of their force on the centre: heat, and what the face moves less"), Unmirrored[], None;
+        Internal("W/kg", "power of walls beyond that of their force on the centre: heat, and the difference in velocity of the face"), Unmirrored[], None;
     pub(crate) evaluated_velocity: Vector<f64> = [0.0; 3], Step,
         Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Contact, Stress], None;
     pub(crate) mu: f64 = 0.0, Step, Internal("m/s", "largest |mu| of the last force sum"), Unmirrored[], None;
@@ -331,7 +331,7 @@ columns! {
         Internal("m", "depth below the nearest face, times its outward unit normal, in the initial configuration; zero far inside"),
         Unmirrored[], None;
     pub(crate) contact_shift: Vector<f64> = [0.0; 3], Faces,
-        Internal("m", "from the position to where the particle stands for the contact"), Vector[Contact], None;
+        Internal("m", "from the position to the point at which the contact places the particle"), Vector[Contact], None;
     pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
     pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;

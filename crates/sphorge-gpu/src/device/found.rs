@@ -138,8 +138,8 @@ fn missing_graphics<'a>(mut found: impl Iterator<Item = &'a Found>) -> Option<Mi
     } else {
         (
             Interface::Vulkan,
-            "install the driver of the card: `mesa-vulkan-drivers` for AMD and Intel (its user in the group `render`), that of NVIDIA with its Vulkan \
-             part; and `libvulkan1`",
+            "install the driver of the card: `mesa-vulkan-drivers` for AMD and Intel (the user must be in the group \
+             `render`), for NVIDIA the driver with its Vulkan part; and `libvulkan1`",
         )
     };
     let why = software.map_or_else(

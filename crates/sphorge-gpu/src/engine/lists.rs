@@ -48,7 +48,7 @@ impl GpuEngine {
         let mut total: u32 = 0;
         for neighbors in &weights[self.stride..][..self.initial.len()] {
             let longer = total.checked_add(*neighbors as u32);
-            total = longer.ok_or_else(|| failure("more than 4 294 967 295 pairs: the card cannot number them"))?;
+            total = longer.ok_or_else(|| failure("more than 4 294 967 295 pairs, which the card cannot index"))?;
             starts.push(total);
         }
         Ok(starts)

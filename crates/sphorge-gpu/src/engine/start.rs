@@ -49,7 +49,11 @@ impl GpuEngine {
         let mut domain = None;
         if let Some(communicator) = communicator {
             if p.len() >= MOST && keeps_entries(&model) {
-                return Err(failure(format!("{} particles: lists that are kept name up to {}", p.len(), MOST - 1)));
+                return Err(failure(format!(
+                    "{} particles: lists that are kept can index up to {}",
+                    p.len(),
+                    MOST - 1
+                )));
             }
             let mut of_rank = Domain::new(Ranks::new(communicator), p.len())?;
             p.keep(of_rank.own());
@@ -83,7 +87,7 @@ impl GpuEngine {
         let ghosts = domain.as_ref().map_or(0, Domain::ghosts);
         if p.len() + ghosts >= MOST {
             let message = format!(
-                "{} particles: the engine for graphics cards takes up to {} on each",
+                "{} particles: the engine for graphics cards supports up to {} on each card",
                 p.len() + ghosts,
                 MOST - 1
             );
@@ -99,7 +103,7 @@ impl GpuEngine {
         if !keeps_rests(&card).map_err(failure)? {
             let name = &card.found().name;
             return Err(failure(format!(
-                "the compiler of {name} drops what rounding leaves of sums: positions and energies would be good to six digits; run with `--engine cpu`"
+                "the compiler of {name} optimises the compensation of rounding errors away: positions and energies would have only six correct digits; run with `--engine cpu`"
             )));
         }
         let stride = stride_for(p.len(), ghosts);

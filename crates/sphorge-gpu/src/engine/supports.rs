@@ -7,7 +7,7 @@ use sphorge_engine::model::{Model, Precision};
 pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
     let asked = [(
         model.numerics.precision == Precision::Double,
-        "pair sums in double precision: cards compute pairs in single precision, and keep what rounding leaves of all that steps add to",
+        "pair sums in double precision: cards compute pairs in single precision, with compensated sums over the steps",
         "leave `numerics.precision` out, or run it with `--engine cpu`",
     )];
     match asked.into_iter().find(|(asked, ..)| *asked) {

@@ -136,6 +136,6 @@ fn a_flux_that_takes_more_heat_than_there_is_ends_the_run_by_name() {
         [("particles.spacing", "\"4 mm\""), ("thermal.boundary", "[{ name = \"out\", flux = \"-1e9 W/m^2\" }]")];
     let mut simulation = start(&Gpu::default(), "convecting-block", &overrides);
     let failure = (0..60).find_map(|_| simulation.step(None).err()).expect("colder than absolute zero");
-    assert!(failure.message.contains("takes more heat than there is") && failure.particle.is_some(), "{failure}");
+    assert!(failure.message.contains("removes more heat than it contains") && failure.particle.is_some(), "{failure}");
     assert!(!failure.step_may_be_smaller);
 }

@@ -104,7 +104,10 @@ impl FrameWriter {
         let out: &mut dyn Sink = out;
         let count = particles.count();
         if count > MAX_PARTICLES {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{count} particles do not fit a frame")));
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                format!("{count} particles are too many for a frame"),
+            ));
         }
         let fields = written_fields(fields)?;
         // Where arrays begin is known when those before are compressed: the header is written again then, as long as before.
@@ -122,7 +125,7 @@ impl FrameWriter {
             if self.is_compressed { write_compressed(out, bytes) } else { write_raw(out, bytes) }
         };
         let Column::Vector(positions) = read("position")? else {
-            return Err(io::Error::other("positions are no vectors"));
+            return Err(io::Error::other("positions are not vectors"));
         };
         add(out, &gathered(24 * count, positions.iter().flatten().map(|x| x.to_le_bytes())))?;
         drop(positions);

@@ -195,8 +195,8 @@ impl Watch {
             time,
             field: "time step",
             ..RunFailure::of_engine(format!(
-                "the time step is {dt:.3e} s, so that {left:.1e} steps are left to the end: the run would not end; {}, or raise \
-                 `warnings.stop-at-steps` to go on",
+                "the time step is {dt:.3e} s, which leaves {left:.1e} steps to the end: the run would not end; {}, \
+                 or raise `warnings.stop-at-steps` to continue",
                 self.cure_of_steps(dt)
             ))
         })

@@ -77,8 +77,9 @@ fn cure_of(error: result::DriverError) -> &'static str {
 }
 
 fn compiler() -> Result<(i32, i32), Missing> {
-    const CURE: &str = "install it: `pip install nvidia-cuda-nvrtc` (no newer than the driver's CUDA version that `nvidia-smi` shows), `apt install \
-                        libnvrtc12`, or the CUDA toolkit; where it is in no usual place, name its folder in SPHORGE_NVRTC";
+    const CURE: &str = "install it: `pip install nvidia-cuda-nvrtc` (no newer than the driver's CUDA version that \
+                        `nvidia-smi` shows), `apt install libnvrtc12`, or the CUDA toolkit; if it is in an unusual \
+                        place, set SPHORGE_NVRTC to its folder";
     load_from_known_folders();
     // SAFETY: as for the driver.
     if !unsafe { nvrtc::sys::is_culib_present() } {

@@ -92,7 +92,9 @@ impl GpuEngine {
         let here = |entry: &u32| {
             let (place, image) = Planes::split(*entry);
             let number = numbers.get(&(place as u32)).copied();
-            number.map(|number| Planes::join(number, image)).ok_or_else(|| failure("a list names who is not here"))
+            number
+                .map(|number| Planes::join(number, image))
+                .ok_or_else(|| failure("a list names a particle that this rank does not have"))
         };
         let here = |row: &Vec<u32>| row.iter().map(here).collect::<Result<Vec<u32>, RunFailure>>();
         let entries = entries.iter().map(here).collect::<Result<Entries, RunFailure>>()?;

@@ -68,7 +68,7 @@ impl Domain {
         let chunk = chunk_of(count);
         if count < chunk * size {
             return Err(failure(format!(
-                "{count} particles are too few for {size} ranks, which take whole chunks of {chunk}: take `--ranks {}`",
+                "{count} particles are too few for {size} ranks, which get whole chunks of {chunk} particles: use `--ranks {}`",
                 (count / chunk).max(1)
             )));
         }

@@ -183,7 +183,7 @@ fn judge(runs: &Runs, findings: &mut Findings) {
         let number = |name: &str, value| Finding::new(name, Unit::NONE, run.label(), value);
         let missed = number("missed pairs of different bodies", audit.map(|a| a.missed_foreign_pairs as f64));
         findings.add(missed.must(Bounds::AtMost(0.0), "particles of other bodies are searched in every step"));
-        let momentum = number("residual of momentum", audit.map(|a| a.momentum_residual));
+        let momentum = number("momentum residual", audit.map(|a| a.momentum_residual));
         findings.add(
             momentum.must(Bounds::AtMost(1e-13), "a pair is listed in both rows or in neither; only rounding remains"),
         );
