@@ -1,8 +1,8 @@
-//! Shares of unlike particles and like work.
+//! Work balance between ranks: shares with different numbers of particles and equal work.
 //!
-//! Work is counted, not timed, so that a run has the same shares whenever it is repeated: that of a particle is the number of its pairs and what else a
-//! step does with it. Shares are whole blocks, chosen at the start by the pairs that a search finds, and again with each sorting where the
-//! ranks' works have come apart.
+//! Work is counted, not timed, so that a run has the same shares whenever it is repeated. The work of a particle is the
+//! number of its pairs plus a constant for everything else that a step does with it. Shares are whole blocks. They are
+//! chosen at the start from the pairs that a search finds, and again at each sorting if the load imbalance has grown.
 
 use super::CpuEngine;
 use super::domain::Share;
@@ -16,20 +16,21 @@ use crate::ranks::Ranks;
 use crate::report::WallLedger;
 use sphorge_physics::Vector;
 
-/// What a step does with a particle beside its pairs, in pairs. Stress and integration of `copper-bar` at 0.635 mm take 0.76 s on one thread, sums
-/// over 33 pairs of each of its particles 0.85 s.
+/// Work of a particle apart from its pairs, in pairs. Stress and integration of `copper-bar` at 0.635 mm take 0.76 s on
+/// one thread, sums over 33 pairs of each of its particles 0.85 s.
 pub(super) const OF_A_PARTICLE: u64 = 30;
 
-/// Most work of a rank over the mean of all from which shares are chosen anew.
+/// Load imbalance above which shares are chosen again: the largest work of a rank over the mean of all.
 const BOUND: f64 = 1.1;
 
-/// Works of blocks whose particles have so many pairs.
+/// Work of each block, given the number of pairs of each particle.
 fn works(pairs: &[u32]) -> Vec<u64> {
     let of_block = |pairs: &[u32]| pairs.iter().map(|&n| u64::from(n) + OF_A_PARTICLE).sum();
     pairs.chunks(BLOCK).map(of_block).collect()
 }
 
-/// Blocks at which the shares of as many ranks begin, and their number, so that works are as like as whole blocks allow; each rank has one at least.
+/// First blocks of the shares of each rank, and the number of blocks, so that the work is as equal as whole blocks
+/// allow. Each rank has at least one block.
 fn shares(works: &[u64], size: usize) -> Vec<usize> {
     let blocks = works.len();
     let mut before = vec![0u64];
@@ -50,23 +51,23 @@ fn shares(works: &[u64], size: usize) -> Vec<usize> {
     starts
 }
 
-/// Places at which the particles of each rank begin, and their number, of blocks.
+/// Indices of the first particles of each rank, and the number of particles, from those of blocks.
 fn places(blocks: &[usize], count: usize) -> Vec<usize> {
     blocks.iter().map(|block| (block * BLOCK).min(count)).collect()
 }
 
-/// The most of some works over their mean.
+/// The largest work over the mean.
 pub(super) fn imbalance(works: &[u64]) -> f64 {
     let (most, all) = (works.iter().max().copied().unwrap_or(0), works.iter().sum::<u64>());
     if all == 0 { 1.0 } else { most as f64 * works.len() as f64 / all as f64 }
 }
 
-/// Works of ranks whose particles begin at these places.
+/// Work of each rank, given the indices of their first particles.
 fn of_ranks(works: &[u64], starts: &[usize]) -> Vec<u64> {
     starts.windows(2).map(|ends| works[ends[0] / BLOCK..ends[1].div_ceil(BLOCK)].iter().sum()).collect()
 }
 
-/// The share of each rank at the start, of particles that all have, by the pairs that are found among them.
+/// The share of each rank at the start. All ranks have all particles then; their pairs are searched.
 ///
 /// # Errors
 /// A rank is lost, or there are fewer blocks than ranks.
@@ -99,8 +100,8 @@ pub(super) fn share_at_start(ranks: Ranks, model: &Model, particles: &Particles)
 }
 
 impl Share {
-    /// Places at which the particles of each rank are to begin, of which those of the common order that is to come have so many pairs: others than now
-    /// where works have come apart and whole blocks allow less.
+    /// New indices of the first particles of each rank, given the number of pairs of each particle in the new common
+    /// order. They change only if the load imbalance has grown and whole blocks allow a better one.
     pub(super) fn rebalanced(&self, pairs: &[u32]) -> Option<Vec<usize>> {
         let works = works(pairs);
         let starts = places(&shares(&works, self.ranks.size()), pairs.len());
@@ -109,14 +110,14 @@ impl Share {
     }
 }
 
-/// Sums that each rank keeps of its blocks, of all ranks, while blocks change hands.
+/// Sums that each rank keeps for its blocks, from all ranks, while blocks change their rank.
 pub(super) struct BlockSums {
     wall_powers: Vec<WallLedger>,
     columns: Vec<Vec<f64>>,
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// The sums of blocks that outlive a step, one of each block, beside the powers of walls.
+    /// The sums per block that outlive a step, besides the powers of walls.
     fn block_sums(&mut self) -> [&mut Vec<f64>; 7] {
         let NumericalWork { hourglass, viscous, artificial_stress } = &mut self.numerical_work;
         [
@@ -130,12 +131,12 @@ impl<T: PairScalar> CpuEngine<T> {
         ]
     }
 
-    /// Powers of walls that a block has.
+    /// Number of wall powers of a block.
     fn walls_of_a_block(&self) -> usize {
         self.model.walls.len().max(1)
     }
 
-    /// Takes the sums of the blocks of all ranks, before they change hands.
+    /// Gathers the sums of the blocks of all ranks before blocks change their rank.
     ///
     /// # Errors
     /// A rank is lost.
@@ -145,7 +146,7 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(BlockSums { wall_powers, columns: columns.collect::<Result<_, _>>()? })
     }
 
-    /// Keeps those of the blocks that this rank has now, and makes room for what a step sums of them.
+    /// Keeps those of the blocks that this rank has now, and allocates memory for the sums of a step.
     pub(super) fn keep_block_sums(&mut self, share: &Share, taken: BlockSums) {
         let own = share.own();
         let blocks = own.start / BLOCK..own.end.div_ceil(BLOCK);

@@ -1,6 +1,6 @@
-//! The points that all ranks search: the particles of all ranks in their common order, and behind them all images of them.
+//! The points that all ranks search: the particles of all ranks in the common order, followed by all images of them.
 //!
-//! Every rank makes the same ones. Those that its rows name become its ghosts.
+//! They are the same on every rank. Those that the rows of a rank contain become its ghost particles.
 
 use super::domain::Share;
 use crate::RunFailure;
@@ -9,39 +9,40 @@ use crate::persist::{Archive, ArchiveError};
 use sphorge_physics::Vector;
 use std::ops::Range;
 
-/// A point that no row of this rank names.
+/// A point that is in no row of this rank.
 const UNREAD: u32 = u32::MAX;
 
-/// The images of the particles of all ranks, and who of all points is a ghost of this rank.
+/// The images of the particles of all ranks, and which points are ghost particles of this rank.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CommonPoints {
     images: Images,
-    /// Numbers of the points on this rank, particles first, then ghosts.
+    /// Indices of the points on this rank, particles first, then ghosts.
     numbers: Vec<u32>,
     /// The ghosts among all points, in their order on this rank.
     ghosts: Vec<u32>,
 }
 
 impl CommonPoints {
-    /// No rank names any of the points yet; images are these, or come of these planes and periodic axes.
+    /// No point is in a row yet. The images are those given, or those that the planes and periodic axes produce.
     pub(super) fn new(images: Images) -> Self {
         Self { images, ..Self::default() }
     }
 
-    /// The same points, and behind them the images within `reach` (m) of particles of all ranks at these positions that are not among them. No rank names
-    /// any yet.
+    /// The same points, followed by the images within `reach` (m) of particles of all ranks at these positions that are
+    /// not among them. No point is in a row yet.
     pub(super) fn supplemented(&self, positions: &[Vector<f64>], reach: f64) -> Self {
         let mut images = self.images.clone();
         images.supplement(positions, reach);
         Self::new(images)
     }
 
-    /// Makes the images of the particles of all ranks within `reach` (m) of where they are needed. Says whether they are others than before.
+    /// Creates the images of the particles of all ranks within `reach` (m) of where they are needed. Returns whether
+    /// they differ from the previous ones.
     pub(super) fn reflect(&mut self, positions: &[Vector<f64>], reach: f64) -> bool {
         self.images.rebuild(positions, reach)
     }
 
-    /// Puts values of the images behind those of all particles.
+    /// Appends values of the images to those of all particles.
     pub(super) fn extend<V: Copy>(&self, values: &mut Vec<V>, of: impl Fn(&Image, V) -> V) {
         values.reserve(self.images.count());
         for image in self.images.images() {
@@ -49,7 +50,7 @@ impl CommonPoints {
         }
     }
 
-    /// Makes ghosts of the points that rows of this rank name.
+    /// Creates ghosts for the points in the rows of this rank.
     ///
     /// # Errors
     /// A rank is lost.
@@ -64,7 +65,7 @@ impl CommonPoints {
         let (mut places, mut images) = (Vec::new(), Vec::new());
         let mut read = |point: u32, points: &mut Vec<u32>| {
             if numbers[point as usize] == UNREAD {
-                // Its number follows once all are known.
+                // Its index is assigned once all are known.
                 numbers[point as usize] = 0;
                 points.push(point);
             }
@@ -91,17 +92,17 @@ impl CommonPoints {
         Remote::new(share.ranks.clone(), share.starts.clone(), self.images.planes()).with(places, images)
     }
 
-    /// Number on this rank of a point that rows name.
+    /// Index on this rank of a point that is in a row.
     pub(super) fn number(&self, point: u32) -> u32 {
         self.numbers[point as usize]
     }
 
-    /// Whether a point is one of this rank, its own or a ghost.
+    /// Whether a point is a particle or a ghost of this rank.
     pub(super) fn is_here(&self, point: u32) -> bool {
         self.numbers[point as usize] != UNREAD
     }
 
-    /// The points that points of this rank, its own and its ghosts, are, by their numbers on it.
+    /// The common points of the particles and ghosts of this rank, by their index on it.
     pub(super) fn point(&self, own: Range<usize>, number: u32) -> u32 {
         match (number as usize).checked_sub(own.len()) {
             None => own.start as u32 + number,
@@ -113,7 +114,7 @@ impl CommonPoints {
         self.images.persist(name, archive)
     }
 
-    /// The particles, by their places in the common order, that images are of.
+    /// The particles that the images are of, by their index in the common order.
     pub(super) fn sources(&self) -> &[u32] {
         self.images.sources()
     }

@@ -1,7 +1,8 @@
-//! Heat: the flow between particles and through boundaries, and what it does to energy and temperature.
+//! Heat conduction: the flow between particles and through boundaries, and its effect on energy and temperature.
 //!
-//! Forward Euler with the temperatures of the start of the step, in double precision. Beside mechanics the flow is summed again now and then
-//! ([`HeatClock`]); until then the last flow goes on. Each sum is antisymmetric, so heat is conserved either way.
+//! Forward Euler with the temperatures of the start of the step, in double precision. In a run with mechanics the flow
+//! is not summed in every step ([`HeatClock`]); until the next sum the last flow continues. Each sum is antisymmetric,
+//! so heat is conserved either way.
 
 use super::CpuEngine;
 use super::conduction_table::ConductionTable;
@@ -22,28 +23,29 @@ use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Dimension, Vector, tensor::dot};
 
-/// Flow of heat.
+/// Heat flow.
 #[derive(Clone, Debug)]
 pub(super) struct HeatFlow {
     table: ConductionTable,
-    /// Power of each boundary by block, W; its heat of a step by block, J.
+    /// Power of each boundary by block, W, and its heat in a step by block, J.
     partial: Vec<f64>,
-    /// Heat that changed places in a step by block, J.
+    /// Heat exchanged in a step by block, J.
     moved: Vec<f64>,
     /// Largest stable step over the margin by block, s.
     limits: Vec<f64>,
-    /// When it is summed again, with the least limit of all blocks, of all ranks.
+    /// When it is summed again, with the smallest limit of all blocks of all ranks.
     clock: HeatClock,
     /// Power of each boundary at the last evaluation, W.
     power: Vec<f64>,
     /// Heat of each boundary so far, J.
     supplied: Vec<f64>,
-    /// Heat that changed places so far, J.
+    /// Heat exchanged so far, J.
     exchanged: f64,
     surfaces: bool,
     /// Whether the flow is summed again in this step.
     due: bool,
-    /// The other body whose face each particle touches, that of the nearest particle: its index plus one, zero for none.
+    /// The other body whose face each particle touches, which is that of the nearest particle: its index plus one, zero
+    /// for none.
     touched: Vec<u32>,
     /// The same of the ghosts of the neighbour list, and of those of the contact.
     touched_near: Vec<u32>,
@@ -51,13 +53,13 @@ pub(super) struct HeatFlow {
 }
 
 impl HeatFlow {
-    /// `None` where no heat flows.
+    /// `None` without heat conduction.
     pub(super) fn new(model: &Model, particles: usize) -> Option<Self> {
         let (blocks, boundaries) = (particles.div_ceil(BLOCK), model.thermal.boundaries.len());
         let on_surface = |kind| !matches!(kind, HeatBoundaryKind::HeldTemperature(_));
         model.thermal.conduction.then(|| Self {
             table: ConductionTable::new(model),
-            // At least one column, so that a block always has a chunk.
+            // At least one column, so that every block has a chunk.
             partial: vec![0.0; blocks * boundaries.max(1)],
             moved: vec![0.0; blocks],
             limits: vec![f64::INFINITY; blocks],
@@ -78,7 +80,7 @@ impl HeatFlow {
         self.clock.limit
     }
 
-    /// Makes room for other particles, before a step has summed anything.
+    /// Allocates memory for other particles, before a step has summed anything.
     pub(super) fn resize(&mut self, particles: usize) {
         let blocks = particles.div_ceil(BLOCK);
         self.partial.resize(blocks * self.power.len().max(1), 0.0);
@@ -94,7 +96,7 @@ impl HeatFlow {
         self.due
     }
 
-    /// Account of the heat.
+    /// Heat balance.
     pub(super) fn ledger(&self) -> HeatLedger {
         HeatLedger { supplied: self.supplied.clone(), exchanged: self.exchanged }
     }
@@ -105,7 +107,7 @@ impl HeatFlow {
         8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity()) + 4 * touched
     }
 
-    /// Notes the least limit, and adds up the power of each boundary, of all ranks where there are others.
+    /// Sets the smallest limit and adds up the power of each boundary, over all ranks if there are several.
     fn close(&mut self, share: Option<&Share>) -> Result<(), RunFailure> {
         let least = self.limits.iter().copied().fold(f64::INFINITY, f64::min);
         self.clock.limit = share.map_or(Ok(least), |share| share.range((least, 0.0)).map(|range| range.0))?;
@@ -114,7 +116,7 @@ impl HeatFlow {
     }
 }
 
-/// Brings held particles to their temperature: part of the initial state.
+/// Sets the temperature of held particles: part of the initial state.
 pub(super) fn hold(model: &Model, particles: &mut Particles) {
     for i in 0..particles.len() {
         for boundary in &model.thermal.boundaries {
@@ -129,7 +131,7 @@ pub(super) fn hold(model: &Model, particles: &mut Particles) {
     }
 }
 
-/// Adds the shares of all blocks, in their order, boundary by boundary.
+/// Adds the contributions of all blocks, in their order, boundary by boundary.
 fn add_by_boundary(partial: &[f64], totals: &mut [f64], share: Option<&Share>) -> Result<(), RunFailure> {
     if totals.is_empty() {
         return Ok(());
@@ -143,13 +145,13 @@ fn add_by_boundary(partial: &[f64], totals: &mut [f64], share: Option<&Share>) -
     Ok(())
 }
 
-/// What ghosts have of a column.
+/// The values of a column for ghosts.
 fn touched_of<'a>(ghosts: &'a Ghosts, touched: &'a [u32], of_ghosts: &'a mut Vec<u32>) -> Exchanged<'a> {
     of_ghosts.resize(ghosts.count(), 0);
     Exchanged { halo: ghosts.halo.as_ref(), columns: smallvec![GhostColumn::Integer(touched, of_ghosts)] }
 }
 
-/// Particles and ghosts, as a flow is summed from them.
+/// The data of particles and ghosts that the sum of the flow reads.
 #[derive(Clone, Copy)]
 struct HeatPoints<'a> {
     position: WithGhosts<'a, Vector<f64>>,
@@ -187,7 +189,7 @@ impl<'a> HeatPoints<'a> {
         row.iter().filter_map(touching).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Whether heat passes between two particles: of one body, or of two whose faces touch at one of them.
+    /// Whether heat flows between two particles: they are of one body, or of two whose faces touch at one of them.
     fn are_joined(&self, i: usize, j: usize) -> bool {
         let (a, b) = (self.body.at(i), self.body.at(j));
         a == b || self.touched.at(i) == b + 1 || self.touched.at(j) == a + 1
@@ -230,7 +232,7 @@ impl ConductionTable {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Notes whether the flow of heat is due to be summed again, and works out what that reads of neighbours.
+    /// Determines whether the heat flow is due to be summed again, and computes the data of neighbours for it.
     pub(super) fn begin_heat(&mut self) {
         let Some(heat) = &mut self.heat else { return };
         heat.due = heat.clock.is_due(&self.model);
@@ -242,7 +244,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Sums the flow of heat again where that is due.
+    /// Sums the heat flow again if it is due.
     ///
     /// # Errors
     /// A rank is lost.
@@ -295,7 +297,7 @@ impl<T: PairScalar> CpuEngine<T> {
                         None => table.add(&mut sum, i, list.row(i), &points),
                     }
                     if let Some((_, row)) = rows.as_mut().and_then(|rows| rows.next_if(|(own, _)| *own == i)) {
-                        // Surfaces of one body that face each other are no conductors.
+                        // Surfaces of one body that face each other do not conduct.
                         let other_bodies = row.iter().filter(|&&j| touching.body.at(j as usize) != p.body[i]);
                         table.add(&mut sum, i, other_bodies, &touching);
                     }
@@ -320,7 +322,7 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// Lets the heat flow for the step: energy, temperature, balance.
+    /// Applies the heat flow of the step to energy, temperature and balance.
     ///
     /// # Errors
     /// A rank is lost.
@@ -375,7 +377,7 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// Warms particles by the heat of friction, where temperature is not that of the internal energy anyway.
+    /// Heats particles by friction, unless the temperature follows from the internal energy.
     pub(super) fn warm_by_friction(&mut self) {
         let model = &*self.model;
         if model.numerics.temperature != TemperatureSource::PlasticWork {

@@ -19,7 +19,7 @@ pub struct ConductionTable {
 }
 
 impl ConductionTable {
-    /// Of the bodies of a model.
+    /// For the bodies of a model.
     pub fn new(model: &Model) -> Self {
         let dimension = super::dimension(model);
         let kernel = model.numerics.kernel;
@@ -35,13 +35,13 @@ impl ConductionTable {
         }
     }
 
-    /// Of a body: conductivity, W/(m K), specific heat, J/(kg K), one over the moment of its lattice, and the moment of the outermost layer of
-    /// that over the whole.
+    /// For a body: conductivity, W/(m K), specific heat, J/(kg K), one over the moment of its lattice, and the moment
+    /// of the outermost layer over that of the full lattice.
     pub fn of_body(&self, body: usize) -> [f64; 4] {
         [self.conductivity[body], self.specific_heat[body], self.correction[body], self.flat[body]]
     }
 
-    /// A pair of particles of these bodies, at a distance whose square is given, m^2.
+    /// A pair of particles of these bodies, with the square of their distance, m^2.
     pub(super) fn pair(
         &self,
         bodies: (u32, u32),

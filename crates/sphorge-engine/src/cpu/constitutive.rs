@@ -1,4 +1,4 @@
-//! Per-particle update: density is known, stress, temperature and what the force sum reads follow.
+//! Update of each particle from the density: stress, temperature, and the data that the force sum reads.
 
 use super::CpuEngine;
 use super::prefetch::prefetch_behind;
@@ -13,7 +13,7 @@ use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::{SymmetricTensor, heat, stress, viscosity};
 
-/// What a plastic step of a block of particles reads and writes.
+/// Data that a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
     plastic_strain: &'a mut [f64],
     plastic_strain_increment: &'a mut [f64],
@@ -27,10 +27,10 @@ struct FlowColumns<'a> {
 /// Chunks of the columns of a [`FlowColumns`], in its order.
 type FlowChunks<'a> = (&'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut [f64], &'a mut Vec<f64>);
 
-/// History variables a law can have.
+/// Largest number of history variables of a law.
 const MOST_HISTORY: usize = 16;
 
-/// What a step of the stress is the same in for all particles.
+/// Parameters of a stress update that are the same for all particles.
 #[derive(Clone, Copy)]
 struct StressStep<'a> {
     materials: &'a [Material],
@@ -38,9 +38,9 @@ struct StressStep<'a> {
     /// Whether the temperature of a particle that stays elastic does not change.
     only_flow_heats: bool,
     instructions: Instructions,
-    /// Whether plastic strain and heat are those of the end of the step, else only the stress is.
+    /// Whether plastic strain and heat are updated to the end of the step; otherwise only the stress is.
     commit: bool,
-    /// For each material the places of its law's history variables among those of a particle.
+    /// For each material the indices of the history variables of its law among those of a particle.
     slots: &'a [Vec<usize>],
     /// History variables of a particle.
     history_width: usize,
@@ -52,13 +52,13 @@ impl<'a> FlowColumns<'a> {
         Self { plastic_strain, plastic_strain_increment, yield_stress, plastic_work, temperature, history }
     }
 
-    /// Takes stress through a step; `columns` know density and energy after it.
+    /// Advances the stress by a step; `columns` have density and energy after it.
     #[inline(always)]
     fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
         self.know_yield_stresses(step, columns, particles.material);
         self.set_shear_moduli(step.materials, columns, particles.material);
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
-        // An elastic step changes nothing here: adding zeros would read and write as much again as there is.
+        // An elastic step changes nothing here, and adding zeros would read and write as much memory again.
         let mut left = !elastic & (u128::MAX >> (BLOCK - particles.material.len()));
         while left != 0 {
             let k = left.trailing_zeros() as usize;
@@ -75,7 +75,8 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
-    /// What a last step without flow says of the yield stress now: all, unless heat or the law may have changed it.
+    /// Whether the yield stress of a last step without plastic flow is still valid: it is, unless heat or the law may
+    /// have changed it.
     #[inline(always)]
     fn know_yield_stresses(&self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
         let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);
@@ -91,8 +92,8 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
-    /// The shear moduli of a step: of plastic strain and temperature at its start, density and pressure at its end, as the return has
-    /// them.
+    /// The shear moduli of a step, from plastic strain and temperature at its start and density and pressure at its
+    /// end, as in the return mapping.
     #[inline(always)]
     fn set_shear_moduli(&self, materials: &[Material], columns: &mut StressColumns, of: &[u32]) {
         for (modulus, material) in columns.shear_modulus.iter_mut().zip(of) {
@@ -109,7 +110,8 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
-    /// Brings the trial stress of particle `k` back to its yield surface; `history` is what the flow law keeps of the particle.
+    /// Returns the trial stress of particle `k` to its yield surface; `history` has the history variables of the flow
+    /// law.
     #[inline(always)]
     fn return_to_yield(
         &mut self,
@@ -147,7 +149,7 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
-    /// Takes over a return mapping: plastic strain, heat.
+    /// Applies the result of a return mapping: plastic strain, heat.
     #[inline(always)]
     fn commit(
         &mut self,
@@ -177,8 +179,8 @@ impl<'a> FlowColumns<'a> {
     }
 }
 
-/// What the update of a block of particles writes: deviator, flow, pressure, sound speed, force records; with bulk
-/// viscosity that, and to its work, J.
+/// Data that the update of a block of particles writes: deviator, flow, pressure, sound speed, force records; with bulk
+/// viscosity also its pressure and its work, J.
 type Chunks<'a, T> = (
     &'a mut [SymmetricTensor<f64>],
     FlowChunks<'a>,
@@ -192,8 +194,9 @@ type Chunks<'a, T> = (
 type Viscous<'a> = (Option<&'a mut [f64]>, &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Updates the stress to the configuration forces are evaluated in and packs it for the force sum. Leapfrog commits
-    /// the return mapping here; the predictor–corrector looks half a step ahead and commits in [`Self::commit_stress`].
+    /// Updates the stress to the configuration in which forces are evaluated, and packs it for the force sum. With
+    /// leapfrog this commits the return mapping. The predictor–corrector looks half a step ahead and commits in
+    /// [`Self::commit_stress`].
     pub(super) fn update_stress(&mut self) {
         let numerics = &self.model.numerics;
         let commit = numerics.integrator == Integrator::Leapfrog;
@@ -254,7 +257,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let stretch = &*stretch;
         let (body, repulsion) = (&*body, &self.repulsion);
         let evaluated_velocity = &*evaluated_velocity;
-        // Forces of the total Lagrangian form are summed at initial positions.
+        // Forces of the total Lagrangian form are summed at the reference positions.
         let position = if formulation.is_initial() { &*reference_position } else { &*position };
         let count = density.len();
         let (kinematic_records, frame) = (&self.records.kinematic, self.records.frame);
@@ -380,7 +383,7 @@ impl<T: PairScalar> CpuEngine<T> {
         });
     }
 
-    /// Takes the stress through the whole step with the gradient of mid-step, for good.
+    /// Advances the stress by the whole step with the gradient of mid-step, and commits it.
     pub(super) fn commit_stress(&mut self) {
         let model: &Model = &self.model;
         let only_flow_heats = self.only_flow_heats();
@@ -465,8 +468,8 @@ impl<T: PairScalar> CpuEngine<T> {
         by_flow && self.heat.is_none() && self.particles.friction_heat.is_empty()
     }
 
-    /// Adds the strain of the step to what adaptive search looks at: with plain gradients the plastic one alone, since the first pair sum adds
-    /// the corrected strain.
+    /// Adds the strain of the step to the strain that the adaptive search looks at: with plain gradients only the
+    /// plastic strain, since the first pair sum adds the corrected strain.
     pub(super) fn accumulate_strain(&mut self) {
         let (dt, corrected) = (self.step.dt, self.formulation.is_corrected(&self.model));
         let Particles {
@@ -485,7 +488,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-/// Shear modulus of a particle in the state it is in, Pa.
+/// Shear modulus of a particle in its current state, Pa.
 #[inline(always)]
 pub(super) fn shear_modulus_of(material: &Material, p: &Particles, i: usize) -> f64 {
     if !material.flow_law.shear_modulus_varies() {

@@ -1,9 +1,9 @@
 //! Contact between bodies: two passes over the pairs of particles of different bodies, and of different sides of one body.
 //!
-//! The pairs are few, lie along surfaces and are summed in double precision, each particle its own row in the order of the
-//! list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding; what the elastic force stores is an entry of
-//! the energy balance, what damping takes heats both particles by halves, what
-//! friction takes by their effusivities.
+//! The pairs are few, lie along surfaces and are summed in double precision. Each particle sums its own row in the
+//! order of the list. The law is antisymmetric to the bit, so linear momentum is conserved to rounding. The energy
+//! stored by the elastic force is an entry of the energy balance. The heat of damping is shared equally by the two
+//! particles, the heat of friction according to their effusivities.
 
 use super::CpuEngine;
 use super::contact_search::ContactSearch;
@@ -26,7 +26,7 @@ use sphorge_physics::{Tensor, Vector, tensor::dot};
 /// Contact of all bodies with each other.
 pub(super) struct BodyContacts {
     pub(super) foreign: ForeignList,
-    /// Where the neighbour list is not that of the present positions: a search of its own.
+    /// A separate search, if the neighbour list is not that of the current positions.
     pub(super) search: Option<ContactSearch>,
     table: ContactLaws,
     /// Sums of each block.
@@ -37,7 +37,7 @@ pub(super) struct BodyContacts {
     now: Vec<PairSums>,
     /// Works so far, by pair of bodies, J.
     works: Vec<Works>,
-    /// What the contact does to particles that have neighbours in it, block by block.
+    /// Forces and heat of particles that have neighbours in contact, block by block.
     pushes: Vec<Vec<(usize, Push)>>,
 }
 
@@ -72,7 +72,7 @@ impl PairSums {
     }
 }
 
-/// Sums of a block over the pairs of bodies that meet there, by their place: few of the many pairs of many bodies.
+/// Sums of a block over the pairs of bodies that meet in it, by their index: few of the many pairs of many bodies.
 #[derive(Clone, Debug, Default)]
 struct BlockSums(Vec<(usize, PairSums)>);
 
@@ -94,24 +94,24 @@ struct Works {
     damped: f64,
 }
 
-/// How far the places are from the positions, and how that changes.
+/// Differences of the contact positions from the positions, and their rates.
 #[derive(Clone, Copy)]
 struct Shifts<'a> {
     shift: WithGhosts<'a, Vector<f64>>,
     rate: WithGhosts<'a, Vector<f64>>,
 }
 
-/// Where particles and ghosts stand for the contact.
+/// Positions of particles and ghosts in the contact.
 #[derive(Clone, Copy)]
 struct Places<'a> {
     position: WithGhosts<'a, Vector<f64>>,
     velocity: WithGhosts<'a, Vector<f64>>,
-    /// Shifts from there to where faces are half a spacing ahead, and their rates, in the total Lagrangian form.
+    /// Shifts to positions that are half a spacing behind the faces, and their rates, in the total Lagrangian form.
     shift: Option<Shifts<'a>>,
 }
 
 impl<'a> Places<'a> {
-    /// Of particles and ghosts where they stand.
+    /// At the positions of particles and ghosts.
     fn new(own: &'a Particles, ghosts: &'a Particles) -> Self {
         Self::at((&own.position, &ghosts.position), own, ghosts)
     }
@@ -129,20 +129,20 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// From the place of `j` to that of `i`, m.
+    /// From the contact position of `j` to that of `i`, m.
     fn apart(&self, i: usize, j: usize) -> Vector<f64> {
         let x = difference(self.position.at(i), self.position.at(j));
         self.shift.map_or(x, |by| plus(x, difference(by.shift.at(i), by.shift.at(j))))
     }
 
-    /// Velocity of the place of `i` against that of `j`, m/s.
+    /// Velocity of the contact position of `i` relative to that of `j`, m/s.
     fn relative_velocity(&self, i: usize, j: usize) -> Vector<f64> {
         let v = difference(self.velocity.at(i), self.velocity.at(j));
         self.shift.map_or(v, |by| plus(v, difference(by.rate.at(i), by.rate.at(j))))
     }
 }
 
-/// Particles and ghosts, as the contact reads them.
+/// The data of particles and ghosts that the contact reads.
 #[derive(Clone, Copy)]
 struct Points<'a> {
     places: Places<'a>,
@@ -169,8 +169,8 @@ fn plus(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Heat that each particle of a body takes of the energy `held` (J) by its contact with itself, J/kg: by how far it is `pressed`, evenly where none is
-/// any more. `sum` is that of a number over the masses of the body.
+/// Heat that each particle of a body receives of the energy `held` (J) by its contact with itself, J/kg: in proportion
+/// to how far it is `pressed`, evenly if none is any more. `sum` is the mass-weighted sum of a number over the body.
 ///
 /// # Errors
 /// Those of `sum`.
@@ -186,8 +186,8 @@ pub fn heat_of_released<'a>(
 }
 
 impl BodyContacts {
-    /// `None` where bodies meet in the kernel sum, or where there is nothing to meet. With a halo, pairs are searched apart from the neighbour
-    /// list.
+    /// `None` if bodies interact through the kernel sum, or if there is no contact. With a halo, pairs are searched
+    /// separately from the neighbour list.
     pub(super) fn new(model: &Model, particles: usize, halo: Option<Box<dyn Halo>>) -> Option<Self> {
         let model::BodyContact::Penalty(strength) = model.contact else { return None };
         let pairs = model.contact_pairs().len();
@@ -207,7 +207,7 @@ impl BodyContacts {
         })
     }
 
-    /// Makes room for other particles, before a step has summed anything.
+    /// Allocates memory for other particles, before a step has summed anything.
     pub(super) fn resize(&mut self, particles: usize) {
         let blocks = particles.div_ceil(BLOCK);
         self.partial.resize(blocks, BlockSums::default());
@@ -215,12 +215,12 @@ impl BodyContacts {
         self.pushes.resize(blocks, Vec::new());
     }
 
-    /// Images that pairs name, where these are others than those of the list.
+    /// Images that pairs refer to, if they are not those of the list.
     pub(super) fn images(&self, domain: Option<&Domain>) -> Option<&[Image]> {
         self.search.as_ref().map(|search| search.images(domain.map(|domain| &domain.share)))
     }
 
-    /// The points, of all ranks where there are others, that particle `i` of this rank meets.
+    /// The points, of all ranks if there are several, that are in contact with particle `i` of this rank.
     pub(super) fn met_by<'a>(&'a self, i: usize, domain: Option<&'a Domain>) -> impl Iterator<Item = u32> + 'a {
         let of_all = move |j: u32| match (domain, &self.search) {
             (None, _) => j,
@@ -231,7 +231,7 @@ impl BodyContacts {
         rows.filter(move |(own, _)| *own == i).flat_map(|(_, row)| row.iter()).map(move |&j| of_all(j))
     }
 
-    /// Takes the pairs of different bodies out of a list that was just rebuilt.
+    /// Removes the pairs of different bodies from a list that was just rebuilt.
     pub(super) fn take_pairs(&mut self, list: &mut NeighborList, body: WithGhosts<'_, u32>) {
         self.foreign.take_from(list, |i, j| body.at(i) != body.at(j));
     }
@@ -245,7 +245,8 @@ impl BodyContacts {
         }
     }
 
-    /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
+    /// Converts the energy held by the contact of a body with itself to heat of the particles it presses. From now on
+    /// its surfaces meet in the sums of the body.
     ///
     /// # Errors
     /// A rank is lost.
@@ -317,7 +318,7 @@ impl BodyContacts {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Account of every pair of bodies.
+    /// Energy and forces of every pair of bodies.
     pub(super) fn ledger(&self) -> Vec<ContactLedger> {
         let of = |(now, works): (&PairSums, &Works)| ContactLedger {
             force: now.force.map(|f| 0.0 - f),
@@ -340,7 +341,8 @@ impl BodyContacts {
             + self.partial.capacity() * size_of::<BlockSums>()
     }
 
-    /// Completes what was loaded, once all ranks have loaded theirs: makes ghosts of those that are in contact, and brings them up to date.
+    /// Completes a loaded state once all ranks have loaded theirs: creates the ghosts that are in contact and updates
+    /// them.
     ///
     /// # Errors
     /// A rank is lost.
@@ -349,7 +351,7 @@ impl BodyContacts {
         search.complete(particles, share, &mut self.foreign)
     }
 
-    /// The ghosts its pairs name, where they are not those of the neighbour list.
+    /// The ghosts in its pairs, if they are not those of the neighbour list.
     pub(super) fn ghosts<'a>(&'a self, of_list: &'a Ghosts) -> &'a Ghosts {
         self.search.as_ref().map_or(of_list, |search| &search.ghosts)
     }
@@ -359,7 +361,7 @@ impl BodyContacts {
         self.search.as_mut().map(|search| &mut search.ghosts)
     }
 
-    /// Adds up the blocks in their order, of all ranks where there are others.
+    /// Adds up the blocks in their order, over all ranks if there are several.
     fn close(&mut self, share: Option<&Share>) -> Result<(), RunFailure> {
         self.now.fill(PairSums::default());
         let own = self.partial.iter().flat_map(|block| &block.0);
@@ -420,8 +422,8 @@ impl<T: PairScalar> CpuEngine<T> {
         (p.contact_overlap, p.contact_direction, p.contact_weight) = (overlaps, directions, weights);
     }
 
-    /// Second pass: works out the forces between bodies and their heat. A force on a face has a moment about the particle, which is a stress of
-    /// it, so that the face does the work.
+    /// Second pass: computes the forces between bodies and their heat. A force on a face has a moment about the
+    /// particle, which enters as a stress of it, so that the work is done at the face.
     ///
     /// # Errors
     /// A rank is lost.
@@ -501,7 +503,8 @@ impl<T: PairScalar> CpuEngine<T> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
     force: Vector<f64>,
-    /// Power that turns to heat of its own in all its pairs, W; with it what the stress of its face takes from the forces.
+    /// Power that becomes heat of the particle in all its pairs, W, including the difference in power due to the stress
+    /// of its face.
     heat: f64,
     /// Friction's part of it, W.
     friction: f64,
@@ -564,7 +567,8 @@ crate::persist_fields!(PairSums { force, stored, friction, damped });
 crate::persist_fields!(Works { stored, friction, damped });
 
 impl BodyContacts {
-    /// Saves or loads what `count` particles of this rank hold. Pairs follow from the neighbour list but for those that are searched apart from it.
+    /// Saves or loads the data of the `count` particles of this rank. Pairs follow from the neighbour list, except
+    /// those that are searched separately.
     pub(super) fn persist(
         &mut self,
         count: usize,

@@ -1,8 +1,8 @@
-//! Search for contact where the neighbour list is that of the initial configuration: who is beside whom now.
+//! Search for contact if the neighbour list is that of the initial configuration.
 //!
-//! The search is repeated when two particles may have closed in by the skin it was made with. Its images in symmetry planes are those
-//! of the present positions, not those the neighbour list has. Ranks search the same points, those of all of them, each for the rows of its
-//! particles.
+//! The search is repeated when two particles may have approached each other by its skin. Its images in symmetry planes
+//! are those of the current positions, not those of the neighbour list. All ranks search the same points, those of all
+//! of them, each for the rows of its own particles.
 
 use super::CpuEngine;
 use super::common_points::CommonPoints;
@@ -24,10 +24,10 @@ use std::ops::Range;
 /// Skin of the search, in reaches of the contact.
 const SKIN: f64 = 0.2;
 
-/// Present surroundings of the particles.
+/// Current surroundings of the particles.
 pub(super) struct ContactSearch {
     pub(super) ghosts: Ghosts,
-    /// The points of all ranks; of one rank alone they are its particles and ghosts.
+    /// The points of all ranks; on a single rank these are its particles and ghosts.
     common: CommonPoints,
     /// Reach of the contact in smoothing lengths.
     support: f64,
@@ -37,18 +37,19 @@ pub(super) struct ContactSearch {
     spacing_of: Vec<f64>,
     has_self_contact: bool,
     conducts: bool,
-    /// Particles and ghosts that are searched: all of several bodies, the surface of one. Ghosts have the numbers after the particles'. On ranks
-    /// they are those of all of them, of which what this rank does not read has no number.
+    /// Particles and ghosts that are searched: all if there are several bodies, otherwise those on the surface. Ghosts
+    /// are numbered after the particles. With ranks these are the members on all of them; members that this rank does
+    /// not read have no index.
     members: Vec<u32>,
     /// Their positions, m, and smoothing lengths, m, and all their pairs.
     points: Vec<Vector<f64>>,
     smoothing_length: Vec<f64>,
     list: NeighborList,
     searcher: Searcher,
-    /// Positions of the particles at the last search, m, and their shifts to where they stood for the contact, where they have such.
+    /// Positions of the particles at the last search, m, and their shifts to the contact positions, if there are any.
     searched_at: Vec<Vector<f64>>,
     shifts: Vec<Vector<f64>>,
-    /// Reading of the displacement bound at the last search.
+    /// Value of the displacement bound at the last search.
     displacement: DisplacementBound,
     is_made: bool,
 }
@@ -76,7 +77,7 @@ impl ContactSearch {
         }
     }
 
-    /// Whether two particles may be nearer each other than the contact reaches and not be among the pairs.
+    /// Whether two particles may be within the reach of the contact without being among the pairs.
     fn is_due(
         &self,
         particles: &Particles,
@@ -87,8 +88,8 @@ impl ContactSearch {
             return Ok(true);
         }
         let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
-        // What the shifts have changed is spent, of the skin that a particle has: that of a pair is the mean of both. Particles are as they were
-        // at the last evaluation.
+        // The change of the shifts uses up a part of the skin of a particle; the skin of a pair is the mean of both.
+        // Particles are in the state of the last evaluation.
         let change = self.largest_change_of_shift(particles);
         let change = share.map_or(Ok(change), |share| share.largest(change))?;
         let half = smallest * (0.5 * SKIN * self.support - change);
@@ -112,14 +113,15 @@ impl ContactSearch {
         columns.map(squared).reduce(|| 0.0, f64::max).sqrt()
     }
 
-    /// Makes the next search due, of other particles.
+    /// Makes the next search due, after particles have been exchanged.
     pub(super) fn forget(&mut self) {
         self.is_made = false;
         self.searcher.forget();
     }
 
-    /// Finds the pairs of different bodies, and those of surfaces of one body that are no neighbours in its reference configuration, within
-    /// the reach of the contact and its skin. What `has_come_apart` is renewed often, and meets itself in the sums.
+    /// Finds the pairs of different bodies, and the pairs of surface particles of one body that are not neighbours in
+    /// its reference configuration, within the reach of the contact and its skin. A body that `has_come_apart` is
+    /// renewed often, and meets itself in its own sums.
     fn search(
         &mut self,
         particles: &Particles,
@@ -131,7 +133,7 @@ impl ContactSearch {
     ) -> Result<(), RunFailure> {
         let factor = self.support * (1.0 + SKIN);
         let largest = self.smoothing_length_of.iter().copied().fold(0.0, f64::max);
-        // Particles of stretched material stand farther out than they are.
+        // The contact positions of stretched material are farther out than the particles.
         let farthest = largest_length(&particles.contact_shift);
         let farthest = share.map_or(Ok(farthest), |share| share.largest(farthest))?;
         let ghost_reach = factor * largest + farthest;
@@ -173,8 +175,8 @@ impl ContactSearch {
         Ok(())
     }
 
-    /// Places members where they stand for the contact, ghosts of all particles within `reach` (m) of where they are needed among them; those whose
-    /// rows are searched.
+    /// Sets the contact positions of the members, including ghosts of all particles within `reach` (m) of where they
+    /// are needed. Returns those whose rows are searched.
     fn place(&mut self, particles: &Particles, reach: f64) -> Range<usize> {
         if self.ghosts.halo.rebuild(&particles.position, reach) {
             self.searcher.forget();
@@ -220,20 +222,20 @@ impl ContactSearch {
         Ok(rows)
     }
 
-    /// Places members, whose position (m), shift (m) and body `of` tells.
+    /// Sets the contact positions of members; `of` returns position (m), shift (m) and body.
     fn place_members(&mut self, members: &[u32], of: impl Fn(usize) -> (Vector<f64>, Vector<f64>, u32)) {
         self.points.clear();
         self.smoothing_length.clear();
         for &i in members {
             let (x, shift, body) = of(i as usize);
             self.points.push([0, 1, 2].map(|a| x[a] + shift[a]));
-            // Heat crosses faces between positions, which are nearer each other than the places they stand at.
+            // Heat is exchanged between positions, which are nearer to each other than the contact positions.
             let beyond = if self.conducts { 2.0 / self.support * dot(shift, shift).sqrt() } else { 0.0 };
             self.smoothing_length.push(self.smoothing_length_of[body as usize] + beyond);
         }
     }
 
-    /// Makes ghosts of what was found beside the particles of this rank, and numbers the members by them.
+    /// Creates ghosts for the neighbours found on other ranks, and numbers the members by them.
     fn adopt_found(&mut self, particles: &Particles, share: &Share) -> Result<(), RunFailure> {
         let found = self.list.blocks().iter().flat_map(|block| (0..block.len()).flat_map(|k| block.row(k)));
         let halo = self.common.adopt(share, found.map(|&k| self.members[k as usize]))?;
@@ -243,7 +245,7 @@ impl ContactSearch {
         Ok(())
     }
 
-    /// Keeps the ghosts that are in contact, few of those that were found.
+    /// Keeps only the ghosts that are in contact, a small part of those found.
     fn keep_met(&mut self, particles: &Particles, share: &Share, foreign: &mut ForeignList) -> Result<(), RunFailure> {
         let own = share.own();
         foreign.renumber(|j| self.common.point(own.clone(), j));
@@ -254,12 +256,12 @@ impl ContactSearch {
         Ok(())
     }
 
-    /// Brings what a search reads of ghosts to that of the particles.
+    /// Updates the data of ghosts that a search reads.
     fn exchange_all(&mut self, particles: &Particles) {
         self.ghosts.exchange(&[FieldSet::Search, FieldSet::Contact], particles);
     }
 
-    /// Finds who is searched; how many of them are particles.
+    /// Finds the members that are searched; returns how many of them are particles.
     fn find_members(&mut self, particles: &Particles) -> usize {
         let normal = WithGhosts::new(&particles.reference_normal, &self.ghosts.columns.reference_normal);
         let is_one_body = self.smoothing_length_of.len() == 1;
@@ -284,7 +286,7 @@ impl ContactSearch {
     }
 }
 
-/// A particle as ranks tell each other of it: position and shift, m; body, and whether it is searched.
+/// A particle as ranks exchange it: position and shift, m; body, and whether it is searched.
 type Point = ((Vector<f64>, Vector<f64>), (u32, bool));
 
 /// Length of the longest vector.
@@ -293,7 +295,8 @@ fn largest_length(vectors: &[Vector<f64>]) -> f64 {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Finds the pairs in contact among the present positions, where the neighbour list does not hold them and they may have changed.
+    /// Finds the pairs in contact at the current positions, if the neighbour list does not contain them and they may
+    /// have changed.
     pub(super) fn search_contacts(&mut self) -> Result<(), RunFailure> {
         let (displacement, share) = (self.lists.displacement, self.domain.as_deref());
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
@@ -303,7 +306,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let (apart, foreign) = (&self.has_come_apart, &mut contacts.foreign);
         search.search(&self.particles, share, displacement, self.instructions, apart, foreign)?;
-        // Those that lose their neighbours in other bodies overlap no more.
+        // Particles that lose their neighbours in other bodies no longer overlap.
         let p = &mut self.particles;
         p.contact_overlap.fill(0.0);
         p.contact_direction.fill([0.0; 3]);
@@ -313,8 +316,8 @@ impl<T: PairScalar> CpuEngine<T> {
 }
 
 impl ContactSearch {
-    /// Saves or loads what `count` particles of this rank hold. The images of all particles are saved; which of them are ghosts of a rank follows from
-    /// the pairs.
+    /// Saves or loads the data of the `count` particles of this rank. The images of all particles are saved; which of
+    /// them are ghosts of a rank follows from the pairs.
     pub(super) fn persist(
         &mut self,
         count: usize,
@@ -345,22 +348,22 @@ impl ContactSearch {
         require(!self.is_made || fits && self.searcher.fits_within(all + images), &of("searched_at"))
     }
 
-    /// Points that pairs may name, by their numbers among those of all ranks.
+    /// Points that pairs may refer to, by their indices among those of all ranks.
     pub(super) fn points(&self, count: usize, share: Option<&Share>) -> usize {
         share.map_or_else(|| count + self.ghosts.count(), |share| share.count() + self.common.images())
     }
 
-    /// The images among the points that pairs may name.
+    /// The images among the points that pairs may refer to.
     pub(super) fn images(&self, share: Option<&Share>) -> &[Image] {
         share.map_or_else(|| self.ghosts.halo.images(), |_| self.common.all_images().images())
     }
 
-    /// The number among the points of all ranks of a point of this one.
+    /// The index among the points of all ranks of a point of this one.
     pub(super) fn point(&self, share: &Share, number: u32) -> u32 {
         self.common.point(share.own(), number)
     }
 
-    /// Brings what was loaded up to date, once all ranks have loaded theirs.
+    /// Completes a loaded state once all ranks have loaded theirs.
     ///
     /// # Errors
     /// A rank is lost.
@@ -375,7 +378,7 @@ impl ContactSearch {
             self.ghosts.halo = Box::new(halo);
             foreign.renumber(|point| self.common.number(point));
         }
-        // They take what does not change between searches with each search, and the next one may be far.
+        // They receive data that do not change between searches only at searches, and the next one may be far away.
         self.ghosts.exchange(&[FieldSet::Search], particles);
         Ok(())
     }

@@ -1,9 +1,9 @@
-//! The part of the particles that this rank has of a run on many ranks.
+//! The part of the particles of a run on several ranks that this rank has.
 //!
-//! Particles have one common order, that of the cells, whoever has them; a rank has whole blocks of it that lie one behind the other. Rows of
-//! the lists are searched among the positions of all particles and come as one rank would have them, so that each particle sums the same
-//! numbers in the same order, and what is summed by blocks is summed in the common order of the blocks. A result does not depend on the number
-//! of ranks, to the bit.
+//! Particles have one common order, that of the cells, independent of the ranks. Each rank has a contiguous range of
+//! whole blocks of this order. Rows of the lists are searched among the positions of all particles and are the same as
+//! on one rank, so each particle sums the same numbers in the same order. Sums over blocks are taken in the common
+//! order of the blocks. Results therefore do not depend on the number of ranks, to the bit.
 
 use super::common_points::CommonPoints;
 use super::relocation::Relocation;
@@ -23,11 +23,11 @@ use sphorge_physics::Vector;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Who has which particles.
+/// Distribution of the particles.
 #[derive(Clone, Debug)]
 pub(super) struct Share {
     pub(super) ranks: Ranks,
-    /// Places in the common order at which the particles of each rank begin, and their number.
+    /// Indices in the common order of the first particle of each rank, and the number of particles.
     pub(super) starts: Vec<usize>,
 }
 
@@ -35,11 +35,11 @@ pub(super) struct Share {
 pub(super) struct Domain {
     pub(super) share: Share,
     points: CommonPoints,
-    /// Smoothing lengths of all points, m, where searches of some particles know them.
+    /// Smoothing lengths of all points, m, if searches of some particles have set them.
     smoothing_length: Vec<f64>,
-    /// Most work of a rank over the mean of all, in counted pairs of the last step.
+    /// Load imbalance: the largest work of a rank over the mean of all, in counted pairs of the last step.
     pub(super) imbalance: f64,
-    /// Share of the rows of all ranks that read no ghost, and are summed before these have come.
+    /// Share of the rows of all ranks that read no ghost and are summed before the ghosts have arrived.
     pub(super) inner_share: f64,
 }
 
@@ -49,7 +49,7 @@ impl Domain {
         Self { share, points, smoothing_length: Vec::new(), imbalance: 1.0, inner_share: 0.0 }
     }
 
-    /// Adds up the pairs of all ranks, and notes how unlike their works are, and how many of their rows are inner ones.
+    /// Adds up the pairs of all ranks, and sets the load imbalance and the share of inner rows.
     pub(super) fn sum_pairs(&mut self, own: u64, inner_rows: usize) -> Result<u64, RunFailure> {
         let (pairs, rows): (Vec<u64>, Vec<usize>) = self.ranks.gather_one((own, inner_rows))?.into_iter().unzip();
         self.inner_share = rows.iter().sum::<usize>() as f64 / self.count() as f64;
@@ -68,7 +68,7 @@ impl Domain {
         self.points.bytes() + 8 * self.smoothing_length.capacity()
     }
 
-    /// Positions, m, of the particles of all ranks and their images; makes [`Self::smoothing_lengths`] known.
+    /// Positions, m, of the particles of all ranks and their images; sets [`Self::smoothing_lengths`].
     ///
     /// # Errors
     /// A rank is lost.
@@ -87,12 +87,13 @@ impl Domain {
         &self.smoothing_length
     }
 
-    /// Makes the next search of some particles ask for them: particles are others, or in another order.
+    /// Makes the next search of some particles request them: particles have changed, or their order has.
     pub(super) fn forget_smoothing_lengths(&mut self) {
         self.smoothing_length.clear();
     }
 
-    /// Makes ghosts of what rows name, which number points by their places in the common order, and numbers these as they are on this rank.
+    /// Creates ghosts for the points in the rows, which are indices in the common order, and renumbers them to indices
+    /// on this rank.
     ///
     /// # Errors
     /// A rank is lost.
@@ -110,12 +111,12 @@ impl Domain {
         &self.points
     }
 
-    /// The point that a particle or ghost of this rank is, by its number.
+    /// The common point of a particle or ghost of this rank, by its index.
     pub(super) fn point(&self, number: u32) -> u32 {
         self.points.point(self.own(), number)
     }
 
-    /// Number on this rank of a point that is one of its particles or ghosts.
+    /// Index on this rank of a point that is one of its particles or ghosts.
     pub(super) fn number(&self, point: u32) -> u32 {
         self.points.number(point)
     }
@@ -130,7 +131,7 @@ impl Domain {
         self.count() + self.points.images()
     }
 
-    /// The particles, by their places in the common order, that images are of.
+    /// The particles that the images are of, by their index in the common order.
     pub(super) fn image_sources(&self) -> &[u32] {
         self.points.sources()
     }
@@ -144,7 +145,7 @@ impl Deref for Domain {
 }
 
 impl Share {
-    /// Places of this rank's particles in the common order.
+    /// Indices of this rank's particles in the common order.
     pub(super) fn own(&self) -> std::ops::Range<usize> {
         let rank = self.ranks.rank();
         self.starts[rank]..self.starts[rank + 1]
@@ -170,22 +171,22 @@ impl Share {
         self.ranks.gather(own, &counts)
     }
 
-    /// Whether something is so on any rank.
+    /// Whether a condition holds on any rank.
     pub(super) fn any(&self, own: bool) -> Result<bool, RunFailure> {
         Ok(self.ranks.gather_one(own)?.contains(&true))
     }
 
-    /// The smallest of the first and the largest of the second of two numbers of every rank.
+    /// The minimum of the first and the maximum of the second of two numbers over all ranks.
     pub(super) fn range(&self, own: (f64, f64)) -> Result<(f64, f64), RunFailure> {
         Ok(self.ranks.gather_one(own)?.into_iter().fold(own, |a, b| (a.0.min(b.0), a.1.max(b.1))))
     }
 
-    /// The largest of a number of every rank.
+    /// The maximum of a number over all ranks.
     pub(super) fn largest(&self, own: f64) -> Result<f64, RunFailure> {
         Ok(self.ranks.gather_one(own)?.into_iter().fold(own, f64::max))
     }
 
-    /// Bounds of what every rank has bounds of.
+    /// The bounding box of those of all ranks.
     pub(super) fn bounds(&self, low: Vector<f64>, high: Vector<f64>) -> Result<(Vector<f64>, Vector<f64>), RunFailure> {
         let wider = |a: (Vector<f64>, Vector<f64>), b: (Vector<f64>, Vector<f64>)| {
             ([0, 1, 2].map(|k| a.0[k].min(b.0[k])), [0, 1, 2].map(|k| a.1[k].max(b.1[k])))
@@ -195,14 +196,14 @@ impl Share {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Puts the particles of all ranks in their common order, that of the cells tile by tile; each rank gets those of its blocks, with all their columns, and other blocks where
-    /// works have come apart.
+    /// Sorts the particles of all ranks into their common order, that of the cells tile by tile. Each rank receives the
+    /// particles of its blocks with all their columns, and other blocks if the load imbalance has grown.
     pub(super) fn sort_among_ranks(&mut self, cell: f64) -> Result<(), RunFailure> {
         let Some(share) = self.domain.as_ref().map(|domain| domain.share.clone()) else { return Ok(()) };
         let positions = share.gather(&self.particles.position)?;
         let order = self.lists.searcher.tiled_order(&positions, cell).to_vec();
         let pairs = share.gather(&self.particles.neighbors)?;
-        // Before the first step none are counted, and shares are those of the start.
+        // Before the first step no pairs are counted, and the shares are those of the start.
         let are_counted = pairs.iter().any(|&pairs| pairs > 0);
         let pairs: Vec<u32> = order.iter().map(|&place| pairs[place as usize]).collect();
         let starts = if are_counted { share.rebalanced(&pairs) } else { None };
@@ -219,8 +220,8 @@ impl<T: PairScalar> CpuEngine<T> {
         Relocation::new(share.ranks.clone(), (&share.starts, starts), order).apply(&mut self.particles)
     }
 
-    /// Searches the neighbours of this rank's particles among those of all ranks, and images of these for which ghosts reach `ghost_reach` (m), and
-    /// makes those of them that are found its ghosts.
+    /// Searches the neighbours of this rank's particles among those of all ranks and images of these, which are created
+    /// up to `ghost_reach` (m). The neighbours found become the ghosts of this rank.
     pub(super) fn search_among_ranks(&mut self, factor: f64, ghost_reach: f64) -> Result<(), RunFailure> {
         let Some(domain) = &mut self.domain else { return Ok(()) };
         let searched = super::search::searched_positions(&self.particles, self.formulation.is_initial());
@@ -238,8 +239,8 @@ impl<T: PairScalar> CpuEngine<T> {
         self.search_common((points, smoothing_length), (factor, range), displacement)
     }
 
-    /// Makes the rows of this rank and its ghosts, of the positions (m) and smoothing lengths (m) of the particles of all ranks; `reach` is that of a
-    /// kernel in smoothing lengths, and the range of these.
+    /// Builds the rows of this rank and its ghosts from the positions (m) and smoothing lengths (m) of the particles of
+    /// all ranks; `reach` is that of a kernel in smoothing lengths, with the range of these.
     pub(super) fn search_common(
         &mut self,
         (mut points, mut smoothing_length): (Vec<Vector<f64>>, Vec<f64>),
@@ -257,11 +258,11 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// What all ranks make of the limits of each.
+    /// The limit of all ranks from the limits of each.
     pub(super) fn agree_on_limit(&self, own: TimeStepLimit) -> Result<TimeStepLimit, RunFailure> {
         let Some(domain) = &self.domain else { return Ok(own) };
         let limits = domain.ranks.gather_one((own.dt, own.reason))?.into_iter();
-        // Of equal limits that of the rule that is asked first, as on one rank.
+        // Of equal limits, that of the first rule, as on one rank.
         let smaller = |a: (f64, LimitReason), b: (f64, LimitReason)| {
             if b.0 < a.0 || b.0 == a.0 && (b.1 as u8) < a.1 as u8 { b } else { a }
         };

@@ -1,5 +1,5 @@
-//! What ghosts take over of particles at the points of the step: everything a set of fields says, of the ghosts of the lists and of those of the
-//! contact, on its way together.
+//! Halo exchange at the points of the step: all fields of a set, for the ghosts of the lists and those of the contact,
+//! in one message.
 
 use super::CpuEngine;
 use super::conduction::HeatFlow;
@@ -21,7 +21,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Packs what ghosts take over of a set and sends what those of other ranks do.
+    /// Packs the fields of a set that ghosts receive, and sends those for other ranks.
     pub(super) fn begin_exchange_of(&mut self, fields: FieldSet) {
         if !self.is_exchanged(fields) {
             return;
@@ -35,7 +35,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.arrival = Some(arrival);
     }
 
-    /// Waits for what other ranks have sent, and brings ghosts to the particles they stand for.
+    /// Waits for the messages of other ranks, and updates the ghosts.
     ///
     /// # Errors
     /// A rank is lost.
@@ -62,7 +62,7 @@ impl<T: PairScalar> CpuEngine<T> {
         is_packed && !self.idle(self.step.dt) && !self.ghosts.halo.is_empty()
     }
 
-    /// The columns of a set, and who takes them over.
+    /// The columns of a set, and the ghosts that receive them.
     fn exchanged(&mut self, fields: FieldSet) -> ExchangedSets<'_> {
         let reads_records = self.reads_records(fields);
         let is_of_contact = matches!(fields, FieldSet::Contact | FieldSet::Overlaps);

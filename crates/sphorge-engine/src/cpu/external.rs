@@ -10,17 +10,18 @@ use rayon::prelude::*;
 use sphorge_physics::wall::FacePushes;
 use sphorge_physics::{Tensor, Vector};
 
-/// Of a block of particles: accelerations and powers, powers by wall, power at faces.
+/// For a block of particles: accelerations and powers, powers by wall, power at faces.
 type Chunks<'a> = ((&'a mut [Vector<f64>], &'a mut [f64]), &'a mut [WallLedger], &'a mut f64);
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Whether nothing but pairs acts on the particles: the columns of external forces are zero from the start.
+    /// Whether only pair forces act on the particles: the columns of external forces are zero from the start.
     fn is_alone(&self) -> bool {
         self.model.walls.is_empty() && self.model.gravity == [0.0; 3]
     }
 
-    /// Works out what walls and gravity do. A wall meets a particle of the total Lagrangian form at its face, whose distance from the centre
-    /// is an arm of the force: its moment is a stress of the particle, so that the face, not the centre, does the work.
+    /// Computes the effect of walls and gravity. A wall acts on a particle of the total Lagrangian form at its face,
+    /// and the distance from the centre is an arm of the force. Its moment enters as a stress of the particle, so that
+    /// the work is done at the face, not at the centre.
     pub(super) fn push_externally(&mut self) {
         self.rub_at_walls();
         if self.is_alone() {
@@ -51,7 +52,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 external[k] = sum.acceleration;
                 external_power[k] = sum.beyond;
                 *at_faces += p.mass[i] * sum.beyond;
-                // The stress that the moment of the forces at the face is, where the form has one.
+                // The stress due to the moment of the forces at the face, in a form that has one.
                 if let Some(face_stress) = face_stress.get_mut(k) {
                     *face_stress = sum.stress(p.mass[i], p.reference_volume[i]);
                 }
@@ -83,7 +84,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.particles.friction_heat = friction_heat;
     }
 
-    /// Adds what walls and gravity do to the rates of the pair sums.
+    /// Adds the effect of walls and gravity to the rates of the pair sums.
     pub(super) fn add_external_forces(&mut self) {
         if self.is_alone() {
             return;
@@ -97,7 +98,7 @@ impl<T: PairScalar> CpuEngine<T> {
         });
     }
 
-    /// Takes the work of walls over a time, s, to the balance.
+    /// Adds the work of walls over a time, s, to the balance.
     pub(super) fn book_walls(&mut self, dt: f64) -> Result<(), RunFailure> {
         let at_faces = match &self.domain {
             // Without walls all of it is zero.

@@ -1,7 +1,8 @@
-//! Faces of bodies of the total Lagrangian form, at which they meet each other and themselves.
+//! Faces of bodies in the total Lagrangian form, at which contacts act.
 //!
-//! Particles near a face know their depth below it and its normal in the initial configuration. Their whole deformation, renewed references
-//! or not, says where the face is now and where they stand for the contact ([`FaceShift`]).
+//! Particles near a face store their depth below it and its normal in the initial configuration. The whole deformation
+//! since the start, across renewals of the reference, gives the current position of the face and the contact position
+//! of the particle ([`FaceShift`]).
 
 use super::CpuEngine;
 use super::ghosts::WithGhosts;
@@ -51,7 +52,8 @@ impl<T: PairScalar> CpuEngine<T> {
         });
     }
 
-    /// Depths below faces, of the outermost layer half a spacing, of those behind it by their neighbours in that layer.
+    /// Depths below faces: half a spacing for the outermost layer; for the particles behind it from their neighbours in
+    /// that layer.
     fn find_depths(&mut self) {
         let (list, points) = (&self.lists.list, &self.lists.points);
         let (kernel, dimension) = (self.model.numerics.kernel, super::dimension(&self.model));
@@ -81,7 +83,7 @@ impl<T: PairScalar> CpuEngine<T> {
         });
     }
 
-    /// Where particles near faces stand for the contact.
+    /// Contact positions of particles near faces.
     pub(super) fn shift_to_faces(&mut self) {
         let p = &mut self.particles;
         let Particles { face_arm, contact_shift, contact_shift_rate, velocity_gradient, .. } = p;

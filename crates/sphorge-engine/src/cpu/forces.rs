@@ -1,6 +1,6 @@
 //! Second pair sum: momentum, energy, viscosity, artificial stress, XSPH.
 //!
-//! The formulas are those of [`sphorge_physics::pair`]: here neighbours are gathered and the sums of a row added up.
+//! The formulas are in [`sphorge_physics::pair`]; this file gathers the neighbours and adds up the sums of a row.
 
 use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::force::{C, H, RHO, S, V, WEIGHT, X};
@@ -17,10 +17,11 @@ use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, vi
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector, artificial_stress};
 
-/// What the sum does beside the stress divergence. Uniform over the sweep, so every test of it is predicted.
+/// Terms of the sum besides the stress divergence. They are the same for all pairs, so every branch on them is well
+/// predicted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForceTerms<T> {
-    /// Viscosity of pairs; none where it is a pressure of the particle.
+    /// Viscosity of pairs; none if it is a pressure of the particle.
     pub(super) viscosity: Option<ViscosityParameters<T>>,
     /// Exponent of the pair factor of the artificial stress.
     pub(super) artificial_stress: Option<u32>,
@@ -31,8 +32,8 @@ pub(super) struct ForceTerms<T> {
 }
 
 impl<T: PairScalar> ForceTerms<T> {
-    /// Whether these are the terms most decks ask for, those of both papers; sweeps of them are compiled on their own, without
-    /// any of the questions.
+    /// Whether these are the terms most decks use, those of both papers. Pair loops with these terms are compiled
+    /// separately, without branches on them.
     pub(super) fn are_default(&self, kernel: Kernel) -> bool {
         kernel == Kernel::CubicSpline
             && self.viscosity.is_some()
@@ -67,9 +68,9 @@ pub(super) struct ForceSum<T> {
     pub(super) acceleration: Vector<T>,
     /// Rate of the specific internal energy, W/kg.
     pub(super) energy_rate: T,
-    /// The part of it that is the viscosity's of pairs.
+    /// The part of it due to the viscosity of pairs.
     pub(super) viscous_power: T,
-    /// The part of it that is the artificial stress's.
+    /// The part of it due to the artificial stress.
     pub(super) artificial_power: T,
     /// `sum_j m_j/rho_mean (v_j - v_i) W_ij`, m/s.
     pub(super) xsph: Vector<T>,
@@ -85,7 +86,8 @@ fn symmetric<L: Lanes, const F: usize>(record: &[L; F], at: usize) -> SymmetricT
     SymmetricTensor { xx, yy, zz, xy, yz, xz }
 }
 
-/// Corrected records, the first eight of their nine entries at a time: records of eight are taken apart by shuffles.
+/// Corrected records, the first eight of their nine entries at a time: records of eight entries are transposed by
+/// shuffles.
 #[inline(always)]
 fn gather_corrected<L: Lanes>(records: &[[L::Element; CORRECTED_LEN]], indices: &[u32]) -> Tensor<L> {
     let [a, b, c, d, e, f, g, h]: [L; 8] = L::gather_part(records, indices, 0);
@@ -100,7 +102,7 @@ fn splat_corrected<L: Lanes>(record: &[L::Element; CORRECTED_LEN]) -> Tensor<L> 
     [[a, b, c], [d, e, f], [g, h, i]]
 }
 
-/// SIMD vectors of a row worked on together.
+/// SIMD vectors of a row that are processed together.
 const BATCH: usize = 8;
 
 /// Geometry of a SIMD vector of pairs, between the passes over a row.
@@ -132,7 +134,7 @@ impl<L: Lanes> Pairs<L> {
     }
 }
 
-/// What a row knows of its own particle, in every lane, and of the sum.
+/// Data of the particle of a row, in every lane, and of the sum.
 #[derive(Clone, Copy)]
 struct Own<L: Lanes> {
     record: [L; force::LEN],
@@ -165,7 +167,8 @@ impl<L: Lanes> Own<L> {
     }
 }
 
-/// First pass over a SIMD vector of pairs: who the neighbours are. `stored` gives the distances and where in it those of the vector start.
+/// First pass over a SIMD vector of pairs: gathers the neighbours. `stored` has the distances and the index at which
+/// those of the vector start.
 #[inline(always)]
 fn locate<L: Lanes, const D: usize>(
     own: &Own<L>,
@@ -220,11 +223,11 @@ fn weigh<L: Lanes, const D: usize>(
         pair.w = w;
         pair.kernel = weighted.value(w);
     }
-    // Pairs of a skin count for nothing, nor do they for the time step.
+    // Pairs in the skin do not contribute, nor do they limit the time step.
     mu_max.max(L::select_lt(q, L::of(own.kernel.support()), mu.abs(), L::zero()))
 }
 
-/// What a row adds up, lane by lane.
+/// Sums of a row, lane by lane.
 #[derive(Clone, Copy)]
 struct Sums<L> {
     forces: ForceSums<L>,
@@ -301,7 +304,8 @@ impl<L: Lanes> Sums<L> {
 
 /// Row `k` of a block, particle `own`.
 ///
-/// A pair's arithmetic is one long chain. In three short passes over the row, many pairs are in the processor at a time.
+/// The arithmetic of a pair is one long dependency chain. With three short passes over the row, the processor works on
+/// many pairs at a time.
 #[inline(always)]
 fn force_row<L: Lanes, const D: usize, const CORRECTED: bool, const DEFAULT: bool>(
     records: &Records<L::Element>,
@@ -344,13 +348,13 @@ impl<T: PairScalar> ForceSum<T> {
     }
 }
 
-/// The sums of a block of particles; `DEFAULT` where the terms are [`ForceTerms::are_default`].
+/// The sums of a block of particles; `DEFAULT` if the terms are [`ForceTerms::are_default`].
 pub(super) struct ForceJob<'a, T, const D: usize, const CORRECTED: bool, const DEFAULT: bool> {
     pub(super) records: &'a Records<T>,
     /// First particle of the block.
     pub(super) first: usize,
     pub(super) block: &'a Block,
-    /// Distances to take in place of those of the records.
+    /// Distances to use instead of those of the records.
     pub(super) stored: Option<&'a StoredBlock<T>>,
     pub(super) constants: &'a PairConstants<T>,
     pub(super) terms: &'a ForceTerms<T>,

@@ -1,10 +1,10 @@
-//! The ghosts of this engine: who they are, and the columns they own.
+//! The ghost particles of this engine and the columns they own.
 
 use crate::halo::{self, Columns, Exchanged, FieldSet, Halo};
 use crate::particles::Particles;
 use smallvec::smallvec;
 
-/// A column of particles with that of the ghosts behind it.
+/// A column of particles, followed by that of the ghosts.
 #[derive(Clone, Copy)]
 pub(crate) struct WithGhosts<'a, V> {
     own: &'a [V],
@@ -16,7 +16,7 @@ impl<'a, V: Copy> WithGhosts<'a, V> {
         Self { own, ghosts }
     }
 
-    /// Value of point `j`: a particle, or from their number on a ghost.
+    /// Value of point `j`: a particle, or a ghost if the index is beyond the particles.
     #[inline(always)]
     pub(crate) fn at(&self, j: usize) -> V {
         match j.checked_sub(self.own.len()) {
@@ -26,7 +26,7 @@ impl<'a, V: Copy> WithGhosts<'a, V> {
     }
 }
 
-/// Ghosts of a model: who they are, and their columns.
+/// Ghost particles of a model and their columns.
 pub(crate) struct Ghosts {
     pub(crate) halo: Box<dyn Halo>,
     pub(crate) columns: Particles,
@@ -37,7 +37,7 @@ impl Ghosts {
         Self { halo, columns: Particles::default() }
     }
 
-    /// The columns that ghosts take over of sets.
+    /// The columns of sets that ghosts receive.
     pub(crate) fn exchanged<'a>(&'a mut self, sets: &[FieldSet], particles: &'a Particles) -> Exchanged<'a> {
         let halo = self.halo.as_ref();
         let columns =
@@ -45,7 +45,7 @@ impl Ghosts {
         Exchanged { halo, columns }
     }
 
-    /// Brings the columns of sets to those of the particles.
+    /// Updates the columns of sets from the particles.
     pub(crate) fn exchange(&mut self, sets: &[FieldSet], particles: &Particles) {
         halo::fill(smallvec![self.exchanged(sets, particles)]);
     }

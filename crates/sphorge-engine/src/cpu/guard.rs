@@ -1,4 +1,4 @@
-//! The check that ends a run before nonsense spreads.
+//! The check that ends a run before invalid values spread.
 
 use crate::RunFailure;
 use crate::particles::Particles;
@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use sphorge_physics::Vector;
 use sphorge_physics::step_control::{Changed, StepChange};
 
-/// Names the first particle (in id order of failure, lowest index) with a value that is not finite, a density that is not
-/// positive or, where something `is_cooled`, a temperature below zero.
+/// Reports the particle with the lowest index that has a value that is not finite, a density that is not positive or,
+/// if something `is_cooled`, a temperature below zero.
 ///
 /// # Errors
 /// There is one.
@@ -38,11 +38,11 @@ fn of_particle(p: &Particles, i: usize, message: String) -> RunFailure {
     RunFailure { particle, body, position: last_place(p, i), ..RunFailure::of_engine(message) }
 }
 
-/// Names the particle that a step of size `dt` (s) has changed most, and what of it, if that is more than is allowed; `speeds` are the sound speeds of
-/// the materials at rest, m/s.
+/// Reports the particle that a step of size `dt` (s) has changed most, and its quantity, if that is more than allowed;
+/// `speeds` are the sound speeds of the materials at rest, m/s.
 pub fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f64) -> Option<StepFault> {
     let change = |i: usize| {
-        // What a driven particle is pushed with does not move it.
+        // Forces on a driven particle do not move it.
         let is_driven = p.motion.get(i).is_some_and(|&motion| motion > 0);
         let acceleration = if is_driven { &[0.0; 3] } else { &p.acceleration[i] };
         let (speed, h) = (speeds[p.material[i] as usize], p.smoothing_length[i]);
@@ -57,7 +57,7 @@ pub fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f6
         let ratio = number / limit;
         (if ratio.is_nan() { f64::INFINITY } else { ratio }, i)
     };
-    // Of equals the first, however many threads look.
+    // Of equals the first, on any number of threads.
     let larger = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || b.0 == a.0 && b.1 < a.1 { b } else { a };
     let (ratio, i) = particles().map(excess).reduce(|| (f64::NEG_INFINITY, usize::MAX), larger);
     let (changed, number, limit) = change(i).worst(limits);
@@ -75,8 +75,8 @@ pub fn largest_change(limits: &StepChange, p: &Particles, speeds: &[f64], dt: f6
     Some(StepFault::changed(failure, ratio))
 }
 
-/// Where a particle was last. What moves it is guarded, so that only the end of a predictor–corrector step can lose its place within the step;
-/// that step began somewhere.
+/// Last valid position of a particle. Everything that moves it is checked, so only the end of a predictor–corrector
+/// step can lose its position within the step; the start of that step has a valid one.
 fn last_place(p: &Particles, i: usize) -> Option<Vector<f64>> {
     let columns = [&p.position, &p.base_position, &p.reference_position, &p.origin];
     columns.into_iter().filter_map(|column| column.get(i)).find(|x| x.iter().all(|c| c.is_finite())).copied()
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(check(&p).unwrap_err().particle, Some(7));
         p.acceleration[2] = [0.0; 3];
         assert_eq!(check(&p), Ok(()));
-        // Two that are stretched alike: the first; one that has no number is worse.
+        // Two that are stretched equally: the first; a value that is not a number is worse.
         p.velocity_gradient[3][0][0] = 1.0;
         p.velocity_gradient[2][0][0] = 1.0;
         assert_eq!(check(&p).map_err(|f| (f.particle, f.field)), Err((Some(7), "density")));

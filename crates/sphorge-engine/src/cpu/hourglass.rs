@@ -1,5 +1,5 @@
-//! Hourglass control of the total Lagrangian form: gathers the neighbours and adds up their springs, whose formulas are those of
-//! [`sphorge_physics::hourglass`].
+//! Hourglass control of the total Lagrangian form: gathers the neighbours and adds up their springs. The formulas are
+//! in [`sphorge_physics::hourglass`].
 
 use super::CpuEngine;
 use super::inner::Rows;
@@ -34,7 +34,7 @@ impl<T: PairScalar, const D: usize> Job<T> for HourglassJob<'_, T, D> {
     }
 }
 
-/// SIMD vectors of a row worked on together.
+/// SIMD vectors of a row that are processed together.
 const BATCH: usize = 8;
 
 /// A SIMD vector of springs, between the passes over a row.
@@ -82,7 +82,7 @@ fn spring<L: Lanes>(record: &[L; entry::LEN]) -> Spring<L> {
     Spring { stiffness: record[entry::STIFFNESS], bound: record[entry::BOUND] }
 }
 
-/// Row `k` of a block, in two short passes, so that many pairs are in the processor at a time.
+/// Row `k` of a block, in two short passes, so that the processor works on many pairs at a time.
 #[inline(always)]
 fn hourglass_row<L: Lanes, const D: usize>(
     job: &HourglassJob<'_, L::Element, D>,
@@ -144,7 +144,7 @@ impl<T: PairScalar> SpringSweep<'_, T> {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Adds the forces of the springs of some pairs of block `b`, as they last were, N.
+    /// Adds the forces of the springs of some pairs of block `b`, as last evaluated, N.
     pub(super) fn add_hourglass_forces(&self, b: usize, rows: &Block, forces: &mut [Vector<f64>]) {
         if self.records.hourglass.is_empty() {
             return;
@@ -201,8 +201,8 @@ impl<T: PairScalar> CpuEngine<T> {
             });
     }
 
-    /// Writes what the sum reads of particles and ghosts: velocities forces are evaluated with, positions as they are, deformation
-    /// gradients, springs; of particles with the first rows, of ghosts when they have come.
+    /// Writes the data of particles and ghosts that the sum reads: velocities at which forces are evaluated, current
+    /// positions, deformation gradients, springs; for particles with the first rows, for ghosts when they have arrived.
     fn pack_hourglass(&mut self, strength: f64, rows: Rows) {
         if !(rows.is_first() || rows.is_last()) {
             return;

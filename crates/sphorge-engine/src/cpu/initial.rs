@@ -1,4 +1,4 @@
-//! Initial conditions: what the state and the columns are before the first step.
+//! Initial conditions: the state and the columns before the first step.
 
 use super::conduction::hold;
 use super::integrate::Motions;
@@ -6,11 +6,11 @@ use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Searc
 use crate::particles::{History, Owner, Particles};
 use sphorge_physics::artificial_stress;
 
-/// Completes the state of particles that have position, velocity, density and temperature: energy, what is held at a temperature, pressure and
-/// sound speed, and what flow laws keep of the past.
+/// Completes the state of particles that have position, velocity, density and temperature: energy, prescribed
+/// temperatures, pressure and sound speed, and history variables of flow laws.
 pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
     if model.numerics.temperature == TemperatureSource::Energy {
-        // Temperature is that of the energy, from the start.
+        // The temperature follows from the energy from the start.
         for i in 0..particles.len() {
             let material = &model.materials[particles.material[i] as usize];
             let warmer = particles.temperature[i] - material.reference_temperature;
@@ -26,7 +26,7 @@ pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
     particles.history = History::new(model, particles.len());
 }
 
-/// Adds the columns that the choices of a model need, and fills those that do not start at the value of the table.
+/// Adds the columns that the options of a model need, and fills those that do not start with the value of the table.
 pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bool, is_initial: bool) {
     let wanted = [
         (Owner::Step, true),

@@ -1,14 +1,14 @@
-//! Rows that read no ghost: those of whole blocks are summed while ghosts are on their way.
+//! Inner rows, which read no ghost: whole blocks of them are summed while messages are in flight.
 
 use crate::neighbors::{Block, NeighborList};
 use rayon::prelude::*;
 
-/// Which rows a stage takes.
+/// Which rows a stage processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rows {
     /// All of them.
     All,
-    /// A part of those that read no ghost, before these have come.
+    /// A part of the inner rows, before the ghosts have arrived.
     Inner(usize),
     /// The others.
     Rest,
@@ -20,31 +20,31 @@ impl Rows {
         matches!(self, Self::All | Self::Inner(0))
     }
 
-    /// Whether it is the last one, when ghosts are there.
+    /// Whether it is the last one, after the ghosts have arrived.
     pub(super) fn is_last(self) -> bool {
         matches!(self, Self::All | Self::Rest)
     }
 }
 
-/// Parts at most: between them messages get on.
+/// Largest number of parts; between them messages make progress.
 const MOST_PARTS: usize = 4;
-/// Blocks that each thread has of a part at least, so that threads end together.
+/// Smallest number of blocks per thread in a part, so that threads finish together.
 const BLOCKS_OF_THREAD: usize = 4;
 
-/// The blocks of a list whose rows name particles of this rank alone.
+/// The blocks of a list whose rows contain only particles of this rank.
 #[derive(Debug, Default)]
 pub(super) struct InnerBlocks {
-    /// Part of each block; none where it reads a ghost.
+    /// Part of each block; none if it reads a ghost.
     part: Vec<Option<usize>>,
     parts: usize,
     /// Rows of all of them.
     rows: usize,
-    /// Particles and state of the list that this was found of.
+    /// Number of particles and state of the list for which this was determined.
     of: Option<(usize, u64)>,
 }
 
 impl InnerBlocks {
-    /// Finds them anew where the list of so many particles is another one.
+    /// Determines them again if the list has changed.
     pub(super) fn refresh(&mut self, list: &NeighborList, particles: usize) {
         let now = Some((particles, list.changes()));
         if self.of == now {
@@ -64,12 +64,12 @@ impl InnerBlocks {
         self.rows = inner.map(|(block, _)| block.len()).sum();
     }
 
-    /// Parts there are of them.
+    /// Number of parts.
     pub(super) fn parts(&self) -> usize {
         self.parts
     }
 
-    /// Rows of them.
+    /// Number of rows in them.
     pub(super) fn rows(&self) -> usize {
         self.rows
     }

@@ -1,6 +1,7 @@
 //! Kick-drift-kick leapfrog and Monaghan's predictor–corrector.
 //!
-//! What a kick books to the energies, so that the total closes for any step sequence, is that of [`sphorge_physics::kick`].
+//! The energy correction of a kick, which closes the balance for any sequence of steps, is in
+//! [`sphorge_physics::kick`].
 
 use super::CpuEngine;
 use super::domain::Domain;
@@ -55,15 +56,15 @@ impl Motions {
     }
 }
 
-/// What a kick and a drift did to a block.
+/// Effect of a kick and a drift on a block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moved {
-    /// Work of everything that is not a pair force, J, and its impulse, N s.
+    /// Work of all forces that are not pair forces, J, and their impulse, N s.
     work: f64,
     impulse: Vector<f64>,
-    /// Energy booked to the internal energy so that the total closes, J.
+    /// Correction of the internal energy that closes the balance, J.
     booked: f64,
-    /// Square of the longest way of a particle, m².
+    /// Square of the largest displacement of a particle, m².
     farthest: f64,
 }
 
@@ -79,7 +80,7 @@ impl Fixed for Moved {
     }
 }
 
-/// Work and impulse of everything that is not a pair force, block by block so that the sum does not depend on threads.
+/// Work and impulse of all forces that are not pair forces, block by block so that the sum does not depend on threads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ExternalSums {
     partial: Vec<Moved>,
@@ -87,7 +88,7 @@ pub(super) struct ExternalSums {
     pub(super) work: f64,
     /// Impulse since the start, N s.
     pub(super) impulse: Vector<f64>,
-    /// Energy booked to the internal energy since the start, J.
+    /// Correction of the internal energy since the start, J.
     pub(super) booked: f64,
 }
 
@@ -96,12 +97,12 @@ impl ExternalSums {
         Self { partial: vec![Moved::default(); count.div_ceil(BLOCK)], ..Self::default() }
     }
 
-    /// Makes room for other particles, before a step has summed anything.
+    /// Allocates memory for other particles, before a step has summed anything.
     pub(super) fn resize(&mut self, count: usize) {
         self.partial.resize(count.div_ceil(BLOCK), Moved::default());
     }
 
-    /// Adds up the blocks, of all ranks where there are others; the longest way of any particle, m.
+    /// Adds up the blocks, over all ranks if there are several; returns the largest displacement of any particle, m.
     fn close(&mut self, domain: Option<&Domain>) -> Result<f64, RunFailure> {
         let all = domain.map(|domain| domain.gather_blocks(&self.partial, 1)).transpose()?;
         let mut farthest = 0.0_f64;
@@ -127,7 +128,8 @@ struct Kick {
     booked: f64,
 }
 
-/// Changes `v` by `a dt`, then imposes prescribed components. `external` is the part of `a` that pair forces do not make.
+/// Changes `v` by `a dt`, then imposes prescribed components. `external` is the part of `a` that is not due to pair
+/// forces.
 #[inline(always)]
 fn kick(
     v: Vector<f64>,
@@ -145,7 +147,7 @@ fn kick(
     for k in 0..3 {
         let pair = a[k] - external[k];
         let mean = 0.5 * (v[k] + after[k]);
-        // Change of velocity less what the pair forces did.
+        // Change of velocity minus that by pair forces.
         let beyond = after[k] - v[k] - pair * dt;
         account.add(k, &KickAxis { pair, mean, ahead: mean - evaluated[k], beyond }, mass, dt);
     }
@@ -154,8 +156,8 @@ fn kick(
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Books what goes with the rates of the last forces over a time `dt`, s, as the kicks do: works of contacts and walls, of viscosity,
-    /// artificial stress and hourglass springs.
+    /// Integrates the powers of the last forces over a time `dt`, s, as the kicks do: works of contacts and walls, of
+    /// viscosity, artificial stress and hourglass springs.
     fn book_rates(&mut self, dt: f64) -> Result<(), RunFailure> {
         if let Some(contacts) = &mut self.contacts {
             contacts.book(dt);
@@ -168,8 +170,8 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// First half kick, drift, and the velocity forces are evaluated with: that of the end of the step, predicted with the last
-    /// acceleration. One pass: what it reads and writes is more than the caches hold.
+    /// First half kick, drift, and the velocity at which forces are evaluated: that of the end of the step, predicted
+    /// with the last acceleration. All in one pass, because the data do not fit in the caches.
     pub(super) fn leapfrog_begin(&mut self) -> Result<(), RunFailure> {
         let dt = self.step.dt;
         let half = 0.5 * dt;
@@ -259,10 +261,10 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// State at mid-step, predicted with the rates of the last one.
+    /// State at mid-step, predicted with the last rates.
     pub(super) fn predict(&mut self) {
         let half = 0.5 * self.step.dt;
-        // Of a middle that is left again: who has moved how far is looked at every time.
+        // This mid-step state is temporary; displacements are checked every time.
         self.lists.displacement.lose_track();
         self.motions.set_time(&self.model, self.step.time + half);
         let p = &mut self.particles;
@@ -330,7 +332,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     v[k] = kicked.velocity;
                     let mean = [0, 1, 2].map(|a| 0.5 * (before[a] + v[k][a]));
                     x[k] = base_position[i];
-                    // A prescribed axis moves with the mean of its velocities, no XSPH.
+                    // A prescribed axis moves with the mean of its velocities, without XSPH.
                     let prescribed = motions.of(motion[i]);
                     let held = [0, 1, 2].map(|a| prescribed[a].map(|_| mean[a]));
                     drift(&mut x[k], mean, xsph[i], held, dt);
@@ -353,8 +355,8 @@ fn add(partial: &mut Moved, kicked: &Kick) {
     }
 }
 
-/// Moves a particle with its velocity and XSPH correction; along a prescribed axis with the prescribed velocity alone. Returns the
-/// square of its way, m².
+/// Moves a particle with its velocity and XSPH correction; along a prescribed axis only with the prescribed velocity.
+/// Returns the square of its displacement, m².
 #[inline(always)]
 fn drift(x: &mut Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], dt: f64) -> f64 {
     let mut way = 0.0;

@@ -16,7 +16,8 @@ use sphorge_physics::{Tensor, Vector};
 pub(super) struct PairConstants<T> {
     /// Size of a coordinate unit, m.
     pub(super) unit: T,
-    /// The kernel: chosen by a branch within the sweep that always goes the same way, which costs nothing beside the gathers.
+    /// The kernel: chosen by a well-predicted branch within the loop, whose cost is negligible compared with the
+    /// gathers.
     pub(super) kernel: Kernel,
     /// Normalisation `sigma_d` of the kernel.
     pub(super) sigma: T,
@@ -32,8 +33,8 @@ pub(super) fn own_scale<L: Lanes, const D: usize>(
     PairScale { h: L::splat(scale.h), inverse_h: L::splat(scale.inverse_h), gradient: L::splat(scale.gradient) }
 }
 
-/// The scale of a SIMD vector of pairs: where all smoothing lengths are that of the particle, which they are but where bodies meet,
-/// its `own`, without a division.
+/// The scale of a SIMD vector of pairs. If all smoothing lengths are that of the particle, as they are except where
+/// bodies meet, this is its `own`, without a division.
 #[inline(always)]
 pub(super) fn scale_with<L: Lanes, const D: usize>(
     own: PairScale<L>,
@@ -52,13 +53,13 @@ pub(super) fn scale_with<L: Lanes, const D: usize>(
 pub(super) struct GradientSum<T> {
     /// `sum_j w_j (v_j - v_i) ⊗ grad_i W_ij`, row: velocity component.
     pub(super) gradient: Tensor<T>,
-    /// `sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`; zero unless asked for.
+    /// `sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`; zero unless requested.
     pub(super) moment: Tensor<T>,
     /// Neighbours inside the kernel support.
     pub(super) inside: u32,
 }
 
-/// SIMD vectors of a row worked on together.
+/// SIMD vectors of a row that are processed together.
 const BATCH: usize = 8;
 
 /// A SIMD vector of pairs, between the passes over a row.
@@ -84,7 +85,7 @@ impl<L: Lanes> Pairs<L> {
     }
 }
 
-/// What a row knows of its own particle, in every lane.
+/// Data of the particle of a row, in every lane.
 #[derive(Clone, Copy)]
 struct Own<L: Lanes> {
     record: [L; LEN],
@@ -98,7 +99,8 @@ impl<L: Lanes> Own<L> {
     }
 }
 
-/// First pass over a SIMD vector of pairs: who the neighbours are. `stored` gives the distances and where in it those of the vector start.
+/// First pass over a SIMD vector of pairs: gathers the neighbours. `stored` has the distances and the index at which
+/// those of the vector start.
 #[inline(always)]
 fn locate<L: Lanes, const D: usize>(
     own: &Own<L>,
@@ -125,7 +127,7 @@ fn locate<L: Lanes, const D: usize>(
     pair.h = record_j[H];
 }
 
-/// What a row adds up, lane by lane.
+/// Sums of a row, lane by lane.
 #[derive(Clone, Copy)]
 struct Sums<L> {
     pairs: GradientSums<L>,
@@ -176,7 +178,8 @@ fn total_of<L: Lanes>(t: &Tensor<L>) -> Tensor<L::Element> {
 
 /// Row `k` of a block, particle `own`.
 ///
-/// A pair's arithmetic is one long chain. In two short passes over the row, many pairs are in the processor at a time.
+/// The arithmetic of a pair is one long dependency chain. With two short passes over the row, the processor works on
+/// many pairs at a time.
 #[inline(always)]
 fn gradient_row<L: Lanes, const D: usize, const CORRECTED: bool>(
     records: &[[L::Element; LEN]],
@@ -222,7 +225,7 @@ pub(super) struct GradientJob<'a, T, const D: usize, const CORRECTED: bool> {
     /// First particle of the block.
     pub(super) first: usize,
     pub(super) block: &'a Block,
-    /// Distances to take in place of those of the records.
+    /// Distances to use instead of those of the records.
     pub(super) stored: Option<&'a StoredBlock<T>>,
     pub(super) constants: &'a PairConstants<T>,
     pub(super) sums: &'a mut [GradientSum<T>; BLOCK],

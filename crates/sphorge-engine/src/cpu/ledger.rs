@@ -1,4 +1,4 @@
-//! Conservation sums, taken when asked for.
+//! Conservation sums, computed on request.
 
 use super::{CpuEngine, constitutive::shear_modulus_of};
 use crate::lanes::PairScalar;
@@ -62,7 +62,8 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Adds the reaction of every prescribed motion on its particles, N: what the last step's accelerations lack.
+    /// Adds the reaction of every prescribed motion on its particles, N: the force that is missing from the
+    /// accelerations of the last step.
     fn add_motion_forces(&self, forces: &mut [[f64; 3]]) {
         let p = &self.particles;
         for i in 0..p.len() {

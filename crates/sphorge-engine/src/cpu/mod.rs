@@ -71,7 +71,7 @@ use search::Lists;
 use std::sync::Arc;
 use walls::Walls;
 
-/// Searches between two sortings of the particles into cell order.
+/// Number of searches between two sortings of the particles into cell order.
 const SEARCHES_PER_SORTING: u64 = 64;
 
 /// The CPU engine: all threads of the rayon pool it is started in.
@@ -88,8 +88,8 @@ impl EngineKind for Cpu {
     }
 
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        // Tests in this crate are of parts; those that run are beside the library that uses it. Compiling both precisions of the whole engine
-        // a second time for them would take a minute of every `cargo test`.
+        // Tests in this crate test parts. Tests that run are in the library that uses it: compiling both precisions of
+        // the whole engine a second time for them would take a minute of every `cargo test`.
         if cfg!(test) {
             return Err(RunFailure::of_engine("tests of the engine's parts start none".to_owned()));
         }
@@ -123,12 +123,12 @@ struct CpuEngine<T: PairScalar> {
     formulation: &'static dyn Formulation<T>,
     particles: Particles,
     ghosts: Ghosts,
-    /// What ghosts take over, while it is on its way.
+    /// Halo exchange in flight.
     arrival: Option<Arrival>,
     inner: InnerBlocks,
-    /// Rows that read no ghost are summed already.
+    /// Inner rows are already summed.
     is_begun: bool,
-    /// The share of this rank, where there are others.
+    /// The share of this rank, if there are several.
     domain: Option<Domain>,
     records: Records<T>,
     walls: Walls,
@@ -149,7 +149,7 @@ struct CpuEngine<T: PairScalar> {
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
     restored_density: Vec<f64>,
-    /// Gradient correction of the reference configuration is known.
+    /// Whether the gradient correction of the reference configuration is known.
     reference_corrected: bool,
     /// By body, whether its reference configuration has been renewed.
     has_come_apart: Vec<bool>,
@@ -161,18 +161,19 @@ struct StepState {
     /// Time at its start, s.
     time: f64,
     dt: f64,
-    /// Steps begun, the evaluation of initial rates not counted.
+    /// Number of steps begun, without the evaluation of initial rates.
     count: u64,
     /// Energy added by density re-initialisation, J.
     mls_energy: f64,
     /// Ordered pairs at the last kinematics stage.
     pairs: u64,
-    /// Some particle is marked as searched.
+    /// Whether any particle is marked as searched.
     any_adapted: bool,
 }
 
 impl StepState {
-    /// Time from the start of the step to where sums are evaluated: its end for leapfrog, its middle for the other.
+    /// Time from the start of the step to the evaluation of the sums: its end for leapfrog, its middle for the
+    /// predictor–corrector.
     fn dt_to_evaluation(&self, integrator: Integrator) -> f64 {
         match integrator {
             Integrator::Leapfrog => self.dt,
@@ -193,7 +194,8 @@ impl Persist for StepState {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Takes over particles, those of a domain where there is one; `smoothing_lengths` are the smallest and the largest of all particles, m.
+    /// Creates the engine for particles, those of a domain if there is one; `smoothing_lengths` are the smallest and
+    /// the largest of all particles, m.
     fn new(
         model: Arc<Model>,
         mut particles: Particles,
@@ -243,13 +245,13 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(engine)
     }
 
-    /// Whether the bodies stand still in a step of size `dt`: heat alone flows. The initial rates, a step of size zero, are those of
-    /// bodies that could move.
+    /// Whether the bodies are at rest in a step of size `dt`, with heat conduction only. The initial rates, a step of
+    /// size zero, are those of bodies that can move.
     fn idle(&self, dt: f64) -> bool {
         !self.model.thermal.mechanics && dt > 0.0
     }
 
-    /// Whether rows that read no ghost are summed before ghosts have come from other ranks.
+    /// Whether inner rows are summed before ghosts have arrived from other ranks.
     fn begins_inside(&mut self) -> bool {
         let has_others = self.domain.as_ref().is_some_and(|domain| domain.ranks.size() > 1);
         if !has_others || self.idle(self.step.dt) {
@@ -259,7 +261,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.inner.parts() > 0
     }
 
-    /// Sums the rows that read no ghost, and lets messages get on meanwhile.
+    /// Sums the inner rows, while messages make progress.
     fn sum_inside(&mut self, sum: impl Fn(&mut Self, Rows)) {
         for part in 0..self.inner.parts() {
             sum(self, Rows::Inner(part));
@@ -268,7 +270,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.is_begun = true;
     }
 
-    /// The rows a stage has left.
+    /// The remaining rows of a stage.
     fn rows_left(&mut self) -> Rows {
         if std::mem::take(&mut self.is_begun) { Rows::Rest } else { Rows::All }
     }

@@ -18,8 +18,8 @@ impl<T: PairScalar> CpuEngine<T> {
         self.model.numerics.mls_interval.is_some_and(due)
     }
 
-    /// Replaces the density just reached by its moving-least-squares estimate. A particle whose moment matrix is singular (too few
-    /// neighbours, or all on a line) keeps its density.
+    /// Replaces the updated density by its moving-least-squares estimate. A particle whose moment matrix is singular
+    /// (too few neighbours, or all on a line) keeps its density.
     pub(super) fn restore_densities(&mut self) -> Result<(), RunFailure> {
         let dimension = super::dimension(&self.model);
         let kernel = self.model.numerics.kernel;
@@ -66,7 +66,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let half = 0.5 * self.step.dt;
         let p = &self.particles;
         let mut energy = [self.step.mls_energy];
-        // Pressure changes without work: the volume change it would have taken is an entry of the ledger.
+        // The pressure changes without work. The work that the corresponding volume change would do is an entry of the
+        // energy balance.
         let add = |energy: &mut [f64]| {
             for (i, &rho) in restored.iter().enumerate() {
                 let old = p.density[i];

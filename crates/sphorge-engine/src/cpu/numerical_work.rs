@@ -1,16 +1,16 @@
-//! What viscosity, artificial stress and hourglass springs have turned into internal energy.
+//! Energy that viscosity, artificial stress and hourglass springs have converted to internal energy.
 //!
-//! Powers of pairs are parts of the energy rate of the particles and are integrated as it is: those of the last force sum over the time
-//! of a kick. The bulk viscosity is a pressure of the particle; its power follows from the deformation of a step and counts for that
-//! step. Works are kept for each block of particles, whichever these are, and added up where they are asked for: the sum depends on
-//! neither threads nor ranks, and no step waits for it.
+//! The powers of pairs are parts of the energy rate of the particles and are integrated like it: those of the last
+//! force sum over the time of a kick. The bulk viscosity is a pressure of the particle; its power follows from the
+//! deformation of a step and counts for that step. Works are kept per block of particles and added up on request, so
+//! the sum depends on neither threads nor ranks, and no step waits for it.
 
 use super::domain::Domain;
 use crate::RunFailure;
 use crate::neighbors::BLOCK;
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces};
 
-/// The work of one force that stands for no stress of the material, block by block.
+/// The work of one numerical force, block by block.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorkSum {
     /// Power at the last force sum, W.
@@ -53,13 +53,13 @@ pub(super) struct NumericalWork {
 }
 
 impl NumericalWork {
-    /// Of that many particles.
+    /// For that many particles.
     pub(super) fn new(count: usize) -> Self {
         let of = || WorkSum::new(count);
         Self { hourglass: of(), viscous: of(), artificial_stress: of() }
     }
 
-    /// Books the works of the last powers over a time `dt`, s.
+    /// Adds the last powers times `dt`, s, to the works.
     pub(super) fn book(&mut self, dt: f64) {
         for work in [&mut self.hourglass, &mut self.viscous, &mut self.artificial_stress] {
             work.book(dt);

@@ -1,4 +1,4 @@
-//! What a run must survive with: everything the steps to come depend on.
+//! Saved state: everything that the following steps depend on.
 
 use super::CpuEngine;
 use crate::engine::Part;
@@ -8,23 +8,24 @@ use crate::particles::Owner;
 use crate::persist::{Archive, ArchiveError, Persist, require};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Saves or loads the state of the engine. Ranks save together what one process would, in the common order of the particles, and load it with
-    /// whatever share each has then.
+    /// Saves or loads the state of the engine. Ranks together save what one process would, in the common order of the
+    /// particles, and load it with the shares they have then.
     ///
-    /// - columns of the particles in their present order, with rates, base values and the marks of searches;
-    /// - who the images are; their columns follow, and who the ghosts of a rank are;
-    /// - where walls stand; what prescribed motions are is in their tables and the time;
+    /// - columns of the particles in their current order, with rates, base values and the marks of searches;
+    /// - the list of images; their columns and the ghosts of a rank follow from it;
+    /// - positions of walls; prescribed motions follow from their tables and the time;
     /// - work, impulse, energy of density restorations, works and powers of viscosity, artificial stress and hourglass springs, steps begun, pairs;
     /// - which bodies have come apart;
     /// - contacts: pairs, powers and works; heat: the last flow, its age, its accounts and limits;
-    /// - where particles were searched and the order of the cells, of which rows follow; rows, who is among strangers and kept distances of strategies
-    ///   that do not search all rows at once; the displacement bounds that say when lists are renewed;
-    /// - the frame of the records. Records and scratch are made anew in every step.
+    /// - positions at the last search and the order of the cells, from which rows follow; for strategies that do not
+    ///   search all rows at once also rows, contact candidates and stored distances; the displacement bounds that
+    ///   decide when lists are renewed;
+    /// - the frame of the records. Records and working memory are computed again in every step.
     pub(super) fn persist_all(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.has_come_apart.persist("has_come_apart", archive)?;
         require(self.has_come_apart.len() == self.model.bodies.len(), "has_come_apart")?;
         if self.has_come_apart.contains(&true) {
-            // Its columns are there from the first renewal on.
+            // Its columns exist from the first renewal on.
             self.particles.allocate(Owner::Renewal);
         } else {
             self.particles.release(Owner::Renewal);
@@ -57,7 +58,7 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// Refuses particles that were loaded and say of themselves what there is not.
+    /// Refuses loaded particles with invalid indices.
     fn check_places(&self, particles: &str, halo: &str) -> Result<(), ArchiveError> {
         let (model, p) = (&*self.model, &self.particles);
         let below = |column: &[u32], end: usize, name: &str| {

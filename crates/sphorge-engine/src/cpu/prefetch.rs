@@ -1,7 +1,7 @@
-//! Asking for memory before it is needed.
+//! Prefetching of memory.
 
-/// Asks for what lies behind these values and is as long: the next block of a column. A pass that reads and writes some twenty
-/// columns at a time is more than the processor foresees by itself.
+/// Prefetches the memory behind these values, of the same length: the next block of a column. A pass that reads and
+/// writes some twenty columns at a time is more than the hardware prefetcher can follow.
 #[inline(always)]
 pub(super) fn prefetch_behind<V>(values: &[V]) {
     #[cfg(target_arch = "x86_64")]

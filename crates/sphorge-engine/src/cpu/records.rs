@@ -1,4 +1,5 @@
-//! What a pair sum reads of a neighbour, one record per particle, so that a neighbour costs one or two cache lines.
+//! Data of a neighbour that a pair sum reads, one record per particle, so that a neighbour costs one or two cache
+//! lines.
 
 use crate::halo::{Columns, GhostColumn, Packed};
 use crate::lanes::PairScalar;
@@ -7,7 +8,7 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use smallvec::smallvec;
 use sphorge_physics::Vector;
 
-/// Axes along which a mirror turns the sign of an entry, twice none for one that is the same.
+/// Axes along which a mirror image changes the sign of an entry; two equal axes mean no change.
 type Axes = (u8, u8);
 const SAME: Axes = (0, 0);
 const ALONG: [Axes; 3] = [(1, 0), (2, 0), (4, 0)];
@@ -62,7 +63,7 @@ pub(super) mod extra {
     pub(crate) const R: usize = 0;
     /// Balsara factor.
     pub(crate) const BALSARA: usize = 6;
-    /// Mass over the weight of the force record: the density its volume is of.
+    /// Mass over the weight of the force record, that is the density of its volume.
     pub(crate) const MASS_PER_WEIGHT: usize = 7;
     pub(crate) const LEN: usize = 8;
     pub(super) const AXES: [Axes; LEN] = {
@@ -75,7 +76,7 @@ pub(super) mod extra {
 pub(super) const CORRECTED_LEN: usize = 9;
 const CORRECTED_AXES: [Axes; CORRECTED_LEN] = [(1, 1), (1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (4, 4)];
 
-/// Entries of an hourglass record: position as it is, deformation gradient, stiffness `alpha E`, largest stress.
+/// Entries of an hourglass record: current position, deformation gradient, stiffness `alpha E`, largest stress.
 pub(super) mod hourglass {
     pub(crate) const X: usize = 0;
     pub(crate) const F: usize = 3;
@@ -84,7 +85,7 @@ pub(super) mod hourglass {
     pub(crate) const LEN: usize = 16;
 }
 
-/// Records of particles and ghosts in the precision they have.
+/// Records of particles and ghosts in their precision.
 fn packed<'a, T: PairScalar>(own: &'a [T], ghosts: &'a mut [T], axes: &'a [Axes]) -> GhostColumn<'a> {
     if size_of::<T>() == size_of::<f32>() {
         GhostColumn::Single(Packed { own: cast_slice(own), ghosts: cast_slice_mut(ghosts), axes })
@@ -105,14 +106,14 @@ pub(super) struct Records<T> {
     /// Empty unless needed.
     pub(super) hourglass: Vec<[T; hourglass::LEN]>,
     pub(super) frame: Frame,
-    /// Where ghosts are for the velocity gradient, m.
+    /// Positions of ghosts for the velocity gradient, m.
     ghost_places: Vec<Vector<f64>>,
-    /// Where particles are for it, m, where there are ghosts.
+    /// Positions of particles for it, m, if there are ghosts.
     places: Vec<Vector<f64>>,
 }
 
 impl<T: PairScalar> Records<T> {
-    /// Makes room for `count` particles and ghosts.
+    /// Allocates memory for `count` particles and ghosts.
     pub(super) fn resize(&mut self, count: usize, extra: bool, corrected: bool) {
         self.kinematic.resize(count, [T::zero(); kinematic::LEN]);
         self.force.resize(count, [T::zero(); force::LEN]);
@@ -124,13 +125,13 @@ impl<T: PairScalar> Records<T> {
         }
     }
 
-    /// Where the `count` particles are for the velocity gradient, m, to be filled where there are ghosts.
+    /// Positions of the `count` particles for the velocity gradient, m, to be filled if there are ghosts.
     pub(super) fn places(&mut self, count: usize) -> &mut [Vector<f64>] {
         self.places.resize(count, [0.0; 3]);
         &mut self.places
     }
 
-    /// The kinematic records of so many ghosts, which follow those of the `count` particles. Coordinates are written by
+    /// The kinematic records of the ghosts, which follow those of the `count` particles. Coordinates are written by
     /// [`Self::place_kinematic_ghosts`].
     pub(super) fn kinematic_of_ghosts(&mut self, count: usize, ghosts: usize) -> [GhostColumn<'_>; 2] {
         self.ghost_places.resize(ghosts, [0.0; 3]);
@@ -139,14 +140,14 @@ impl<T: PairScalar> Records<T> {
         [GhostColumn::Point(&self.places, &mut self.ghost_places), records]
     }
 
-    /// Writes the coordinates of ghosts where they are for the velocity gradient.
+    /// Writes the coordinates of ghosts for the velocity gradient.
     pub(super) fn place_kinematic_ghosts(&mut self, count: usize) {
         for (record, place) in self.kinematic[count..].iter_mut().zip(&self.ghost_places) {
             record[kinematic::X..kinematic::X + 3].copy_from_slice(&self.frame.encode::<T>(place));
         }
     }
 
-    /// The force records of ghosts, and what else is packed for the forces.
+    /// The force records of ghosts, and the other records packed for the forces.
     pub(super) fn forces_of_ghosts(&mut self, count: usize) -> Columns<'_> {
         let (own, ghosts) = self.force.split_at_mut(count);
         let mut columns: Columns<'_> = smallvec![packed(own.as_flattened(), ghosts.as_flattened_mut(), &force::AXES)];

@@ -1,5 +1,5 @@
-//! Conduction in the total Lagrangian form: sums over the initial neighbours at the initial positions, whose formulas are those of
-//! [`sphorge_physics::conduction`].
+//! Conduction in the total Lagrangian form: sums over the initial neighbours at the initial positions. The formulas are
+//! in [`sphorge_physics::conduction`].
 
 use super::conduction_table::ConductionTable;
 use super::ghosts::WithGhosts;
@@ -10,7 +10,7 @@ use sphorge_physics::conduction::{Inflow, add_temperature_gradient, added_flow, 
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::{Tensor, Vector, tensor::dot};
 
-/// Particles and ghosts, as a flow is summed from them in the initial configuration.
+/// The data of particles and ghosts that the sum of the flow reads, in the initial configuration.
 #[derive(Clone, Copy)]
 pub(super) struct ReferencePoints<'a> {
     position: WithGhosts<'a, Vector<f64>>,
@@ -18,7 +18,7 @@ pub(super) struct ReferencePoints<'a> {
     smoothing_length: WithGhosts<'a, f64>,
     temperature: WithGhosts<'a, f64>,
     body: WithGhosts<'a, u32>,
-    /// `q B` of every particle, W/m²: what deformation adds.
+    /// `q B` of every particle, W/m²: the contribution of the deformation.
     flow: WithGhosts<'a, Vector<f64>>,
     deformation: &'a [Tensor<f64>],
 }
@@ -38,7 +38,7 @@ impl<'a> ReferencePoints<'a> {
 }
 
 impl ConductionTable {
-    /// Gradient of the temperature, K/m, still to be corrected.
+    /// Temperature gradient, K/m, before the correction.
     fn temperature_gradient(&self, i: usize, row: &[u32], points: &ReferencePoints<'_>) -> Vector<f64> {
         let ReferencePoints { position, volume, smoothing_length, temperature, .. } = points;
         let x_i = position.at(i);
@@ -55,7 +55,7 @@ impl ConductionTable {
         gradient
     }
 
-    /// Adds what flows to a particle from its initial neighbours.
+    /// Adds the heat flow to a particle from its initial neighbours.
     pub(super) fn add_reference(&self, sum: &mut Inflow<f64>, i: usize, row: &[u32], points: &ReferencePoints<'_>) {
         let ReferencePoints { position, volume, smoothing_length, temperature, body, flow, .. } = points;
         let better = best_flow(&points.deformation[i]);

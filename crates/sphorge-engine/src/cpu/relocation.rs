@@ -1,22 +1,23 @@
-//! Particles that change their places in the common order, and some of them their rank: all columns of those that go to another rank are one message.
+//! Particles that change their index in the common order, and some of them their rank: one message with all columns of
+//! those that go to another rank.
 
 use crate::RunFailure;
 use crate::particles::{ColumnVisitor, Particles};
 use crate::persist::Fixed;
 use crate::ranks::{Ranks, unreadable};
 
-/// Where particles go that change their places in the common order.
+/// New positions of particles in the common order.
 pub(super) struct Relocation {
     ranks: Ranks,
     /// Particles that go to each rank, in their new order.
     leaving: Vec<Vec<u32>>,
-    /// Of every new place of this rank, whose particle comes.
+    /// For every new index of this rank, the source of its particle.
     from: Vec<u32>,
 }
 
 impl Relocation {
-    /// Place `k` of the common order is to receive what is at `order[k]`; the particles of each rank begin at the first of `places`, and then at the
-    /// second, with their number behind.
+    /// Index `k` of the common order receives the particle at `order[k]`. The first particles of each rank are at the
+    /// first of `places` before, at the second afterwards, followed by the number of particles.
     pub(super) fn new(ranks: Ranks, (former, starts): (&[usize], &[usize]), order: &[u32]) -> Self {
         let (rank, size) = (ranks.rank(), ranks.size());
         let own = former[rank]..former[rank + 1];
@@ -33,11 +34,11 @@ impl Relocation {
 
     /// Moves every column, in one message to each rank.
     ///
-    /// Only what goes to another rank is copied: the most that is held at once is what the columns take before or afterwards, whichever is more, the messages
-    /// that come, and one column.
+    /// Only particles that go to another rank are copied. The largest memory at once is that of the columns before or
+    /// afterwards, whichever is more, plus the incoming messages and one column.
     ///
     /// # Errors
-    /// A rank is lost; some particles are, too, then.
+    /// A rank is lost, and with it some particles.
     pub(super) fn apply(&self, particles: &mut Particles) -> Result<(), RunFailure> {
         let width = particles.width();
         let mut leaving = Leaving::new(self, width);
@@ -48,7 +49,7 @@ impl Relocation {
         coming.is_readable.then_some(()).ok_or_else(unreadable)
     }
 
-    /// Bytes that come from each rank, of so many for each particle.
+    /// Bytes that arrive from each rank, given the number for each particle.
     fn lengths(&self, width: usize) -> Vec<usize> {
         let mut lengths = vec![0; self.ranks.size()];
         for &rank in self.from.iter().filter(|rank| **rank as usize != self.ranks.rank()) {
@@ -58,7 +59,7 @@ impl Relocation {
     }
 }
 
-/// Takes the particles that go to other ranks out of each column and puts the others in their new order.
+/// Removes the particles that go to other ranks from each column and sorts the others into their new order.
 struct Leaving<'a> {
     relocation: &'a Relocation,
     /// To each rank, column by column.
@@ -71,7 +72,7 @@ impl<'a> Leaving<'a> {
     fn new(relocation: &'a Relocation, width: usize) -> Self {
         let rank = relocation.ranks.rank();
         let room = |(r, places): (usize, &Vec<u32>)| if r == rank { 0 } else { width * places.len() };
-        // At once: growing would hold the message twice.
+        // Allocated at once, because growing would hold the message twice.
         let to = relocation.leaving.iter().enumerate().map(|place| Vec::with_capacity(room(place))).collect();
         Self { relocation, to, is_used: Vec::new() }
     }
@@ -91,7 +92,7 @@ impl ColumnVisitor for Leaving<'_> {
     }
 }
 
-/// Puts the particles that have come between those that have stayed.
+/// Inserts the particles that have arrived between those that stay.
 struct Coming<'a> {
     relocation: &'a Relocation,
     is_used: std::vec::IntoIter<bool>,

@@ -1,9 +1,10 @@
-//! Renewal of the reference configuration: what the total Lagrangian form does about material that comes apart.
+//! Renewal of the reference configuration of bodies in the total Lagrangian form that come apart.
 //!
-//! Sums over the initial neighbours keep together what was together, and are right for a foot that is pressed flat. Where a body is
-//! stretched beyond a bound, a smaller one where it is liquid, it has come apart, and from then on its present configuration takes the place of the reference one again and
-//! again: positions, volumes and neighbours are those of now, deformation gradients begin at one. State is not touched: stress, density,
-//! energy and plastic strain belong to the particle, and forces stay pairwise. Parts with no neighbours in common are pieces then.
+//! Sums over the initial neighbours keep material together, which is right even for a foot that is pressed flat. A body
+//! that is stretched beyond a bound, a smaller one where it is liquid, has come apart. From then on its current
+//! configuration repeatedly becomes its reference configuration: positions, volumes and neighbours are the current
+//! ones, and deformation gradients start at one. The state does not change: stress, density, energy and plastic strain
+//! belong to the particle, and forces stay pairwise. Parts without common neighbours are then separate pieces.
 
 use super::CpuEngine;
 use crate::RunFailure;
@@ -17,8 +18,8 @@ use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, is_deformed
 use std::sync::atomic::{AtomicBool, Ordering};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Makes the present configuration of the bodies that are deformed too far their reference. The lists are stale then. Returns whether
-    /// there was one.
+    /// Makes the current configuration of bodies that are deformed too far their reference. The lists are then out of
+    /// date. Returns whether there was such a body.
     pub(super) fn renew_references(&mut self) -> Result<bool, RunFailure> {
         let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else {
             return Ok(false);

@@ -1,8 +1,8 @@
-//! The force through a section: what particles ahead of the plane do to those behind it.
+//! The force through a section: that of the particles ahead of the plane on those behind it.
 //!
-//! Every pair whose particles stand on either side counts with the whole force between them: stress, viscosity, artificial stress,
-//! hourglass springs, contact. The sums are those of the step, over the pairs that cross alone, so what is behind the plane takes
-//! up exactly this force and those from outside.
+//! Every pair with particles on either side counts with the whole force between them: stress, viscosity, artificial
+//! stress, hourglass springs, contact. The sums are those of the step, over the pairs that cross the plane only, so the
+//! material behind the plane receives exactly this force and the external ones.
 
 use super::CpuEngine;
 use super::ghosts::Ghosts;
@@ -18,14 +18,14 @@ use smallvec::smallvec;
 use sphorge_physics::Vector;
 use sphorge_physics::section::{counted_by_row, share_through};
 
-/// Where particles stood where forces were last evaluated, m, and ghosts.
+/// Positions of particles and ghosts at the last force evaluation, m.
 struct Standing<'a> {
     own: &'a [Vector<f64>],
     ghosts: Vec<Vector<f64>>,
 }
 
 impl<'a> Standing<'a> {
-    /// Images stand where they were exchanged, particles of other ranks where these have them.
+    /// Images are at their exchanged positions, particles of other ranks at the positions on those ranks.
     fn new(own: &'a [Vector<f64>], ghosts: &Ghosts) -> Self {
         let mut places = vec![[0.0; 3]; ghosts.count()];
         let columns = smallvec![GhostColumn::Point(own, &mut places)];
@@ -46,13 +46,13 @@ struct Sides {
     ahead: Vec<f64>,
     /// Whether the particle, or the one a ghost stands for, counts.
     counts: Vec<bool>,
-    /// How much of a pair with it the row of the other counts: that with a ghost may cross the plane a second time, as the pair of its particle with a
-    /// ghost of the other.
+    /// How much of a pair with it the row of the other particle counts: a pair with a ghost may cross the plane a
+    /// second time, as the pair of its particle with a ghost of the other.
     counted: Vec<f64>,
 }
 
 impl Sides {
-    /// Of particles at `places` (m) and of their images.
+    /// For particles at `places` (m) and their images.
     fn new(section: &Section, particles: &Particles, places: &Standing<'_>, ghosts: &Ghosts, spacing: f64) -> Self {
         let ahead = |x: &Vector<f64>| (0..3).map(|a| (x[a] - section.point[a]) * section.normal[a]).sum();
         let of_body = |&body: &u32| section.body.is_none_or(|wanted| wanted == body as usize);
@@ -68,7 +68,7 @@ impl Sides {
         Self { counted: counted.collect(), counts: bodies.map(of_body).collect(), ahead }
     }
 
-    /// How much of the force of `j` on `i` goes through the plane, seen from behind.
+    /// Share of the force of `j` on `i` through the plane, seen from behind.
     fn share(&self, i: usize, j: usize) -> f64 {
         if !self.counts[i] || !self.counts[j] {
             return 0.0;
@@ -77,11 +77,11 @@ impl Sides {
     }
 }
 
-/// Pairs of a block whose share is the same but for its sign.
+/// Pairs of a block whose shares differ only in sign.
 #[derive(Default)]
 struct Crossing {
     block: Block,
-    /// Their places among the padded entries of the block they are of.
+    /// Their indices among the padded entries of the block they are in.
     entries: Vec<usize>,
 }
 
@@ -104,7 +104,8 @@ impl Crossing {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Force of the material ahead of a plane on that behind it where forces were last evaluated, N; none before they were.
+    /// Force of the material ahead of a plane on that behind it at the last force evaluation, N; none before the first
+    /// one.
     ///
     /// # Errors
     /// A rank is lost.

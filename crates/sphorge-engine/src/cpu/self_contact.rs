@@ -1,16 +1,18 @@
-//! Contact of a body with itself in the total Lagrangian form, whose sums know no neighbours but those of the reference configuration.
+//! Contact of a body with itself in the total Lagrangian form, whose sums see only the neighbours of the reference
+//! configuration.
 //!
-//! Particles of the outermost layer of a body have a normal. Those of one body that are no neighbours in the reference configuration are in
-//! contact, by the law of different bodies, where they are of different sides of the surface: those of a fold or a slot, not those of a sheet, an
-//! edge or a foot that is pressed flat. Which side is which is asked of the reference configuration: were it asked of the present one, pairs
-//! that slide past each other under load would come and go with all their energy. Images of the body in symmetry planes are met alike.
+//! Particles of the outermost layer of a body have a normal. Two of them that are not neighbours in the reference
+//! configuration are in contact, by the law of different bodies, if they are on different sides of the surface: those
+//! of a fold or a slot, not those of a sheet, an edge or a foot that is pressed flat. The sides are determined in the
+//! reference configuration. In the current one, pairs that slide past each other under load would appear and disappear
+//! with all their energy. Images of the body in symmetry planes are treated in the same way.
 
 use super::ghosts::WithGhosts;
 use crate::particles::Particles;
 use sphorge_physics::surface::{are_different_sides, sides_of_a_sheet, soon_different_sides, surface_normal};
 use sphorge_physics::{Tensor, Vector};
 
-/// The surfaces of bodies that meet themselves.
+/// The surfaces of bodies with self-contact.
 #[derive(Clone, Copy)]
 pub(super) struct Surfaces<'a> {
     reference_normal: WithGhosts<'a, Vector<f64>>,
@@ -18,7 +20,7 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// Of particles, with the ghosts behind them; empty where no body meets itself.
+    /// Of particles, followed by the ghosts; empty without self-contact.
     pub(super) fn new(normal: &'a [Vector<f64>], deformation: &'a [Tensor<f64>], ghosts: &'a Particles) -> Self {
         Self {
             reference_normal: WithGhosts::new(normal, &ghosts.reference_normal),

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use sphorge_physics::kernel::following_smoothing_length;
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Takes the smoothing lengths to the present density; they stay through the step, so that both of its sums see the same
-    /// kernels.
+    /// Updates the smoothing lengths to the current density. They are constant during the step, so that both of its
+    /// sums see the same kernels.
     pub(super) fn follow_density(&mut self) -> Result<(), RunFailure> {
         let SmoothingLength::FollowDensity { factor } = self.model.numerics.smoothing_length else { return Ok(()) };
         let model = &*self.model;
@@ -29,8 +29,8 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(())
     }
 
-    /// The thinnest skin since the last search, as a length to be multiplied by the support, m; `constant` where smoothing lengths
-    /// are. What kernels have grown by is no longer skin. The lists must be in the order of the particles.
+    /// The thinnest skin since the last search, as a length to be multiplied by the support, m; `constant` for constant
+    /// smoothing lengths. The growth of kernels reduces the skin. The lists must be in the order of the particles.
     pub(super) fn skin_left(&self, constant: f64, fraction: f64) -> Result<f64, RunFailure> {
         if self.model.numerics.smoothing_length == SmoothingLength::Constant {
             return Ok(constant);
@@ -44,8 +44,8 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-/// Smoothing lengths by body (m) that the search goes by at least: those of particles may shrink, the contact between bodies keeps
-/// those of the start. `None` where no particle's is smaller.
+/// Lower bounds by body (m) of the smoothing lengths in the search: those of particles may shrink, while the contact
+/// between bodies keeps the initial ones. `None` if no particle has a smaller one.
 pub(super) fn least_searched<'a>(model: &Model, contacts: Option<&'a BodyContacts>) -> Option<&'a [f64]> {
     match model.numerics.smoothing_length {
         SmoothingLength::Constant => None,

@@ -1,5 +1,5 @@
-//! Distances kept from the last search: what "stored kernel values" mean. A kernel value is a function of the distance, so
-//! keeping one keeps the other, at three numbers a pair.
+//! Distances stored at the last search, the "stored kernel values" of the paper. A kernel value is a function of the
+//! distance, so storing one is storing the other, with three numbers per pair.
 
 use crate::lanes::{Lanes, PairScalar};
 use crate::neighbors::{BLOCK, Block, NeighborList, PAD};
@@ -13,7 +13,7 @@ pub(crate) struct StoredPairs<T> {
     blocks: Vec<StoredBlock<T>>,
 }
 
-/// Distances of the rows of a block, components apart in groups of [`PAD`] pairs, m.
+/// Distances of the rows of a block, components separate in groups of [`PAD`] pairs, m.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StoredBlock<T> {
     starts: Vec<u32>,
@@ -21,7 +21,7 @@ pub(crate) struct StoredBlock<T> {
 }
 
 impl<T: PairScalar> StoredPairs<T> {
-    /// Takes the distances of the rows `searched` says were searched; the others keep theirs.
+    /// Updates the distances of the rows that `searched` returns true for; the others keep theirs.
     pub(crate) fn rebuild(
         &mut self,
         list: &NeighborList,
@@ -74,7 +74,7 @@ impl<T: PairScalar> StoredBlock<T> {
         self.starts.extend((0..=block.len()).map(|k| block.start(k) as u32));
     }
 
-    /// Distances of some of the pairs, those at `entries` of this block, which are the rows of `part` one behind the other.
+    /// Distances of some of the pairs, those at `entries` of this block, which are the contiguous rows of `part`.
     pub(super) fn part(&self, part: &Block, entries: &[usize]) -> Self {
         let mut x = vec![T::zero(); 3 * part.padded_len()];
         let mut entries = entries.iter();
@@ -102,7 +102,7 @@ impl<T: PairScalar> StoredBlock<T> {
 }
 
 impl<T: PairScalar> StoredPairs<T> {
-    /// Saves or loads the distances of the pairs of a list, where they are kept.
+    /// Saves or loads the distances of the pairs of a list, if they are stored.
     ///
     /// # Errors
     /// See [`ArchiveError`].

@@ -1,4 +1,4 @@
-//! The stress of a block of particles side by side, on SIMD lanes: all that does not ask the flow law.
+//! The stress of a block of particles, computed with SIMD: everything but the flow law.
 
 use super::records::{extra, force};
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
@@ -9,8 +9,8 @@ use sphorge_physics::return_mapping::elastic_margin;
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power};
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, artificial_stress, stress};
 
-/// What the stress of a block of particles is computed from and becomes, a column for each quantity. Places behind the last particle hold
-/// anything.
+/// Input and output of the stress of a block of particles, a column for each quantity. Entries behind the last particle
+/// are undefined.
 pub(super) struct StressColumns {
     /// Deviator after the step, Pa.
     deviator: [[f64; BLOCK]; 6],
@@ -18,7 +18,7 @@ pub(super) struct StressColumns {
     divergence: [f64; BLOCK],
     /// Of the elastic step and of the return, Pa.
     pub(super) shear_modulus: [f64; BLOCK],
-    /// Yield stress of the last step, Pa, where a stress below it is known to be elastic, else zero.
+    /// Yield stress of the last step, Pa, if a stress below it is known to be elastic, else zero.
     pub(super) known_yield_stress: [f64; BLOCK],
     pub(super) density: [f64; BLOCK],
     /// Specific internal energy, J/kg.
@@ -51,8 +51,8 @@ impl StressColumns {
         }
     }
 
-    /// Takes deviators through an elastic step of the shear moduli; pressure and sound speed follow from density and energy. Bit k of
-    /// what comes back is set where that is all there is to particle k; for the others a flow law is to be asked.
+    /// Advances deviators by an elastic step with the shear moduli; pressure and sound speed follow from density and
+    /// energy. Bit k of the result is set if this completes particle `k`; the others need the flow law.
     #[inline(always)]
     pub(super) fn take_elastic_step(
         &mut self,
@@ -64,7 +64,7 @@ impl StressColumns {
         let mut elastic = 0;
         let material = &materials[most as usize];
         run(instructions, ElasticStep { columns: self, particles, material, elastic: &mut elastic });
-        // Where bodies meet, those of another material are few.
+        // Particles of another material are few, where bodies meet.
         for (k, m) in particles.material.iter().enumerate() {
             if *m != most {
                 let state = materials[*m as usize].pressure(self.density[k], self.energy[k]);
@@ -74,9 +74,9 @@ impl StressColumns {
         elastic
     }
 
-    /// Power of the bulk viscosity over the step, W, on particles of these masses (kg). Kicks take half of a step with the pressure
-    /// before it, half with that after it, and drift with the velocities of its middle, of which the divergence is. `pressures`, Pa,
-    /// are the ones before and become the ones after.
+    /// Power of the bulk viscosity over the step, W, for particles of these masses (kg). A kick takes half of the step
+    /// with the pressure before it and half with that after it, and the drift has the velocities of mid-step, which the
+    /// divergence belongs to. `pressures`, Pa, are those before and become those after the step.
     pub(super) fn viscous_power(
         &self,
         parameters: ViscosityParameters<f64>,
@@ -108,7 +108,7 @@ impl StressColumns {
     }
 }
 
-/// What an elastic step starts from, as particles have it.
+/// Input of an elastic step from the columns of the particles.
 pub(super) struct ElasticInputs<'a> {
     pub(super) material: &'a [u32],
     pub(super) deviator: &'a [SymmetricTensor<f64>],
@@ -118,7 +118,7 @@ pub(super) struct ElasticInputs<'a> {
 }
 
 impl ElasticInputs<'_> {
-    /// Deviators and velocity gradients from particle `k` on; the last one in the lanes behind it.
+    /// Deviators and velocity gradients from particle `k` on; lanes beyond the last particle repeat it.
     #[inline(always)]
     fn lanes<L: Lanes<Element = f64>>(&self, k: usize) -> (SymmetricTensor<L>, Tensor<L>) {
         let last = self.deviator.len() - 1;
@@ -137,7 +137,7 @@ impl ElasticInputs<'_> {
             deviator[c] = L::load(&s[c]);
         }
         let (gradients, _) = self.velocity_gradient.as_flattened().as_flattened().as_chunks::<9>();
-        // Eight at a time are taken apart by shuffles.
+        // Eight at a time are transposed by shuffles.
         let [xx, xy, xz, yx, yy, yz, zx, zy]: [L; 8] = L::gather_part(gradients, &indices, 0);
         let [zz]: [L; 1] = L::gather_part(gradients, &indices, 8);
         (SymmetricTensor::from_array(deviator), [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]])
@@ -177,18 +177,18 @@ impl Job<f64> for ElasticStep<'_> {
     }
 }
 
-/// What the force sum wants to know of the stress.
+/// Options of the stress data for the force sum.
 #[derive(Clone, Copy)]
 pub(super) struct StressForm {
     pub(super) pair_form: PairForm,
-    /// Where viscosity is a pressure of the particle.
+    /// If viscosity is a pressure of the particle.
     pub(super) bulk_viscosity: Option<ViscosityParameters<f64>>,
     /// Whether there is artificial stress.
     pub(super) artificial_stress: bool,
     pub(super) dimension: Dimension,
 }
 
-/// Cauchy stress from deviator and pressure, scaled, and its artificial stress, written where the force sum reads them.
+/// Scaled Cauchy stress from deviator and pressure, and its artificial stress, written to the records of the force sum.
 pub(super) struct PackStress<'a, T> {
     pub(super) columns: &'a StressColumns,
     pub(super) form: StressForm,

@@ -1,4 +1,4 @@
-//! The two pair sweeps over all blocks: packing what they read, choosing the compiled variant, storing what they sum.
+//! The two pair loops over all blocks: packing their input, choosing the compiled variant, storing their sums.
 
 use super::CpuEngine;
 use super::forces::{ForceJob, ForceSum, ForceTerms};
@@ -38,8 +38,8 @@ macro_rules! dispatch_dimension {
 
 pub(super) use dispatch_dimension;
 
-/// The sums of the first sweep, block by block, over the records as they are. The compiled variant is chosen once a block: loops over
-/// blocks are compiled but once.
+/// The sums of the first pair loop, block by block, over the records. The compiled variant is chosen once per block:
+/// loops over blocks are compiled only once.
 pub(super) struct GradientSweep<'a, T> {
     records: &'a [[T; kinematic::LEN]],
     list: &'a NeighborList,
@@ -61,7 +61,7 @@ impl<'a, T: PairScalar> GradientSweep<'a, T> {
         Self { records: &records.kinematic, list: &lists.list, stored, constants, instructions, dimension }
     }
 
-    /// Sums of the particles of block `b`; with `moments`, those of the gradient correction too.
+    /// Sums of the particles of block `b`; with `moments` also those of the gradient correction.
     pub(super) fn block(&self, b: usize, moments: bool, sums: &mut [GradientSum<T>; BLOCK]) {
         dispatch_dimension!(self.dimension, |D| {
             if moments { self.variant::<D, true>(b, sums) } else { self.variant::<D, false>(b, sums) }
@@ -81,7 +81,7 @@ impl<'a, T: PairScalar> GradientSweep<'a, T> {
     }
 }
 
-/// The sums of the second sweep, block by block.
+/// The sums of the second pair loop, block by block.
 struct ForceSweep<'a, T> {
     records: &'a Records<T>,
     constants: &'a PairConstants<T>,
@@ -92,7 +92,8 @@ struct ForceSweep<'a, T> {
 }
 
 impl<T: PairScalar> ForceSweep<'_, T> {
-    /// Sums of the particles of block `b` over its `rows`. Corrected sums have no variant for the default terms: few decks ask for both.
+    /// Sums of the particles of block `b` over its `rows`. Corrected sums have no variant for the default terms,
+    /// because few decks use both.
     fn block(
         &self,
         b: usize,
@@ -128,8 +129,8 @@ impl<T: PairScalar> ForceSweep<'_, T> {
     }
 }
 
-/// What the force sum of a block writes: acceleration, energy rate, XSPH velocity, `mu`, and the powers of the viscosity of pairs and of
-/// the artificial stress, W.
+/// Output of the force sum of a block: acceleration, energy rate, XSPH velocity, `mu`, and the powers of the pair
+/// viscosity and of the artificial stress, W.
 type ForceColumns<'a> =
     (&'a mut [Vector<f64>], &'a mut [f64], &'a mut [Vector<f64>], &'a mut [f64], (&'a mut f64, &'a mut f64));
 
@@ -139,7 +140,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.formulation.is_corrected(&self.model)
     }
 
-    /// Makes room for the records of all particles and ghosts.
+    /// Allocates memory for the records of all particles and ghosts.
     pub(super) fn make_records(&mut self) {
         let numerics = &self.model.numerics;
         let extra = numerics.artificial_stress.is_some() || numerics.balsara || numerics.xsph != 0.0;
@@ -152,7 +153,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.step.pairs = self.particles.neighbors.iter().map(|&n| u64::from(n)).sum();
     }
 
-    /// What pairs do to each other beside their stress.
+    /// Terms of the pair forces besides the stress.
     fn force_terms(&self) -> ForceTerms<T> {
         let numerics = &self.model.numerics;
         let viscosity = self.formulation.pair_viscosity(&self.model);
@@ -166,7 +167,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Forces on the particles of block `b` by some of their pairs, N, in the state forces were last evaluated in.
+    /// Forces on the particles of block `b` by some of their pairs, N, in the state of the last force evaluation.
     pub(super) fn forces_of_rows(&self, b: usize, rows: &Block, stored: Option<&StoredBlock<T>>) -> Vec<Vector<f64>> {
         let terms = self.force_terms();
         let sweep = ForceSweep {
@@ -244,7 +245,7 @@ impl<T: PairScalar> CpuEngine<T> {
         )
             .into_par_iter()
             .enumerate();
-        // Where it is not asked for, the column is empty.
+        // The column is empty if it is not needed.
         if artificial_power.is_empty() {
             blocks
                 .filter(|(b, _)| inner.is_summed_in(*b, rows))

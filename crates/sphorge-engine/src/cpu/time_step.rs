@@ -1,4 +1,4 @@
-//! How large the next step may be.
+//! Limits of the next time step.
 
 use super::constitutive::shear_modulus_of;
 use crate::lanes::{Instructions, Job, Lanes, run};
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, penalty_limit, sound_limit};
 use sphorge_physics::total_lagrangian::limiting_length;
 
-/// What the limits of a block are taken of, a column for each; what is not of a particle limits for a step without end.
+/// Input of the limits of a block, a column for each quantity; entries without a particle do not limit the step.
 struct Columns {
     smoothing_length: [f64; BLOCK],
     sound_speed: [f64; BLOCK],
@@ -38,7 +38,7 @@ impl Job<f64> for LimitJob<'_> {
             let h = L::load(&columns.smoothing_length[k..]);
             let (c, rho) = (L::load(&columns.sound_speed[k..]), L::load(&columns.density[k..]));
             let speed = longitudinal_speed(c, L::load(&columns.shear_modulus[k..]), rho);
-            // The second of two is taken where the first is no number.
+            // `min` returns the second if the first is not a number.
             by_sound = sound_limit(h, speed, L::load(&columns.mu[k..]), courant).min(by_sound);
             let acceleration = L::load(&columns.acceleration[k..]).sqrt();
             by_acceleration = acceleration_limit(h, acceleration, courant).min(by_acceleration);
@@ -81,7 +81,7 @@ fn limits_of_block(model: &Model, p: &Particles, instructions: Instructions, b: 
 pub(super) fn limit(model: &Model, p: &Particles, contact: Option<f64>, instructions: Instructions) -> TimeStepLimit {
     let courant = model.time.courant;
     let of_block = |b| limits_of_block(model, p, instructions, b);
-    // A minimum does not depend on the order it is taken in.
+    // A minimum does not depend on the order.
     let (by_sound, by_acceleration) = (0..p.len().div_ceil(BLOCK))
         .into_par_iter()
         .map(of_block)
@@ -92,12 +92,12 @@ pub(super) fn limit(model: &Model, p: &Particles, contact: Option<f64>, instruct
     model.walls.iter().filter_map(|w| wall_limit(model, &w.contact)).chain(contact).fold(particles, TimeStepLimit::min)
 }
 
-/// The limit of conduction, whose limit is given, s.
+/// The limit of heat conduction from its largest stable step, s.
 pub(super) fn conduction_limit(model: &Model, limit: Option<f64>) -> TimeStepLimit {
     TimeStepLimit { dt: model.time.courant * limit.unwrap_or(f64::INFINITY), reason: LimitReason::Conduction }
 }
 
-/// Step that resolves the contact spring of a penalty wall, for the body with the fastest one.
+/// Step that resolves the contact spring of a penalty wall, for the body with the highest frequency.
 fn wall_limit(model: &Model, contact: &WallContact) -> Option<TimeStepLimit> {
     let WallContact::Penalty { stiffness, .. } = *contact else { return None };
     let fastest = model

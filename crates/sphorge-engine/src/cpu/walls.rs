@@ -1,4 +1,4 @@
-//! Rigid walls: where they stand, and how they push particles away.
+//! Rigid walls: their positions, and how they repel particles.
 
 use super::faces::WholeDeformation;
 use crate::model::{Model, TimeTable, Wall, WallContact, WallSurface};
@@ -11,13 +11,13 @@ use sphorge_physics::total_lagrangian::MeetingPoint;
 use sphorge_physics::wall::{FacePush, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
 use sphorge_physics::{Tensor, Vector};
 
-/// Present place of a wall.
+/// Current position of a wall.
 #[derive(Clone, Debug)]
 pub(super) struct WallState {
     tables: [TimeTable; 3],
     /// Shift since time zero, m.
     displacement: Vector<f64>,
-    /// Present velocity, m/s.
+    /// Current velocity, m/s.
     velocity: Vector<f64>,
 }
 
@@ -31,7 +31,7 @@ impl WallState {
         }
     }
 
-    /// Moves the wall from where it stood at time `from` to where it stands at time `to`, s.
+    /// Moves the wall from its position at time `from` to that at time `to`, s.
     fn advance(&mut self, from: f64, to: f64) {
         for a in 0..3 {
             let table = &self.tables[a];
@@ -40,7 +40,7 @@ impl WallState {
         }
     }
 
-    /// Way from the wall, which has moved, to a point; `None` on the line of a segment itself.
+    /// Gap from the wall at its current position to a point; `None` on the line of a segment itself.
     fn gap(&self, surface: &WallSurface, x: Vector<f64>) -> Option<Gap<f64>> {
         let local = [0, 1, 2].map(|a| x[a] - self.displacement[a]);
         match *surface {
@@ -50,17 +50,18 @@ impl WallState {
     }
 }
 
-/// Where the walls stand.
+/// Positions of the walls.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Walls {
     pub(super) states: Vec<WallState>,
     /// Time at which `states` were reached, s.
     time: f64,
-    /// What each wall has done since the start.
+    /// Work of each wall since the start.
     pub(super) done: Vec<WallLedger>,
     /// Powers of the last forces, W, by block of particles and wall, so that their sum does not depend on threads.
     pub(super) powers: Vec<WallLedger>,
-    /// Power of the last forces beyond that on the centres of the particles, W, by block of particles.
+    /// Power of the last forces minus that of the same forces on the centres of the particles, W, by block of
+    /// particles.
     pub(super) at_faces: Vec<f64>,
 }
 
@@ -76,7 +77,7 @@ impl Walls {
         }
     }
 
-    /// Carries the walls to where they stand at `time`.
+    /// Moves the walls to their positions at `time`.
     pub(super) fn move_to(&mut self, time: f64) {
         for state in &mut self.states {
             state.advance(self.time, time);
@@ -85,8 +86,8 @@ impl Walls {
     }
 }
 
-/// Takes the powers of the last forces, of blocks as [`Walls`] has them, over `dt` (s) to what walls have done; what of their work is not
-/// done on the centres of particles, J.
+/// Adds the powers of the last forces, in blocks as in [`Walls`], over `dt` (s) to the works of the walls. Returns the
+/// part of the work that is not done on the centres of particles, J.
 pub(super) fn book(done: &mut [WallLedger], powers: &[WallLedger], at_faces: &[f64], dt: f64) -> f64 {
     for block in powers.chunks_exact(done.len().max(1)) {
         for (done, powers) in done.iter_mut().zip(block) {
@@ -108,8 +109,9 @@ impl Persist for Walls {
     }
 }
 
-/// What a wall does to particle `i` with the velocity forces are evaluated with. `dt` (s) bounds friction: it can stop the sliding
-/// within the step, never turn it. Particles are as thick as they were at rest, or as their deformation gradient has made them.
+/// Effect of a wall on particle `i` with the velocity at which forces are evaluated. `dt` (s) bounds friction: it can
+/// stop the sliding within the step, but not reverse it. Particles are as thick as at rest, or as deformed by their
+/// deformation gradient.
 pub(super) fn push(
     model: &Model,
     wall: &Wall,
@@ -143,14 +145,14 @@ pub(super) fn push(
     }
 }
 
-/// Columns of the particles a wall asks for.
+/// Columns of the particles that a wall reads.
 pub(super) struct AtWall<'a> {
     pub(super) position: &'a [Vector<f64>],
-    /// The velocity forces are evaluated with, m/s.
+    /// The velocity at which forces are evaluated, m/s.
     pub(super) velocity: &'a [Vector<f64>],
     pub(super) body: &'a [u32],
     pub(super) velocity_gradient: &'a [Tensor<f64>],
-    /// Empty where the formulation has none.
+    /// Empty if the formulation has none.
     pub(super) deformation: &'a [Tensor<f64>],
     /// That of the reference configuration; empty where that is the initial one.
     earlier_deformation: &'a [Tensor<f64>],
@@ -168,20 +170,21 @@ impl<'a> AtWall<'a> {
         }
     }
 
-    /// A distance within which the surface of particle `i` is, m.
+    /// An upper bound of the distance of the surface of particle `i` from its centre, m.
     fn farthest(&self, spacing: f64, i: usize) -> f64 {
         let stretch = |f: Tensor<f64>| f.as_flattened().iter().map(|c| c * c).sum::<f64>().sqrt();
         0.5 * spacing * self.whole_deformation(i).map_or(1.0, stretch)
     }
 
-    /// Deformation gradient of particle `i` since the start, where the formulation has one.
+    /// Deformation gradient of particle `i` since the start, if the formulation has one.
     fn whole_deformation(&self, i: usize) -> Option<Tensor<f64>> {
         let whole = WholeDeformation { since: self.deformation, earlier: self.earlier_deformation };
         (!self.deformation.is_empty()).then(|| whole.at(i))
     }
 
-    /// Half the extent of particle `i` along a normal (m), the place in the reference configuration of its point farthest against the
-    /// normal, from the centre (m), with the sign turned, and the velocity of that point (m/s).
+    /// Half the extent of particle `i` along a normal (m), the point of the particle farthest against the normal in the
+    /// reference configuration, relative to the centre (m) and with the sign reversed, and the velocity of that point
+    /// (m/s).
     fn face(&self, spacing: f64, i: usize, normal: Vector<f64>) -> (f64, Vector<f64>, Vector<f64>) {
         let velocity = self.velocity[i];
         let Some(f) = self.whole_deformation(i) else { return (0.5 * spacing, [0.0; 3], velocity) };
@@ -231,7 +234,7 @@ mod tests {
         state.advance(0.0, 1.0);
         state.advance(1.0, 2.0);
         assert_eq!((state.displacement[0], state.velocity[0]), (4.0, 4.0));
-        // The gap is that to where it has moved.
+        // The gap is that to its new position.
         let gap = state.gap(&wall.surface, [7.0, 4.0, 0.0]);
         assert_eq!(gap, Some(Gap { distance: 3.0, normal: [1.0, 0.0, 0.0] }));
         let segment = WallSurface::Segment { from: [0.0; 3], to: [0.0, 2.0, 0.0] };
