@@ -1,8 +1,9 @@
-//! Ghosts: what stands behind the particles for what is not among them, images in symmetry planes and periodic copies, or particles
-//! of other ranks.
+//! Ghost particles: images in symmetry planes, periodic copies, and particles of other ranks. They are stored behind
+//! the particles.
 //!
-//! Ghosts own their columns. A [`Halo`] makes them with each neighbour search and brings their fields to those of the particles they
-//! stand for at the points of the step that [`FieldSet`] names, all fields of a set together; readers never ask whom a ghost stands for.
+//! Ghosts have their own columns. A [`Halo`] creates them at each neighbour search. At the points of the step that
+//! [`FieldSet`] names it updates their fields from the particles they represent, all fields of a set together. Readers
+//! need not know which particle a ghost represents.
 
 mod bytes;
 mod images;
@@ -17,12 +18,12 @@ pub(crate) use remote::Remote;
 use crate::persist::{Archive, ArchiveError};
 use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 
-/// What is exchanged at a named point of the step; the table of fields says which columns that is.
+/// The fields that are exchanged at a point of the step; the table of fields says which columns these are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldSet {
-    /// With every search: what does not change between searches, and positions.
+    /// With every search: fields that do not change between searches, and positions.
     Search,
-    /// For an audit, which has ghosts of its own: the state of the last step.
+    /// For an audit, which has its own ghosts: the state of the last step.
     Audit,
     /// Before the velocity gradient: positions and velocities.
     Motion,
@@ -30,17 +31,17 @@ pub enum FieldSet {
     Density,
     /// Before the gradient correction of the forces: volumes.
     Volume,
-    /// Before the contact overlaps: where faces are, and their velocities.
+    /// Before the contact overlaps: positions of faces and their velocities.
     Contact,
     /// Before the contact forces: overlaps.
     Overlaps,
     /// Before the forces: stresses and velocities.
     Stress,
-    /// Before the forces: what the intermediate sums gave.
+    /// Before the forces: results of the intermediate sums.
     IntermediateSums,
 }
 
-/// How a ghost's value follows from that of the particle it stands for, in a mirror or a periodic cell.
+/// How the value of a ghost follows from that of its particle, in a mirror or a periodic cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mirror {
     /// Ghosts do not have it.
@@ -57,7 +58,7 @@ pub enum Mirror {
     Tensor,
 }
 
-/// A column of particles, and that of the ghosts to be filled from it.
+/// A column of particles, and the column of the ghosts to be filled from it.
 pub enum GhostColumn<'a> {
     /// Numbers that are the same in every image.
     Scalar(&'a [f64], &'a mut [f64]),
@@ -77,47 +78,49 @@ pub enum GhostColumn<'a> {
     Double(Packed<'a, f64>),
 }
 
-/// Packed records of particles and of the ghosts behind them; coordinates in them are left alone.
+/// Packed records of particles and of the ghosts behind them; their coordinates are not changed.
 pub struct Packed<'a, T> {
-    /// Entries of the particles' records, one record behind the other.
+    /// Entries of the particles' records, stored contiguously.
     pub own: &'a [T],
-    /// Entries of the ghosts' records.
+    /// Entries of the ghosts' records, likewise.
     pub ghosts: &'a mut [T],
-    /// For each entry of a record the axes along which a mirror turns its sign: bit 0 for x, twice for none.
+    /// For each entry of a record the axes along which a mirror image changes its sign: bit 0 for x; set twice for no
+    /// change.
     pub axes: &'a [(u8, u8)],
 }
 
-/// Who the ghosts are, and where their values come from.
+/// The list of ghosts and the sources of their values.
 pub trait Halo: Send + Sync {
     /// A halo of the same kind that has no ghosts yet.
     fn another(&self) -> Box<dyn Halo>;
     /// Whether there can never be ghosts.
     fn is_empty(&self) -> bool;
-    /// Whether there may be images, which go other ways than what they are images of.
+    /// Whether there may be images, which move differently from their sources.
     fn has_images(&self) -> bool;
     /// Number of ghosts.
     fn count(&self) -> usize;
-    /// How far outside the particles a ghost may stand beyond the reach it was made for, m.
+    /// How far outside the particles a ghost may be beyond the reach for which it was created, m.
     fn longest_shift(&self) -> f64;
-    /// Brings particles that left a periodic cell back in; says whether there were any.
+    /// Moves particles that left a periodic cell back into it; returns whether there were any.
     fn wrap(&self, positions: &mut [Vector<f64>]) -> bool;
-    /// Makes the ghosts of all particles within `reach` (m) of where they are needed. Says whether they are others than before: then
-    /// their numbers mean other points.
+    /// Creates the ghosts of all particles within `reach` (m) of where they are needed. Returns whether they differ
+    /// from the previous ones; their indices then refer to other points.
     fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool;
-    /// Adds what ghosts of other ranks take over of these columns to the messages to them, and what those here do to what is to come from them.
+    /// Adds the values of these columns for ghosts on other ranks to the messages, and the ghosts of this rank to the
+    /// expected lengths.
     fn pack(&self, columns: &[GhostColumn<'_>], outgoing: &mut Outgoing);
-    /// Fills the next column of the ghosts, the same ones, from the messages that have come and from particles of this domain.
+    /// Fills the next of the same columns of the ghosts, from the received messages and from particles of this domain.
     fn unpack(&self, column: GhostColumn<'_>, incoming: &mut Incoming);
-    /// The point each ghost is an image of: a particle of this domain or, where that is of another rank, the ghost that stands for it; what is no
-    /// image is its own.
+    /// The point of which each ghost is an image: a particle of this domain or, if that is on another rank, the ghost
+    /// that represents it; for a ghost that is not an image itself.
     fn sources(&self) -> &[u32];
-    /// The ghosts that are images, behind those that are not. Their sources are numbered as particles and ghosts are.
+    /// The ghosts that are images; they follow those that are not. Their sources are indices of particles and ghosts.
     fn images(&self) -> &[Image];
     /// Bytes held.
     fn bytes(&self) -> usize;
-    /// Saves or loads who the ghosts are.
+    /// Saves or loads the list of ghosts.
     ///
     /// # Errors
-    /// The archive holds something else.
+    /// The archive does not contain it.
     fn persist(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError>;
 }

@@ -1,4 +1,4 @@
-//! Ranks: processes, or threads that stand for them, that share the particles of a run.
+//! Ranks: processes, or threads in their place, that share the particles of a run.
 //!
 //! A [`Communicator`] carries bytes between them. Every call is collective: all ranks make it, in the same order.
 
@@ -17,36 +17,36 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// What carries bytes between ranks. A rank sends nothing to itself.
+/// Transport of bytes between ranks. A rank sends nothing to itself.
 pub trait Communicator: Send + Sync + std::fmt::Debug {
     /// Number of this rank, from zero on.
     fn rank(&self) -> usize;
     /// Number of ranks.
     fn size(&self) -> usize;
-    /// Begins to send `to[r]` to rank `r` and to take `lengths[r]` bytes from it, and does not wait. Nothing is sent where there are none. What is begun
-    /// is finished before there is more.
+    /// Begins to send `to[r]` to rank `r` and to receive `lengths[r]` bytes from it, without waiting. Empty messages
+    /// are not sent. An exchange is finished before the next one begins.
     ///
     /// # Errors
     /// A rank is lost, with the reason.
     fn begin(&self, to: Vec<Vec<u8>>, lengths: &[usize]) -> Result<Box<dyn Messages>, String>;
 }
 
-/// Messages on their way from a rank to others and from them to it.
+/// Messages in flight from a rank to others and from them to it.
 pub trait Messages: Send + Sync {
-    /// Lets them get on, where that needs the processor, and does not wait.
+    /// Lets them make progress if that needs the processor, without waiting.
     fn advance(&mut self) {}
-    /// Waits for all of them; what has come from each rank.
+    /// Waits for all of them; returns the message of each rank.
     ///
     /// # Errors
     /// A rank is lost, with the reason.
     fn finish(self: Box<Self>) -> Result<Vec<Vec<u8>>, String>;
 }
 
-/// The ranks of a run, as an engine sees them: values in place of bytes.
+/// The ranks of a run, as an engine sees them: values instead of bytes.
 #[derive(Clone, Debug)]
 pub struct Ranks {
     communicator: Arc<dyn Communicator>,
-    /// Why a rank was lost where nobody could be told.
+    /// Why a rank was lost, until it can be reported.
     lost: Arc<OnceLock<RunFailure>>,
     /// Nanoseconds spent in exchanges.
     waited: Arc<AtomicU64>,
@@ -64,7 +64,7 @@ impl UnderWay {
         self.ranks.timed(|| self.messages.advance());
     }
 
-    /// Waits for what was sent by every rank.
+    /// Waits for the messages of every rank.
     ///
     /// # Errors
     /// A rank is lost.
@@ -75,7 +75,7 @@ impl UnderWay {
 }
 
 impl Ranks {
-    /// The ranks that a communicator joins.
+    /// The ranks of a communicator.
     pub fn new(communicator: Arc<dyn Communicator>) -> Self {
         Self { communicator, lost: Arc::default(), waited: Arc::default() }
     }
@@ -90,7 +90,7 @@ impl Ranks {
         self.communicator.size()
     }
 
-    /// Sends bytes to every rank and takes as many as `lengths` says from each.
+    /// Sends bytes to every rank and receives as many as `lengths` says from each.
     ///
     /// # Errors
     /// Here and below: a rank is lost.
@@ -107,7 +107,7 @@ impl Ranks {
         Ok(UnderWay { ranks: self.clone(), messages })
     }
 
-    /// Does what counts as waiting.
+    /// Runs something whose time counts as waiting.
     fn timed<R>(&self, exchange: impl FnOnce() -> R) -> R {
         let start = Instant::now();
         let done = exchange();
@@ -126,7 +126,8 @@ impl Ranks {
     /// See [`Self::exchange`].
     pub fn gather<V: Fixed + Copy>(&self, own: &[V], counts: &[usize]) -> Result<Vec<V>, RunFailure> {
         let (rank, size) = (self.rank(), self.size());
-        // Pieces of this rank and of those behind it, twice as many after each exchange: with 4096 ranks there are twelve.
+        // Pieces of this rank and of those behind it, twice as many after each exchange: twelve exchanges with 4096
+        // ranks.
         let mut pieces = vec![encoded(own)];
         let mut way = 1;
         while way < size {
@@ -152,7 +153,7 @@ impl Ranks {
         Ok(all)
     }
 
-    /// The values of every rank, of which each has any number, in the order of the ranks.
+    /// The values of every rank, with any number on each, in the order of the ranks.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -161,7 +162,7 @@ impl Ranks {
         self.gather(own, &counts)
     }
 
-    /// The same as [`Self::gather`] on the first rank alone; nothing on the others.
+    /// The same as [`Self::gather`], but only on the first rank; nothing on the others.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -199,7 +200,7 @@ impl Ranks {
         self.gather(&[own], &vec![1; self.size()])
     }
 
-    /// Bytes that one rank knows, of any length.
+    /// Bytes of one rank, of any length, on all ranks.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -212,7 +213,7 @@ impl Ranks {
         Ok(if is_sender { own.to_vec() } else { std::mem::take(&mut from[rank]) })
     }
 
-    /// Bytes of the first rank, on all of them; others know their number.
+    /// Bytes of the first rank, on all of them; the others know their number.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -253,7 +254,8 @@ impl Ranks {
         Ok(from)
     }
 
-    /// Shares bytes of which rank `r` has `lengths[r]`, one behind the other, so that rank `r` has `wanted[r]` of them, as many in all.
+    /// Redistributes bytes of which rank `r` has `lengths[r]`, in the order of the ranks, so that rank `r` has
+    /// `wanted[r]` of them. The totals are equal.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -277,7 +279,7 @@ impl Ranks {
         Ok(from.concat())
     }
 
-    /// On all ranks what the first of them that has failed says, if one has.
+    /// On all ranks the message of the first one that has failed, if any.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -289,8 +291,8 @@ impl Ranks {
         Ok(Err(format!("rank {failed}: {}", String::from_utf8_lossy(&told))))
     }
 
-    /// Sums over all particles in their order, to the bit those of one rank: each rank adds its particles to what those before it have
-    /// summed, and all get what the last one has.
+    /// Sums over all particles in their order, bit-identical to those of one rank: each rank adds its particles to the
+    /// sums of the ranks before it, and all receive the result of the last one.
     ///
     /// # Errors
     /// See [`Self::exchange`].
@@ -313,12 +315,12 @@ impl Ranks {
         Ok(())
     }
 
-    /// Notes a loss where nobody can be told at once.
+    /// Stores the loss of a rank that cannot be reported at once.
     pub(crate) fn note_loss(&self, failure: RunFailure) {
         let _ = self.lost.set(failure);
     }
 
-    /// Tells of a loss that was noted.
+    /// Reports a stored loss.
     ///
     /// # Errors
     /// There was one.
@@ -332,7 +334,7 @@ impl Ranks {
         to
     }
 
-    /// Bytes to come from each other rank that sends.
+    /// Bytes expected from each other rank that sends.
     fn lengths(&self, counts: &[usize], size: usize, sends: impl Fn(usize) -> bool) -> Vec<usize> {
         let of = |(r, count): (usize, &usize)| if r != self.rank() && sends(r) { count * size } else { 0 };
         counts.iter().enumerate().map(of).collect()
@@ -351,7 +353,7 @@ impl Ranks {
     }
 }
 
-/// Places of pieces that lie one behind the other.
+/// Ranges of contiguous pieces.
 fn places(lengths: &[usize]) -> Vec<Range<usize>> {
     let ends = lengths.iter().scan(0, |end, length| {
         *end += length;
@@ -371,12 +373,12 @@ pub(crate) fn encoded<V: Fixed>(values: &[V]) -> Vec<u8> {
     bytes
 }
 
-/// Values of the bytes that another rank has made of them.
+/// Values from the bytes of another rank.
 pub(crate) fn decoded<V: Fixed>(bytes: &[u8]) -> Result<Vec<V>, RunFailure> {
     bytes.chunks_exact(V::SIZE).map(V::read).collect::<Option<_>>().ok_or_else(unreadable)
 }
 
-/// Another rank has sent bytes that are no values.
+/// Another rank has sent bytes that are not valid values.
 pub(crate) fn unreadable() -> RunFailure {
     lost("it sent an invalid message; all ranks must run the same program".to_owned())
 }

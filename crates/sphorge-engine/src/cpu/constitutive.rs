@@ -75,8 +75,8 @@ impl<'a> FlowColumns<'a> {
         }
     }
 
-    /// Whether the yield stress of a last step without plastic flow is still valid: it is, unless heat or the law may
-    /// have changed it.
+    /// Sets the known yield stresses: those of a last step without plastic flow, unless heat or the law may have
+    /// changed them.
     #[inline(always)]
     fn know_yield_stresses(&self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
         let last = self.plastic_strain_increment.iter().zip(&*self.yield_stress);

@@ -4,7 +4,7 @@ use super::{GhostColumn, Packed};
 use crate::RunFailure;
 use crate::persist::Fixed;
 
-/// Bytes a ghost takes over.
+/// Bytes that a ghost receives.
 pub(super) fn width(column: &GhostColumn<'_>) -> usize {
     fn of<V: Fixed>(_: &[V]) -> usize {
         V::SIZE
@@ -20,7 +20,7 @@ pub(super) fn width(column: &GhostColumn<'_>) -> usize {
     }
 }
 
-/// Writes what ghosts of these particles take over.
+/// Writes the values of these particles for their ghosts.
 pub(super) fn write(column: &GhostColumn<'_>, particles: &[u32], bytes: &mut Vec<u8>) {
     fn values<V: Fixed>(own: &[V], particles: &[u32], bytes: &mut Vec<u8>) {
         particles.iter().for_each(|&i| own[i as usize].write(bytes));
@@ -41,10 +41,10 @@ pub(super) fn write(column: &GhostColumn<'_>, particles: &[u32], bytes: &mut Vec
     }
 }
 
-/// Fills ghosts from number `first` on with what was written of the particles they stand for.
+/// Fills ghosts from index `first` on with the values written for their particles.
 ///
 /// # Errors
-/// The bytes mean nothing.
+/// The bytes are invalid.
 pub(super) fn read(column: &mut GhostColumn<'_>, first: usize, bytes: &[u8]) -> Result<(), RunFailure> {
     fn values<V: Fixed>(ghosts: &mut [V], bytes: &[u8]) -> Result<(), RunFailure> {
         for (ghost, bytes) in ghosts.iter_mut().zip(bytes.chunks_exact(V::SIZE)) {

@@ -18,7 +18,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// What tells it from all other images: which particle it is of, and in which planes and cells.
+    /// Key of an image: its particle, planes and cells.
     pub(crate) fn identity(&self) -> (u32, [Vector<u64>; 2]) {
         (self.source, [self.sign, self.shift].map(|of_axes| of_axes.map(f64::to_bits)))
     }
@@ -48,8 +48,8 @@ impl Image {
     }
 }
 
-/// Fills what images have of a column: those of particles and of the first `others` ghosts, which are no images and are filled before. The
-/// images are the ghosts behind these, and number their sources as particles and ghosts are: particles first.
+/// Fills a column of images from those of particles and of the first `others` ghosts, which are not images and are
+/// filled before. The images follow these, and their sources are indices of particles and ghosts, particles first.
 pub(super) fn reflect(images: &[Image], others: usize, column: GhostColumn<'_>) {
     match column {
         GhostColumn::Scalar(own, ghosts) => each(images, others, own, ghosts, |_, v| v),
@@ -97,7 +97,7 @@ pub struct Images {
     symmetry: Vec<SymmetryPlane>,
     periodic: [Option<(f64, f64)>; 3],
     images: Vec<Image>,
-    /// Images before the last rebuilding.
+    /// Images before the last rebuild.
     former: Vec<Image>,
     sources: Vec<u32>,
 }
@@ -111,13 +111,14 @@ impl Images {
         Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ..Self::default() }
     }
 
-    /// These images, of the same planes and periodic axes.
+    /// With these images and the same planes and periodic axes.
     pub(crate) fn with(&self, images: &[Image]) -> Self {
         let sources = images.iter().map(|image| image.source).collect();
         Self { images: images.to_vec(), sources, ..self.planes() }
     }
 
-    /// Adds the images within `reach` (m) of particles at these positions that are not there yet. The others keep their numbers, wherever they are now.
+    /// Adds the missing images within `reach` (m) of particles at these positions. The others keep their indices,
+    /// wherever they are now.
     pub(crate) fn supplement(&mut self, positions: &[Vector<f64>], reach: f64) {
         let mut present = self.planes();
         present.rebuild(positions, reach + self.farthest_outside(positions));
@@ -127,8 +128,8 @@ impl Images {
         self.sources.extend(self.images.iter().map(|image| image.source));
     }
 
-    /// How far a particle is beyond a plane or a periodic end, m. Those that do not wrap, or that are pressed through a plane, are neighbours of images of
-    /// particles that are as much farther from it on this side.
+    /// How far a particle is beyond a plane or a periodic end, m. Particles that do not wrap, or that are pressed
+    /// through a plane, are neighbours of images of particles that are equally farther from it on this side.
     fn farthest_outside(&self, positions: &[Vector<f64>]) -> f64 {
         let beyond = |p: &Vector<f64>| {
             let planes = self.symmetry.iter().map(|plane| plane.side * (plane.position - p[plane.axis]));
@@ -241,7 +242,7 @@ impl Halo for Images {
         &self.sources
     }
 
-    /// In the order they were made in.
+    /// In the order of creation.
     fn images(&self) -> &[Image] {
         &self.images
     }
@@ -299,7 +300,7 @@ mod tests {
         let mut later = halo.with(halo.images());
         later.supplement(&at([0.5, 3.0, 5.0]), 1.0);
         assert_eq!(later.sources(), [1, 0]);
-        // Where a particle is beyond the plane by as much more.
+        // If a particle is beyond the plane by this distance more.
         later.supplement(&at([0.5, -0.5, 1.4]), 1.0);
         assert_eq!(later.sources(), [1, 0, 2]);
         later.supplement(&at([0.5, -0.5, 1.4]), 1.0);
@@ -339,7 +340,7 @@ mod tests {
         let mut images = vec![[0.0; 3]; halo.count()];
         fill(&halo, GhostColumn::Point(&p, &mut images));
         assert_eq!((halo.sources(), images[0][0], images[1][0]), ([0, 1].as_slice(), 3.25, 0.5));
-        // As many, of others.
+        // The same number, of other particles.
         p.swap(1, 2);
         assert!(halo.rebuild(&p, 0.6));
         assert_eq!(halo.count(), 2);

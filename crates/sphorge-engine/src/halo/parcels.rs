@@ -1,17 +1,17 @@
-//! Columns of ghosts on their way between ranks: at one point of the step, one message to each rank that reads particles of this one, with all that it
-//! takes over of them.
+//! Messages of the halo exchange: at one point of the step, one message to each rank that reads particles of this one,
+//! with all columns it receives.
 
 use super::{GhostColumn, Halo};
 use crate::ranks::{Ranks, UnderWay};
 use smallvec::SmallVec;
 
-/// Columns that the ghosts of a halo take over.
+/// Columns that the ghosts of a halo receive.
 pub(crate) struct Exchanged<'a> {
     pub(crate) halo: &'a dyn Halo,
     pub(crate) columns: Columns<'a>,
 }
 
-/// Columns of a set: no step allocates for them.
+/// Columns of a set, reused so that no step allocates.
 pub(crate) type Columns<'a> = SmallVec<[GhostColumn<'a>; 16]>;
 /// The ghosts of the lists, and those of the contact.
 pub(crate) type ExchangedSets<'a> = SmallVec<[Exchanged<'a>; 2]>;
@@ -24,18 +24,18 @@ pub struct Outgoing {
     lengths: Vec<usize>,
 }
 
-/// Messages of other ranks, as they are unpacked; none where one is lost.
+/// Messages of other ranks, as they are unpacked; none if a rank is lost.
 pub struct Incoming {
     from: Vec<Vec<u8>>,
-    /// Bytes of each that were taken.
+    /// Bytes of each that have been read.
     taken: Vec<usize>,
 }
 
-/// What ghosts take over, on its way.
+/// Halo exchange in flight.
 pub(crate) struct Arrival(Option<(Ranks, UnderWay)>);
 
 impl Outgoing {
-    /// The messages to each of the ranks, and how long those that come from them will be.
+    /// The messages to each of the ranks, and the lengths of those from them.
     pub(super) fn among(&mut self, ranks: &Ranks) -> (&mut [Vec<u8>], &mut [usize]) {
         if self.ranks.is_none() {
             self.ranks = Some(ranks.clone());
@@ -57,14 +57,15 @@ impl Outgoing {
 }
 
 impl Arrival {
-    /// Lets the messages get on.
+    /// Lets the messages make progress.
     pub(crate) fn advance(&mut self) {
         if let Some((_, under_way)) = &mut self.0 {
             under_way.advance();
         }
     }
 
-    /// Waits for the messages. The engine tells of a loss at the end of the stage; until then ghosts are as they were.
+    /// Waits for the messages. The engine reports the loss of a rank at the end of the stage; until then ghosts keep
+    /// their values.
     fn wait(self) -> Incoming {
         let from = self.0.map_or_else(Vec::new, |(ranks, under_way)| {
             under_way.finish().unwrap_or_else(|failure| {
@@ -77,7 +78,7 @@ impl Arrival {
 }
 
 impl Incoming {
-    /// The next bytes from a rank; `None` where they have not come.
+    /// The next bytes from a rank; `None` if they have not arrived.
     pub(super) fn take(&mut self, rank: usize, length: usize) -> Option<&[u8]> {
         let start = *self.taken.get(rank)?;
         self.taken[rank] += length;
@@ -85,7 +86,8 @@ impl Incoming {
     }
 }
 
-/// Sends what ghosts elsewhere take over of these columns and does not wait for what those here do. Until [`finish`], particles keep their values.
+/// Sends the values of these columns for ghosts on other ranks, and does not wait for those of the ghosts here. Until
+/// [`finish`], particles keep their values.
 pub(crate) fn begin(exchanged: &[Exchanged<'_>]) -> Arrival {
     let mut outgoing = Outgoing::default();
     for Exchanged { halo, columns } in exchanged {
@@ -94,7 +96,7 @@ pub(crate) fn begin(exchanged: &[Exchanged<'_>]) -> Arrival {
     outgoing.send()
 }
 
-/// Waits for what the ghosts take over, and fills the same columns.
+/// Waits for the values of the ghosts, and fills the same columns.
 pub(crate) fn finish(arrival: Arrival, exchanged: ExchangedSets<'_>) {
     let mut incoming = arrival.wait();
     for Exchanged { halo, columns } in exchanged {

@@ -1,4 +1,4 @@
-//! Particles of other ranks that rows of this one read, and images of them and of its own.
+//! Ghost particles on ranks: particles of other ranks that rows of this one read, and images of them and of its own.
 
 use super::images::reflect;
 use super::{GhostColumn, Halo, Image, Images, Incoming, Outgoing, bytes};
@@ -7,28 +7,28 @@ use crate::persist::{Archive, ArchiveError, Fixed};
 use crate::ranks::{Ranks, decoded, encoded};
 use sphorge_physics::Vector;
 
-/// Ghosts: particles of other ranks in the common order, so that those of one rank are one run, and behind them images. A particle is sent once,
-/// whether itself or images of it are read; the rank that reads an image makes it.
+/// Ghosts: particles of other ranks in the common order, so that those of one rank are contiguous, followed by images.
+/// A particle is sent once, whether itself or images of it are read; the rank that reads an image creates it.
 #[derive(Clone, Debug)]
 pub(crate) struct Remote {
     ranks: Ranks,
-    /// Places in the common order at which the particles of each rank begin, and their number.
+    /// Indices in the common order of the first particle of each rank, and the number of particles.
     starts: Vec<usize>,
-    /// Whom the ghosts that are no images stand for: places in the common order, ascending.
+    /// The particles of the ghosts that are not images: indices in the common order, ascending.
     places: Vec<u32>,
     /// Particles of this rank that each other one reads.
     read_by: Vec<Vec<u32>>,
     /// Ghosts that each other rank fills.
     filled_by: Vec<usize>,
-    /// Images of particles of this rank and of the ghosts before.
+    /// Images of particles of this rank and of the preceding ghosts.
     images: Vec<Image>,
     sources: Vec<u32>,
-    /// What the images are made by.
+    /// The source of the images.
     planes: Images,
 }
 
 impl Remote {
-    /// No ghosts yet; images are those of these planes and periodic axes.
+    /// No ghosts yet, with images in these planes and periodic axes.
     pub(crate) fn new(ranks: Ranks, starts: Vec<usize>, planes: Images) -> Self {
         let size = ranks.size();
         Self {
@@ -43,8 +43,8 @@ impl Remote {
         }
     }
 
-    /// Ghosts of these particles of other ranks, by their places in the common order, ascending, and these images, whose sources are numbered as
-    /// particles of this rank and ghosts behind them are.
+    /// Ghosts of these particles of other ranks, by their index in the common order, ascending, and these images, whose
+    /// sources are indices of particles of this rank followed by ghosts.
     ///
     /// # Errors
     /// A rank is lost.
@@ -52,7 +52,7 @@ impl Remote {
         let (rank, size) = (self.ranks.rank(), self.ranks.size());
         let wanted: Vec<Vec<u8>> = (0..size).map(|r| encoded(&places[self.of_rank(&places, r)])).collect();
         self.filled_by = (0..size).map(|r| self.of_rank(&places, r).len()).collect();
-        // How many this one wants of each, and each of this one.
+        // Numbers that this rank requests from each, and each from this one.
         let counts = self.filled_by.iter().map(|&count| encoded(&[count])).collect::<Vec<_>>();
         let mut lengths = vec![usize::SIZE; size];
         lengths[rank] = 0;
@@ -113,7 +113,7 @@ impl Halo for Remote {
         self.planes.wrap(positions)
     }
 
-    /// Who the ghosts are follows from the rows, which are searched among the particles of all ranks.
+    /// The ghosts follow from the rows, which are searched among the particles of all ranks.
     fn rebuild(&mut self, _: &[Vector<f64>], _: f64) -> bool {
         false
     }
@@ -153,7 +153,7 @@ impl Halo for Remote {
             + 4 * self.read_by.iter().map(Vec::capacity).sum::<usize>()
     }
 
-    /// Who the ghosts are follows from the rows, which are made again of what is loaded.
+    /// The ghosts follow from the rows, which are built again from the loaded state.
     fn persist(&mut self, _: &str, _: &mut dyn Archive) -> Result<(), ArchiveError> {
         Ok(())
     }

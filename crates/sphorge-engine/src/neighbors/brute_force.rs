@@ -1,4 +1,4 @@
-//! Every pair tested: the oracle of all searches.
+//! Brute-force search over all pairs: the reference for all searches in tests.
 
 use super::{BLOCK, NeighborList, Reach};
 use sphorge_physics::Vector;
@@ -9,7 +9,7 @@ pub fn brute_force(points: &[Vector<f64>], count: usize, reach: &Reach<'_>) -> N
     brute_force_rows(points, 0..count, reach)
 }
 
-/// The same of some of the points.
+/// The same for some of the points.
 pub(crate) fn brute_force_rows(points: &[Vector<f64>], wanted: Range<usize>, reach: &Reach<'_>) -> NeighborList {
     let mut list = NeighborList::default();
     list.resize(wanted.len());

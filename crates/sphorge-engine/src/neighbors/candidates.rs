@@ -1,7 +1,7 @@
-//! Points that may be neighbours of those of one cell: what its rows are picked from.
+//! Candidates of a cell: points that may be neighbours of its members, from which rows are selected.
 //!
-//! Around a cell lie 27, in nine runs of points, and most of those points are out of reach of every member. One pass over the
-//! runs with the box the members fill leaves about half, one behind the other.
+//! The 27 cells around a cell are nine contiguous runs of points, most of which are out of reach of every member. One
+//! pass over the runs with the bounding box of the members leaves about half, stored contiguously.
 
 use super::PAD;
 use super::cell_points::CellPoints;
@@ -10,9 +10,9 @@ use crate::lanes::Lanes;
 /// Points within reach of the box around the members of a cell, in the order of the cells.
 #[derive(Debug, Default)]
 pub(super) struct Candidates {
-    /// The cell they were collected for.
+    /// The cell for which they were collected.
     cell: Option<usize>,
-    /// Encoded coordinates and smoothing lengths; only the first `count` entries count, what follows is room.
+    /// Encoded coordinates and smoothing lengths; only the first `count` entries are valid, the rest is capacity.
     pub(super) x: [Vec<f32>; 3],
     pub(super) h: Vec<f32>,
     /// Indices of the points.
@@ -21,17 +21,17 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// Forgets what was collected.
+    /// Discards the candidates.
     pub(super) fn clear(&mut self) {
         self.cell = None;
     }
 
-    /// Points there is room for.
+    /// Capacity in points.
     pub(super) fn room(&self) -> usize {
         self.index.len()
     }
 
-    /// Makes room for `most` points.
+    /// Allocates memory for `most` points.
     #[inline(always)]
     pub(super) fn make_room(&mut self, most: usize) {
         if self.index.len() < most {
@@ -45,7 +45,8 @@ impl Candidates {
         4 * (self.x.iter().chain([&self.h]).map(Vec::capacity).sum::<usize>() + self.index.capacity())
     }
 
-    /// Collects the candidates of `cell` unless they are here already; if `ONLY_REBUILT`, only points whose rows are rebuilt.
+    /// Collects the candidates of `cell` unless they are already collected; if `ONLY_REBUILT`, only points whose rows
+    /// are rebuilt.
     #[inline(always)]
     pub(super) fn collect<L: Lanes<Element = f32>, const ONLY_REBUILT: bool>(
         &mut self,
@@ -60,7 +61,7 @@ impl Candidates {
         let most = runs.iter().map(|(first, last)| last - first).sum::<usize>() + PAD;
         self.make_room(most);
 
-        // The box the members fill, as a centre and half its size, in units.
+        // The bounding box of the members, as a centre and half its size, in units.
         let mut centre = [L::zero(); 3];
         let mut half = [L::zero(); 3];
         let members = points.grid.members_run(cell);
@@ -72,7 +73,7 @@ impl Candidates {
             }
             let middle = low + (high - low) / 2;
             centre[a] = L::splat(f32::from_bits(middle as u32));
-            // One unit for the rounding of the middle.
+            // One unit for the rounding of the centre.
             half[a] = L::splat((high - middle) as f32 + 1.0);
         }
         let widest = points.h[members].iter().fold(0.0f32, |m, &h| m.max(h));

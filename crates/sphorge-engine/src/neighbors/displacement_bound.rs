@@ -1,6 +1,6 @@
 //! An upper bound on how far points have moved.
 
-/// Accumulated bound on the displacement of any point: positions need not be compared while it is small enough.
+/// Accumulated bound on the displacement of any point: as long as it is small enough, positions need not be compared.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DisplacementBound {
     /// m
@@ -13,7 +13,7 @@ impl DisplacementBound {
         self.displacement += displacement;
     }
 
-    /// Points were put somewhere else: displacements between earlier and later states are unknown.
+    /// Points were moved or reordered: displacements between earlier and later states are unknown.
     pub(crate) fn lose_track(&mut self) {
         self.displacement = f64::INFINITY;
     }

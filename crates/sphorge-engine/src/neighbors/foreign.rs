@@ -1,10 +1,11 @@
-//! Neighbours in contact, of other bodies mostly, taken out of the neighbour list where bodies meet in a contact of their own.
+//! Neighbours in contact, mostly in other bodies. They are removed from the neighbour list if bodies have a penalty
+//! contact.
 
 use super::{BLOCK, Block, NeighborList};
 use crate::persist::{Archive, ArchiveError, persist_pieces, persist_pieces_or_none, require};
 use rayon::prelude::*;
 
-/// Rows of the few particles that have neighbours in contact, by block like [`NeighborList`].
+/// Rows of the few particles that have neighbours in contact, by block as in [`NeighborList`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ForeignList {
     blocks: Vec<ForeignBlock>,
@@ -21,7 +22,7 @@ pub(crate) struct ForeignBlock {
 }
 
 impl ForeignList {
-    /// Moves those pairs of a particle and a neighbour that are in contact out of a list that was just rebuilt; the order of a row stays.
+    /// Moves the pairs that are in contact out of a list that was just rebuilt; the order of the rows does not change.
     pub(crate) fn take_from(&mut self, list: &mut NeighborList, is_in_contact: impl Fn(usize, usize) -> bool + Sync) {
         self.blocks.resize_with(list.blocks().len(), ForeignBlock::default);
         (list.blocks_mut().par_iter_mut(), self.blocks.par_iter_mut()).into_par_iter().enumerate().for_each(
@@ -34,8 +35,8 @@ impl ForeignList {
         );
     }
 
-    /// Takes those pairs that are in contact from a list of some points: `owners` says which of `count` particles each of its rows is, in ascending
-    /// order, `members` which particle or ghost each of its points is.
+    /// Takes the pairs that are in contact from a list of some points: `owners` has the particle (of `count`) of each
+    /// of its rows, in ascending order, `members` the particle or ghost of each of its points.
     pub(crate) fn gather(
         &mut self,
         list: &NeighborList,
@@ -62,7 +63,7 @@ impl ForeignList {
         self.blocks.iter().flat_map(|block| &block.indices).copied()
     }
 
-    /// Gives the neighbours other numbers.
+    /// Renumbers the neighbours.
     pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> u32) {
         self.blocks.iter_mut().flat_map(|block| &mut block.indices).for_each(|j| *j = number(*j));
     }
@@ -103,7 +104,7 @@ impl ForeignBlock {
         self.indices.clear();
     }
 
-    /// Makes what was added since the last row that of a particle, if there is any.
+    /// Makes the entries added since the last row that of a particle, if there are any.
     fn end_row(&mut self, own: u32) {
         if self.indices.len() as u32 > self.ends.last().copied().unwrap_or(0) {
             self.owners.push(own);
@@ -121,7 +122,8 @@ impl ForeignBlock {
 }
 
 impl ForeignList {
-    /// The first block that is not as [`Self::take_from`] leaves it for `rows` particles among `points`; for lists that were loaded.
+    /// The first block that is not as [`Self::take_from`] leaves it for `rows` particles among `points`; for loaded
+    /// lists.
     pub(crate) fn first_unfit(&self, rows: usize, points: usize) -> Option<usize> {
         let blocks = rows.div_ceil(BLOCK);
         let fits =
@@ -142,8 +144,8 @@ impl ForeignBlock {
 }
 
 impl ForeignList {
-    /// Saves or loads the rows of `count` particles: how many neighbours in contact each has, and these, as `number` says they are to be saved. Those
-    /// that are loaded are numbered as they were saved.
+    /// Saves or loads the rows of `count` particles: the number of neighbours in contact of each, and these, renumbered
+    /// by `number` for saving. Loaded rows keep the saved indices.
     ///
     /// # Errors
     /// See [`ArchiveError`].
@@ -159,7 +161,7 @@ impl ForeignList {
             lengths[own] = row.len() as u32;
         }
         persist_pieces(&mut lengths, &format!("{name}.lengths"), archive)?;
-        // What was loaded before and not completed has other numbers.
+        // Rows that were loaded before and not completed have other indices.
         let mut indices: Vec<u32> = if archive.is_saving() { self.indices().map(number).collect() } else { Vec::new() };
         let all: usize = lengths.iter().map(|&length| length as usize).sum();
         let indices_name = format!("{name}.indices");

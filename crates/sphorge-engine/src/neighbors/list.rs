@@ -1,9 +1,9 @@
 //! The neighbour list: one flat, dense layout for every strategy.
 //!
-//! Particles are taken in blocks; a block's rows lie one behind the other, so that blocks are built by different threads
-//! without atomics and swept as units of work. Every row is padded to a whole number of SIMD vectors with the particle's
-//! own index: a pair of a particle with itself has zero distance and zero velocity difference, so every antisymmetric or
-//! difference sum ignores it and sweeps need no masks.
+//! Particles are grouped in blocks, whose rows are stored contiguously. Different threads build blocks without atomics
+//! and process them as units of work. Every row is padded to a whole number of SIMD vectors with the particle's own
+//! index: a pair of a particle with itself has zero distance and zero velocity difference, so every antisymmetric or
+//! difference sum ignores it and loops need no masks.
 
 use crate::persist::{Archive, ArchiveError, persist_pieces_or_none, require};
 
@@ -17,7 +17,7 @@ pub const PAD: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub struct NeighborList {
     blocks: Vec<Block>,
-    /// Times blocks were given out to be changed.
+    /// How often blocks were borrowed for changes.
     changes: u64,
 }
 
@@ -28,7 +28,7 @@ pub struct Block {
     starts: Vec<u32>,
     /// True lengths, without padding.
     lengths: Vec<u32>,
-    /// Rows one behind the other; only the first `used` entries count, what follows is room.
+    /// Contiguous rows; only the first `used` entries are valid, the rest is capacity.
     indices: Vec<u32>,
     used: usize,
 }
@@ -51,7 +51,7 @@ impl NeighborList {
         &mut self.blocks
     }
 
-    /// Another number whenever the list may be another one.
+    /// A number that changes whenever the list may have changed.
     pub(crate) fn changes(&self) -> u64 {
         self.changes
     }
@@ -74,7 +74,7 @@ impl NeighborList {
 }
 
 impl Block {
-    /// Forgets all rows, keeps the memory.
+    /// Removes all rows, keeps the memory.
     pub fn clear(&mut self) {
         self.starts.clear();
         self.starts.push(0);
@@ -82,12 +82,12 @@ impl Block {
         self.used = 0;
     }
 
-    /// Room for at least `count` more entries of the row being written.
+    /// Capacity for at least `count` more entries of the row being written.
     #[inline(always)]
     pub(crate) fn room(&mut self, count: usize) -> &mut [u32] {
         let needed = self.used + count;
         if self.indices.len() < needed {
-            // Exactly: doubling would leave half of the largest array of a run empty.
+            // Exactly as much: doubling would leave half of the largest array of a run empty.
             self.indices.reserve_exact(needed - self.indices.len());
             self.indices.resize(needed, 0);
         }
@@ -112,7 +112,7 @@ impl Block {
         let start = *self.starts.last().unwrap_or(&0) as usize;
         let length = self.used - start;
         self.lengths.push(length as u32);
-        // A whole SIMD vector at once: entries behind the padding are room.
+        // A whole SIMD vector at once: entries behind the padding are capacity.
         self.room(PAD)[..PAD].fill(own);
         self.used = start + length.next_multiple_of(PAD);
         self.starts.push(self.used as u32);
@@ -138,7 +138,7 @@ impl Block {
         self.used
     }
 
-    /// Replaces row `k` of particle `own`: in its place if there is room, else by way of a `spare` block.
+    /// Replaces row `k` of particle `own`: in place if it fits, else by way of a `spare` block.
     pub(crate) fn set_row(&mut self, k: usize, own: u32, row: &[u32], spare: &mut Self) {
         if self.row(k) == row {
             return;
@@ -227,8 +227,8 @@ impl Block {
 }
 
 impl NeighborList {
-    /// The first block that is not as a search of `rows` particles, the first of which has the number `first`, among `points` leaves it; for lists that
-    /// were loaded.
+    /// The first block that is not as a search of `rows` particles, starting with index `first`, among `points` leaves
+    /// it; for loaded lists.
     pub(crate) fn first_unfit(&self, first: usize, rows: usize, points: usize) -> Option<usize> {
         let blocks = rows.div_ceil(BLOCK);
         let fits = |b: usize| {
@@ -242,7 +242,7 @@ impl Block {
     /// Whether it is one of `rows` particles from `first` on, among `points`.
     fn fits(&self, first: usize, rows: usize, points: usize) -> bool {
         let (starts, indices) = (&self.starts, &self.indices);
-        // Sums take padding off again as the particle itself, which is always near.
+        // Sums subtract padding as pairs of the particle with itself, which are always within reach.
         let is_padded = |k: usize| {
             let padding = (starts[k] + self.lengths[k]) as usize..starts[k + 1] as usize;
             indices[padding].iter().all(|&j| j as usize == first + k)
@@ -260,8 +260,8 @@ impl Block {
 }
 
 impl NeighborList {
-    /// Saves or loads the rows of `count` particles, or none at all: the room that each row has, its length, and all entries, padding included, as `number`
-    /// says they are to be saved. Those that are loaded are numbered as they were saved.
+    /// Saves or loads the rows of `count` particles, or none at all: the capacity of each row, its length, and all
+    /// entries including padding, renumbered by `number` for saving. Loaded rows keep the saved indices.
     ///
     /// # Errors
     /// See [`ArchiveError`].
@@ -276,7 +276,7 @@ impl NeighborList {
         let blocks = &self.blocks;
         let mut rooms: Vec<u32> = blocks.iter().flat_map(|b| b.starts.windows(2).map(|row| row[1] - row[0])).collect();
         let mut lengths: Vec<u32> = blocks.iter().flat_map(|b| &b.lengths).copied().collect();
-        // What was loaded before and not completed has other numbers.
+        // Rows that were loaded before and not completed have other indices.
         let entries = blocks.iter().flat_map(Block::entries).filter(|_| archive.is_saving());
         let mut indices: Vec<u32> = entries.map(|&j| number(j)).collect();
         persist_pieces_or_none(&mut rooms, count, &of("rooms"), archive)?;

@@ -1,9 +1,9 @@
-//! How far apart two points may be to be neighbours.
+//! The largest distance of neighbours.
 
 use super::cells::CHUNK;
 use rayon::prelude::*;
 
-/// How far two points may lie apart to be neighbours: `factor (h_i + h_j) / 2`.
+/// The largest distance of two neighbours: `factor (h_i + h_j) / 2`.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach<'a> {
     /// Smoothing length of every point, m.
@@ -15,7 +15,7 @@ pub struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    /// Points with these smoothing lengths (m), `factor` of which the kernel reaches.
+    /// For points with these smoothing lengths (m), with a kernel reach of `factor` smoothing lengths.
     pub fn new(smoothing_length: &'a [f64], factor: f64) -> Self {
         Self { smoothing_length, factor, range: range_of(smoothing_length) }
     }
@@ -25,7 +25,7 @@ impl<'a> Reach<'a> {
         self.factor * self.range.1
     }
 
-    /// Squared distance at which `i` and `j` cease to be neighbours, m².
+    /// Squared distance from which on `i` and `j` are not neighbours, m².
     #[inline(always)]
     pub fn squared(&self, i: usize, j: usize) -> f64 {
         let r = 0.5 * self.factor * (self.smoothing_length[i] + self.smoothing_length[j]);

@@ -25,7 +25,7 @@ impl Job<f32> for RowsJob<'_> {
     }
 }
 
-/// A row to patch: its entries of points whose rows are rebuilt, behind those that stay.
+/// A row to patch: its entries of points whose rows are rebuilt; they follow those that are kept.
 pub(super) struct PatchJob<'a> {
     pub(super) points: &'a CellPoints,
     pub(super) row: usize,
@@ -68,8 +68,8 @@ fn row_within<L: Lanes<Element = f32>, const UNIFORM: bool>(
     let h_i = L::splat(points.h[own]);
     let half_factor = L::splat(points.half_factor);
     let uniform = L::splat(limit);
-    // Whole SIMD vectors, the last of which may reach past what was collected. All of a vector is written, of which what is not
-    // kept is overwritten.
+    // Whole SIMD vectors, the last of which may extend past the collected points. All lanes are written, and those that
+    // are not kept are overwritten.
     let end = candidates.count.next_multiple_of(L::WIDTH);
     let found = block.room(end + PAD);
     let mut count = 0;

@@ -19,7 +19,7 @@ pub(crate) struct Searcher {
     scratch: Vec<Mutex<Scratch>>,
 }
 
-/// What a thread needs beside the list.
+/// Working memory of a thread.
 #[derive(Debug, Default)]
 struct Scratch {
     /// A block being rebuilt.
@@ -29,16 +29,16 @@ struct Scratch {
     candidates: Candidates,
 }
 
-/// What a partial search looks at.
+/// Input of a partial search.
 pub(crate) struct PartialSearch<'a> {
-    /// Particles, and behind them ghosts.
+    /// Particles, followed by ghosts.
     pub(crate) points: &'a [Vector<f64>],
-    /// Particles that the ghosts are images of. A ghost is rebuilt if its source is.
+    /// Sources of the ghosts. A ghost is rebuilt if its source is.
     pub(crate) sources: &'a [u32],
-    /// Particles whose rows are in the list, whole blocks that lie one behind the other.
+    /// Particles whose rows are in the list: contiguous whole blocks.
     pub(crate) rows: std::ops::Range<usize>,
     pub(crate) reach: Reach<'a>,
-    /// How far the points have moved at most.
+    /// Upper bound of the displacements of the points.
     pub(crate) displacement: DisplacementBound,
     /// Of each point: [`mark::REBUILD`] for those whose rows are rebuilt, [`mark::KEEP`] for the others; rows to be patched get [`mark::PATCH`].
     pub(crate) marks: &'a [AtomicU8],
@@ -54,7 +54,7 @@ impl PartialSearch<'_> {
         self.rows.len() == self.count()
     }
 
-    /// The particle that a point is or is an image of.
+    /// The particle of a point, or the source of an image.
     fn source(&self, j: u32) -> usize {
         let ghost = (j as usize).checked_sub(self.count());
         ghost.map_or(j as usize, |ghost| self.sources[ghost] as usize)
@@ -72,8 +72,8 @@ impl PartialSearch<'_> {
 }
 
 impl Searcher {
-    /// Fills `list` with the neighbours of the first `count` of `points`. Rows come in the order of the cells, which depends on
-    /// positions alone, never on threads. `displacement` bounds how far the points have moved.
+    /// Fills `list` with the neighbours of the first `count` of `points`. Rows are in the order of the cells, which
+    /// depends only on positions, never on threads. `displacement` bounds how far the points have moved.
     pub(crate) fn search(
         &mut self,
         points: &[Vector<f64>],
@@ -86,7 +86,7 @@ impl Searcher {
         self.search_rows(points, 0..count, reach, displacement, instructions, list);
     }
 
-    /// Fills `list` with the neighbours of some of `points`, whole blocks that lie one behind the other, as [`Self::search`] finds them.
+    /// Fills `list` with the neighbours of some of `points`, contiguous whole blocks, as [`Self::search`] finds them.
     pub(crate) fn search_rows(
         &mut self,
         points: &[Vector<f64>],
@@ -111,8 +111,9 @@ impl Searcher {
         });
     }
 
-    /// Rebuilds the rows of the points `rebuilt`. Where a row gains or loses a neighbour, that neighbour's row is patched, so
-    /// that a symmetric list stays so: a pair is in both rows or in none. With `one_sided` nothing is patched.
+    /// Rebuilds the rows of the points `rebuilt`. If a row gains or loses a neighbour, the row of that neighbour is
+    /// patched, so that a symmetric list stays symmetric: a pair is in both rows or in neither. With `one_sided`
+    /// nothing is patched.
     pub(crate) fn rebuild_rows(
         &mut self,
         partial: &PartialSearch<'_>,
@@ -127,7 +128,8 @@ impl Searcher {
         }
     }
 
-    /// The first half of [`Self::rebuild_rows`]: rows are rebuilt, and unless it is `one_sided` those to be patched are marked, be they in the list or not.
+    /// The first half of [`Self::rebuild_rows`]: rows are rebuilt, and unless it is `one_sided` those to be patched are
+    /// marked, whether they are in the list or not.
     pub(crate) fn rebuild_marked(
         &mut self,
         partial: &PartialSearch<'_>,
@@ -167,7 +169,7 @@ impl Searcher {
         });
     }
 
-    /// The second half: rows that are marked to be patched are.
+    /// The second half: patches the marked rows.
     pub(crate) fn patch_marked(
         &mut self,
         partial: &PartialSearch<'_>,
@@ -214,12 +216,12 @@ impl Searcher {
         self.points.frame::<T>()
     }
 
-    /// Whether what was loaded is of `count` points; of none where they are to be sorted anew.
+    /// Whether the loaded data are those of `count` points, or of none if they are to be sorted again.
     pub(crate) fn fits(&self, count: usize) -> bool {
         self.points.fits(count)
     }
 
-    /// Whether what was loaded is of no more than `count` points.
+    /// Whether the loaded data are those of at most `count` points.
     pub(crate) fn fits_within(&self, count: usize) -> bool {
         self.points.fits_within(count)
     }
@@ -230,13 +232,14 @@ impl Searcher {
         self.points.bytes() + self.scratch.iter().map(of).sum::<usize>()
     }
 
-    /// What the calling thread keeps for itself.
+    /// The working memory of the calling thread.
     fn scratch(&self) -> MutexGuard<'_, Scratch> {
         // Only a panic in a row poisons the lock; all of it is cleared before use.
         self.scratch[rayon::current_thread_index().unwrap_or(0)].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// One scratch for each thread, each as large as the largest: who gets the densest cells next is chance.
+    /// One working memory per thread, each as large as the largest, because the next cell of any thread may be the
+    /// densest.
     fn prepare_scratch(&mut self) {
         self.scratch.resize_with(rayon::current_num_threads(), Mutex::default);
         let room = |s: &mut Mutex<Scratch>| s.get_mut().unwrap_or_else(PoisonError::into_inner).candidates.room();
@@ -247,9 +250,9 @@ impl Searcher {
     }
 }
 
-/// Visits what two rows without repetitions do not share.
+/// Visits the entries that are in only one of two rows without repetitions.
 fn differences(old: &[u32], new: &[u32], mut visit: impl FnMut(u32)) {
-    // Rows come in the order of the cells and mostly stay as they are.
+    // Rows are in the order of the cells and mostly do not change.
     let same = old.iter().zip(new).take_while(|(a, b)| a == b).count();
     let (old, new) = (&old[same..], &new[same..]);
     let same = old.iter().rev().zip(new.iter().rev()).take_while(|(a, b)| a == b).count();

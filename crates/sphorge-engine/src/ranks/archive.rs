@@ -1,17 +1,18 @@
-//! One archive for all ranks: it holds what one process would save, whoever saves and whoever loads it.
+//! One archive for all ranks: it contains what one process would save, on any number of ranks.
 //!
-//! The first rank has all of it, or each rank a part: its own pieces and, on the first, what is the same on all.
+//! Either the first rank has all of it, or each rank a part: its own pieces and, on the first rank, the values that are
+//! the same on all.
 
 use super::Ranks;
 use crate::RunFailure;
 use crate::persist::{Archive, ArchiveError, Fixed, Split};
 
-/// An archive as each rank sees it. Values that are the same on all ranks are those of the first, pieces lie one behind the
-/// other in the order of the ranks. All ranks save or load the same names in the same order. A rank that cannot load a value may stop: the others
-/// go on with it once it is dropped, or the first one tells them.
+/// An archive as each rank sees it. Values that are the same on all ranks are those of the first rank; pieces are
+/// contiguous in the order of the ranks. All ranks save or load the same names in the same order. A rank that cannot
+/// load a value may stop: the archive continues with the others when it is dropped, or the first rank tells them.
 pub struct SharedArchive<'a> {
     ranks: &'a Ranks,
-    /// What this rank saves to or loads from: on the first rank always something.
+    /// The archive of this rank; the first rank always has one.
     own: Option<&'a mut dyn Archive>,
     way: Way,
     split: Split,
@@ -19,18 +20,18 @@ pub struct SharedArchive<'a> {
     has_ended: bool,
 }
 
-/// Which way values go.
+/// Direction of the values.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
-    /// Into the archive of the first rank.
+    /// Saved to the archive of the first rank.
     ToFirst,
-    /// Into the archive of each rank.
+    /// Saved to the archive of each rank.
     ToEach,
-    /// Out of whatever the ranks have.
+    /// Loaded from the archives that the ranks have.
     Out,
 }
 
-/// What the first rank says comes next.
+/// Announcement of the first rank: what comes next.
 #[derive(Clone, Copy, PartialEq)]
 enum Next {
     /// Nothing more.
@@ -47,26 +48,27 @@ impl Next {
     const ALL: [Self; 4] = [Self::End, Self::Same, Self::Pieces, Self::Fault];
 }
 
-/// A value as its first rank tells of it: what it is, and its bytes.
+/// A value as the first rank announces it: its kind and its bytes.
 type Header = (u8, usize);
 
 impl<'a> SharedArchive<'a> {
-    /// To save to; the first rank gives the archive.
+    /// For saving to the archive of the first rank.
     pub fn to_save(ranks: &'a Ranks, whole: Option<&'a mut dyn Archive>) -> Self {
         Self { ranks, own: whole, way: Way::ToFirst, split: Split::Same, lost: None, has_ended: false }
     }
 
-    /// To save to in parts, of which this is that of this rank. Nothing is sent.
+    /// For saving in parts, with the part of this rank. Nothing is sent.
     pub fn to_save_part(ranks: &'a Ranks, part: &'a mut dyn Archive) -> Self {
         Self { way: Way::ToEach, ..Self::to_save(ranks, Some(part)) }
     }
 
-    /// To load from: the first rank gives an archive, and so does any other rank that has one. Parts may come from another number of ranks, or one part may be the whole.
+    /// For loading: the first rank provides an archive, and so does any other rank that has one. Parts may come from
+    /// another number of ranks, or one part may be the whole.
     pub fn to_load(ranks: &'a Ranks, part: Option<&'a mut dyn Archive>) -> Self {
         Self { way: Way::Out, ..Self::to_save(ranks, part) }
     }
 
-    /// Ends what all ranks have loaded, some of them not all of it.
+    /// Finishes loading on all ranks, some of which may have stopped.
     ///
     /// # Errors
     /// A rank was lost.
@@ -76,7 +78,7 @@ impl<'a> SharedArchive<'a> {
                 self.ranks.broadcast(&header(Next::End, 0), Header::SIZE)?;
             } else {
                 self.split = Split::Same;
-                // What the others still load.
+                // Values that the others still load.
                 while !self.has_ended {
                     let _ = self.receive("");
                     self.check()?;
@@ -90,7 +92,7 @@ impl<'a> SharedArchive<'a> {
         self.lost.clone().map_or(Ok(()), Err)
     }
 
-    /// Notes a lost rank, and says of a value that it is missing.
+    /// Stores the loss of a rank, and reports the value as missing.
     fn or_lost<V>(&mut self, result: Result<V, RunFailure>) -> Result<V, ArchiveError> {
         result.map_err(|failure| {
             let error = ArchiveError::Unsupported(failure.message.clone());
@@ -112,7 +114,7 @@ impl<'a> SharedArchive<'a> {
         }
     }
 
-    /// Keeps what this rank has to keep.
+    /// Saves what this rank has to save.
     fn keep(&mut self, name: &str, bytes: Vec<u8>) {
         let is_kept = self.ranks.rank() == 0 || self.split != Split::Same;
         if let Some(part) = self.own.as_mut().filter(|_| is_kept) {
@@ -120,7 +122,7 @@ impl<'a> SharedArchive<'a> {
         }
     }
 
-    /// Takes what the first rank has.
+    /// Receives the value of the first rank.
     fn receive(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
         if let Some(lost) = &self.lost {
             return Err(ArchiveError::Unsupported(lost.message.clone()));
@@ -157,12 +159,12 @@ impl<'a> SharedArchive<'a> {
         }
     }
 
-    /// A value of the part of this rank; nothing where it has none.
+    /// A value of the part of this rank; nothing if it has none.
     fn load_own(&mut self, name: &str) -> Result<Vec<u8>, ArchiveError> {
         self.own.as_mut().map_or(Ok(Vec::new()), |part| part.load(name))
     }
 
-    /// The piece of this rank, of those that all ranks have loaded.
+    /// The piece of this rank, from those that all ranks have loaded.
     fn share_pieces(
         &self,
         name: &str,
@@ -177,7 +179,7 @@ impl<'a> SharedArchive<'a> {
         }
         let (lengths, counts): (Vec<usize>, Vec<usize>) = of_all.into_iter().map(|(_, of_rank)| of_rank).unzip();
         let (length, all) = (lengths.iter().sum::<usize>(), counts.iter().sum::<usize>());
-        // As many bytes of each value, or none that could be told apart.
+        // The same number of bytes for each value, or none that could be distinguished.
         let width = length.checked_div(all).unwrap_or(0);
         if width * all != length {
             return Ok(Err(ArchiveError::Mismatch(name.to_owned())));

@@ -1,4 +1,4 @@
-//! What is wrong with a step, and on which of the ranks it is worst.
+//! Faults of a step, and the rank with the worst one.
 
 use super::Ranks;
 use crate::RunFailure;
@@ -10,7 +10,7 @@ use sphorge_physics::flow::FLOW_LAWS;
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepFault {
     pub(crate) failure: RunFailure,
-    /// Change over the change allowed; nothing where a value is wrong.
+    /// Change over the allowed change; nothing if a value is wrong.
     changed: Option<f64>,
 }
 
@@ -20,7 +20,7 @@ impl StepFault {
         Self { failure, changed: None }
     }
 
-    /// A change that is larger than allowed, so many times.
+    /// A change that is larger than allowed, by this factor.
     pub(crate) fn changed(failure: RunFailure, ratio: f64) -> Self {
         Self { failure, changed: Some(ratio) }
     }
@@ -30,14 +30,15 @@ impl StepFault {
         self.failure
     }
 
-    /// A value that is wrong goes before one that has changed too much; the larger a change the worse. Of equals the first rank has it.
+    /// A wrong value is worse than a change that is too large; a larger change is worse than a smaller one. Of equals
+    /// the first rank has it.
     fn severity(&self) -> (u8, f64) {
         self.changed.map_or((2, 0.0), |ratio| (1, ratio))
     }
 }
 
 impl Ranks {
-    /// Fails on all ranks where one has a fault, with the worst there is.
+    /// Fails on all ranks if one has a fault, with the worst one.
     ///
     /// # Errors
     /// There is one, or a rank is lost.

@@ -1,23 +1,23 @@
-//! What every rank but the first does with files, as the program around it does.
+//! File access of every rank but the first, provided by the program around the engine.
 
 use crate::persist::{Archive, ArchiveError};
 use crate::reduction::FieldSource;
 use crate::{Model, Particles};
 use std::sync::Arc;
 
-/// A model and its particles as every rank has them at the start.
+/// A model and its particles, as on every rank at the start.
 pub type Loaded = (Arc<Model>, Particles);
 
-/// Reads and writes for a rank what the first one asks for, in words of the program that both are of.
+/// Reads and writes files for a rank on request of the first one, in requests that the program defines.
 pub trait RankFiles: Sync {
-    /// The model and the particles of a deck, given with its name, that the first rank has found in order.
+    /// The model and the particles of a deck, given with its name, which the first rank has checked.
     fn load(&self, name: &str, deck: &str) -> Option<Loaded>;
-    /// Writes the particles of the rank of this number.
+    /// Writes the particles of the rank with this number.
     ///
     /// # Errors
     /// Why it cannot.
     fn write(&self, request: &str, rank: usize, model: &Model, particles: &dyn FieldSource) -> Result<(), String>;
-    /// Writes the part of a saved state that the rank of this number has: what `state` saves.
+    /// Writes the part of a saved state of the rank with this number: what `state` saves.
     ///
     /// # Errors
     /// Why it cannot.
@@ -27,7 +27,8 @@ pub trait RankFiles: Sync {
         rank: usize,
         state: &mut dyn FnMut(&mut dyn Archive) -> Result<(), ArchiveError>,
     ) -> Result<(), String>;
-    /// The parts of a saved state that a rank of so many is to read, those of one behind the other; none for some where ranks are more than parts.
+    /// The parts of a saved state that a rank is to read, given the number of ranks, in contiguous order; none for some
+    /// ranks if there are more ranks than parts.
     ///
     /// # Errors
     /// Why they cannot be read.

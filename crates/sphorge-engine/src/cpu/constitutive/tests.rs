@@ -43,13 +43,13 @@ fn materials() -> [Material; 6] {
     ]
 }
 
-/// Numbers between -1 and 1 that repeat themselves nowhere.
+/// Numbers between -1 and 1 without repetition.
 fn number(k: usize, what: usize) -> f64 {
     let x = ((7919 * k + 104_729 * what + 13) as f64 * 0.618_033_988_749_895).fract();
     2.0 * x - 1.0
 }
 
-/// Particles of all states, the columns the stress is computed from.
+/// Particles in all states, and the columns from which the stress is computed.
 struct Particle {
     material: u32,
     deviator: SymmetricTensor<f64>,
@@ -73,7 +73,7 @@ fn particle(materials: &[Material], mixed: bool, k: usize) -> Particle {
     let s = [4, 5, 6, 7, 8, 9].map(|c| size * number(k, c));
     let mut deviator = SymmetricTensor::from_array(s).deviator();
     let mut density = materials[m].density * (1.0 + 0.15 * number(k, 10));
-    // What is not a number stays none.
+    // A value that is not a number stays so.
     if k == 40 {
         deviator.xy = f64::NAN;
     }
@@ -90,13 +90,13 @@ fn particle(materials: &[Material], mixed: bool, k: usize) -> Particle {
     }
 }
 
-/// Equal to a few units of round-off of `size`, or both no numbers.
+/// Equal to a few units of rounding of `size`, or both not numbers.
 fn assert_near(got: f64, want: f64, size: f64, what: &dyn std::fmt::Display) {
     let near = (got - want).abs() <= 1e-13 * size || got == want || (got.is_nan() && want.is_nan());
     assert!(near, "{what}: {got:e} {want:e}");
 }
 
-/// Takes particles through a step on lanes and one by one; how many stayed elastic.
+/// Advances particles by a step with SIMD and one by one; returns how many stayed elastic.
 fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form: StressForm) -> usize {
     let materials = materials();
     let particles: Vec<Particle> = (0..COUNT).map(|k| particle(&materials, mixed, k)).collect();

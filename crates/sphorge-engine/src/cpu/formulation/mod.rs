@@ -1,6 +1,6 @@
-//! The two forms of the sums: which configuration positions, gradients and stresses belong to.
+//! The two forms of the sums, which differ in the configuration of positions, gradients and stresses.
 //!
-//! What both share, the sweeps over pairs, the laws and the integrators, is in the files beside this folder.
+//! What both have in common, the pair loops, the laws and the integrators, is in the files next to this folder.
 
 mod total_lagrangian;
 mod updated_lagrangian;
@@ -15,7 +15,7 @@ use sphorge_physics::{SymmetricTensor, Tensor};
 use total_lagrangian::TotalLagrangian;
 use updated_lagrangian::UpdatedLagrangian;
 
-/// What the two forms do in their own way. They hold no state: that is in the columns of the engine.
+/// Operations that differ between the two forms. They have no state: that is in the columns of the engine.
 pub(super) trait Formulation<T: PairScalar>: Sync {
     /// Whether sums use corrected gradients.
     fn is_corrected(&self, model: &Model) -> bool;
@@ -23,24 +23,24 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
     fn start(&self, engine: &mut CpuEngine<T>);
     /// Whether sums are taken over the initial configuration: its neighbours, positions and volumes.
     fn is_initial(&self) -> bool;
-    /// Whether material of other bodies takes part in the sums.
+    /// Whether material of other bodies contributes to the sums.
     fn sees_other_bodies(&self) -> bool;
-    /// Viscosity between pairs, which is none where it is a pressure of the particle.
+    /// Viscosity between pairs; none if it is a pressure of the particle.
     fn pair_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
     /// Viscosity as a pressure of the particle.
     fn bulk_viscosity(&self, model: &Model) -> Option<ViscosityParameters<f64>>;
 
-    /// Packs what the velocity gradient reads of particles.
+    /// Packs the data of particles that the velocity gradient reads.
     fn pack_motion(&self, engine: &mut CpuEngine<T>);
     /// Velocity gradient and density.
     fn kinematics(&self, engine: &mut CpuEngine<T>, rows: Rows);
-    /// Whether forces have a gradient correction that is not the one of the velocity gradient.
+    /// Whether forces have a gradient correction other than that of the velocity gradient.
     fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool;
-    /// Packs what that reads of particles.
+    /// Packs the data of particles that it reads.
     fn pack_volumes(&self, engine: &mut CpuEngine<T>);
-    /// That gradient correction, where there is one.
+    /// That gradient correction, if there is one.
     fn correct_gradients(&self, engine: &mut CpuEngine<T>);
-    /// The tensor whose sum is the force of particle `i`, of its scaled stress and its gradient correction.
+    /// The tensor whose sum is the force on particle `i`, from its scaled stress and its gradient correction.
     fn force_tensor(
         &self,
         particles: &Particles,
@@ -48,11 +48,11 @@ pub(super) trait Formulation<T: PairScalar>: Sync {
         stress: SymmetricTensor<f64>,
         correction: &Tensor<f64>,
     ) -> Tensor<f64>;
-    /// Forces beside those of the stress.
+    /// Forces besides those of the stress.
     fn add_forces(&self, engine: &mut CpuEngine<T>, rows: Rows);
 }
 
-/// The form a model asks for.
+/// The form that a model selects.
 pub(super) fn of<T: PairScalar>(model: &Model) -> &'static dyn Formulation<T> {
     match model.formulation {
         model::Formulation::UpdatedLagrangian => &UpdatedLagrangian,

@@ -1,9 +1,11 @@
-//! The total Lagrangian form: sums over the neighbours in the reference configuration at the positions `X` there, whose formulas are those
-//! of [`sphorge_physics::total_lagrangian`]. That is the initial configuration, until a body comes apart ([`crate::cpu::renewal`]).
+//! The total Lagrangian form: sums over the neighbours in the reference configuration at the positions `X` in it. The
+//! formulas are in [`sphorge_physics::total_lagrangian`]. The reference is the initial configuration until a body comes
+//! apart ([`crate::cpu::renewal`]).
 //!
-//! The Cauchy stress follows from the velocity gradient by the same laws as in the other form. There is no tensile instability:
-//! artificial stress, XSPH and density restoration are left out of the model. Viscosity is a pressure of the particle: a viscosity of
-//! pairs at initial positions would brake rigid rotation. Other bodies are not seen.
+//! The Cauchy stress follows from the velocity gradient by the same laws as in the other form. There is no tensile
+//! instability: artificial stress, XSPH and density restoration are not part of the model. Viscosity is a pressure of
+//! the particle, because a viscosity of pairs at initial positions would damp rigid rotation. The sums do not see other
+//! bodies.
 
 use super::Formulation;
 use crate::cpu::CpuEngine;
@@ -54,7 +56,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         Some(ViscosityParameters { alpha: model.numerics.viscosity_alpha, beta: model.numerics.viscosity_beta })
     }
 
-    /// Velocities at initial positions, with initial volumes for weights.
+    /// Velocities at initial positions, with initial volumes as weights.
     fn pack_motion(&self, engine: &mut CpuEngine<T>) {
         engine.make_records();
         let count = engine.particles.len();
@@ -154,7 +156,7 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
     }
 }
 
-/// Smallest principal stretches of particles side by side.
+/// Smallest principal stretches of particles, with SIMD.
 struct SmallestStretches<'a> {
     deformation: &'a [Tensor<f64>],
     stretch: &'a mut [f64],
@@ -167,9 +169,9 @@ impl Job<f64> for SmallestStretches<'_> {
         let last = self.stretch.len().saturating_sub(1);
         let mut computed = [0.0; PAD];
         for (v, stretch) in self.stretch.chunks_mut(L::WIDTH).enumerate() {
-            // The last particle in the lanes behind it.
+            // Lanes beyond the last particle repeat it.
             let indices: [u32; PAD] = std::array::from_fn(|lane| (v * L::WIDTH + lane).min(last) as u32);
-            // Eight at a time are taken apart by shuffles.
+            // Eight at a time are transposed by shuffles.
             let [xx, xy, xz, yx, yy, yz, zx, zy]: [L; 8] = L::gather_part(deformation, &indices, 0);
             let [zz]: [L; 1] = L::gather_part(deformation, &indices, 8);
             smallest_stretch(&[[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]]).store(&mut computed);

@@ -1,4 +1,4 @@
-//! The updated Lagrangian form of both papers: Cauchy stress over the neighbours as they are.
+//! The updated Lagrangian form of both papers: Cauchy stress over the current neighbours.
 
 use super::Formulation;
 use crate::cpu::CpuEngine;
@@ -41,8 +41,9 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         None
     }
 
-    /// With leapfrog the gradient is taken with the positions of mid-step, where its velocities are: the step is then the same
-    /// forwards and backwards in time, and what stress gains in it is the work of the forces before and after it, to second order.
+    /// With leapfrog the gradient is computed at the positions of mid-step, to which its velocities belong. The step is
+    /// then reversible in time, and the stress work in it is the work of the forces before and after it, to second
+    /// order.
     fn pack_motion(&self, engine: &mut CpuEngine<T>) {
         pack(engine, FieldSet::Motion, 0.5 * engine.step.dt);
     }
@@ -66,7 +67,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
             let moment = sum.moment.map(|row| row.map(|v| v.to_f64() * scale));
             gradient_correction::gradient_correction(&moment, dimension, LARGEST_COMPONENT)
         };
-        // The gradient, and the factor its sum was multiplied with.
+        // The gradient, and the factor by which its sum was multiplied.
         let plain = |sum: &GradientSum<T>, rho: f64, last: &Tensor<f64>| {
             let scale = pair::gradient_factor(form, stress::predicted_density(rho, last, half));
             (sum.gradient.map(|row| row.map(|v| v.to_f64() * scale)), scale)
@@ -91,8 +92,8 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
                     }
                 });
         } else if guarded {
-            // The strain the guard counts is the corrected one: on a free face plain sums see as little as half of it. Moments change no more
-            // than the material strains, and are summed now and then.
+            // The guard counts the corrected strain: at a free face plain sums give as little as half of it. Moments
+            // change no more than the material strains, and are summed only every few steps.
             let is_due = engine.step.count.is_multiple_of(AdaptiveSearch::STRAIN_CORRECTION_STEPS);
             (
                 columns.0,
@@ -133,7 +134,7 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         }
     }
 
-    /// Where forces are evaluated elsewhere than the velocity gradient.
+    /// For forces that are evaluated at other positions than the velocity gradient.
     fn corrects_forces(&self, engine: &CpuEngine<T>) -> bool {
         let moved = engine.model.numerics.integrator == Integrator::Leapfrog && engine.step.dt > 0.0;
         self.is_corrected_form(&engine.model) && moved
@@ -143,8 +144,8 @@ impl<T: PairScalar> Formulation<T> for UpdatedLagrangian {
         pack(engine, FieldSet::Volume, 0.0);
     }
 
-    /// Gradient correction at the positions and densities forces are evaluated with. Torques cancel only if force and correction see
-    /// the same.
+    /// Gradient correction at the positions and densities of the force evaluation. Torques cancel only if force and
+    /// correction use the same.
     fn correct_gradients(&self, engine: &mut CpuEngine<T>) {
         if !Formulation::<T>::corrects_forces(self, engine) {
             return;
@@ -185,8 +186,8 @@ impl UpdatedLagrangian {
     }
 }
 
-/// Writes velocity, smoothing length, the place for a set of fields and the weight expected a time `ahead` (s) of the present density, of every
-/// particle, into its kinematic record.
+/// Writes velocity, smoothing length, the position for a set of fields and the weight expected a time `ahead` (s) of
+/// the current density, for every particle, to its kinematic record.
 fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, fields: FieldSet, ahead: f64) {
     engine.make_records();
     let form = engine.model.numerics.pair_form;
@@ -220,7 +221,7 @@ fn pack<T: PairScalar>(engine: &mut CpuEngine<T>, fields: FieldSet, ahead: f64) 
     });
 }
 
-/// Where a particle that drifts with its velocity and XSPH correction was a time `back` (s) ago.
+/// Position of a particle, which drifts with its velocity and XSPH correction, a time `back` (s) ago.
 #[inline(always)]
 fn earlier(x: Vector<f64>, v: Vector<f64>, xsph: Vector<f64>, prescribed: [Option<f64>; 3], back: f64) -> Vector<f64> {
     // A prescribed axis has no XSPH; its velocity is the one it drifted with.

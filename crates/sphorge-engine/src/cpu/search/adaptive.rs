@@ -1,14 +1,15 @@
 //! Adaptive search: only particles that deform plastically are searched again (Fraser).
 //!
-//! Fraser's rule looks at the plastic strain of a step alone. The guard adds what the rule cannot see; `docs/adaptive-search.md`
-//! derives each of its bounds:
+//! Fraser's rule looks only at the plastic strain of a step. The guard adds what the rule does not detect;
+//! `docs/adaptive-search.md` derives each of its bounds:
 //!
 //! - elastic strain: a particle whose strain since its last search passes a bound is searched;
 //! - contact candidates: particles near another body, near another fragment of their own, or near material that came from far away are
 //!   searched every step ([`super::contact_candidates`]);
-//! - one-sidedness: rows of neighbours that a searched particle gains or loses are patched, so that of every pair both rows know
-//!   or none;
-//! - old gradients: kernel values are those of the positions as they are. Without the guard they are those of the search.
+//! - one-sidedness: rows of neighbours that a searched particle gains or loses are patched, so that both rows of a pair
+//!   list it or neither;
+//! - old gradients: kernel values are those of the current positions. Without the guard they are those of the last
+//!   search.
 
 use super::super::CpuEngine;
 use super::{CHUNK, moved_beyond};
@@ -59,12 +60,13 @@ impl<T: PairScalar> CpuEngine<T> {
             let searched = |i: usize| marks[first + i].load(Ordering::Relaxed) == mark::REBUILD;
             stored.rebuild(list, points, searched);
         }
-        // Every particle that can touch another body is among contact candidates and was searched: all pairs of bodies are in the rows.
+        // Every particle that can touch another body is a contact candidate and was searched: all pairs of bodies are
+        // in the rows.
         self.take_contacts();
         Ok(SearchReport { searched_fraction: marked as f64 / count as f64 })
     }
 
-    /// Makes the rows of the marked particles anew, and patches others.
+    /// Rebuilds the rows of the marked particles, and patches others.
     fn search_marked(&mut self, one_sided: bool) {
         let count = self.particles.len();
         if self.ghosts.count() > 0 {
@@ -87,7 +89,7 @@ impl<T: PairScalar> CpuEngine<T> {
         searcher.rebuild_rows(&partial, self.instructions, list, to_search, one_sided);
     }
 
-    /// Notes a full search for what is measured from it.
+    /// Resets the quantities that are measured from the last full search.
     pub(super) fn note_search(&mut self) {
         if self.keeps_distances() {
             let lists = &mut self.lists;
@@ -102,7 +104,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Whether sums are taken with the distances of the last search.
+    /// Whether sums use the distances of the last search.
     pub(super) fn keeps_distances(&self) -> bool {
         match self.model.search {
             Search::EveryStep | Search::Skin { .. } => false,
@@ -123,7 +125,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.domain.as_ref().map_or(Ok(moved), |domain| domain.any(moved))
     }
 
-    /// Marks the particles of this rank to be searched, returns how many.
+    /// Marks the particles of this rank to be searched; returns how many.
     fn mark(&mut self, adaptive: AdaptiveSearch) -> usize {
         let count = self.particles.len();
         let super::Lists { marks, to_search, candidates, .. } = &mut self.lists;
@@ -165,7 +167,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-/// Marks images as what they are images of is marked, and adds them to what is searched; `marks` are those of all particles.
+/// Marks images like their sources, and adds them to the searched points; `marks` are those of all particles.
 pub(super) fn mark_images(marks: &mut Vec<AtomicU8>, to_search: &mut Vec<u32>, sources: &[u32]) {
     for &source in sources {
         let mark = marks[source as usize].load(Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! What the lists miss: a comparison with an exact full search.
+//! Audit of the neighbour lists: a comparison with an exact full search.
 
 use super::super::CpuEngine;
 use super::super::common_points::CommonPoints;
@@ -18,19 +18,19 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Up to this many points every pair is tested; beyond, a cell search of its own finds the pairs.
+/// Up to this many points every pair is tested; beyond, a separate cell search finds the pairs.
 const EVERY_PAIR_UP_TO: usize = 2000;
 
-/// Sums of one particle, and what was counted.
+/// Sums and counts of one particle.
 #[derive(Clone, Copy, Debug)]
 pub struct AuditedRow {
-    /// Rate of the density and acceleration by stress alone.
+    /// Rate of the density, and acceleration by the stress only.
     pub sums: AuditSums<f64>,
     /// Acceleration by particles, not ghosts, m/s^2.
     pub internal: Vector<f64>,
     /// Pairs within the kernel support, in an exact row.
     pub pairs: u64,
-    /// Those that the list lacks, and those of them with another body.
+    /// Those that are missing from the list, and those of them with another body.
     pub missed: u64,
     /// See above.
     pub missed_foreign: u64,
@@ -44,14 +44,14 @@ impl Default for AuditedRow {
     }
 }
 
-/// What comes of the rows of all particles, each of the list and exact, and of their masses (kg).
+/// Sums over the rows of all particles, each from the list and exact, with their masses (kg).
 pub fn audit_of(rows: &[(AuditedRow, AuditedRow)], mass: &[f64]) -> Audit {
     let mut totals = Totals::default();
     totals.add_all(rows, mass);
     totals.audit(counts_of(rows))
 }
 
-/// Pairs, those that are missed, those among them with another body, and pairs that are stale.
+/// Pairs, missed pairs, missed pairs with another body, and stale pairs.
 fn counts_of(rows: &[(AuditedRow, AuditedRow)]) -> [u64; 4] {
     let mut counts = [0u64; 4];
     for (ours, theirs) in rows {
@@ -61,7 +61,7 @@ fn counts_of(rows: &[(AuditedRow, AuditedRow)]) -> [u64; 4] {
     counts
 }
 
-/// What is summed over all particles.
+/// Sums over all particles.
 #[derive(Clone, Copy, Default)]
 struct Totals {
     divergence_error: f64,
@@ -113,29 +113,29 @@ impl Totals {
     }
 }
 
-/// The points of all ranks, by their places in the common order and images behind them, and the columns of those that rows name. Images are those of the
-/// lists, with their numbers, and behind them those that are near now.
+/// The points of all ranks by their index in the common order, followed by images, and the columns of those that are in
+/// rows. Images are those of the lists, with their indices, followed by those that are near now.
 struct Sight<'a> {
     points: &'a [Vector<f64>],
     reach: Reach<'a>,
     /// Particles of all ranks.
     count: usize,
-    /// Place of the first particle of this rank.
+    /// Index of the first particle of this rank.
     first: usize,
     ghosts: &'a Particles,
-    /// Which ghosts these are, where there are other ranks.
+    /// Which ghosts these are, if there are other ranks.
     common: Option<&'a CommonPoints>,
-    /// The points that images of the contact are, where it has images of its own; none where they are far by now.
+    /// The points of the images of the contact, if it has its own images; none for those that are far away now.
     of_contact: Option<Vec<Option<u32>>>,
 }
 
 impl Sight<'_> {
-    /// Where columns, with those of the ghosts behind them, have a point.
+    /// Index of a point in columns of particles and ghosts.
     fn number(&self, point: u32) -> usize {
         self.common.map_or(point, |common| common.number(point)) as usize
     }
 
-    /// The point that is known to the contact by this number.
+    /// The point that has this index in the contact.
     fn met(&self, number: u32) -> Option<u32> {
         let image = (number as usize).checked_sub(self.count);
         match (&self.of_contact, image) {
@@ -146,8 +146,8 @@ impl Sight<'_> {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Compares the lists, at the positions as they are, with an exact search: pairs within the kernel support that are
-    /// missing, pairs beyond it, and what both do to density rate and force.
+    /// Compares the lists, at the current positions, with an exact search: pairs within the kernel support that are
+    /// missing, pairs beyond it, and the effect of both on density rate and force.
     ///
     /// # Errors
     /// A rank is lost.
@@ -198,8 +198,8 @@ impl<T: PairScalar> CpuEngine<T> {
         self.sum_audit(&rows)
     }
 
-    /// The points that lists name, by the same numbers, and all images that are near at these positions (m) of the particles of all ranks. Images
-    /// of the lists may be those of an earlier configuration.
+    /// The points in the lists, with the same indices, and all images that are near at these positions (m) of the
+    /// particles of all ranks. Images of the lists may be those of an earlier configuration.
     fn points_of_now(&self, positions: &[Vector<f64>], smoothing_length: &[f64]) -> CommonPoints {
         let reach = self.model.numerics.kernel.support() * smoothing_length.iter().copied().fold(0.0, f64::max);
         match &self.domain {
@@ -209,7 +209,8 @@ impl<T: PairScalar> CpuEngine<T> {
         .supplemented(positions, reach)
     }
 
-    /// For each image of the contact, where it has its own, the one of these points, `count` particles and their images, that it is.
+    /// For each image of the contact, if it has its own, the corresponding one of these points, which are `count`
+    /// particles and their images.
     fn images_of_contact(&self, common: &CommonPoints, count: usize) -> Option<Vec<Option<u32>>> {
         let images = self.contacts.as_ref()?.images(self.domain.as_ref())?;
         let all = common.all_images().images().iter();
@@ -224,14 +225,14 @@ impl<T: PairScalar> CpuEngine<T> {
             return brute_force_rows(points, rows, &reach);
         }
         let mut exact = NeighborList::default();
-        // A hair more than the support: the distance decides later.
+        // Slightly more than the support: the distance decides later.
         let reach = Reach { factor: reach.factor * (1.0 + 1e-5), ..reach };
         let nowhere = DisplacementBound::default();
         Searcher::default().search_rows(points, rows, &reach, nowhere, self.instructions, &mut exact);
         exact
     }
 
-    /// What all ranks make of the rows of their particles.
+    /// The result of all ranks from the rows of their particles.
     fn sum_audit(&self, rows: &[(AuditedRow, AuditedRow)]) -> Result<Audit, RunFailure> {
         let mass = &self.particles.mass;
         let Some(domain) = &self.domain else { return Ok(audit_of(rows, mass)) };
@@ -246,8 +247,8 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(Totals::from_array(totals[0]).audit(counts))
     }
 
-    /// Sums of particle `i` of this rank over a row of points; pairs that are not `known` are missed. With `kept`, distances are those of the last search
-    /// where the strategy keeps them.
+    /// Sums of particle `i` of this rank over a row of points; pairs that are not `known` are missed. With `kept`,
+    /// distances are those of the last search if the strategy stores them.
     fn audit_row(&self, i: usize, sight: &Sight<'_>, row: &[u32], kept: bool, known: &[u32]) -> AuditedRow {
         let (particles, points, reach) = (&self.particles, sight.points, &sight.reach);
         let lists = &self.lists;

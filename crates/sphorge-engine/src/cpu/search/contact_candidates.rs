@@ -1,10 +1,10 @@
-//! Who may meet contact candidates: material that the strain of a particle says nothing of.
+//! Contact candidates: particles near material that their own strain says nothing about.
 //!
-//! Space is divided into cells twice as wide as the kernel reaches. Two particles within reach of each other now were in
-//! adjacent cells when they were sorted, as long as none has moved by more than half of the reach since. So every pair of
-//! contact candidates is found by looking at cells: a particle is among contact candidates if the cells around it hold another body, another
-//! fragment of its own body, material that came from farther apart than such cells can hold, or free surfaces that face each other, as those
-//! of a slot do before it closes.
+//! Space is divided into cells twice as wide as the reach of the kernel. Two particles within reach of each other now
+//! were in adjacent cells when they were sorted, as long as none has moved by more than half of the reach since. Every
+//! pair of contact candidates is therefore found from the cells: a particle is a contact candidate if the cells around
+//! it contain another body, another fragment of its own body, material that was farther apart than such cells can hold,
+//! or free surfaces that face each other, such as those of a slot before it closes.
 
 use super::super::domain::Domain;
 use super::surroundings::Surroundings;
@@ -19,27 +19,29 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Width of a cell in units of the reach.
 const CELL_WIDTH: f64 = 2.0;
 
-/// Farthest apart, in cells along an axis, that material of three adjacent cells may have been: their diagonal `3 sqrt(3)`, in
-/// case it has turned, and a fifth for strain.
+/// Largest initial distance of material in three adjacent cells, in cell widths: their diagonal `3 sqrt(3)`, in case it
+/// has rotated, and a fifth for strain.
 const FARTHEST: f64 = 6.2;
 
-/// Particles that were farther apart at the start than this, in units of the support, do not hold fragments together.
+/// Particles that were farther apart at the start than this, in units of the support, do not connect fragments.
 const PARTED: f64 = 1.5;
 
-/// Mean unit vector from its neighbours to a particle, from which on it counts as one of a free surface; on a flat one 0.4.
+/// Length of the mean unit vector from its neighbours from which on a particle counts as one of a free surface; it is
+/// 0.4 on a flat one.
 const EXPOSED: f64 = 0.15;
 
-/// Cosine of the angle of the normals of two surfaces, below which they face each other; those of a corner of the material do not.
+/// Cosine of the angle between the normals of two surfaces below which they face each other; those of a corner of the
+/// material do not.
 const FACING: f64 = -0.3;
 
-/// Material that candidates are found in, by particle.
+/// Input of the search for candidates, by particle.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchedMaterial<'a> {
-    /// Where particles are, m.
+    /// Positions, m.
     pub position: &'a [Vector<f64>],
-    /// Where they were at the start, m.
+    /// Positions at the start, m.
     pub origin: &'a [Vector<f64>],
-    /// Where they were at the last full search, m.
+    /// Positions at the last full search, m.
     pub searched_at: &'a [Vector<f64>],
     /// Their bodies.
     pub body: &'a [u32],
@@ -47,18 +49,18 @@ pub struct SearchedMaterial<'a> {
     pub smoothing_length: &'a [f64],
 }
 
-/// Cells, and what is in them.
+/// Cells and their contents.
 #[derive(Debug, Default)]
 pub struct ContactCandidates {
     cells: CellGrid,
-    /// Positions when particles were sorted into cells, m, and the displacement bound then, m.
+    /// Positions when particles were sorted into cells, m, and the displacement bound at that time, m.
     sorted_at: Vec<Vector<f64>>,
     displacement_at_sort: DisplacementBound,
     fragments: Fragments,
     contents: Vec<Content>,
     /// Outward unit normals of particles on free surfaces, zero for the others.
     normals: Vec<Vector<f64>>,
-    /// These particles in the order of cells, and where those of each cell begin.
+    /// These particles in the order of cells, and the index at which those of each cell begin.
     exposed: Vec<u32>,
     exposed_from: Vec<usize>,
     /// Whether free surfaces in the cells around each face each other.
@@ -67,12 +69,12 @@ pub struct ContactCandidates {
     is_candidate: Vec<bool>,
 }
 
-/// What is in a cell, or in the cells around one.
+/// Contents of a cell, or of the cells around one.
 #[derive(Clone, Copy, Debug)]
 struct Content {
-    /// Smallest and largest number of a fragment.
+    /// Smallest and largest index of a fragment.
     fragments: (u32, u32),
-    /// Where the material was at the last full search, m.
+    /// Bounds of the material at the last full search, m.
     low: Vector<f64>,
     high: Vector<f64>,
 }
@@ -94,7 +96,7 @@ impl Content {
 }
 
 impl ContactCandidates {
-    /// Finds who is among contact candidates, if particles, of any rank, have moved far enough since it was last found.
+    /// Determines the contact candidates, if particles, of any rank, have moved far enough since the last time.
     pub(super) fn refresh(
         &mut self,
         particles: &Particles,
@@ -120,13 +122,13 @@ impl ContactCandidates {
         self.find_in(&seen, list, reach, support)
     }
 
-    /// How far a particle may move, m, before they have to be found again.
+    /// How far a particle may move, m, before they have to be determined again.
     pub fn lasts(reach: f64) -> f64 {
         0.5 * (CELL_WIDTH - 1.0) * reach
     }
 
-    /// Finds who is among contact candidates, in lists that know all neighbours of one piece; `reach` is that of the lists, m, `support` that of the
-    /// kernel in smoothing lengths.
+    /// Determines the contact candidates, from lists that contain all neighbours of one piece; `reach` is that of the
+    /// lists, m, `support` that of the kernel in smoothing lengths.
     ///
     /// # Errors
     /// None: there are no other ranks to lose.
@@ -161,7 +163,7 @@ impl ContactCandidates {
             }
         });
         self.find_normals(seen, list, support)?;
-        // As far apart as particles may be that come within reach before they are sorted again.
+        // The largest distance of particles that can come within reach before they are sorted again.
         self.find_faces(&seen.position, size);
         let (cells, contents, faces_near) = (&self.cells, &self.contents, &self.faces_near);
         self.candidates_near.resize(cells.cells(), false);
@@ -177,8 +179,8 @@ impl ContactCandidates {
         Ok(())
     }
 
-    /// Normals of free surfaces: away from the neighbours of the same body, of which those that were farther apart at the start do not
-    /// count, so that a slot that has closed still has its surfaces.
+    /// Normals of free surfaces: away from the neighbours of the same body. Neighbours that were farther apart at the
+    /// start do not count, so that a slot that has closed still has its surfaces.
     fn find_normals(&mut self, seen: &Surroundings<'_>, list: &NeighborList, support: f64) -> Result<(), RunFailure> {
         let Surroundings { position, body, smoothing_length, origin, .. } = seen;
         let own = seen.own();
@@ -210,7 +212,8 @@ impl ContactCandidates {
         Ok(())
     }
 
-    /// Finds for each cell whether free surfaces in the cells around it that are nearer than a distance, m, face each other.
+    /// Determines for each cell whether free surfaces in the cells around it that are nearer than a distance, m, face
+    /// each other.
     fn find_faces(&mut self, position: &[Vector<f64>], nearer: f64) {
         let Self { cells, normals, exposed, exposed_from, faces_near, .. } = self;
         exposed.clear();
@@ -235,7 +238,7 @@ impl ContactCandidates {
         let do_face =
             |c: usize, other: usize| of(c).iter().any(|&i| of(other).iter().any(|&j| face(i as usize, j as usize)));
         (0..cells.cells()).into_par_iter().filter(|&c| !of(c).is_empty()).for_each(|c| {
-            // Every pair of cells once, and all cells that have both around them.
+            // Every pair of cells once, and all cells that have both of them around them.
             for (place, other) in cells.cells_around(c).enumerate().filter(|(_, other)| *other >= c) {
                 if do_face(c, other) {
                     cells.cells_around_both(c, place).for_each(|c| faces_near[c].store(true, Ordering::Relaxed));
@@ -244,7 +247,7 @@ impl ContactCandidates {
         });
     }
 
-    /// Whether the particle may have contact candidates within reach.
+    /// Whether the particle is a contact candidate.
     pub fn is_candidate(&self, i: usize) -> bool {
         self.is_candidate[i]
     }
@@ -252,15 +255,15 @@ impl ContactCandidates {
     /// Makes the next [`Self::refresh`] search again.
     pub(super) fn forget(&mut self) {
         self.sorted_at.clear();
-        // Of other particles, and as many as this rank had then.
+        // For other particles, and as many as this rank had then.
         self.is_candidate.clear();
     }
 
-    /// Whether what was loaded is of `count` particles.
+    /// Whether the loaded data are those of `count` particles.
     pub(super) fn fits(&self, count: usize) -> bool {
         let flags = self.is_candidate.len();
         match self.sorted_at.len() {
-            // Nothing was sorted yet, or it was forgotten.
+            // Nothing was sorted yet, or the data were discarded.
             0 => flags == 0 || flags == count,
             sorted => sorted == count && flags == count,
         }
@@ -281,7 +284,7 @@ impl ContactCandidates {
     }
 }
 
-/// Fragments: particles of a body that neighbours hold together.
+/// Fragments: particles of a body that are connected through neighbours.
 #[derive(Debug, Default)]
 struct Fragments {
     /// Smallest index of a particle of the same fragment.
@@ -298,7 +301,7 @@ impl Fragments {
         for (k, i) in seen.own().enumerate() {
             for &j in list.row(k) {
                 let j = seen.point(j);
-                // Those already joined, as most are, need no second look.
+                // Those already joined, as most are, need not be examined again.
                 if j < i && self.of[i] != self.of[j] && body[i] == body[j] {
                     let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
                     let r = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
@@ -316,7 +319,8 @@ impl Fragments {
         Ok(())
     }
 
-    /// Joins what the rows of other ranks hold together: fragments span ranks. The smallest index of each does not depend on who has joined what.
+    /// Joins the fragments connected by the rows of other ranks, because fragments span ranks. The smallest index of
+    /// each does not depend on the order of joining.
     fn join_among_ranks(&mut self, domain: Option<&Domain>) -> Result<(), RunFailure> {
         let Some(domain) = domain else { return Ok(()) };
         let mut own = Vec::new();
@@ -349,8 +353,8 @@ impl Fragments {
 }
 
 impl ContactCandidates {
-    /// Saves or loads what is known of `count` particles. Cells, fragments and what is in them are found again whenever particles are sorted; who is a
-    /// candidate holds until then.
+    /// Saves or loads the data of `count` particles. Cells, their contents and fragments are determined again whenever
+    /// particles are sorted; the contact candidates are valid until then.
     pub(super) fn persist(&mut self, count: usize, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         persist_pieces_or_none(&mut self.sorted_at, count, &format!("{name}.sorted_at"), archive)?;
         self.displacement_at_sort.persist(&format!("{name}.displacement_at_sort"), archive)?;

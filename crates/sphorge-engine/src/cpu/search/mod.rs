@@ -1,4 +1,4 @@
-//! When neighbour lists are rebuilt, and for whom: the search strategies.
+//! The search strategies: when neighbour lists are rebuilt, and for which particles.
 
 mod adaptive;
 mod audit;
@@ -25,34 +25,34 @@ use rayon::prelude::*;
 use sphorge_physics::Vector;
 use std::sync::atomic::AtomicU8;
 
-/// Particles one thread takes at a time where little is done to each.
+/// Particles per work unit of a thread if there is little work per particle.
 const CHUNK: usize = 4096;
 
-/// Neighbour lists and what searching needs.
+/// Neighbour lists and the data of the search.
 #[derive(Default)]
 pub(super) struct Lists<T> {
     pub(super) list: NeighborList,
-    /// Distances of the last search, where the strategy keeps them.
+    /// Distances of the last search, if the strategy stores them.
     pub(super) stored: Option<StoredPairs<T>>,
     pub(super) permutation: Permutation,
-    /// Full searches since particles were sorted.
+    /// Number of full searches since particles were sorted.
     pub(super) searches: u64,
-    /// The list is not of these particles.
+    /// Whether the list is not that of these particles.
     pub(super) stale: bool,
     pub(super) searcher: Searcher,
     /// Positions of particles and ghosts at the last search, m.
     pub(super) points: Vec<Vector<f64>>,
     /// Smoothing lengths of particles and ghosts at the last search, not below those of the contact between bodies, m.
     pub(super) smoothing_length: Vec<f64>,
-    /// Smallest smoothing length of a particle, and largest that is searched with, m.
+    /// Smallest smoothing length of a particle, and largest one used in the search, m.
     pub(super) smoothing_lengths: (f64, f64),
     pub(super) displacement: DisplacementBound,
-    /// Its readings at the last full search, and when the frame was made.
+    /// Its values at the last full search, and when the frame was made.
     displacement_at_search: DisplacementBound,
     /// Range of the smoothing lengths at the last full search, m.
     smoothing_lengths_at_search: (f64, f64),
     displacement_at_frame: DisplacementBound,
-    /// What a partial search does with each row; ghosts as their sources.
+    /// Marks of the rows for a partial search; ghosts have those of their sources.
     marks: Vec<AtomicU8>,
     /// Points of a partial search.
     to_search: Vec<u32>,
@@ -60,7 +60,7 @@ pub(super) struct Lists<T> {
 }
 
 impl<T: Default> Lists<T> {
-    /// Lists that are to be built for particles of these smallest and largest smoothing lengths, m.
+    /// Lists to be built for particles of these smallest and largest smoothing lengths, m.
     pub(super) fn new(smoothing_lengths: (f64, f64)) -> Self {
         Self { stale: true, smoothing_lengths, ..Self::default() }
     }
@@ -81,7 +81,7 @@ impl<T> Lists<T> {
 }
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Makes the lists valid for the positions just reached, as the strategy has it.
+    /// Makes the lists valid for the updated positions, according to the strategy.
     pub(super) fn refresh_lists(&mut self) -> Result<SearchReport, RunFailure> {
         let stale = self.lists.stale;
         if !(stale || self.model.thermal.mechanics) {
@@ -131,8 +131,8 @@ impl<T: PairScalar> CpuEngine<T> {
         self.lists.smoothing_lengths.1
     }
 
-    /// Whether two particles may have closed in by more than the skin: by twice the longest way of any since the search, or by what
-    /// the ways of all differ, which for a body in flight is little.
+    /// Whether two particles may have approached each other by more than the skin. Bounds are twice the largest
+    /// displacement since the search, and the largest difference of displacements, which is small for a body in flight.
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.lists.smoothing_lengths.0;
         let skin = self.skin_left(fraction * smallest, fraction)?;
@@ -179,7 +179,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.keep_own_bodies();
         self.set_frame(frame);
         if self.has_come_apart.contains(&true) {
-            // Bodies are elsewhere than their reference configurations.
+            // Bodies are not at the positions of their reference configurations.
             self.frame_all()?;
         }
         self.take_contacts();
@@ -194,7 +194,7 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(SearchReport { searched_fraction: 1.0 })
     }
 
-    /// Takes other bodies out of the rows where their material is no part of the deformation of this one.
+    /// Removes other bodies from the rows if their material does not contribute to the deformation of this one.
     fn keep_own_bodies(&mut self) {
         if self.formulation.sees_other_bodies() {
             return;
@@ -208,19 +208,19 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Moves pairs of different bodies to the contact between them, where the deck has one.
+    /// Moves pairs of different bodies to the contact between them, if the deck has one.
     fn take_contacts(&mut self) {
         if !self.take_foreign_pairs() {
             return;
         }
-        // Those that lose their neighbours in other bodies overlap no more.
+        // Particles that lose their neighbours in other bodies no longer overlap.
         let p = &mut self.particles;
         p.contact_overlap.fill(0.0);
         p.contact_direction.fill([0.0; 3]);
         p.contact_weight.fill(0.0);
     }
 
-    /// The same to pairs alone; says whether there is such a contact.
+    /// The same for the pairs only; returns whether there is such a contact.
     fn take_foreign_pairs(&mut self) -> bool {
         let of_list = self.contacts.as_mut().filter(|contacts| contacts.search.is_none());
         let Some(contacts) = of_list else { return false };
@@ -229,7 +229,7 @@ impl<T: PairScalar> CpuEngine<T> {
         true
     }
 
-    /// How much farther than the kernel reaches ghosts are made, so that they serve until particles have moved.
+    /// How far beyond the reach of the kernel ghosts are created, so that they can be used until particles have moved.
     fn ghost_reach_factor(&self) -> f64 {
         match self.model.search {
             Search::Adaptive(_) => 1.0 + AdaptiveSearch::IMAGE_MARGIN,
@@ -237,7 +237,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Positions of particles and ghosts and the smoothing lengths they are searched with, for the searcher.
+    /// Positions of particles and ghosts and their smoothing lengths in the search, for the searcher.
     fn place_points(&mut self) {
         self.ghosts.exchange(&[FieldSet::Search], &self.particles);
         let Lists { points, smoothing_length, .. } = &mut self.lists;
@@ -249,7 +249,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// The frame of the records around the positions as they are: lists may outlive it.
+    /// The frame of the records around the current positions; lists may outlive it.
     fn follow_frame(&mut self) -> Result<(), RunFailure> {
         if self.lists.displacement.is_within(self.lists.displacement_at_frame, self.largest_reach()) {
             return Ok(());
@@ -257,7 +257,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.frame_all()
     }
 
-    /// Makes a frame around the positions as they are and those of the reference configuration.
+    /// Creates a frame around the current positions and those of the reference configuration.
     fn frame_all(&mut self) -> Result<(), RunFailure> {
         let (mut low, mut high) = bounds(&self.particles.position);
         if self.formulation.is_initial() {
@@ -268,7 +268,7 @@ impl<T: PairScalar> CpuEngine<T> {
         if let Some(domain) = &self.domain {
             (low, high) = domain.bounds(low, high)?;
         }
-        // Ghosts stand at most as far outside as the reach they were made for; all may move by a reach.
+        // Ghosts are at most as far outside as the reach for which they were created; all may move by a reach.
         self.set_frame(Frame::around::<T>(low, high, 4.0 * self.largest_reach() + self.ghosts.halo.longest_shift()));
         Ok(())
     }
@@ -288,7 +288,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Puts the particles in the order of cells, tile by tile, so that neighbours in space are neighbours in memory.
+    /// Sorts the particles into the order of cells, tile by tile, so that neighbours in space are neighbours in memory.
     pub(super) fn sort_particles(&mut self) -> Result<(), RunFailure> {
         let size = self.model.numerics.kernel.support() * self.largest_smoothing_length();
         if self.domain.is_some() {
@@ -299,13 +299,14 @@ impl<T: PairScalar> CpuEngine<T> {
             self.particles.reorder(permutation);
         }
         self.lists.stale = true;
-        // It knows particles by their places.
+        // It refers to particles by their index.
         self.lists.candidates.forget();
         Ok(())
     }
 }
 
-/// Positions neighbours are searched at, m, of particles or ghosts: on request those of the reference configuration.
+/// Positions at which neighbours are searched, m, of particles or ghosts: on request those of the reference
+/// configuration.
 pub(super) fn searched_positions(particles: &Particles, is_reference: bool) -> &[Vector<f64>] {
     if is_reference { &particles.reference_position } else { &particles.position }
 }
@@ -335,7 +336,7 @@ fn copy<V: Copy + Send + Sync>(from: &[V], to: &mut [V]) {
     to.par_chunks_mut(CHUNK).zip(from.par_chunks(CHUNK)).for_each(|(to, from)| to[..from.len()].copy_from_slice(from));
 }
 
-/// Whether any of `now` has moved by more than `allowed` (m) from where it was `then`.
+/// Whether any of `now` has moved by more than `allowed` (m) from its position `then`.
 pub(super) fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
     now.par_chunks(CHUNK).zip(then.par_chunks(CHUNK)).any(|(now, then)| {
         now.iter().zip(then).any(|(now, then)| {
@@ -345,8 +346,8 @@ pub(super) fn moved_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f
     })
 }
 
-/// Whether two particles, of all ranks, or particles and images may have closed in by more than `skin` (m) since they were where they were `then`: by
-/// twice the longest way of any, and by what the ways of all differ.
+/// Whether two particles, of all ranks, or particles and images may have approached each other by more than `skin` (m)
+/// since they were at `then`. Bounds are twice the largest displacement, and the largest difference of displacements.
 pub(super) fn closed_in_beyond(
     now: &[Vector<f64>],
     then: &[Vector<f64>],
@@ -356,7 +357,7 @@ pub(super) fn closed_in_beyond(
 ) -> Result<bool, RunFailure> {
     let moved = || moved_beyond(now, then, 0.5 * skin);
     let Some(share) = share else {
-        // Images in symmetry planes go other ways than their sources.
+        // Images in symmetry planes have other displacements than their sources.
         return Ok(moved() && (has_images || differ_beyond(now, then, skin)));
     };
     let (low, high) = displacement_box(now, then);
@@ -364,7 +365,8 @@ pub(super) fn closed_in_beyond(
     Ok(share.any(moved())? && (has_images || diagonal_beyond(low, high, skin)))
 }
 
-/// Whether the ways of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of the box they end in does.
+/// Whether the displacements of any two from `then` to `now` may differ by more than `allowed`, m: the diagonal of
+/// their bounding box does.
 fn differ_beyond(now: &[Vector<f64>], then: &[Vector<f64>], allowed: f64) -> bool {
     let (low, high) = displacement_box(now, then);
     diagonal_beyond(low, high, allowed)
@@ -375,7 +377,7 @@ fn diagonal_beyond(low: Vector<f64>, high: Vector<f64>, allowed: f64) -> bool {
     (0..3).map(|a| (high[a] - low[a]).powi(2)).sum::<f64>() > allowed * allowed
 }
 
-/// The box of all displacements from `then` to `now`, m.
+/// The bounding box of all displacements from `then` to `now`, m.
 fn displacement_box(now: &[Vector<f64>], then: &[Vector<f64>]) -> (Vector<f64>, Vector<f64>) {
     let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let of_chunk = |(now, then): (&[Vector<f64>], &[Vector<f64>])| {

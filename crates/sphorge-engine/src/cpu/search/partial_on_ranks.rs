@@ -1,7 +1,8 @@
-//! A search of some particles among those of all ranks.
+//! A partial search among the particles of all ranks.
 //!
-//! Rows that are made anew or patched name points by their places in the common order while they are, as on one process; the others keep the numbers of
-//! this rank. Where a row names a point that is no ghost yet, the ghosts are chosen anew, and all rows numbered by them.
+//! Rows that are rebuilt or patched contain indices in the common order during the search, as on one process; the other
+//! rows keep the indices of this rank. If a row contains a point that is not a ghost yet, the ghosts are chosen again,
+//! and all rows are renumbered.
 
 use super::super::CpuEngine;
 use super::adaptive::mark_images;
@@ -14,7 +15,8 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 impl<T: PairScalar> CpuEngine<T> {
-    /// Makes the rows of the particles that any rank has marked anew, and patches others. Marks are those of the particles of all ranks then.
+    /// Rebuilds the rows of the particles that any rank has marked, and patches others. Marks are then those of the
+    /// particles of all ranks.
     pub(super) fn search_marked_among_ranks(&mut self, one_sided: bool) -> Result<(), RunFailure> {
         let factor = self.reach_factor();
         let Some(domain) = &mut self.domain else { return Ok(()) };
@@ -69,7 +71,7 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
-/// Gives the neighbours in some rows, of particles by their places in the common order, other numbers.
+/// Renumbers the neighbours in some rows, which are those of particles given by their index in the common order.
 fn renumber(
     list: &mut NeighborList,
     own: Range<usize>,

@@ -1,7 +1,7 @@
-//! What of the lists a run must survive with.
+//! The part of the lists in a saved state.
 //!
-//! Rows that a full search has made are not saved: the same search, of the points and with the cells it had, makes them again, whichever rank has
-//! them then. Those of an adaptive search, and distances that are kept, are.
+//! Rows of a full search are not saved: the same search of the points, with the same cells, builds them again on any
+//! number of ranks. Rows of an adaptive search, and stored distances, are saved.
 
 use super::super::CpuEngine;
 use super::super::stored::StoredPairs;
@@ -20,7 +20,7 @@ impl<T: PairScalar> CpuEngine<T> {
         !self.keeps_distances() && !matches!(self.model.search, Search::Adaptive(_))
     }
 
-    /// Saves or loads the lists; [`Self::complete_state`] completes what was loaded.
+    /// Saves or loads the lists; [`Self::complete_state`] completes a loaded state.
     pub(in crate::cpu) fn persist_lists(&mut self, name: &str, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         let of = |field: &str| format!("{name}.{field}");
         let (count, is_searched_whole) = (self.particles.len(), self.is_searched_whole());
@@ -48,14 +48,14 @@ impl<T: PairScalar> CpuEngine<T> {
         lists.displacement_at_search.persist(&of("displacement_at_search"), archive)?;
         lists.displacement_at_frame.persist(&of("displacement_at_frame"), archive)?;
         if archive.is_saving() {
-            // Skins are measured from where particles stood, whether they are saved or not.
+            // Skins are measured from these positions, whether they are saved or not.
             self.place_ghost_points();
             return Ok(());
         }
         self.check_lists(name)
     }
 
-    /// Refuses lists that were loaded and do not fit the particles and ghosts that are there.
+    /// Refuses loaded lists that do not fit the particles and ghosts.
     fn check_lists(&self, name: &str) -> Result<(), ArchiveError> {
         let Lists { list, stored, searcher, points, smoothing_length, candidates, stale, .. } = &self.lists;
         let count = self.particles.len();
@@ -93,7 +93,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// Completes a state that was loaded, once all ranks have loaded theirs.
+    /// Completes a loaded state once all ranks have loaded theirs.
     ///
     /// # Errors
     /// A rank is lost.
@@ -115,7 +115,7 @@ impl<T: PairScalar> CpuEngine<T> {
             self.ghosts.halo = Box::new(domain.adopt(&mut self.lists.list)?);
             domain.forget_smoothing_lengths();
         }
-        // Ghosts take what does not change between searches with each search, and the next one may be far.
+        // Ghosts receive data that do not change between searches only at searches, and the next one may be far away.
         self.ghosts.exchange(&[FieldSet::Search], &self.particles);
         if is_again {
             self.place_ghost_points();
@@ -134,7 +134,7 @@ impl<T: PairScalar> CpuEngine<T> {
         self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())
     }
 
-    /// Puts the places and smoothing lengths that ghosts had at the last full search behind those of the particles.
+    /// Appends the positions and smoothing lengths that ghosts had at the last full search to those of the particles.
     fn place_ghost_points(&mut self) {
         let Lists { points, smoothing_length, .. } = &self.lists;
         let (count, ghosts) = (points.len(), self.ghosts.count());

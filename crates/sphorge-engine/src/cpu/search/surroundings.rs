@@ -1,4 +1,5 @@
-//! What the search for contact candidates reads of the particles: of all ranks, in the common order, where there are others.
+//! Data of particles that the search for contact candidates reads: those of all ranks in the common order, if there are
+//! several.
 
 use super::super::domain::Domain;
 use super::contact_candidates::SearchedMaterial;
@@ -20,7 +21,7 @@ pub(super) struct Surroundings<'a> {
     /// m
     pub(super) smoothing_length: Cow<'a, [f64]>,
     pub(super) body: Cow<'a, [u32]>,
-    /// The share of this rank, where there are others.
+    /// The share of this rank, if there are several.
     pub(super) domain: Option<&'a Domain>,
 }
 
@@ -38,7 +39,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Those of a process without ranks.
+    /// For a process without ranks.
     pub(super) fn of_one(material: &SearchedMaterial<'a>) -> Self {
         Self {
             position: Cow::Borrowed(material.position),
@@ -55,7 +56,8 @@ impl<'a> Surroundings<'a> {
         self.domain.map_or(0..self.position.len(), |domain| domain.own())
     }
 
-    /// The particle, of any rank, that rows of this one name so, or an image behind them all.
+    /// The particle, of any rank, that has this index in rows of this rank, or an image, which come after all
+    /// particles.
     pub(super) fn point(&self, number: u32) -> usize {
         self.domain.map_or(number, |domain| domain.point(number)) as usize
     }

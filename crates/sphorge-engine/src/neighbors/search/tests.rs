@@ -16,7 +16,7 @@ fn cloud(n: usize, seed: u64, dimensions: usize) -> Vec<Vector<f64>> {
 fn agrees_with_brute_force(instructions: Instructions, uneven: bool) {
     for (dimensions, h) in [(1, 0.01), (2, 0.05), (3, 0.08)] {
         let points = cloud(700, 88172645463325252 + dimensions as u64, dimensions);
-        // Only the first 600 points are owners, the rest play ghosts.
+        // Only the first 600 points are particles, the rest act as ghosts.
         let smoothing: Vec<f64> = (0..700).map(|i| if uneven && i % 3 == 0 { 1.5 * h } else { h }).collect();
         let reach = Reach::new(&smoothing, 2.0);
         let mut list = NeighborList::default();
@@ -39,7 +39,7 @@ fn cell_search_finds_what_brute_force_finds_on_every_path() {
     }
 }
 
-/// A cloud whose list was made before every seventh point moved, and the marks of those.
+/// A cloud whose list was built before every seventh point moved, and the marks of those.
 fn moved_cloud() -> (Vec<Vector<f64>>, Vec<Vector<f64>>, Vec<AtomicU8>) {
     let before = cloud(600, 362436069, 3);
     let mut after = before.clone();
@@ -57,7 +57,7 @@ fn lost() -> DisplacementBound {
     displacement
 }
 
-/// A partial search of all points, which may be anywhere.
+/// A partial search of all points, which may have moved anywhere.
 fn partial<'a>(points: &'a [Vector<f64>], reach: Reach<'a>, marks: &'a [AtomicU8]) -> PartialSearch<'a> {
     PartialSearch { points, sources: &[], rows: 0..points.len(), reach, displacement: lost(), marks }
 }
@@ -111,7 +111,7 @@ fn rows_differ_in_what_only_one_has() {
         found
     };
     assert!(between(&[], &[]).is_empty() && between(&[4, 2, 9], &[4, 2, 9]).is_empty());
-    // Another order is no difference.
+    // A different order does not count.
     assert!(between(&[4, 2, 9, 7], &[4, 9, 2, 7]).is_empty());
     assert_eq!(between(&[4, 2, 9, 7], &[4, 9, 5, 7]), [2, 5]);
     assert_eq!(between(&[4, 2], &[4, 2, 7]), [7]);
