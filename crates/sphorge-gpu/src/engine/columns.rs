@@ -6,7 +6,8 @@ use crate::record::{
 };
 use sphorge_physics::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
-/// A column or several, one after the other; numbers that a step adds to have what rounding left of them in a column of its own.
+/// A group of one or more contiguous columns. Numbers that a step adds to have the remainder of their rounding in a
+/// column of its own, called the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Group {
     /// Position, m, and its rest.
@@ -19,7 +20,7 @@ pub(super) enum Group {
     BaseVelocity,
     /// Velocity that forces are evaluated with, m/s.
     Evaluated,
-    /// What the velocity is ahead of that, m/s.
+    /// Velocity minus that, m/s.
     Ahead,
     /// Density, kg/m³, and its rest.
     Density,
@@ -31,13 +32,13 @@ pub(super) enum Group {
     Gradient,
     /// Weight of the particle in the sums of its neighbours, and their number.
     Weight,
-    /// Specific internal energy, J/kg, its rest, its rate, W/kg, and the parts of the rate that are the viscosity's of pairs, the artificial
-    /// stress's and the hourglass springs'.
+    /// Specific internal energy, J/kg, its rest, its rate, W/kg, and the parts of the rate due to pair viscosity,
+    /// artificial stress and hourglass springs.
     Energy,
     /// Acceleration, m/s², XSPH velocity, m/s, and the largest `|mu|`, m/s.
     Rates,
-    /// What walls and gravity have in the acceleration, m/s², power of walls beyond that of their force on the centre, W/kg, and heat of
-    /// their friction, W/kg.
+    /// Acceleration by walls and gravity, m/s², power of walls beyond that of their force on the centre, W/kg, and heat
+    /// of their friction, W/kg.
     External,
     /// Deviator of the stress, Pa.
     Deviator,
@@ -45,39 +46,40 @@ pub(super) enum Group {
     Pressure,
     /// Plastic strain and its rest, its last increment, yield stress, Pa, plastic work, J/kg, and its rest.
     Plastic,
-    /// Variables that flow laws keep, each with its rest.
+    /// History variables of flow laws, each with its rest.
     History,
     /// Temperature, K, and its rest.
     Temperature,
-    /// What forces read of a neighbour: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound speed, m/s; in the total
-    /// Lagrangian form the tensor whose sum is the force, stiffness and bound of the hourglass springs, Pa.
+    /// Data of a neighbour that forces read: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound
+    /// speed, m/s; in the total Lagrangian form the tensor whose sum is the force, stiffness and bound of the hourglass
+    /// springs, Pa.
     Packed,
     /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s, Young's modulus, Pa, and
     /// volume of the mass at rest, m^d, and smoothing length of the start, m.
     Constants,
     /// Body of a particle.
     Body,
-    /// Work of what pairs do not do, J, its impulse, N s, energy booked by the integrator, J, turned into heat by viscosity, J,
-    /// work against the artificial stress and against the hourglass springs, J, and what moving least squares add to the pressure field, J, each
-    /// with its rest.
+    /// Work of forces other than pair forces, J, their impulse, N s, correction of the energy by the integrator, J,
+    /// heat by viscosity, J, work against the artificial stress and against the hourglass springs, J, and energy that
+    /// moving least squares add to the pressure field, J, each with its rest.
     Accounts,
     /// Work of each wall, J, its rest, and the power of the last forces, W.
     Walls,
-    /// What an audit sums of the list of a particle and of all its neighbours: see [`super::kernels::audit`].
+    /// Sums of an audit over the list of a particle and over all its neighbours: see [`super::kernels::audit`].
     Audit,
-    /// Least time steps by sound and by acceleration, s, four changes of the step, whether a number is none, and whether the particle is
-    /// stretched beyond the bound of the reference configuration, of each particle.
+    /// For each particle the time step limits by sound and by acceleration, s, four changes of the step, whether a
+    /// value is not a number, and whether the particle is stretched beyond the bound of the reference configuration.
     Limits,
-    /// The same of so many particles each, and what passes leave of it.
+    /// The same for parts of the particles, and the results of the reduction passes.
     Extremes,
     ExtremesLeft(usize),
-    /// Place in the reference configuration, m, its rest, and volume there, m^d, with its rest.
+    /// Position in the reference configuration, m, its rest, and volume in it, m^d, with its rest.
     Reference,
-    /// Deformation gradient of that, and its rest, once it is not the initial one; by body, whether it has come apart, and whether its configuration is
-    /// to be renewed.
+    /// Deformation gradient of the reference configuration, and its rest, once it is not the initial one; by body,
+    /// whether it has come apart, and whether its configuration is to be renewed.
     Earlier,
     Apart,
-    /// Gradient correction there, or in the present configuration.
+    /// Gradient correction in the reference or in the current configuration.
     Correction,
     /// Scaled stress times the gradient correction, Pa.
     CorrectedStress,
@@ -87,89 +89,95 @@ pub(super) enum Group {
     Stretch,
     /// First Piola-Kirchhoff stress of the forces of walls and of the contact, which act on faces, Pa.
     FaceStress,
-    /// Particles that the contact may press: those of the surface of a body that meets itself alone, or all of several bodies.
+    /// Particles that may be in contact: those of the surface if there is only self-contact of one body, all if there
+    /// are several bodies.
     Surface,
-    /// Of these in the total Lagrangian form: outward normal in the reference configuration, 1/m, zero inside, and depth below the face times its
-    /// unit normal, m, zero far inside.
+    /// For these, in the total Lagrangian form: outward normal in the reference configuration, 1/m, zero inside, and
+    /// depth below the face times its unit normal, m, zero far inside.
     Outward,
-    /// Where they stand for the contact, m, the rest of it, how fast that departs from the particle, m/s, and the outward unit normal.
+    /// Their contact position, m, its rest, its velocity relative to the particle, m/s, and the outward unit normal.
     Standing,
-    /// Overlap, its gradient turned round, 1/m, and weight, m^(d-1).
+    /// Overlap, its negative gradient, 1/m, and weight, m^(d-1).
     Overlap,
-    /// Force of the contact, N, its power that turns to heat of the particle, W, speed of approach, m/s, limit of the step, s.
+    /// Contact force, N, its power that becomes heat of the particle, W, speed of approach, m/s, limit of the step, s.
     Contact,
-    /// Of the contact with each body: force, N, powers that are stored, rubbed and damped, W, and these works so far, J, each with its rest.
+    /// For the contact with each body: force, N, powers stored, of friction and of damping, W, and these works so far,
+    /// J, each with its rest.
     Meetings,
-    /// Laws of the contact of each body with each.
+    /// Contact laws for all pairs of bodies.
     ContactLaws,
-    /// Conduction of heat: see [`super::kernels::conduction`]. Of particles, of each boundary, which body a particle touches, laws of each
-    /// body, and of chunks.
+    /// Heat conduction: see [`super::kernels::conduction`]. For particles, for each boundary, the body that a particle
+    /// touches, laws of each body, and for chunks.
     Heat,
     Boundaries,
     Touched,
     HeatLaws,
     HeatExtremes,
-    /// Where the list of each particle starts, and the neighbours.
+    /// Start of the list of each particle, and the neighbours.
     ListStarts,
     List,
-    /// Lists that are kept, the first neighbour of every particle before the second of any; how long they are: see [`super::kernels::kept`].
+    /// Stored lists, the first neighbour of every particle before the second of any, and their lengths: see
+    /// [`super::kernels::kept`].
     Kept,
     Rows,
-    /// Distances of their pairs at the last search, m, three for each, where sums are taken with those.
+    /// Distances of their pairs at the last search, m, three for each, if sums use them.
     Stored,
-    /// Place at the last full search, m, its rest, and the smoothing length it was searched with, m.
+    /// Position at the last full search, m, its rest, and the smoothing length used in the search, m.
     SearchedAt,
-    /// The same when contact candidates were found, and one for each of them.
+    /// The same when contact candidates were determined, and one for each of them.
     FoundAt,
     /// The same when ghosts were chosen.
     GhostsAt,
     Candidates,
-    /// Rows whose neighbours were searched, and which have gained or lost one.
+    /// Marks of rows whose neighbours were searched, and of rows that have gained or lost one.
     Patched,
     /// Gradient correction of the strain that the guard of adaptive search counts, and that of the last step.
     StrainCorrection,
-    /// Of each chunk of particles how far they are from there, and what was searched: see [`super::kernels::kept`].
+    /// For each chunk of particles the displacements since then, and the numbers of searched particles: see
+    /// [`super::kernels::kept`].
     Ways,
-    /// What passes leave of it.
+    /// The results of the reduction passes.
     WaysLeft(usize),
-    /// Prescribed motion of a particle, by its number and one; zero for none.
+    /// Prescribed motion of a particle: its index plus one; zero for none.
     Motion,
     /// Numbers of the step: see [`super::step_numbers`].
     Step,
-    /// Force through a section of what a particle has with those on the other side, N.
+    /// Force of a particle through a section, from its pairs across the plane, N.
     Section(usize),
     /// Particles of a material.
     Members(usize),
-    /// Sums over particles: see [`super::kernels::sums`]. Of each segment its chunk and body, the segment of each particle, numbers a sum is given, and
-    /// sums of lanes and of segments.
+    /// Sums over particles: see [`super::kernels::sums`]. Chunk and body of each segment, the segment of each particle,
+    /// parameters of a sum, and sums of lanes and of segments.
     Segments,
     SegmentOf,
     SumNumbers,
     LaneSums,
     Sums,
-    /// What reductions know particles by: how many have a smaller `id`, and the bits of their regions.
+    /// Data by which reductions select particles: the number of particles with a smaller `id`, and the bits of their
+    /// regions.
     PlacesById,
     Regions,
-    /// Cells: how many particles they have, which place each takes, where each cell starts, sums and starts of chunks of cells and of chunks of
-    /// chunks.
+    /// Cells: their number of particles, the index of each particle, where each cell starts, sums and starts of chunks
+    /// of cells and of chunks of chunks.
     CellCounts,
     Slots,
     CellStarts,
     ChunkStarts,
-    /// Particles cell by cell, in the order they happened to come and in that of their numbers.
+    /// Particles cell by cell, in order of insertion and in order of their indices.
     Unsorted,
     Sorted,
     /// Cells around a cell, three steps each.
     Around,
-    /// Where particles are shared with other cards: whom others read, in the order of the cards; what is sent to them of these, and what has come for the
-    /// ghosts here, particle by particle.
+    /// For particles shared with other cards: the particles that others read, in the order of the cards; their values
+    /// to be sent, and the received values for the ghosts here, particle by particle.
     Sends,
     Sent,
     Received,
 }
 
 impl Group {
-    /// What each of its columns has for every particle, which ghosts may take over; nothing where rows are no particles.
+    /// Number of values that each of its columns has for every particle and that ghosts receive; nothing if rows are
+    /// not particles.
     pub(super) fn of_particles(self) -> Option<Element> {
         match self {
             Self::Place
@@ -256,7 +264,7 @@ impl Group {
 }
 
 impl Group {
-    /// Whether what it holds is neither of particles nor as long as columns are, and stays where these are made longer.
+    /// Whether its length is independent of that of the columns, so that it does not change when these are extended.
     pub(super) fn outlasts_columns(self) -> bool {
         matches!(
             self,
@@ -341,7 +349,7 @@ impl Reading {
         self.buffer.at(column * Index::of(self.stride) + i)
     }
 
-    /// A number by its place among all of the group.
+    /// A number by its index in the whole group.
     pub(super) fn get_at(self, at: Index) -> Recorded {
         self.buffer.at(at)
     }
@@ -358,7 +366,7 @@ impl Writing {
         self.buffer.set(place(self.stride, field, i), value);
     }
 
-    /// Where a number of one of several groups of `length` columns each is.
+    /// Index of a number of one of several groups of `length` columns each.
     fn at(self, group: Index, length: usize, field: usize, i: Index) -> Index {
         (group * Index::of(length as u32) + Index::of(field as u32)) * Index::of(self.stride) + i
     }
@@ -373,7 +381,7 @@ impl Writing {
         self.buffer.set(self.at(group, length, field, i), value);
     }
 
-    /// Adds a power times a time, s, to the work of a group, which has its rest behind it; most groups have none.
+    /// Adds a power times a time, s, to the work of a group, which is followed by its rest; most groups have none.
     pub(super) fn book_in_group(
         self,
         (group, length): (Index, usize),
@@ -392,7 +400,7 @@ impl Writing {
         Recorded::if_lt(Recorded::zero(), power.abs(), book, || NOTHING);
     }
 
-    /// A number by its place among all of the group.
+    /// A number by its index in the whole group.
     pub(super) fn set_at(self, at: Index, value: Recorded) {
         self.buffer.set(at, value);
     }
@@ -411,10 +419,10 @@ impl Writing {
     }
 }
 
-/// What a branch or a loop yields that stores alone.
+/// Result of a branch or a loop that only stores.
 pub(super) const NOTHING: [Recorded; 0] = [];
 
-/// A number and its rest after another was added: what rounding takes away is kept (Knuth's sum of two).
+/// A number and its rest after an addition, keeping the rounding error (Knuth's two-sum).
 pub(super) fn added([high, low]: [Recorded; 2], value: Recorded) -> [Recorded; 2] {
     let value = (value + low).rounded();
     let sum = (high + value).rounded();
@@ -422,7 +430,8 @@ pub(super) fn added([high, low]: [Recorded; 2], value: Recorded) -> [Recorded; 2
     [sum, (high - (sum - back).rounded()) + (value - back)]
 }
 
-/// Whether the compiler of a card keeps what rounding leaves of a sum: one that takes numbers for real ones finds it to be zero.
+/// Whether the compiler of a card preserves the rounding error of a sum: one that assumes exact arithmetic optimises it
+/// to zero.
 pub(super) fn keeps_rests(card: &Card) -> Result<bool, CardFault> {
     let kernel = Kernel::record("keeps_rests", |scope| {
         let (x, y) = (scope.input("x"), scope.output("y"));
@@ -439,7 +448,7 @@ pub(super) fn keeps_rests(card: &Card) -> Result<bool, CardFault> {
     Ok(card.read(&y)? == [1.0, 1e-9])
 }
 
-/// A kernel that is being recorded, with the groups it has asked for so far.
+/// A kernel that is being recorded, with the groups it has requested so far.
 pub(super) struct Binder<'a> {
     pub(super) scope: &'a mut Scope,
     groups: Vec<Group>,
@@ -517,7 +526,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Adds a group, or takes another array for it.
+    /// Adds a group, or replaces its array.
     pub(super) fn insert(&mut self, group: Group, array: Array) {
         match self.arrays.iter_mut().find(|(of, _)| *of == group) {
             Some((_, known)) => *known = array,

@@ -1,4 +1,4 @@
-//! When heat flows: summed now and then beside mechanics, in every step without.
+//! Heat conduction: with mechanics its sums are computed every few steps, without mechanics in every step.
 
 use super::columns::Group;
 use super::kernels::conduction::{BEYOND, EXTREMES};
@@ -9,12 +9,13 @@ use sphorge_engine::ranks::StepFault;
 use sphorge_engine::{LimitReason, RunFailure, TimeStepLimit, check_values};
 
 impl GpuEngine {
-    /// Whether bodies stand still in this step, and heat alone flows; the initial rates are those of bodies that could move.
+    /// Whether bodies are at rest in this step, with heat conduction only; the initial rates are those of bodies that
+    /// can move.
     pub(super) fn is_idle(&self) -> bool {
         !self.model.thermal.mechanics && self.dt > 0.0
     }
 
-    /// Sums the flow of heat again where that is due.
+    /// Sums the heat flow again if it is due.
     pub(super) fn sum_heat(&mut self) -> Result<(), RunFailure> {
         let Some(mut clock) = self.heat.filter(|clock| clock.is_due(&self.model)) else { return Ok(()) };
         self.launch(&self.stages.sum_heat)?;
@@ -24,19 +25,19 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Lets the heat flow for the step.
+    /// Applies the heat flow of the step.
     pub(super) fn flow_heat(&mut self) -> Result<(), RunFailure> {
         let Some(clock) = &mut self.heat else { return Ok(()) };
         clock.advance(self.dt);
         self.launch(&self.stages.flow_heat)?;
-        // Beside mechanics values are guarded with all others, and nothing but a flux cools below zero.
+        // With mechanics values are checked together with all others, and only a flux can cool below zero.
         if self.is_idle() || self.model.thermal.is_cooled() {
             self.read_heat_extremes()?;
         }
         Ok(())
     }
 
-    /// The least limit, s; notes the least temperature.
+    /// The smallest limit, s; stores the lowest temperature.
     fn read_heat_extremes(&mut self) -> Result<f64, RunFailure> {
         self.launch(&self.stages.heat_extremes)?;
         let numbers = read(&self.card, &self.columns, Group::HeatExtremes)?;
@@ -55,7 +56,7 @@ impl GpuEngine {
         Ok(if limit < BEYOND { limit } else { f64::INFINITY })
     }
 
-    /// Whether temperatures are numbers and, where a flux takes heat out, above absolute zero.
+    /// Whether temperatures are numbers and, if a flux removes heat, above absolute zero.
     pub(super) fn guard_heat(&self) -> Result<(), RunFailure> {
         let is_cooled = self.model.thermal.is_cooled();
         if self.heat.is_none() || self.coldest >= 0.0 || !self.coldest.is_nan() && !is_cooled {

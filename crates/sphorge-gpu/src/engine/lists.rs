@@ -1,4 +1,4 @@
-//! The lists of the reference configuration, made on the card at the start and where it is renewed.
+//! The neighbour lists of the reference configuration, built on the card at the start and when it is renewed.
 
 use super::columns::Group;
 use super::search::SPARE;
@@ -7,8 +7,8 @@ use super::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
 
 impl GpuEngine {
-    /// Makes the lists of the particles, where sums are those of the reference configuration: counts neighbours, makes room for them, and finds them
-    /// again. Then the surfaces that meet are known.
+    /// Builds the lists of the particles if sums are those of the reference configuration: counts neighbours, allocates
+    /// memory and finds them again. Then finds the surfaces that meet.
     pub(super) fn make_lists(&mut self) -> Result<(), RunFailure> {
         if self.plan.count_lists.is_empty() {
             return Ok(());
@@ -20,12 +20,12 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Makes them again: they get more room than they need where they had too little.
+    /// Builds them again, with some more memory than needed if there was too little.
     pub(super) fn make_lists_anew(&mut self) -> Result<(), RunFailure> {
         if self.plan.count_lists.is_empty() { Ok(()) } else { self.fill_lists(SPARE) }
     }
 
-    /// Finds the neighbours of the reference configuration, as it is; `spare` is room beyond what is needed, as a share.
+    /// Finds the neighbours of the current reference configuration; `spare` is additional capacity as a share.
     fn fill_lists(&mut self, spare: f64) -> Result<(), RunFailure> {
         self.launch(&self.stages.count_lists)?;
         let starts = self.list_starts()?;
@@ -40,7 +40,7 @@ impl GpuEngine {
         self.launch(&self.stages.fill_lists)
     }
 
-    /// Where the list of each particle starts, and behind the last the number of all neighbours.
+    /// Start of the list of each particle, followed by the total number of neighbours.
     fn list_starts(&self) -> Result<Vec<u32>, RunFailure> {
         let weights = read(&self.card, &self.columns, Group::Weight)?;
         debug_assert_eq!(weights.len(), WEIGHT_FIELDS * self.stride);

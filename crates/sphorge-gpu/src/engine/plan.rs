@@ -1,4 +1,4 @@
-//! Which kernels the step of a model is made of.
+//! The kernels of the step of a model.
 
 use super::columns::{Group, Recording};
 use super::kernels::reference::References;
@@ -17,23 +17,23 @@ use sphorge_engine::model::{Formulation, Integrator, Search, TemperatureSource, 
 use sphorge_engine::{Model, Particles};
 use sphorge_physics::Dimension;
 
-/// How many threads a kernel has.
+/// Number of threads of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Threads {
     Of(usize),
-    /// As many as there are particles and ghosts on this card.
+    /// One per particle and ghost on this card.
     OfAllHere,
-    /// As many as the surface has particles, which is known when lists are made; and with ghosts among them.
+    /// One per surface particle, whose number is known when lists are built; and with ghosts among them.
     OfSurface,
     OfSurfaceHere,
 }
 
-/// How long columns are, and whether ghosts are behind the particles.
+/// Length of the columns, and whether they contain ghosts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rows {
     pub(super) stride: usize,
     pub(super) are_shared: bool,
-    /// What sums are taken in.
+    /// The partition of sums.
     pub(super) portions: Portions,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Planned {
     pub(super) threads: Threads,
 }
 
-/// The kernels that sort into cells, where so many threads sort.
+/// The kernels that sort into cells, for this number of threads.
 fn sorting(grid: &Grid, rows: Rows, of: Sorted, threads: Threads) -> Result<Vec<Planned>, KernelFault> {
     let planned = |(kernel, of)| match of {
         SortingThreads::Of(count) => Planned { kernel, threads: Threads::Of(count) },
@@ -52,12 +52,12 @@ fn sorting(grid: &Grid, rows: Rows, of: Sorted, threads: Threads) -> Result<Vec<
     Ok(grid::sorting(grid, rows.stride, of, rows.are_shared)?.into_iter().map(planned).collect())
 }
 
-/// Passes that bring rows together.
+/// Reduction passes over rows.
 fn reduced(passes: Vec<(Recording, usize)>) -> impl Iterator<Item = Planned> {
     passes.into_iter().map(|(kernel, threads)| Planned { kernel, threads: Threads::Of(threads) })
 }
 
-/// Kernels that take so many sums of so many segments: those of lanes, and the one that adds what lanes have found.
+/// Kernels that compute these sums over segments: those of lanes, and the one that adds the results of the lanes.
 fn summed(kernels: Vec<Recording>, of_lanes: Recording, (portions, sums): (Portions, usize)) -> Vec<Planned> {
     let of_segments = |kernel| Planned { kernel, threads: Threads::Of(portions.segments * portions.lanes()) };
     let last = Planned { kernel: of_lanes, threads: Threads::Of(portions.segments * sums) };
@@ -67,33 +67,34 @@ fn summed(kernels: Vec<Recording>, of_lanes: Recording, (portions, sums): (Porti
 /// Every kernel of a run, in groups that are launched together.
 #[derive(Default)]
 pub(super) struct Plan {
-    /// Where references are renewed: those of now.
+    /// For renewed references: the new ones.
     pub(super) renew: Vec<Planned>,
-    /// Where lists are those of the reference configuration: before their lengths are known, and when there is room for them.
+    /// With lists of the reference configuration: before their lengths are known, and after memory is allocated for
+    /// them.
     pub(super) count_lists: Vec<Planned>,
     pub(super) fill_lists: Vec<Planned>,
-    /// Where particles are shared: how far they have moved since ghosts were chosen.
+    /// For shared particles: how far they have moved since ghosts were chosen.
     pub(super) ghost_ways: Vec<Planned>,
     pub(super) begin: Vec<Planned>,
     /// Smoothing lengths that follow the density.
     pub(super) follow: Vec<Planned>,
-    /// Before a search: places along periodic axes.
+    /// Before a search: wrapping of positions along periodic axes.
     pub(super) wrap: Vec<Planned>,
     pub(super) sorting: Vec<Planned>,
-    /// Where lists are kept: how far particles have moved, and the search.
+    /// With stored lists: how far particles have moved, and the search.
     pub(super) ways: Vec<Planned>,
     /// In adaptive search along periodic axes: how far particles have moved since the last full search.
     pub(super) strayed: Vec<Planned>,
     pub(super) search: Vec<Planned>,
-    /// In adaptive search: who is searched, and their search.
+    /// In adaptive search: the particles to be searched, and their search.
     pub(super) mark: Vec<Planned>,
     pub(super) search_marked: Vec<Planned>,
-    /// What the lists miss.
+    /// Audit of the lists.
     pub(super) audit: Vec<Planned>,
     pub(super) gradients: Vec<Planned>,
     /// The same with the corrections of the strain that the guard of adaptive search counts.
     pub(super) corrected_gradients: Vec<Planned>,
-    /// Where forces are evaluated elsewhere than gradients, which are corrected.
+    /// For forces evaluated at other positions than gradients, which are corrected.
     pub(super) correct: Vec<Planned>,
     /// Moving least squares.
     pub(super) restore: Vec<Planned>,
@@ -101,21 +102,21 @@ pub(super) struct Plan {
     pub(super) stress: Vec<Planned>,
     pub(super) forces: Vec<Planned>,
     pub(super) finish: Vec<Planned>,
-    /// Of each section the force through it.
+    /// The force through each section.
     pub(super) sections: Vec<Vec<Planned>>,
-    /// Of each the sum over all particles.
+    /// The sum of each over all particles.
     pub(super) section_sums: Vec<Vec<Planned>>,
-    /// The flow of heat: its sums where they are due, what flows, and the extremes of both.
+    /// Heat conduction: its sums if they are due, the exchange, and the extremes of both.
     pub(super) sum_heat: Vec<Planned>,
     pub(super) flow_heat: Vec<Planned>,
     pub(super) heat_extremes: Vec<Planned>,
     /// The sums of the ledger.
     pub(super) ledger: Vec<Planned>,
-    /// Reductions that a run of the deck asks for, to be compiled with all others.
+    /// Reductions that a run of the deck requests, to be compiled with all others.
     pub(super) reductions: Vec<Planned>,
 }
 
-/// Kernels of the number of dimensions of a model.
+/// Kernels for the number of dimensions of a model.
 macro_rules! in_dimension {
     ($model:expr, $module:ident::$function:ident, $($argument:expr),*) => {
         match Dimension::from($model.dimensions) {
@@ -213,7 +214,7 @@ impl Plan {
             }
         }
         if model.audit.is_some() {
-            // Of the places that particles have by now.
+            // From the current positions of the particles.
             plan.audit = sorting(grid, rows, Sorted::Particles, all_here)?;
             plan.audit.push(of_particles(in_dimension!(model, audit::of_lists, model, stride)));
             plan.audit.push(of_particles(in_dimension!(model, audit::exact, model, grid, references, stride)));
@@ -374,7 +375,8 @@ impl Plan {
     }
 }
 
-/// Whether sums go through lists of the present configuration, which stay from one search to the next: two sums share what one search finds.
+/// Whether sums use lists of the current configuration, which are kept from one search to the next, so that two sums
+/// share one search.
 pub(super) fn keeps_lists(model: &Model) -> bool {
     model.formulation == Formulation::UpdatedLagrangian
 }

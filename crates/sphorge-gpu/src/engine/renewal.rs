@@ -1,8 +1,9 @@
-//! Renewal of the reference configuration, where a body comes apart, as the engine of the processor does it.
+//! Renewal of the reference configuration of bodies that come apart, as in the CPU engine.
 //!
-//! Each step marks particles that are deformed too far; whether there is one comes back with the limits of the step. The rest is rare: whose
-//! bodies they are is read back, what their contacts with themselves hold is released on the processor, and the configuration and the lists of
-//! it are made anew on the card. Until the first renewal kernels know of the initial configuration alone.
+//! Each step marks particles that are deformed too far; a flag comes back with the limits of the step. The rest is
+//! rare: the bodies of the marked particles are read back, the energy held by their self-contact is released on the
+//! processor, and the configuration and its lists are rebuilt on the card. Until the first renewal the kernels use only
+//! the initial configuration.
 
 use super::columns::Group;
 use super::kernels::contact::{MEETING, WORKS};
@@ -15,19 +16,20 @@ use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{RunFailure, heat_of_released};
 use sphorge_physics::contact::share_of_released;
 
-/// Numbers of a deformation gradient, with what rounding leaves of them.
+/// Numbers of a deformation gradient, with their rests.
 pub(super) const EARLIER: usize = 18;
 
-/// Of a particle that is marked, in [`Group::Stretch`].
+/// Mark of a particle in [`Group::Stretch`].
 const MARK: usize = 2;
 
 impl GpuEngine {
-    /// Whether some body has a reference configuration that is not the initial one.
+    /// Whether any body has a reference configuration other than the initial one.
     pub(super) fn is_renewed(&self) -> bool {
         self.has_come_apart.contains(&true)
     }
 
-    /// Makes the present configuration of the bodies that are deformed too far their reference. Returns whether there was one.
+    /// Makes the current configuration of bodies that are deformed too far their reference. Returns whether there was
+    /// such a body.
     pub(super) fn renew_references(&mut self) -> Result<bool, RunFailure> {
         if self.extremes[limits::STRETCHED] <= 0.0 {
             return Ok(false);
@@ -56,7 +58,7 @@ impl GpuEngine {
         Ok(true)
     }
 
-    /// Takes the kernels that know of renewed references, or those that do not.
+    /// Selects the kernels for renewed references, or those without.
     fn take_references(&mut self, references: References) -> Result<(), RunFailure> {
         if references == References::Renewed {
             let bodies = self.has_come_apart.len();
@@ -72,7 +74,7 @@ impl GpuEngine {
         self.rebind()
     }
 
-    /// Tells the card which bodies have come apart and which are to be renewed.
+    /// Copies to the card which bodies have come apart and which are to be renewed.
     fn write_flags(&self, is_due: &[bool]) -> Result<(), RunFailure> {
         let flags: Vec<f32> =
             self.has_come_apart.iter().chain(is_due).map(|flag| if *flag { 1.0 } else { 0.0 }).collect();
@@ -81,7 +83,8 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Turns what the contact of a body with itself holds to heat of the particles it presses, in whose sums its surfaces are from now on.
+    /// Converts the energy held by the contact of a body with itself to heat of the particles it presses. From now on
+    /// its surfaces meet in the sums of the body.
     fn release(&self, body: usize) -> Result<(), RunFailure> {
         if !self.model.has_self_contact() {
             return Ok(());
@@ -102,7 +105,7 @@ impl GpuEngine {
         let [stored, _, damped] = WORKS.map(|(field, _)| MEETING * body + field);
         let mut stored_by = Vec::new();
         for &i in &own {
-            // Of a pair of particles each has a half.
+            // Each particle of a pair has half.
             let here = double(&meetings, stored, i);
             stored_by.push(here);
             let sum = double(&meetings, damped, i) + here;
@@ -126,7 +129,8 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Saves or loads which bodies have come apart; loading takes the kernels for that. Columns follow, and then [`Self::make_lists_anew`].
+    /// Saves or loads which bodies have come apart; loading selects the kernels for them. Columns follow, and then
+    /// [`Self::make_lists_anew`].
     pub(super) fn persist_references(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         let was_renewed = self.is_renewed();
         self.has_come_apart.persist("has_come_apart", archive)?;
@@ -155,7 +159,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Which reference configurations kernels know of.
+    /// The reference configurations that kernels support.
     pub(super) fn references(&self) -> References {
         if self.is_renewed() { References::Renewed } else { References::Initial }
     }

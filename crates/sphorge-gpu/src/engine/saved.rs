@@ -1,7 +1,7 @@
-//! What a state is saved as: columns of the particles in their common order, whoever has them.
+//! The saved state: columns of the particles in their common order, on any number of ranks.
 //!
-//! Lists are not saved where they follow from what is: those of a skin are searched again where particles were at the last search, and those of the
-//! reference configuration are made of that.
+//! Lists that follow from the saved data are not saved: those of a skin are searched again at the positions of the last
+//! search, and those of the reference configuration are built from it.
 
 use super::GpuEngine;
 use super::columns::Group;
@@ -12,7 +12,8 @@ use sphorge_engine::model::Search;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist, persist_pieces};
 
 impl GpuEngine {
-    /// Saves or loads everything that the steps to come depend on. On ranks [`Self::complete_state`] follows what was loaded.
+    /// Saves or loads everything that the following steps depend on. On ranks [`Self::complete_state`] completes a
+    /// loaded state.
     pub(super) fn persist_state(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         self.read_back.take();
         self.time.persist("time", archive)?;
@@ -33,7 +34,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Whether a group belongs to the state, and not to what follows from it.
+    /// Whether a group belongs to the saved state and does not follow from it.
     fn is_saved(&self, group: Group) -> bool {
         match group {
             // The initial configuration is that of the deck.
@@ -44,7 +45,7 @@ impl GpuEngine {
         }
     }
 
-    /// Whether rows of the lists were made at different times.
+    /// Whether rows of the lists were built at different times.
     pub(super) fn saves_lists(&self) -> bool {
         matches!(self.model.search, Search::Adaptive(_) | Search::Initial)
     }
@@ -56,7 +57,7 @@ impl GpuEngine {
         for group in groups {
             let Some(array) = self.columns.array(group) else { continue };
             let lost = |fault: RunFailure| ArchiveError::Unsupported(fault.to_string());
-            // What is behind the particles stays.
+            // Entries behind the particles do not change.
             let mut numbers = match group {
                 Group::Kept => self.columns_of(&self.kept_entries().map_err(lost)?),
                 _ => read(&self.card, &self.columns, group).map_err(lost)?,
@@ -76,7 +77,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Makes what follows from a state that was loaded: ghosts and lists.
+    /// Computes what follows from a loaded state: ghosts and lists.
     pub(super) fn complete_state(&mut self) -> Result<(), RunFailure> {
         if let Some(domain) = &self.domain {
             domain.forget(&self.columns, self.stride);

@@ -1,4 +1,4 @@
-//! When lists that are kept are searched again.
+//! Decides when stored lists are searched again.
 
 use super::columns::Group;
 use super::kernels::audit;
@@ -17,10 +17,10 @@ use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{Audit, ContactCandidates, RunFailure, SearchReport, SearchedMaterial, audit_of};
 use sphorge_physics::Vector;
 
-/// Room beyond the longest list there was, as a share of it.
+/// Capacity beyond the longest list so far, as a share of it.
 pub(super) const SPARE: f64 = 0.25;
 
-/// How the numbers of [`Group::Ways`] come together.
+/// Reduction of the numbers of [`Group::Ways`].
 pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
     let mut together = [Together::Largest; WAYS];
     together[LOW] = Together::Least;
@@ -31,33 +31,33 @@ pub(super) const WAYS_TOGETHER: [Together; WAYS] = {
     together
 };
 
-/// What is known of lists that are kept.
+/// State of stored lists.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
-    /// Neighbours there is room for.
+    /// Capacity in neighbours.
     pub(super) room: u32,
-    /// Whether they were searched at all.
+    /// Whether they have been searched.
     pub(super) is_made: bool,
     /// Number of the step of the last full search.
     pub(super) last_searched: u32,
-    /// Whether contact candidates were found at all.
+    /// Whether contact candidates have been determined.
     has_candidates: bool,
-    /// Whether lists are those of reference configurations that are no more.
+    /// Whether lists are those of former reference configurations.
     pub(super) had_other_references: bool,
 }
 
-/// The ways of all particles since the last full search.
+/// Displacements of all particles since the last full search.
 pub(super) struct Ways {
-    /// Square of the longest, m².
+    /// Square of the largest, m².
     pub(super) longest: f64,
-    /// Square of the diagonal of their box, m².
+    /// Square of the diagonal of their bounding box, m².
     pub(super) diagonal: f64,
-    /// The thinnest skin that smoothing lengths have left, in supports, m.
+    /// The thinnest skin left by the growth of smoothing lengths, in supports, m.
     skin: f64,
 }
 
 impl GpuEngine {
-    /// Makes the lists valid for the positions just reached.
+    /// Makes the lists valid for the updated positions.
     pub(super) fn refresh_kept(&mut self) -> Result<SearchReport, RunFailure> {
         self.launch(&self.stages.follow)?;
         let due = match self.model.search {
@@ -69,14 +69,15 @@ impl GpuEngine {
         if due {
             self.search_all()?;
         } else if !self.model.contact_pairs().is_empty() {
-            // The contact goes through the cells.
+            // The contact uses the cells.
             self.launch(&self.stages.sorting)?;
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
     }
 
-    /// Whether two particles may have closed in by more than the skin: by twice the longest way of any since the search, and by what the ways of all
-    /// differ; images in planes of symmetry go other ways than their particles.
+    /// Whether two particles may have approached each other by more than the skin. Bounds are twice the largest
+    /// displacement since the search, and the largest difference of displacements; images in symmetry planes have other
+    /// displacements than their particles.
     fn moved_beyond_skin(&self, fraction: f64) -> Result<bool, RunFailure> {
         let smallest = self.model.bodies.iter().map(|body| body.smoothing_length).fold(f64::INFINITY, f64::min);
         let ways = self.ways(&self.stages.ways)?;
@@ -85,7 +86,7 @@ impl GpuEngine {
         Ok(skin == 0.0 || ways.longest > 0.25 * skin * skin && (has_images(&self.model) || ways.diagonal > skin * skin))
     }
 
-    /// Searches those that flow; with the guard those that strain and contact candidates, too.
+    /// Searches the particles that flow; with the guard also those that strain and contact candidates.
     fn search_adaptively(&mut self, rule: AdaptiveSearch) -> Result<SearchReport, RunFailure> {
         if self.has_strayed()? {
             self.search_all()?;
@@ -107,7 +108,7 @@ impl GpuEngine {
         if marked > 0.0 {
             self.launch(&self.stages.search_marked)?;
             if self.longest_row()? > f64::from(self.kept.room) {
-                // What there was no room for is lost.
+                // Neighbours beyond the capacity are lost.
                 self.search_all()?;
                 return Ok(SearchReport { searched_fraction: 1.0 });
             }
@@ -115,7 +116,8 @@ impl GpuEngine {
         Ok(SearchReport { searched_fraction: share })
     }
 
-    /// Whether particles are to come in again at the other end of a periodic cell, which all do together: when the processor makes its images again.
+    /// Whether particles are to be wrapped to the other end of a periodic cell. All are wrapped together, when the CPU
+    /// engine would create its images again.
     fn has_strayed(&self) -> Result<bool, RunFailure> {
         let is_closed = self.stages.strayed.is_empty();
         Ok(!is_closed && self.ways(&self.stages.strayed)?.longest.sqrt() > AdaptiveSearch::IMAGE_MARGIN * self.reach())
@@ -127,8 +129,8 @@ impl GpuEngine {
         self.model.numerics.kernel.support() * largest
     }
 
-    /// Finds contact candidates, as the processor's engine does and on the processor, where particles have moved so far that they have to be found
-    /// again: a few times in the flight through a plate.
+    /// Determines contact candidates, as the CPU engine does and on the processor, when particles have moved so far
+    /// that this is necessary: a few times during the perforation of a plate.
     fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
         let (reach, support) = (self.reach(), self.model.numerics.kernel.support());
         if self.kept.has_candidates && self.ways(&self.stages.ways)?.longest <= ContactCandidates::lasts(reach).powi(2)
@@ -193,7 +195,7 @@ impl GpuEngine {
         self.ways_of_all()
     }
 
-    /// What the kernels of ways have found, of the particles of all ranks.
+    /// Results of the displacement kernels, over the particles of all ranks.
     pub(super) fn ways_of_all(&self) -> Result<Ways, RunFailure> {
         let numbers = self.of_rows()?;
         let largest = |k: usize| numbers(k).fold(f64::NEG_INFINITY, f64::max);
@@ -204,7 +206,7 @@ impl GpuEngine {
         Ok(Ways { longest, diagonal: (0..3).map(|a| (high[a] + low[a]).powi(2)).sum(), skin: -skin })
     }
 
-    /// The numbers of the rows that are left, by their place.
+    /// The numbers of the remaining rows, by index.
     fn of_rows(&self) -> Result<impl Fn(usize) -> Box<dyn Iterator<Item = f64>>, RunFailure> {
         let numbers = read(&self.card, &self.columns, reduce::left(Group::Ways, self.stride / CHUNK))?;
         let rows = numbers.len() / WAYS;
@@ -214,13 +216,13 @@ impl GpuEngine {
         })
     }
 
-    /// Searches the neighbours of all particles, with more room where there is too little.
+    /// Searches the neighbours of all particles, with more memory if there is too little.
     fn search_all(&mut self) -> Result<(), RunFailure> {
         self.launch(&self.stages.wrap)?;
         self.find_all()
     }
 
-    /// The same where particles are along periodic axes already.
+    /// The same with particles that are already wrapped along periodic axes.
     fn find_all(&mut self) -> Result<(), RunFailure> {
         self.choose_ghosts_of_search()?;
         self.launch(&self.stages.sorting)?;
@@ -236,7 +238,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Searches again where particles were at the last search, with the smoothing lengths of then.
+    /// Searches again at the positions of the last search, with the smoothing lengths of that time.
     pub(super) fn search_again(&mut self) -> Result<(), RunFailure> {
         let column = |group: Group| read(&self.card, &self.columns, group);
         let now = column(Group::Place)?;
@@ -251,13 +253,13 @@ impl GpuEngine {
         let last_searched = self.kept.last_searched;
         self.find_all()?;
         self.kept.last_searched = last_searched;
-        // Columns may be longer by now, for more ghosts.
+        // Columns may have become longer, for more ghosts.
         self.overwrite(Group::Place, &self.as_long_as_columns(now, stride))?;
         let lengths = lengths.map(|lengths| self.as_long_as_columns(lengths, stride));
         lengths.map_or(Ok(()), |lengths| self.overwrite(Group::Constants, &lengths))
     }
 
-    /// Takes other numbers for a group.
+    /// Replaces the numbers of a group.
     fn overwrite(&self, group: Group, numbers: &[f32]) -> Result<(), RunFailure> {
         let array = self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")))?;
         self.card.write(array, numbers);
@@ -265,7 +267,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// What the lists miss where particles are now, if an audit is due.
+    /// Audits the lists at the current positions, if an audit is due.
     pub(super) fn audit_lists(&self) -> Result<Option<Audit>, RunFailure> {
         let due = |n: u64| self.dt > 0.0 && !self.is_idle() && u64::from(self.steps).is_multiple_of(n);
         if !self.model.audit.is_some_and(due) {
@@ -280,7 +282,7 @@ impl GpuEngine {
         Ok(Some(audit_of(&rows, &self.of_all_ranks(&self.initial.mass)?)))
     }
 
-    /// Takes lists that have room for so many neighbours of each particle; what they held is lost.
+    /// Allocates lists with this capacity for each particle; their contents are lost.
     fn make_room(&mut self, room: u32) -> Result<(), RunFailure> {
         let kept = self.card.zeros(room as usize * self.stride).map_err(failure)?;
         self.columns.insert(Group::Kept, kept);
@@ -292,7 +294,7 @@ impl GpuEngine {
         self.rebind()
     }
 
-    /// Saves or loads what is known of lists that are kept, and takes the room that those which are to be loaded need.
+    /// Saves or loads the state of stored lists, and allocates memory for the lists that are to be loaded.
     pub(super) fn persist_kept(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
         let mut room = self.kept.room;
         if self.saves_lists() {

@@ -1,4 +1,4 @@
-//! What a card holds, read back in double precision.
+//! State of the card, read back in double precision.
 
 use super::columns::{Columns, Group};
 use super::kernels::{audit, conduction, contact, kept, limits, pairs, walls};
@@ -74,7 +74,7 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Audit, audit::AUDIT),
 ];
 
-/// Groups whose numbers the steps to come depend on.
+/// Groups on which the following steps depend.
 pub(super) const STATE: &[Group] = &[
     Group::Place,
     Group::Velocity,
@@ -112,7 +112,7 @@ pub(super) const STATE: &[Group] = &[
     Group::Constants,
 ];
 
-/// Groups that fields of particles are read of; a model may not have all.
+/// Groups from which fields of particles are read; a model may not have all.
 pub(super) const GROUPS_OF_PARTICLES: &[Group] = &[
     Group::Place,
     Group::Velocity,
@@ -132,7 +132,7 @@ pub(super) const GROUPS_OF_PARTICLES: &[Group] = &[
     Group::Earlier,
 ];
 
-/// Those among them that are lists, and where particles were when they were made.
+/// Those among them that are lists, and the positions at which they were built.
 pub(super) const LISTS: &[Group] = &[Group::Kept, Group::Rows, Group::SearchedAt];
 
 /// Stored fields that steps change.
@@ -159,7 +159,7 @@ const CHANGING: [&str; 20] = [
     "motion",
 ];
 
-/// A group read back; copies share it.
+/// A group that has been read back; copies share it.
 #[derive(Clone)]
 pub(super) struct Group64 {
     numbers: Arc<Vec<f32>>,
@@ -176,20 +176,20 @@ impl Group64 {
     }
 }
 
-/// What makes particles of groups that are read back, and what it knows beside them.
+/// Converts groups that are read back to particles, with the additional data for this.
 struct ColumnReader<'a> {
     model: Arc<Model>,
-    /// The particles as they came.
+    /// The initial particles.
     initial: Cow<'a, Particles>,
     stride: usize,
-    /// Steps begun, and the one of the last full search.
+    /// Number of steps begun, and the step of the last full search.
     steps: u32,
     last_searched: u32,
     is_renewed: bool,
 }
 
 impl ColumnReader<'_> {
-    /// A stored field of groups that `read` gives; none where a model does not have it.
+    /// A stored field from groups that `read` returns; none if a model does not have it.
     fn column(
         &self,
         field: &str,
@@ -254,7 +254,7 @@ impl ColumnReader<'_> {
             }
             "yield_stress" => {
                 let of = group(Group::Plastic)?;
-                // A law that never yields has the largest number there.
+                // A law that never yields has the largest number.
                 scalars(&|i| if of.at(3, i) >= f64::from(f32::MAX) { f64::INFINITY } else { of.at(3, i) })
             }
             "plastic_work" => {
@@ -328,7 +328,7 @@ impl GpuEngine {
         }
     }
 
-    /// What a group holds after a step: copied back once, and kept until the next.
+    /// Contents of a group after a step: copied back once, and kept until the next one.
     fn read_once(&self, group: Group) -> Result<Arc<Vec<f32>>, RunFailure> {
         let known = self.read_back.borrow().iter().find(|(of, _)| *of == group).map(|(_, numbers)| numbers.clone());
         if let Some(numbers) = known {
@@ -339,7 +339,7 @@ impl GpuEngine {
         Ok(numbers)
     }
 
-    /// A field, of the groups that it is made of alone.
+    /// A field, read only from the groups it consists of.
     pub(super) fn field(&self, field: &str) -> Result<Column<'static>, RunFailure> {
         let (reader, mut read) = (self.column_reader(), |group| self.read_once(group));
         let missing = || failure(format!("no field `{field}`"));
@@ -354,12 +354,12 @@ impl GpuEngine {
         particles.column(field).map(Column::into_owned).ok_or_else(missing)
     }
 
-    /// All that the card holds of the particles.
+    /// All particle data on the card.
     pub(super) fn snapshot(&self) -> Result<Particles, RunFailure> {
         self.column_reader().particles(&mut |group| self.read_once(group))
     }
 
-    /// What particles are now, on its way; none where there is no memory for copies beside the run.
+    /// A copy of the current particles in flight; none if there is no memory for copies during the run.
     pub(super) fn detached(&self) -> Result<Option<DetachedColumns>, RunFailure> {
         let reader = self.column_reader();
         let reader = ColumnReader { initial: Cow::Owned(self.initial.clone()), ..reader };
@@ -375,15 +375,15 @@ impl GpuEngine {
     }
 }
 
-/// Fields of all particles on their way from a card that goes on meanwhile.
+/// Fields of all particles in flight from a card that continues meanwhile.
 pub(super) struct DetachedColumns {
     count: usize,
-    /// What particles are made of, until they are.
+    /// The groups, until particles are made from them.
     pending: RefCell<Option<OnTheirWay>>,
     particles: OnceCell<Particles>,
 }
 
-/// Groups that are copied, and what makes particles of them.
+/// Groups that are copied, and their conversion to particles.
 struct OnTheirWay {
     reader: ColumnReader<'static>,
     groups: Vec<(Group, Pending)>,
@@ -400,7 +400,7 @@ impl DetachedColumns {
                 let found = arrived.iter().find(|(group, _)| *group == wanted).map(|(_, numbers)| numbers.clone());
                 found.ok_or_else(|| failure(format!("no column {wanted:?}")))
             };
-            // Nobody else sets it: there is one of what it is made of.
+            // Nothing else sets it, because its source exists only once.
             let _ = self.particles.set(reader.particles(&mut find)?);
         }
         self.particles.get().ok_or_else(|| failure("the card was lost while its fields were copied"))

@@ -1,4 +1,4 @@
-//! Particles brought to the card, and kernels compiled for it.
+//! Copies particles to the card and compiles its kernels.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
 use super::kernels::reference::References;
@@ -27,13 +27,13 @@ use std::cell::RefCell;
 use std::iter;
 use std::sync::Arc;
 
-/// Particles that exact whole numbers of single precision can count.
+/// Largest number of particles that single precision can count exactly.
 const MOST: usize = 1 << 24;
 
-/// How much farther than the kernel reaches a cell does: its number is found in single precision.
+/// How much wider a cell is than the reach of the kernel, because its index is computed in single precision.
 const MARGIN: f64 = 1.0 + 1e-4;
 
-/// Cells beside those that hold particles at the start: they spread.
+/// Number of cells over those that contain particles at the start, because particles spread.
 const SPARE: f64 = 1.5;
 
 impl GpuEngine {
@@ -62,12 +62,12 @@ impl GpuEngine {
         }
         p.complete();
         complete_initial_state(&model, &mut p);
-        // Those that forces are divided by, so that sums over bodies of what they do close.
+        // The masses by which forces are divided, so that the sums over bodies close.
         p.mass.iter_mut().for_each(|mass| *mass = f64::from(*mass as f32));
         let ranks = domain.as_ref().map(|domain| domain.ranks.clone());
         let engine = Self::on_a_card(model, p, kind, grid, domain);
         let mut engine = match &ranks {
-            // All fail together.
+            // All ranks fail together.
             Some(ranks) => made_on_all(ranks, engine)?,
             None => engine?,
         };
@@ -76,7 +76,7 @@ impl GpuEngine {
         Ok(engine)
     }
 
-    /// Particles brought to a card.
+    /// Particles on a card.
     fn on_a_card(
         model: Arc<Model>,
         p: Particles,
@@ -148,14 +148,15 @@ impl GpuEngine {
         let plan = Plan::of(&self.model, &self.initial, rows, &self.grid, references).map_err(failure)?;
         self.card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
         if !self.card.found().is_software {
-            // What is not asked for costs a software renderer more than it saves.
+            // With a software renderer, unneeded kernels cost more than they save.
             self.card.compile_ahead(&plan.reductions.iter().map(|of| &of.kernel.kernel).collect::<Vec<_>>());
         }
         Ok(plan)
     }
 }
 
-/// Particles and lattice neighbours near each other in memory, too, and on ranks on one card: in the order of a curve through where they are.
+/// The order of particles along a space-filling curve, so that neighbours are near each other in memory, and on ranks
+/// on one card.
 fn sort_along_curve(model: &Model, p: &mut Particles, cell: f64) {
     let axes = match model.dimensions {
         Dimensions::One => 1,
@@ -181,7 +182,7 @@ pub(super) fn grid_of(model: &Model, p: &Particles) -> Grid {
         let along = || p.position.iter().map(|x| x[axis]);
         let (low, high) = along().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         origin[axis] = low;
-        // Never fewer than three around a cell and one more, so that none is met twice.
+        // At least four cells along an axis, so that none is visited twice.
         counts[axis] = ((SPARE * (high - low) / edge).ceil() as u32 + 1).next_power_of_two().max(4);
     }
     Grid { origin, reach, edge, counts }
@@ -198,18 +199,18 @@ pub(super) fn fill(stride: usize, fields: usize, count: usize, number: impl Fn(u
     numbers
 }
 
-/// A number, or what single precision leaves of it.
+/// A number, or its rest in single precision.
 pub(super) fn part(number: f64, rest: bool) -> f64 {
     let high = f64::from(number as f32);
     if rest { number - high } else { high }
 }
 
-/// Prescribed motion of every particle, by its number and one; zero for none.
+/// Prescribed motion of every particle: its index plus one; zero for none.
 pub(super) fn motions(model: &Model, p: &Particles) -> Vec<u32> {
     p.regions.iter().map(|regions| model.motion_of(*regions).map_or(0, |k| k as u32 + 1)).collect()
 }
 
-/// The initial configuration: place, m, and volume, m^d.
+/// The initial configuration: positions, m, and volumes, m^d.
 pub(super) fn reference(p: &Particles, field: usize, i: usize) -> f64 {
     match field {
         6 | 7 => part(p.mass[i] / p.density[i], field == 7),
@@ -217,7 +218,8 @@ pub(super) fn reference(p: &Particles, field: usize, i: usize) -> f64 {
     }
 }
 
-/// Columns of a length for particles, as they are at the start; those that are shared have ghosts behind them.
+/// Columns of a given length for particles, with their initial values; those of shared particles are followed by
+/// ghosts.
 pub(super) fn make_columns(
     card: &Card,
     (model, p): (&Model, &Particles),
@@ -349,7 +351,7 @@ pub(super) fn make_columns(
     Ok(columns)
 }
 
-/// A kernel of the step in the languages of cards.
+/// The source of a kernel of the step in the languages of cards.
 #[derive(Clone, Debug)]
 pub struct KernelText {
     /// Its name.
@@ -363,7 +365,7 @@ pub struct KernelText {
 /// Every kernel of the step of a model that [`super::Gpu`] supports.
 ///
 /// # Errors
-/// A law cannot be written for a card.
+/// A law cannot be translated for a card.
 pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelText>, KernelFault> {
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
     let portions = Segments::of(model, particles, particles.len()).portions();
@@ -379,7 +381,7 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     };
     let mut texts = of_plan(&of(References::Initial)?);
     if model.formulation.renews() {
-        // Those that are others once a body has come apart.
+        // Kernels that change once a body has come apart.
         for mut other in of_plan(&of(References::Renewed)?) {
             if !texts.iter().any(|known| known.cuda == other.cuda) {
                 other.name += "_renewed";
@@ -397,7 +399,7 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     Ok(texts)
 }
 
-/// Visits the kernels of a model whose particles several cards share, and those that exchange what these read of neighbours.
+/// Visits the kernels of a model whose particles are shared by several cards, and the kernels of the halo exchange.
 fn each_kernel_of_ranks(
     model: &Model,
     p: &Particles,
@@ -413,14 +415,14 @@ fn each_kernel_of_ranks(
             *gathered.entry(group).or_default() |= columns;
         }
     }
-    // Columns that are not known are those of a group as long as any.
+    // Columns whose index is unknown are those of the longest group.
     gathered.values_mut().filter(|columns| **columns == ALL).for_each(|columns| *columns = 1);
     plan.all().chain(&exchange::kernels(&gathered, stride, p.len())?).for_each(visit);
     Ok(())
 }
 
 impl GpuEngine {
-    /// Binds the kernels of the step to the columns as they are, for as many threads as there are rows.
+    /// Binds the kernels of the step to the current columns, with as many threads as there are rows.
     pub(super) fn rebind(&mut self) -> Result<(), RunFailure> {
         let ghosts = self.domain.as_ref().map_or(0, Domain::ghosts);
         let surface = self.columns.array(Group::Surface).map_or(0, Array::count);
@@ -429,7 +431,7 @@ impl GpuEngine {
             let (threads, runs_over_ghosts) = match planned.threads {
                 Threads::Of(count) => (count, false),
                 Threads::OfAllHere => (self.initial.len() + ghosts, true),
-                // Where faces do not follow deformation all particles may meet others.
+                // If faces do not follow the deformation, all particles may be in contact.
                 Threads::OfSurface if !self.model.has_faces() => (self.initial.len(), false),
                 Threads::OfSurface => (self.own_surface.len(), false),
                 Threads::OfSurfaceHere => (surface, true),
@@ -470,7 +472,7 @@ impl GpuEngine {
             heat_extremes: bound(&plan.heat_extremes)?,
             ledger: bound(&plan.ledger)?,
         };
-        // Those that were asked for before are bound to columns that may be others now.
+        // Reductions requested before may be bound to former columns.
         self.reductions.take();
         Ok(())
     }

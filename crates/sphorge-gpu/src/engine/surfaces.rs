@@ -1,4 +1,4 @@
-//! The surfaces of bodies that meet: found once, in double precision, of the lists of the initial configuration.
+//! The surfaces of bodies in contact: found once, in double precision, from the lists of the initial configuration.
 
 use super::columns::Group;
 use super::kernels::images::Planes;
@@ -10,7 +10,7 @@ use sphorge_physics::surface::{NearFace, add_outward, exposed, outermost_arm};
 use sphorge_physics::tensor::dot;
 
 impl GpuEngine {
-    /// Finds who is of the surface, with normals, and brings it to the card.
+    /// Finds the surface particles and their normals, and copies them to the card.
     pub(super) fn find_surfaces(&mut self) -> Result<(), RunFailure> {
         let whole = |group: Group| -> Result<Vec<u32>, RunFailure> {
             Ok(read(&self.card, &self.columns, group)?.into_iter().map(f32::to_bits).collect())
@@ -24,7 +24,8 @@ impl GpuEngine {
         let of_body = |i: usize| &model.bodies[p.body[i] as usize];
         let position = self.with_ghosts(&p.position)?;
         let volume = self.with_ghosts(&(0..p.len()).map(|i| [p.mass[i] / p.density[i]]).collect::<Vec<_>>())?;
-        // Every neighbour as it is seen from a particle: its number, which axes are mirrored, and how far the particle is from it, m.
+        // Every neighbour as seen from a particle: its index, which axes are mirrored, and its distance vector from the
+        // particle, m.
         let neighbors = |i: usize| {
             let position = &position;
             list[starts[i] as usize..starts[i + 1] as usize].iter().map(move |entry| {
@@ -43,7 +44,7 @@ impl GpuEngine {
             if is_exposed { outward } else { [0.0; 3] }
         };
         let outward = self.with_ghosts(&(0..p.len()).map(outward).collect::<Vec<Vector<f64>>>())?;
-        // Behind the outermost layer by the neighbours in that layer.
+        // Behind the outermost layer, from the neighbours in that layer.
         let arm = |i: usize| {
             let half = 0.5 * of_body(i).spacing;
             if outward[i] != [0.0; 3] {
@@ -74,7 +75,7 @@ impl GpuEngine {
         self.rebind()
     }
 
-    /// Brings to the card who is of the surface, ghosts behind the own particles.
+    /// Copies the surface particles to the card, ghosts behind the own particles.
     pub(super) fn find_surface_ghosts(&mut self) -> Result<(), RunFailure> {
         if !self.model.has_faces() {
             return Ok(());
@@ -89,7 +90,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Values of the particles of this card, and behind them those of its ghosts.
+    /// Values of the particles of this card, followed by those of its ghosts.
     fn with_ghosts<const N: usize>(&self, own: &[[f64; N]]) -> Result<Vec<[f64; N]>, RunFailure> {
         let mut all = own.to_vec();
         if let Some(domain) = &self.domain {

@@ -1,4 +1,5 @@
-//! What lists miss that are kept or those of the reference configuration: their sums beside those over an exact search.
+//! Audit of stored lists or of those of the reference configuration: their sums compared with those over an exact
+//! search.
 
 use super::contact::{SelfContact, meets};
 use super::grid::Grid;
@@ -19,12 +20,12 @@ use sphorge_physics::{Elementary, Real, SymmetricTensor};
 const SUMS: usize = 7;
 /// Numbers of a row of the list: its sums, and pairs beyond the kernel support.
 const OF_LIST: usize = SUMS + 1;
-/// Of an exact one: its sums, pairs, those the list lacks, and those of them with another body.
+/// For an exact one: its sums, pairs, those missing from the list, and those of them with another body.
 const OF_EXACT: usize = SUMS + 3;
 /// Numbers of a particle in [`Group::Audit`].
 pub(in crate::engine) const AUDIT: usize = OF_LIST + OF_EXACT;
 
-/// Particles as the sums see them.
+/// Particle data that the sums read.
 #[derive(Clone, Copy)]
 struct Points {
     place: Reading,
@@ -51,7 +52,7 @@ impl Points {
         self.deviator.symmetric(0, i) - SymmetricTensor::isotropic(self.pressure.get(0, i))
     }
 
-    /// Adds a pair to the first numbers of a row; `is_particle` is one where the neighbour is no image, else zero.
+    /// Adds a pair to the first numbers of a row; `is_particle` is one if the neighbour is not an image, else zero.
     fn add(self, model: &Model, row: &mut [Recorded], (i, j): (Index, Index), pair: &Pair, is_particle: Recorded) {
         let image = &pair.image;
         let (v_i, v_j) = (self.velocity.vector(0, i), image.vector(self.velocity.vector(0, j)));
@@ -73,7 +74,7 @@ impl Points {
     }
 }
 
-/// One where a pair is within the kernel support, else zero.
+/// One if a pair is within the kernel support, else zero.
 fn is_inside(model: &Model, pair: &Pair) -> Recorded {
     let reach = Recorded::of(model.numerics.kernel.support()) * pair.scale.h;
     Recorded::select_lt(pair.r2, reach * reach, Recorded::one(), Recorded::zero())
@@ -82,10 +83,11 @@ fn is_inside(model: &Model, pair: &Pair) -> Recorded {
 /// Lists that are read.
 #[derive(Clone, Copy)]
 struct Lists {
-    /// Where their lengths are.
+    /// Their lengths.
     lengths: (Reading, usize),
     entries: Indices,
-    /// Where each starts, in the reference configuration; those that are kept have the first neighbours of all before the second.
+    /// Their starts, in the reference configuration; stored lists have the first neighbours of all particles before the
+    /// second ones.
     starts: Option<Indices>,
     stride: Index,
     planes: Planes,
@@ -111,7 +113,7 @@ impl Lists {
     }
 }
 
-/// Sums over the lists, with the distances they are used with.
+/// Sums over the lists, with the distances used in the step.
 pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("audit_lists", count, |bind, i| {
         let (points, lists, audit) = (Points::of(bind), Lists::of(bind, model), bind.write(Group::Audit));
@@ -138,8 +140,8 @@ pub(in crate::engine) fn of_lists<const D: usize>(model: &Model, count: usize) -
     })
 }
 
-/// Sums over all within the kernel support, and how many of them the lists lack. What the contact presses is found anew in every step, of a body with
-/// itself where it may press soon.
+/// Sums over all neighbours within the kernel support, and how many of them the lists lack. Contact pairs are searched
+/// in every step; pairs of a body with itself count if they may be in contact soon.
 pub(in crate::engine) fn exact<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -176,7 +178,7 @@ pub(in crate::engine) fn exact<const D: usize>(
 }
 
 impl Lists {
-    /// One where the list of a particle does not have an entry, else zero.
+    /// One if the list of a particle does not have an entry, else zero.
     fn lack(self, i: Index, entry: Index) -> Recorded {
         let (zero, one, half) = (Recorded::zero(), Recorded::one(), Recorded::of(0.5));
         let (neighbor, image) = (Planes::number_of(entry), Planes::image_of(entry));
@@ -194,7 +196,7 @@ impl Lists {
     }
 }
 
-/// What was found of particle `i`: of its list and exactly, where `number` says the numbers of [`Group::Audit`].
+/// Results for particle `i`: from its list and exactly; `number` returns the numbers of [`Group::Audit`].
 pub(in crate::engine) fn rows(number: impl Fn(usize) -> f64) -> (AuditedRow, AuditedRow) {
     let vector = |first: usize| [0, 1, 2].map(|a| number(first + a));
     let of = |first: usize| AuditedRow {

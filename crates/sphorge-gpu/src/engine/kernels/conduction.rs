@@ -1,4 +1,4 @@
-//! Heat that flows between particles and through boundaries, with the temperatures of the start of the step.
+//! Heat conduction between particles and through boundaries, with the temperatures of the start of the step.
 
 use super::contact;
 use super::grid::Grid;
@@ -21,15 +21,16 @@ use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
-/// Numbers of a particle in [`Group::Heat`]: heat that flows in, W/kg, its limit of the step, s, heat it has taken or given, J, and the rest of it,
-/// and what deformation adds to the flow, W/m².
+/// Numbers of a particle in [`Group::Heat`]: heat flow into it, W/kg, its limit of the step, s, heat exchanged, J, and
+/// its rest, and the contribution of the deformation to the flow, W/m².
 const RATE: usize = 0;
 const LIMIT: usize = 1;
 pub(in crate::engine) const EXCHANGED: usize = 2;
 const FLOW: usize = 4;
 pub(in crate::engine) const HEAT: usize = 7;
 
-/// Numbers of a particle in [`Group::Boundaries`] for each of them: one where it belongs to it, its power, W, heat supplied, J, and the rest of it.
+/// Numbers of a particle in [`Group::Boundaries`] for each of them: one if it belongs to it, its power, W, heat
+/// supplied, J, and its rest.
 const CLAIMED: usize = 0;
 const POWER: usize = 1;
 pub(in crate::engine) const SUPPLIED: usize = 2;
@@ -38,7 +39,8 @@ pub(in crate::engine) const BOUNDARY: usize = 4;
 /// Numbers of a body in [`Group::HeatLaws`].
 const LAW: usize = 4;
 
-/// Numbers of a chunk in [`Group::HeatExtremes`]: the least limit, s, the least temperature, K, and whether one is none.
+/// Numbers of a chunk in [`Group::HeatExtremes`]: the smallest limit, s, the lowest temperature, K, and whether one is
+/// not a number.
 pub(in crate::engine) const EXTREMES: usize = 3;
 
 /// Beyond every limit, s, and every temperature, K.
@@ -79,17 +81,17 @@ pub(in crate::engine) fn sums<const D: usize>(
     Ok(kernels)
 }
 
-/// Whether bodies conduct heat to each other where their faces touch.
+/// Whether heat is conducted between bodies whose faces touch.
 pub(in crate::engine) fn is_joined(model: &Model) -> bool {
     model.bodies.len() > 1
 }
 
-/// Whether particles of other bodies are found in the cells, and not among the neighbours of the sums.
+/// Whether particles of other bodies are searched in the cells because they are not among the neighbours of the sums.
 fn meets_others(model: &Model) -> bool {
     is_joined(model) && contact::meets(model)
 }
 
-/// Particles as heat sees them.
+/// Particle data that heat conduction reads.
 #[derive(Clone, Copy)]
 struct Points {
     place: Reading,
@@ -98,7 +100,7 @@ struct Points {
     density: Reading,
     body: Indices,
     laws: Reading,
-    /// Where those that other bodies may touch are sorted by.
+    /// Positions by which particles near other bodies are sorted.
     surface: Option<Reading>,
 }
 
@@ -116,7 +118,7 @@ impl Points {
         }
     }
 
-    /// Present volume, m^d.
+    /// Current volume, m^d.
     fn volume(self, i: Index) -> Recorded {
         self.constants.get(0, i) / self.density.get(0, i)
     }
@@ -132,7 +134,7 @@ impl Points {
         (other - own) + (other_rest - own_rest)
     }
 
-    /// A pair with volumes (m^d), at a distance whose square is given (m²).
+    /// A pair with volumes (m^d) and the square of its distance (m²).
     fn pair(
         self,
         model: &Model,
@@ -151,12 +153,12 @@ impl Points {
         }
     }
 
-    /// `x_i - x_j`, m, where particles are now.
+    /// `x_i - x_j`, m, at the current positions.
     fn apart<const D: usize>(self, image: &Image, i: Index, j: Index) -> Vector<Recorded> {
         apart::<D>(image, &places(self.place, i), &places(self.place, j))
     }
 
-    /// Takes a state through every particle of another body that is near.
+    /// Folds a state over every particle of another body that is near.
     fn over_others<S: Numbers<Recorded>, const D: usize>(
         self,
         bind: &mut Binder<'_>,
@@ -180,7 +182,8 @@ fn slope(model: &Model, r2: Recorded, scale: PairScale<Recorded>) -> Recorded {
     -within
 }
 
-/// The other body whose face each particle touches, that of the nearest particle: its number and one, zero for none.
+/// The other body whose face each particle touches, which is that of the nearest particle: its index plus one, zero for
+/// none.
 fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recording, KernelFault> {
     let dimension = model.dimensions.into();
     recording("touch", count, |bind, i| {
@@ -190,7 +193,7 @@ fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Rec
         let nearest = |state: [Recorded; 2], pair: &Pair, j: Index| {
             let x = points.apart::<D>(&pair.image, i, j);
             let r2 = dot(x, x);
-            // Of those as near the first.
+            // Of equally near ones the first.
             let bound = touching_below(own, cell(j)).min(state[0]);
             let body = points.body.at(j).number() + Recorded::one();
             Recorded::if_lt(r2, bound, || [r2, body], || state)
@@ -209,7 +212,7 @@ fn touch<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Rec
     })
 }
 
-/// What deformation adds to the flow of every particle in the reference configuration.
+/// Contribution of the deformation to the flow of every particle in the reference configuration.
 fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("heat_of_deformation", count, |bind, i| {
         let (points, heat) = (Points::of(bind, model), bind.write(Group::Heat));
@@ -226,7 +229,7 @@ fn flow_of_deformation<const D: usize>(model: &Model, count: usize) -> Result<Re
     })
 }
 
-/// Heat that flows to every particle, and its limit of the step.
+/// Heat flow to every particle, and its limit of the step.
 fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recording, KernelFault> {
     let dimension = model.dimensions.into();
     let boundaries = &model.thermal.boundaries;
@@ -235,7 +238,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
         let through = (!boundaries.is_empty()).then(|| bind.write(Group::Boundaries));
         let touched = is_joined(model).then(|| bind.indices(Group::Touched));
         let volume = points.volume(i);
-        // Of one body, or of two whose faces touch at one of the particles.
+        // Particles of one body, or of two whose faces touch at one of the particles.
         let are_joined = |j: Index| {
             let Some(touched) = touched else { return Recorded::zero() };
             let at = |of: Index, body: Index| {
@@ -300,7 +303,7 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
     })
 }
 
-/// Lets the heat flow for the step: energy, temperature, balance.
+/// Applies the heat flow of the step to energy, temperature and balance.
 pub(in crate::engine) fn flow(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let boundaries = &model.thermal.boundaries;
     recording("flow_heat", count, |bind, i| {
@@ -335,7 +338,7 @@ pub(in crate::engine) fn flow(model: &Model, count: usize) -> Result<Recording, 
     })
 }
 
-/// Of each chunk of particles, of which there are `particles`: the least limit and temperature, and whether one is none.
+/// For each chunk of the `particles`: the smallest limit and the lowest temperature, and whether one is not a number.
 pub(in crate::engine) fn extremes(particles: usize, count: usize) -> Result<Recording, KernelFault> {
     let chunks = count.div_ceil(CHUNK);
     recording("heat_extremes", count, |bind, chunk| {

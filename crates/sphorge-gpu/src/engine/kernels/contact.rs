@@ -1,5 +1,5 @@
-//! The contact of bodies with each other, and of a body with itself where particles of its surface that were no neighbours meet. In the total
-//! Lagrangian form particles meet where their faces are.
+//! Contact between bodies, and of a body with itself where surface particles meet that were not neighbours. In the
+//! total Lagrangian form contact acts at the faces of particles.
 
 use super::grid::Grid;
 use super::neighbors::{Pair, apart, at_start, different, over_cells, places};
@@ -17,10 +17,11 @@ use sphorge_physics::surface::{FaceShift, different_sides, sides_of_a_sheet, sur
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
-/// Place of the limit among the numbers of [`Group::Contact`].
+/// Index of the limit among the numbers of [`Group::Contact`].
 pub(in crate::engine) const LIMIT: usize = 5;
 
-/// Columns of [`Group::Meetings`] for each body; places of the works among them, each before its rest, and of their powers.
+/// Columns of [`Group::Meetings`] for each body; indices of the works among them, each before its rest, and of their
+/// powers.
 pub(in crate::engine) const MEETING: usize = 12;
 pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 3), (8, 4), (10, 5)];
 
@@ -32,7 +33,7 @@ pub(in crate::engine) fn meets(model: &Model) -> bool {
     !model.contact_pairs().is_empty()
 }
 
-/// Does the same for every body: its number.
+/// Calls a function for every body with its index.
 pub(super) fn each_body(bodies: usize, act: impl Fn(Index)) {
     Recorded::iterate([Recorded::zero()], |[body]| {
         act(Index::floor(body));
@@ -41,7 +42,7 @@ pub(super) fn each_body(bodies: usize, act: impl Fn(Index)) {
     });
 }
 
-/// The laws of every body with every one, where there is a contact.
+/// The laws of all pairs of bodies, if there is a contact.
 pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
     let BodyContact::Penalty(strength) = model.contact else { return None };
     let (laws, count) = (ContactLaws::new(model, strength), model.bodies.len());
@@ -53,7 +54,7 @@ pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
     meets(model).then(|| pairs.flat_map(|(a, b)| numbers(a, b)).map(|number| number as f32).collect())
 }
 
-/// Where particles near faces stand for the contact.
+/// Contact positions of particles near faces.
 pub(in crate::engine) fn stand(references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("stand", count, |bind, thread| {
         let i = bind.indices(Group::Surface).at(thread);
@@ -79,10 +80,10 @@ pub(in crate::engine) fn stand(references: References, count: usize) -> Result<R
     })
 }
 
-/// What tells who meets.
+/// Data that determine contact pairs.
 #[derive(Clone, Copy)]
 struct Bodies {
-    /// Where particles are for the contact.
+    /// Contact positions.
     place: Reading,
     constants: Reading,
     body: Indices,
@@ -109,7 +110,7 @@ pub(super) struct SelfContact {
 }
 
 impl SelfContact {
-    /// Nothing where bodies do not meet themselves.
+    /// Nothing without self-contact.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References, constants: Reading) -> Option<Self> {
         let of = |bind: &mut Binder<'_>| Self {
             surfaces: Surfaces::of(bind),
@@ -119,7 +120,8 @@ impl SelfContact {
         model.has_self_contact().then(|| of(bind))
     }
 
-    /// One where particles of one body press each other, or may do so soon, as `sides` has it of unit normals; else zero.
+    /// One if particles of one body are in contact, or may be so soon, according to `sides` of their unit normals; else
+    /// zero.
     pub(super) fn press<const D: usize>(
         self,
         model: &Model,
@@ -129,7 +131,7 @@ impl SelfContact {
         sides: impl Fn(Vector<Recorded>, Vector<Recorded>) -> Recorded,
     ) -> Recorded {
         let press = || self.surfaces.press::<D>(model, i, pair, j, self.constants, sides);
-        // What has come apart is renewed often, and meets itself in the sums.
+        // A body that has come apart is renewed often, and meets itself in the sums.
         let Some(apart) = self.apart else { return press() };
         Recorded::if_lt(apart.has_come_apart(i), Recorded::of(0.5), press, Recorded::zero)
     }
@@ -150,8 +152,9 @@ impl Bodies {
         }
     }
 
-    /// Takes a state through every particle that may press particle `i`: of another body; or of another side of the surface of the same, not its
-    /// neighbour in the reference configuration, nor behind it as the other side of a sheet is.
+    /// Folds a state over every particle that may be in contact with particle `i`: of another body, or on another side
+    /// of the surface of the same body, not its neighbour in the reference configuration, and not behind it as the
+    /// other side of a sheet.
     fn over_pressing<S: Numbers<Recorded>, const D: usize>(
         self,
         bind: &mut Binder<'_>,
@@ -176,7 +179,7 @@ impl Bodies {
         self.constants.get(6, i)
     }
 
-    /// The law of two particles, and the share of the heat of friction that the first takes up.
+    /// The law of two particles, and the share of the heat of friction that the first receives.
     fn law(self, i: Index, j: Index) -> (ContactLaw<Recorded>, Recorded) {
         let pair = self.body.at(i) * Index::of(self.count) + self.body.at(j);
         let number = |k: usize| self.laws.get(0, pair * Index::of(LAW as u32) + Index::of(k as u32));
@@ -226,7 +229,7 @@ fn kernel_of(model: &Model, pair: &Pair) -> ContactKernel<Recorded> {
     ContactKernel::new(model.numerics.kernel, model.dimensions.into(), pair.r2.sqrt(), pair.scale.h)
 }
 
-/// First pass: the overlap of every particle that may meet others.
+/// First pass: the overlap of every particle that may be in contact.
 pub(in crate::engine) fn overlap<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -250,7 +253,7 @@ pub(in crate::engine) fn overlap<const D: usize>(
     })
 }
 
-/// Sums of a particle over what presses it.
+/// Sums of a particle over its contact pairs.
 #[derive(Clone, Copy)]
 struct Pressed {
     /// Force, N, heat of the particle, W, and friction's part, speed of approach, m/s.
@@ -269,9 +272,10 @@ fn overlap_of(overlaps: Reading, i: Index) -> Overlap<Recorded> {
     Overlap { overlap: overlaps.get(0, i), away: overlaps.vector(1, i), weight: overlaps.get(4, i) }
 }
 
-/// Second pass: forces and their heat. A force on a face has a moment about the particle, which is a stress of it, so that the face does the work.
+/// Second pass: forces and their heat. A force on a face has a moment about the particle, which enters as a stress of
+/// it, so that the work is done at the face.
 ///
-/// Where a section is given, the forces of the pairs that cross it are added to the one through it instead.
+/// If a section is given, the forces of the pairs that cross it are added to the force through it instead.
 pub(in crate::engine) fn press<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -287,10 +291,10 @@ pub(in crate::engine) fn press<const D: usize>(
         let (dt, half, zero) = (step.get(0, Index::of(DT)), Recorded::of(0.5), Recorded::zero());
         let (mass, volume) = (bodies.constants.get(0, i), bodies.volume(i));
         let own = overlap_of(overlaps, i);
-        // How fast the face departs from the particle.
+        // Velocity of the face relative to the particle.
         let rate = |of: Index| bodies.surfaces.map(|surfaces| surfaces.standing.vector(6, of));
         let (v_i, rate_i) = (evaluated.vector(0, i), rate(i));
-        // The force of one that presses, and what it has of its law.
+        // The force of a contact pair, and the part due to its law.
         let push = |pair: &Pair, j: Index| {
             let image = &pair.image;
             let v_j = image.vector(evaluated.vector(0, j));

@@ -1,26 +1,26 @@
-//! Cells: particles sorted by the cell they are in, in the order of their numbers within it.
+//! Cell grid: particles sorted by cell, and within a cell by index.
 //!
-//! Cells repeat along each axis after a power of two, so that there is no bounding box to find: what lies a period away is near in the
-//! table, and too far in space to count.
+//! Cells repeat along each axis after a power of two, so that no bounding box is needed: particles a period away are
+//! near in the table, but too far away in space to count.
 
 use crate::engine::columns::{Binder, Fields, Group, Recording, recording};
 use crate::engine::step_numbers::GHOSTS_BEFORE;
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::{Real, Vector};
 
-/// Cells that one thread adds up, and chunks of them.
+/// Cells per thread in the sums, and chunks per thread.
 pub(in crate::engine) const CHUNK: usize = 64;
 
-/// How cells lie.
+/// Layout of the cells.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct Grid {
     /// Corner of cell zero, m.
     pub(in crate::engine) origin: Vector<f64>,
-    /// How far particles are searched, in smoothing lengths.
+    /// Search distance in smoothing lengths.
     pub(in crate::engine) reach: f64,
-    /// Edge of a cell, m: as far as particles are searched, and a little more.
+    /// Edge of a cell, m: slightly more than the search distance.
     pub(in crate::engine) edge: f64,
-    /// Cells along each axis until they repeat, powers of two.
+    /// Number of cells along each axis until they repeat, powers of two.
     pub(in crate::engine) counts: [u32; 3],
 }
 
@@ -33,7 +33,7 @@ impl Grid {
         self.cells().div_ceil(CHUNK)
     }
 
-    /// How many chunks there are, chunks of chunks, and so on to one.
+    /// Numbers of chunks, chunks of chunks, and so on to one.
     fn levels(&self) -> Vec<usize> {
         let mut levels = vec![self.chunks()];
         while let Some(count) = levels.last().copied().filter(|count| *count > 1) {
@@ -42,10 +42,10 @@ impl Grid {
         levels
     }
 
-    /// Where the sums of each level are, and behind them the starts.
+    /// Index of the sums of each level; the starts follow them.
     fn places(&self) -> Vec<[u32; 2]> {
         let mut place = 0;
-        // Whole chunks, the rest of which stays zero.
+        // Whole chunks, whose remaining entries are zero.
         let mut next = |count: &usize| {
             let padded = count.div_ceil(CHUNK) * CHUNK;
             let places = [place, place + padded].map(|place| place as u32);
@@ -60,7 +60,7 @@ impl Grid {
         self.levels().iter().map(|count| 2 * count.div_ceil(CHUNK) * CHUNK).sum()
     }
 
-    /// Steps to the cells around one, and to itself, three numbers each; negative ones count from `2^32` down.
+    /// Offsets of the cells around one, and of itself, three numbers each; negative ones count down from `2^32`.
     pub(in crate::engine) fn around(&self) -> Vec<u32> {
         let steps = |axis: usize| if self.counts[axis] == 1 { vec![0] } else { vec![u32::MAX, 0, 1] };
         let mut around = Vec::new();
@@ -74,7 +74,7 @@ impl Grid {
         around
     }
 
-    /// The cell along each axis that a place is in, before it repeats.
+    /// The cell along each axis that contains a position, before it repeats.
     pub(in crate::engine) fn steps(&self, place: &impl Fn(usize) -> Recorded) -> [Index; 3] {
         [0, 1, 2].map(|axis| {
             if self.counts[axis] == 1 {
@@ -85,29 +85,29 @@ impl Grid {
         })
     }
 
-    /// The number of the cell so many steps along each axis.
+    /// The index of the cell at this offset along each axis.
     pub(in crate::engine) fn cell(&self, steps: [Index; 3]) -> Index {
         let [x, y, z] = [0, 1, 2].map(|axis| steps[axis].and(Index::of(self.counts[axis] - 1)));
         (z * Index::of(self.counts[1]) + y) * Index::of(self.counts[0]) + x
     }
 }
 
-/// Who is sorted into the cells.
+/// The particles that are sorted into the cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Sorted {
-    /// All particles, where they are.
+    /// All particles, at their positions.
     Particles,
     /// The same in the reference configuration.
     Reference,
-    /// Those of the surface, where they stand for the contact.
+    /// Those of the surface, at their contact positions.
     Surface,
 }
 
-/// How many threads a kernel of the sorting has.
+/// Number of threads of a kernel of the sorting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum SortingThreads {
     Of(usize),
-    /// As many as there are particles to sort.
+    /// One per particle to sort.
     OfSorted,
 }
 
@@ -132,7 +132,7 @@ impl Sorted {
     }
 }
 
-/// The kernels, in their order, of columns of a length, which may have ghosts behind the particles.
+/// The kernels, in their order, for columns of a length, which may have ghosts behind the particles.
 pub(in crate::engine) fn sorting(
     grid: &Grid,
     count: usize,
@@ -173,7 +173,7 @@ pub(in crate::engine) fn sorting(
         })?;
         adding_up.push((kernel, levels[level]));
     }
-    // The one chunk of all starts at zero, as its place in the column does for ever.
+    // The single chunk of the last level starts at zero, the permanent value of its entry.
     for level in (1..levels.len()).rev() {
         let name = format!("{}_{level}", of.name("start_chunks"));
         let kernel = recording(&name, count, |bind, chunk| {
@@ -212,7 +212,7 @@ pub(in crate::engine) fn sorting(
         let starts = bind.indices(Group::CellStarts);
         let (unsorted, sorted) = (bind.indices(Group::Unsorted), bind.index_output(Group::Sorted));
         let (first, end) = (starts.at(cell), starts.at(cell + Index::of(1)));
-        // Ghosts that are before the own particles in the common order have the last numbers.
+        // Ghosts that precede the own particles in the common order have the last indices.
         let ghosts_before = has_ghosts.then(|| bind.read(Group::Step).get(0, Index::of(GHOSTS_BEFORE)));
         let place = |i: Index| {
             let number = i.number();
@@ -253,7 +253,7 @@ mod tests {
         for (group, length) in lengths.into_iter().chain([("Slots", count), ("Unsorted", count), ("Sorted", count)]) {
             columns.insert(group.to_owned(), vec![0.0; length]);
         }
-        // Twice, so that what the first time left is in the way of nothing.
+        // Twice, to show that results of the first time do not interfere.
         for _ in 0..2 {
             for (recording, threads) in sorting(&grid, count, Sorted::Particles, false).unwrap() {
                 let names: Vec<_> = recording.groups.iter().map(|group| format!("{group:?}")).collect();

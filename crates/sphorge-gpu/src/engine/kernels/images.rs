@@ -1,26 +1,27 @@
-//! Images behind planes of symmetry and beyond periodic ends: a neighbour, or what of it stands there.
+//! Images behind symmetry planes and beyond periodic ends: a neighbour is a particle or an image of it.
 
 use crate::engine::columns::added;
 use crate::record::{Index, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
 
-/// First of the bits of an entry of a list, two for each axis, that say which image of its neighbour it is; below is its number.
+/// First of the bits of an entry of a list, two for each axis, that encode the image of its neighbour; the bits below
+/// are the index of the neighbour.
 const FIRST_BIT: u32 = 24;
 
-/// The bits of an axis in the number of an image: none, or the first or the second kind of image along it.
+/// The bits of an axis in the code of an image: none, or the first or the second kind of image along it.
 const BITS: u32 = 2;
 
-/// How an image is made along an axis.
+/// Kind of image along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// Mirrored at a place, m.
+    /// Mirrored at a coordinate, m.
     Mirror(f64),
-    /// Moved from the second of the ends to the first, m.
+    /// Shifted from the second of the ends to the first, m.
     Copy([f64; 2]),
 }
 
-/// What makes images in a model: up to two kinds along each axis.
+/// The images of a model: up to two kinds along each axis.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::engine) struct Planes([[Option<Kind>; 2]; 3]);
 
@@ -29,29 +30,30 @@ pub(in crate::engine) struct Planes([[Option<Kind>; 2]; 3]);
 enum Choice {
     None,
     Of(Kind),
-    /// Zero for none, one or two for the first or second kind, known on the card alone.
+    /// Zero for none, one or two for the first or second kind, as a value on the card.
     Either(Recorded, [Option<Kind>; 2]),
 }
 
-/// Which image a neighbour is.
+/// The image that a neighbour is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Image([Choice; 3]);
 
-/// A number and what single precision leaves of it.
+/// A number and its rest in single precision.
 pub(super) fn split(number: f64) -> [Recorded; 2] {
     let high = f64::from(number as f32);
     [Recorded::of(high), Recorded::of(number - high)]
 }
 
-/// How far a place, with its rest, is from a coordinate, m.
+/// Distance of a position, with its rest, from a coordinate, m.
 fn beyond([high, low]: [Recorded; 2], from: f64) -> Recorded {
     let [from, rest] = split(from);
     (high - from) + (low - rest)
 }
 
 impl Kind {
-    /// `x_i - x_j` of places with their rests, of the image of the second, m. Near a plane both parts are small, and exact; a body whose lists are those
-    /// of the reference configuration may have left its periodic cell far behind.
+    /// `x_i - x_j` of positions with their rests, for the image of the second, m. Near a plane both parts are small,
+    /// and exact; a body whose lists are those of the reference configuration may have left its periodic cell far
+    /// behind.
     fn apart(self, own: [Recorded; 2], other: [Recorded; 2]) -> Recorded {
         match self {
             Self::Mirror(plane) => beyond(own, plane) + beyond(other, plane),
@@ -63,7 +65,7 @@ impl Kind {
         }
     }
 
-    /// How far the image of a place, with its rest, is from a coordinate, m.
+    /// Distance of the image of a position, with its rest, from a coordinate, m.
     fn offset(self, place: [Recorded; 2], coordinate: f64) -> Recorded {
         match self {
             Self::Mirror(plane) => Recorded::of(plane - coordinate) - beyond(place, plane),
@@ -71,7 +73,7 @@ impl Kind {
         }
     }
 
-    /// Where a place has its neighbours whose images are near it.
+    /// The position at which a particle has those neighbours whose images are near it.
     fn back(self, x: Recorded) -> Recorded {
         match self {
             Self::Mirror(plane) => Recorded::of(2.0 * plane) - x,
@@ -79,7 +81,7 @@ impl Kind {
         }
     }
 
-    /// How far a place, with its rest, is from where images of this kind are, m; negative among them.
+    /// Distance of a position, with its rest, from the region of images of this kind, m; negative inside.
     fn distance(self, place: [Recorded; 2]) -> Recorded {
         match self {
             Self::Mirror(plane) => beyond(place, plane).abs(),
@@ -105,7 +107,7 @@ impl Planes {
         }))
     }
 
-    /// Every image there is, the thing itself first, with its number.
+    /// Every kind of image, the particle itself first, with its code.
     pub(super) fn images(self) -> impl Iterator<Item = (u32, Image)> {
         let kind = move |bits: u32, axis: usize| Self::bits(bits, axis).checked_sub(1).map(|k| (k as usize, axis));
         let of = move |(k, axis): (usize, usize)| self.0[axis].get(k).copied().flatten();
@@ -141,33 +143,33 @@ impl Planes {
         (entry.and(Index::of((1 << FIRST_BIT) - 1)), Image(choices))
     }
 
-    /// The entry of an image, by its number, of a neighbour.
+    /// The entry of an image of a neighbour, by its code.
     pub(super) fn entry_of(bits: u32, j: Index) -> Index {
         if bits == 0 { j } else { j + Index::of(bits << FIRST_BIT) }
     }
 
-    /// Number of the neighbour of an entry.
+    /// Index of the neighbour of an entry.
     pub(super) fn number_of(entry: Index) -> Recorded {
         entry.and(Index::of((1 << FIRST_BIT) - 1)).number()
     }
 
-    /// A number that is zero for a neighbour itself, and another one for each image.
+    /// A code that is zero for the neighbour itself and different for each image.
     pub(super) fn image_of(entry: Index) -> Recorded {
-        // Whole multiples of a power of two, which single precision holds.
+        // Multiples of a power of two, which single precision represents exactly.
         entry.and(Index::of(u32::MAX << FIRST_BIT)).number()
     }
 
-    /// Neighbour and number of the image of an entry, known here.
+    /// Neighbour and code of the image of an entry, on the processor.
     pub(in crate::engine) fn split(entry: u32) -> (usize, u32) {
         ((entry & ((1 << FIRST_BIT) - 1)) as usize, entry >> FIRST_BIT)
     }
 
-    /// The entry of a neighbour and the number of its image.
+    /// The entry of a neighbour and the code of its image.
     pub(in crate::engine) fn join(neighbor: u32, image: u32) -> u32 {
         neighbor + (image << FIRST_BIT)
     }
 
-    /// Coordinate of an image, by its number, along an axis, and whether it is mirrored there.
+    /// Coordinate of an image, by its code, along an axis, and whether it is mirrored there.
     pub(in crate::engine) fn coordinate(self, image: u32, axis: usize, x: f64) -> (f64, bool) {
         let kind = Self::bits(image, axis).checked_sub(1).and_then(|k| self.0[axis].get(k as usize).copied().flatten());
         match kind {
@@ -179,7 +181,7 @@ impl Planes {
 }
 
 impl Choice {
-    /// What there is without an image, and what a kind makes of it.
+    /// The value without an image, and that for a kind of image.
     fn choose(self, direct: impl Fn() -> Recorded, of: impl Fn(Kind) -> Recorded) -> Recorded {
         match self {
             Self::None => direct(),
@@ -216,18 +218,19 @@ impl Choice {
 }
 
 impl Image {
-    /// How far a place, with its rest, is from each plane this image is behind, m.
+    /// Distance of a position, with its rest, from each plane this image is behind, m.
     pub(super) fn depths<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = Recorded> {
         let kinds = self.kinds::<D>(place);
         kinds.filter(|(kind, _)| kind.turns()).map(|(kind, place)| kind.distance(place))
     }
 
-    /// How far a place, with its rest, is from where it could have neighbours of this image, m; nothing for the thing itself.
+    /// Distance of a position, with its rest, from the region that has neighbours of this image, m; zero for the
+    /// particle itself.
     pub(super) fn farthest<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> Option<Recorded> {
         self.kinds::<D>(place).map(|(kind, place)| kind.distance(place)).reduce(Real::max)
     }
 
-    /// Kinds of an image that is known, along the axes computed in.
+    /// Kinds of a constant image, along the axes computed in.
     fn kinds<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = (Kind, [Recorded; 2])> {
         let (choices, place) = (self.0, *place);
         (0..D).filter_map(move |axis| match choices[axis] {
@@ -236,19 +239,19 @@ impl Image {
         })
     }
 
-    /// `x_i - x_j` along an axis of places with their rests, of the image of the second, m.
+    /// `x_i - x_j` along an axis of positions with their rests, for the image of the second, m.
     pub(super) fn apart(&self, axis: usize, own: [Recorded; 2], other: [Recorded; 2]) -> Recorded {
         let direct = || (own[0] - other[0]) + (own[1] - other[1]);
         self.0[axis].choose(direct, |kind| kind.apart(own, other))
     }
 
-    /// How far a place with its rest, or an image of it, is from a coordinate along an axis, m.
+    /// Distance of a position with its rest, or of an image of it, from a coordinate along an axis, m.
     pub(super) fn offset(image: Option<&Self>, axis: usize, from: f64, place: [Recorded; 2]) -> Recorded {
         let choice = image.map_or(Choice::None, |image| image.0[axis]);
         choice.choose(|| beyond(place, from), |kind| kind.offset(place, from))
     }
 
-    /// Where a place, which is known to a cell, has its neighbours whose images are near it.
+    /// The position, known to a cell, at which a particle has those neighbours whose images are near it.
     pub(super) fn back(&self, axis: usize, x: Recorded) -> Recorded {
         self.0[axis].choose(|| x, |kind| kind.back(x))
     }

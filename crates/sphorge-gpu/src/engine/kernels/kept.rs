@@ -1,4 +1,4 @@
-//! Lists that are kept from one search to the next.
+//! Stored lists, which are used from one search to the next.
 
 use super::grid::Grid;
 use super::images::Planes;
@@ -12,24 +12,27 @@ use sphorge_engine::model::{AdaptiveSearch, Model, Search, SmoothingLength};
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Elementary, Real};
 
-/// Place of the length of a list among the numbers of [`Group::Rows`].
+/// Index of the length of a list among the numbers of [`Group::Rows`].
 pub(in crate::engine) const LENGTH: usize = 0;
-/// Of adaptive search: one where the particle was searched in this step, strain and plastic strain since its last search, and the step of that.
+/// For adaptive search: one if the particle was searched in this step, strain and plastic strain since its last search,
+/// and the step of that search.
 pub(in crate::engine) const MARKED: usize = 1;
 pub(in crate::engine) const STRAIN: usize = 2;
 pub(in crate::engine) const PLASTIC: usize = 3;
 pub(in crate::engine) const LAST: usize = 4;
-/// Numbers of a particle there.
+/// Numbers of a particle in it.
 pub(in crate::engine) const ROWS: usize = 5;
 
-/// Numbers of a particle in [`Group::SearchedAt`]: its place, m, with the rest, and what it was searched with, m, where smoothing lengths change.
+/// Numbers of a particle in [`Group::SearchedAt`]: its position, m, with the rest, and the smoothing length of the
+/// search, m, if smoothing lengths change.
 pub(in crate::engine) const SEARCHED_AT: usize = 7;
 
-/// Place of the strain of the last step among the numbers of [`Group::StrainCorrection`], behind the correction.
+/// Index of the strain of the last step among the numbers of [`Group::StrainCorrection`], behind the correction.
 pub(in crate::engine) const STRAINED: usize = 9;
 
-/// Numbers of a chunk in [`Group::Ways`]: square of the longest way, m², the box of all ways, m, the longest list, how many
-/// particles are searched, and the thinnest skin, as a length to be multiplied by the support, m.
+/// Numbers of a chunk in [`Group::Ways`]: square of the largest displacement, m², the bounding box of all
+/// displacements, m, the longest list, the number of searched particles, and the thinnest skin, as a length to be
+/// multiplied by the support, m.
 pub(in crate::engine) const LONGEST: usize = 0;
 pub(in crate::engine) const LOW: usize = 1;
 pub(in crate::engine) const HIGH: usize = 4;
@@ -41,7 +44,7 @@ pub(in crate::engine) const WAYS: usize = 10;
 /// Farther than anything moves, m.
 const BEYOND: f64 = 1e30;
 
-/// The rule of adaptive search, where a model has it.
+/// The rule of adaptive search, if the model has one.
 pub(in crate::engine) fn adaptive(model: &Model) -> Option<AdaptiveSearch> {
     match model.search {
         Search::Adaptive(rule) => Some(rule),
@@ -54,7 +57,7 @@ pub(in crate::engine) fn follows(model: &Model) -> bool {
     model.numerics.smoothing_length != SmoothingLength::Constant
 }
 
-/// What lists have beyond the kernel support, as a share of it.
+/// Skin of the lists over the kernel support.
 pub(in crate::engine) fn skin(model: &Model) -> f64 {
     match model.search {
         Search::Skin { fraction } if !is_total_lagrangian(model) => fraction,
@@ -62,7 +65,7 @@ pub(in crate::engine) fn skin(model: &Model) -> f64 {
     }
 }
 
-/// Whether sums are taken with the distances of the last search.
+/// Whether sums use the distances of the last search.
 pub(in crate::engine) fn keeps_distances(model: &Model) -> bool {
     let is_kept = match model.search {
         Search::EveryStep | Search::Skin { .. } => false,
@@ -96,12 +99,12 @@ impl Rows {
         }
     }
 
-    /// Where neighbour `k` of a particle is.
+    /// Index of neighbour `k` of a particle.
     fn place(self, k: Index, i: Index) -> Index {
         k * self.stride + i
     }
 
-    /// Takes a pair as neighbour `k` of a particle, if there is room; the number of the next.
+    /// Stores a pair as neighbour `k` of a particle, if there is room; returns the next `k`.
     fn keep(self, i: Index, k: Recorded, pair: &Pair, j: Index) -> Recorded {
         let keep = || {
             let at = Index::floor(k);
@@ -126,12 +129,12 @@ impl Rows {
     }
 }
 
-/// Where the distance of neighbour `k` along an axis is among those of [`Group::Stored`].
+/// Index of the distance of neighbour `k` along an axis in [`Group::Stored`].
 pub(super) fn stored_place(k: Index, axis: usize, stride: Index, i: Index) -> Index {
     (k * Index::of(3) + Index::of(axis as u32)) * stride + i
 }
 
-/// The list of every particle, as far as there is room, and where it was searched.
+/// The list of every particle, as far as there is room, and the position of the search.
 pub(in crate::engine) fn search<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -156,7 +159,7 @@ pub(in crate::engine) fn search<const D: usize>(
     })
 }
 
-/// Who is searched by the rule: what flows, and with the guard what strains and contact candidates.
+/// Particles that the rule searches: those that flow, and with the guard those that strain and contact candidates.
 pub(in crate::engine) fn mark(rule: AdaptiveSearch, count: usize) -> Result<Recording, KernelFault> {
     recording("mark", count, |bind, i| {
         let (rows, plastic) = (bind.write(Group::Rows), bind.read(Group::Plastic));
@@ -178,16 +181,16 @@ pub(in crate::engine) fn mark(rule: AdaptiveSearch, count: usize) -> Result<Reco
     })
 }
 
-/// How many particles of each chunk are searched.
+/// Number of searched particles of each chunk.
 pub(in crate::engine) fn count_marked(particles: usize, count: usize) -> Result<Recording, KernelFault> {
     of_chunks("count_marked", count, MARKED_ROWS, |rows, marked, i| {
-        // Ghosts are counted where they are particles.
+        // Ghosts are counted on the rank where they are particles.
         let (i_number, end, zero) = (i.number(), Recorded::of(particles as f64), Recorded::zero());
         marked + Recorded::select_lt(i_number, end, rows.get(MARKED, i), zero)
     })
 }
 
-/// The lists of the particles that are searched; with the guard, rows of neighbours they lose and gain are to be patched.
+/// The lists of the searched particles; with the guard, rows of neighbours they lose and gain are marked to be patched.
 pub(in crate::engine) fn search_marked<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -224,7 +227,8 @@ pub(in crate::engine) fn search_marked<const D: usize>(
     })
 }
 
-/// Rows of particles that are not searched, whose neighbours are: of these they have those that are near, the others stay.
+/// Rows of particles that are not searched but whose neighbours are: entries of searched neighbours are replaced by
+/// those that are near, the others are kept.
 pub(in crate::engine) fn patch<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -260,7 +264,7 @@ pub(in crate::engine) fn longest_rows(count: usize) -> Result<Recording, KernelF
     of_chunks("longest_rows", count, LONGEST_ROW, |rows, longest, i| longest.max(rows.get(LENGTH, i)))
 }
 
-/// Takes zero through the rows of each chunk of particles, to a number of [`Group::Ways`].
+/// Folds over the rows of each chunk of particles, starting with zero, to a number of [`Group::Ways`].
 fn of_chunks(
     name: &str,
     count: usize,
@@ -277,8 +281,8 @@ fn of_chunks(
     })
 }
 
-/// How far the particles of each chunk are from where they were at the last full search, or when contact candidates were found, and what smoothing
-/// lengths that follow the density have left of the skin; there are `particles` of them.
+/// Displacements of the particles of each chunk since the last full search, or since contact candidates were
+/// determined, and the skin that smoothing lengths that follow the density have left; there are `particles` of them.
 pub(in crate::engine) fn ways(
     model: &Model,
     since: Group,

@@ -1,4 +1,4 @@
-//! What kicks book: energies, and the accounts of what is not a pair force.
+//! Energy corrections of kicks, and the accounts of forces that are not pair forces.
 
 use super::motion::{Motions, When};
 use super::{contact, walls};
@@ -8,7 +8,7 @@ use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 use sphorge_physics::kick::{KickAccount, KickAxis};
 
-/// Place of the work against the artificial stress, J, among the accounts of a particle.
+/// Index of the work against the artificial stress, J, among the accounts of a particle.
 pub(super) const ARTIFICIAL_WORK: usize = 12;
 
 /// The columns of a kick.
@@ -43,8 +43,8 @@ impl Kicks {
         }
     }
 
-    /// A velocity along axis `a` after a kick over a time, and the axis of the account; `ahead` is what the velocity before is ahead of the one
-    /// that forces were evaluated with. What is prescribed is as it will be then.
+    /// A velocity along axis `a` after a kick over a time, and the axis of the account; `ahead` is the velocity before
+    /// minus that of the force evaluation. A prescribed component has its value at the end of the kick.
     pub(super) fn axis(
         self,
         a: usize,
@@ -69,7 +69,7 @@ impl Kicks {
         (after, KickAxis { pair, mean: before[0] + half_gained, ahead: ahead + half_gained, beyond })
     }
 
-    /// Books a kick over a time.
+    /// Adds a kick over a time to the accounts.
     pub(super) fn book(self, i: Index, axes: &[KickAxis<Recorded>; 3], dt: Recorded) {
         let mass = self.constants.get(0, i);
         let mut account = KickAccount::zero();
@@ -77,7 +77,7 @@ impl Kicks {
             account.add(a, axis, mass, dt);
         }
         self.energy.add(0, 1, i, dt * self.energy.get(2, i) + account.energy);
-        // Of walls, what is done beyond their force on the centre.
+        // For walls, the work beyond that of their force on the centre.
         self.accounts.add(0, 1, i, account.work + mass * self.external.get(3, i) * dt);
         for (a, impulse) in account.impulse.into_iter().enumerate() {
             self.accounts.add(2 + 2 * a, 3 + 2 * a, i, impulse);

@@ -8,7 +8,8 @@ use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 
-/// First half kick, drift, and the velocity forces are evaluated with: that of the end of the step, predicted with the last acceleration.
+/// First half kick, drift, and the velocity at which forces are evaluated: that of the end of the step, predicted with
+/// the last acceleration.
 pub(in crate::engine) fn begin(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("kick_and_drift", count, |bind, i| {
         let kicks = Kicks::of(bind, model);

@@ -1,4 +1,4 @@
-//! How large the next step may be, and what the last has changed.
+//! Limits of the next step, and changes by the last one.
 
 use super::contact;
 use super::motion::Motions;
@@ -16,13 +16,14 @@ use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::{acceleration_limit, longitudinal_speed, sound_limit};
 use sphorge_physics::total_lagrangian::limiting_length;
 
-/// Columns are as long as whole chunks of so many particles.
+/// Columns have the length of whole chunks of this number of particles.
 pub(in crate::engine) const CHUNK: usize = 256;
 
-/// Particles that one thread looks through.
+/// Particles per thread.
 const EACH: usize = 32;
 
-/// Numbers of a particle: the limits, four changes, one where a number is none, one where it is stretched beyond a bound, and its neighbours.
+/// Numbers of a particle: the limits, four changes, one if a value is not a number, one if it is stretched beyond a
+/// bound, and its neighbours.
 pub(in crate::engine) const FIELDS: usize = 10;
 
 /// Limits among them: by sound, by acceleration and by the contact.
@@ -32,13 +33,13 @@ pub(in crate::engine) const LIMITS: usize = 3;
 pub(in crate::engine) const STRETCHED: usize = 8;
 pub(in crate::engine) const NEIGHBORS: usize = 9;
 
-/// Numbers of [`Group::Extremes`]: the same, and behind the neighbours [units](super::reduce::UNITS) of them.
+/// Numbers of [`Group::Extremes`]: the same, followed by the [units](super::reduce::UNITS) of the neighbours.
 pub(in crate::engine) const EXTREMES: usize = FIELDS + 1;
 
-/// Numbers beyond this are none: no state of a metal comes near.
+/// Values beyond this count as not a number: no state of a metal comes near.
 const BEYOND: f64 = 1e30;
 
-/// Of each particle.
+/// For each particle.
 pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("limits", count, |bind, i| {
         let (place, velocity, density) =
@@ -55,14 +56,14 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         let speed = longitudinal_speed(pressure.get(1, i), pressure.get(2, i), rho);
         let acceleration = rates.vector(0, i);
         let squared = dot(acceleration, acceleration);
-        // Where nothing pushes there is no limit; the least of all is far below this one.
+        // Without acceleration there is no limit; the smallest of all limits is far below this one.
         let by_acceleration = acceleration_limit(shortest, squared.sqrt(), courant);
         let by_acceleration = Recorded::select_lt(Recorded::zero(), squared, by_acceleration, Recorded::of(BEYOND));
         let change = StepChange::of(
             &gradient.tensor(0, i),
             (energy.get(0, i), energy.get(2, i)),
             constants.get(4, i),
-            // What a driven particle is pushed with does not move it.
+            // Forces on a driven particle do not move it.
             &Motions::of(bind, model, step).map_or(acceleration, |of| of.of_particle(i).undriven(acceleration)),
             h,
             step.get(0, Index::of(DT)),
@@ -94,7 +95,7 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
     })
 }
 
-/// A number where a bound allows a value, else zero.
+/// A number if a bound allows a value, else zero.
 fn allowed(bound: Bound, value: Recorded, then: Recorded) -> Recorded {
     let zero = Recorded::zero();
     let is_finite = Recorded::select_lt(value.abs(), Recorded::of(BEYOND), then, zero);
@@ -114,7 +115,7 @@ pub(in crate::engine) fn rows(count: usize) -> usize {
     count / EACH
 }
 
-/// How the numbers of particles come together.
+/// Reduction of the numbers of particles.
 pub(in crate::engine) fn together() -> [Together; EXTREMES] {
     core::array::from_fn(|k| match k {
         _ if k < LIMITS => Together::Least,
@@ -124,7 +125,7 @@ pub(in crate::engine) fn together() -> [Together; EXTREMES] {
     })
 }
 
-/// Of so many particles each: the least limits, the largest changes.
+/// For parts of the particles: the smallest limits, the largest changes.
 pub(in crate::engine) fn extremes(count: usize) -> Result<Recording, KernelFault> {
     let rows = rows(count);
     recording("extremes", count, |bind, row| {
@@ -134,7 +135,8 @@ pub(in crate::engine) fn extremes(count: usize) -> Result<Recording, KernelFault
             start[..LIMITS].fill(Recorded::of(BEYOND));
             start
         };
-        // Columns are padded to whole chunks with what limits nothing. Threads side by side read numbers side by side.
+        // Columns are padded to whole chunks with values that limit nothing. Neighbouring threads read neighbouring
+        // numbers.
         let (zero, end) = (Index::of(0), Index::of(EACH as u32));
         let mut least = bind.scope.fold(zero, end, start, |_, mut least, k| {
             let i = row + k * Index::of(rows as u32);

@@ -1,4 +1,4 @@
-//! The kernels of the step: each gathers what a law needs, calls it, and stores what it gives.
+//! The kernels of the step: each gathers the input of a law, calls it, and stores its result.
 
 pub(super) mod audit;
 pub(super) mod conduction;

@@ -1,4 +1,4 @@
-//! Prescribed motion: axes of a particle along which the deck says how it moves.
+//! Prescribed motion of particles along single axes.
 
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::engine::step_numbers::{MOTION_LENGTH, motions};
@@ -13,7 +13,7 @@ pub(super) enum When {
     End,
 }
 
-/// The motions of a model that has such.
+/// The motions of a model, if it has any.
 #[derive(Clone, Copy)]
 pub(super) struct Motions {
     of_particles: Indices,
@@ -21,7 +21,7 @@ pub(super) struct Motions {
     first: u32,
 }
 
-/// What is prescribed for a particle.
+/// The prescribed motion of a particle.
 #[derive(Clone, Copy)]
 pub(super) struct Prescribed {
     step: Reading,
@@ -46,7 +46,7 @@ impl Prescribed {
         self.step.get(0, self.row + Index::of(k as u32))
     }
 
-    /// The one where axis `a` is prescribed, the other where it is free.
+    /// The first value if axis `a` is prescribed, the other if it is free.
     pub(super) fn choose(self, a: usize, prescribed: Recorded, free: Recorded) -> Recorded {
         Recorded::select_lt(Recorded::zero(), self.number(a), prescribed, free)
     }
@@ -56,12 +56,12 @@ impl Prescribed {
         self.number(a + if when == When::Middle { 3 } else { 6 })
     }
 
-    /// Zero along what is prescribed.
+    /// Zero along prescribed axes.
     pub(super) fn free(self, vector: Vector<Recorded>) -> Vector<Recorded> {
         [0, 1, 2].map(|a| self.choose(a, Recorded::zero(), vector[a]))
     }
 
-    /// Zero where the particle has a motion at all.
+    /// Zero if the particle has a prescribed motion.
     pub(super) fn undriven(self, vector: Vector<Recorded>) -> Vector<Recorded> {
         vector.map(|c| Recorded::select_lt(Recorded::zero(), self.motion.number(), Recorded::zero(), c))
     }

@@ -1,4 +1,4 @@
-//! Densities restored by moving least squares now and then.
+//! Density restoration by moving least squares.
 
 use super::neighbors::{different, over_present_neighbors};
 use crate::engine::columns::{Fields, Group, Recording, recording};
@@ -10,7 +10,7 @@ use sphorge_physics::moving_least_squares::{Coefficients, Moments};
 use sphorge_physics::stress::density_after;
 use sphorge_physics::{Elementary, Real, SymmetricTensor, Vector};
 
-/// Place of the energy that it adds to the pressure field among [`Group::Accounts`].
+/// Index of the energy that it adds to the pressure field among [`Group::Accounts`].
 pub(in crate::engine) const ENERGY: usize = 16;
 
 /// The moments of a neighbourhood as a state.
@@ -24,7 +24,7 @@ fn moments([zeroth, x, y, z, xx, yy, zz, xy, yz, xz]: [Recorded; 10]) -> Moments
     Moments { zeroth, first: [x, y, z], second: SymmetricTensor::from_array([xx, yy, zz, xy, yz, xz]) }
 }
 
-/// The density of every particle that its neighbours of the same body make out; its own where they do not span the space.
+/// The density of every particle from its neighbours of the same body; its own density if they do not span the space.
 pub(in crate::engine) fn estimate<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let (kernel, dimension) = (model.numerics.kernel, model.dimensions.into());
     recording("estimate_density", count, |bind, i| {
@@ -32,7 +32,7 @@ pub(in crate::engine) fn estimate<const D: usize>(model: &Model, count: usize) -
         let (density, restored) = (bind.read(Group::Density), bind.write(Group::Restored));
         let bodies = (model.bodies.len() > 1).then(|| bind.indices(Group::Body));
         let (zero, half) = (Recorded::zero(), Recorded::of(0.5));
-        // Itself counts as of its own body.
+        // The particle itself is in its own body.
         let other = |j: Index| bodies.map_or(zero, |of| different(of, i, j));
         let value = |scale: PairScale<Recorded>, r2: Recorded| scale.value(kernel.w(scale.reduced_distance(r2).0));
         let volume = |j: Index| near.1.get(0, j) / density.get(0, j);
@@ -64,7 +64,7 @@ pub(in crate::engine) fn estimate<const D: usize>(model: &Model, count: usize) -
     })
 }
 
-/// Takes the densities over.
+/// Applies the densities.
 pub(in crate::engine) fn restore(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("restore_density", count, |bind, i| {
         let (density, restored) = (bind.write(Group::Density), bind.read(Group::Restored));
@@ -72,7 +72,7 @@ pub(in crate::engine) fn restore(model: &Model, count: usize) -> Result<Recordin
         let accounts = bind.write(Group::Accounts);
         let (old, rho) = (density.double(0, 1, i), restored.get(0, i));
         let gained = (rho - old[0]) - old[1];
-        // The work of the volume change it would have taken.
+        // The work that the corresponding volume change would do.
         let energy = constants.get(0, i) * pressure.get(0, i) * gained / (rho * old[0]);
         accounts.add(ENERGY, ENERGY + 1, i, energy);
         density.set_all(0, i, &[rho, Recorded::zero()]);

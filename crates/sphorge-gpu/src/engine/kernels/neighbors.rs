@@ -1,4 +1,4 @@
-//! What a particle sums over: those in the cells around its own, or those of a list.
+//! Neighbours over which a particle sums: those in the cells around its own, or those of a list.
 
 use super::contact::meets;
 use super::grid::Grid;
@@ -11,22 +11,22 @@ use sphorge_engine::model::{AdaptiveSearch, Model, Search};
 use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
-/// A particle on a plane of symmetry is its own image: nearer than this share of the reach it has none.
+/// A particle on a symmetry plane is its own image: within this share of the reach it has none.
 const ON_PLANE: f64 = 1e-9;
 
-/// Where pairs are, and how far their kernel reaches.
+/// Positions of pairs, and the reach of their kernel.
 pub(super) struct Pair {
     /// `x_i - x_j`, m.
     pub(super) x: Vector<Recorded>,
     pub(super) r2: Recorded,
     pub(super) scale: PairScale<Recorded>,
-    /// Which image the neighbour is; the entry of the pair in a list by its bits.
+    /// The image that the neighbour is; the entry of the pair in a list by its bits.
     pub(super) image: Image,
     pub(super) bits: u32,
 }
 
 impl Pair {
-    /// Of places with their rests.
+    /// From positions with their rests.
     pub(super) fn of<const D: usize>(
         model: &Model,
         (image, bits): (Image, u32),
@@ -44,7 +44,7 @@ impl Pair {
     }
 }
 
-/// `x_i - x_j` of places with their rests, along the `D` axes computed in.
+/// `x_i - x_j` of positions with their rests, along the `D` axes computed in.
 pub(super) fn apart<const D: usize>(
     image: &Image,
     own: &Vector<[Recorded; 2]>,
@@ -53,22 +53,22 @@ pub(super) fn apart<const D: usize>(
     [0, 1, 2].map(|a| if a < D { image.apart(a, own[a], other[a]) } else { Recorded::zero() })
 }
 
-/// Places with their rests, m.
+/// Positions with their rests, m.
 pub(super) fn places(of: Reading, i: Index) -> Vector<[Recorded; 2]> {
     [0, 1, 2].map(|a| of.double(a, 3 + a, i))
 }
 
-/// Present smoothing length of a particle, m.
+/// Current smoothing length of a particle, m.
 pub(super) fn now(constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
     move |i| constants.get(1, i)
 }
 
-/// That of the start, m, which the contact keeps.
+/// Initial smoothing length, m, which the contact uses.
 pub(super) fn at_start(constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
     move |i| constants.get(AT_START, i)
 }
 
-/// What lists are searched with, m: where bodies meet in the contact, not below what that reaches.
+/// Smoothing length of the search, m: with a contact between bodies, not below the one that the contact uses.
 pub(super) fn searched(model: &Model, constants: Reading) -> impl Fn(Index) -> Recorded + Copy {
     let is_raised = is_raised(model);
     move |i| if is_raised { constants.get(1, i).max(constants.get(AT_START, i)) } else { constants.get(1, i) }
@@ -79,7 +79,8 @@ fn is_raised(model: &Model) -> bool {
     meets(model) && follows(model)
 }
 
-/// Takes a state through every neighbour that cells are made for, by smoothing lengths (m), the particle itself left out, images behind planes of symmetry and periodic ends among them.
+/// Folds a state over every neighbour within the reach of the cells, by smoothing lengths (m), without the particle
+/// itself, including images behind symmetry planes and periodic ends.
 pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -98,7 +99,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     let cells = Index::of((grid.around().len() / 3) as u32);
     let mut state = start;
     for (bits, image) in planes.images() {
-        // What is beside the image of the particle has the particle's neighbour for an image.
+        // A particle next to the image of the particle has an image next to the particle itself.
         let steps = grid.steps(&|axis| image.back(axis, own[axis][0]));
         let scope = &mut *bind.scope;
         let before = state;
@@ -113,7 +114,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
                     let reach = support * pair.scale.h;
                     let mut apart = pair.r2;
                     if bits == 0 {
-                        // The particle itself is as if out of reach.
+                        // The particle itself counts as out of reach.
                         let itself = (j.number() - i.number()).abs();
                         apart = Recorded::select_lt(itself, Recorded::of(0.5), reach * reach, apart);
                     }
@@ -127,20 +128,21 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
         };
         state = match image.farthest::<D>(&own) {
             None => sum(),
-            // Only what is near all planes and ends has neighbours behind them.
+            // Only particles near all planes and ends have neighbours behind them.
             Some(depth) => Recorded::if_lt(depth, Recorded::of(strays(model) * grid.edge), sum, || before),
         };
     }
     state
 }
 
-/// How much farther from an end there are images, where particles leave a periodic cell before all come in again.
+/// How much farther from an end there are images, because particles leave a periodic cell before all are wrapped.
 fn strays(model: &Model) -> f64 {
     let is_open = model.periodic.iter().all(Option::is_none);
     if is_open || adaptive(model).is_none() { 1.0 } else { 1.0 + AdaptiveSearch::IMAGE_MARGIN }
 }
 
-/// Takes a state through the list of a particle, and those of it that are within the kernel support, at the distances that sums are taken with.
+/// Folds a state over the list of a particle, as far as pairs are within the kernel support, at the distances used in
+/// sums.
 pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -153,7 +155,7 @@ pub(super) fn over_neighbors<S: Numbers<Recorded>, const D: usize>(
     over_rows::<S, D>(bind, model, i, (place, constants), stored, start, add)
 }
 
-/// The same at the distances of now, where sums are taken with those of the last search.
+/// The same at the current distances, if sums use those of the last search.
 pub(super) fn over_present_neighbors<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -189,7 +191,7 @@ fn over_rows<S: Numbers<Recorded>, const D: usize>(
             }
         }
         if model.search == Search::EveryStep && !is_raised(model) {
-            // All are: they were found in this step.
+            // All are, because they were found in this step.
             return add(state, &pair, j);
         }
         let reach = support * pair.scale.h;
@@ -197,7 +199,8 @@ fn over_rows<S: Numbers<Recorded>, const D: usize>(
     })
 }
 
-/// The same as [`over_cells`] for those of its body where bodies meet in a contact, and are none of each other's neighbours in the sums.
+/// The same as [`over_cells`], but only for neighbours in the same body if bodies have a contact, whose pairs are not
+/// neighbours in the sums.
 pub(super) fn over_own_body<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,
@@ -214,12 +217,12 @@ pub(super) fn over_own_body<S: Numbers<Recorded>, const D: usize>(
     })
 }
 
-/// Zero where two particles are of one body, one and more where they are of different ones.
+/// Zero if two particles are of one body, one or more if they are of different ones.
 pub(super) fn different(bodies: Indices, i: Index, j: Index) -> Recorded {
     (bodies.at(j).number() - bodies.at(i).number()).abs()
 }
 
-/// Takes a state through the list of a particle, whose pairs are those of the reference configuration.
+/// Folds a state over the list of a particle, whose pairs are those of the reference configuration.
 pub(super) fn over_list<S: Numbers<Recorded>, const D: usize>(
     bind: &mut Binder<'_>,
     model: &Model,

@@ -22,7 +22,7 @@ use sphorge_physics::viscosity::{ViscosityParameters, switched, viscosity_mu, vi
 use sphorge_physics::xsph::{add_xsph, xsph_weight};
 use sphorge_physics::{Numbers, Real, Tensor, Vector, artificial_stress};
 
-/// The weight of every particle in the gradient sum, of the density half a step ahead.
+/// The weight of every particle in the gradient sum, from the density half a step ahead.
 pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let form = model.numerics.pair_form;
     recording("weigh", count, |bind, i| {
@@ -36,7 +36,8 @@ pub(in crate::engine) fn weigh(model: &Model, count: usize) -> Result<Recording,
     })
 }
 
-/// Sums of a particle: velocity gradient, moment of the gradient correction where that is asked for, and neighbours within the support.
+/// Sums of a particle: velocity gradient, moment of the gradient correction if requested, and neighbours within the
+/// support.
 #[derive(Clone, Copy)]
 struct Gradients {
     gradient: Tensor<Recorded>,
@@ -54,13 +55,13 @@ impl Numbers<Recorded> for Gradients {
     }
 }
 
-/// Whether gradients are corrected in the present configuration.
+/// Whether gradients are corrected in the current configuration.
 pub(in crate::engine) fn is_corrected(model: &Model) -> bool {
     !is_total_lagrangian(model) && model.numerics.gradient_correction != GradientCorrection::None
 }
 
-/// Velocity gradient and density. With leapfrog the gradient is that of the positions of mid-step, where its velocities are, over the pairs
-/// at its end.
+/// Velocity gradient and density. With leapfrog the gradient is computed at the positions of mid-step, to which its
+/// velocities belong, over the pairs at the end of the step.
 pub(in crate::engine) fn gradients<const D: usize>(
     model: &Model,
     corrects_strain: bool,
@@ -77,7 +78,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
         let rates = (numerics.xsph != 0.0).then(|| bind.read(Group::Rates));
         let half = step.get(0, Index::of(HALF));
         let own = velocity.vector(0, i);
-        // What drifts beside the velocity.
+        // Drift in addition to the velocity.
         let smoothed = |of: Index| rates.map_or([Recorded::zero(); 3], |rates| rates.vector(3, of));
         let own_smoothed = smoothed(i);
         let zero = Recorded::zero();
@@ -128,7 +129,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
             let strain = step.get(0, Index::of(DT)) * strain_rate(&l);
             bind.write(Group::StrainCorrection).set(kept::STRAINED, i, strain);
         } else if is_guarded {
-            // The guard counts the corrected strain: on a free face plain sums see as little as half of it.
+            // The guard counts the corrected strain: at a free face plain sums give as little as half of it.
             let correction = bind.write(Group::StrainCorrection);
             let b = match sums.moment {
                 None => correction.tensor(0, i),
@@ -140,7 +141,7 @@ pub(in crate::engine) fn gradients<const D: usize>(
             };
             correction.set(kept::STRAINED, i, step.get(0, Index::of(DT)) * strain_rate(&corrected(&l, &b)));
         }
-        // The end of the step, for good, or its middle.
+        // The committed end of the step, or its middle.
         let ahead = match numerics.integrator {
             Integrator::Leapfrog => step.get(0, Index::of(DT)),
             Integrator::PredictorCorrector => half,
@@ -149,8 +150,8 @@ pub(in crate::engine) fn gradients<const D: usize>(
     })
 }
 
-/// The gradient correction at the positions and densities that the forces of the leapfrog are evaluated with. Torques cancel only if force and
-/// correction see the same.
+/// The gradient correction at the positions and densities of the force evaluation of leapfrog. Torques cancel only if
+/// force and correction use the same.
 pub(in crate::engine) fn correct<const D: usize>(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     let numerics = &model.numerics;
     let (kernel, form) = (numerics.kernel, numerics.pair_form);
@@ -174,7 +175,7 @@ pub(in crate::engine) fn correct<const D: usize>(model: &Model, count: usize) ->
     })
 }
 
-/// What corrected forces read of a neighbour: the scaled stress times the correction.
+/// Data of a neighbour that corrected forces read: the scaled stress times the correction.
 pub(in crate::engine) fn correct_stress(count: usize) -> Result<Recording, KernelFault> {
     recording("correct_stress", count, |bind, i| {
         let (packed, correction) = (bind.read(Group::Packed), bind.read(Group::Correction));
@@ -188,10 +189,10 @@ pub(super) fn compressed(density: [Recorded; 2], l: &Tensor<Recorded>, dt: Recor
     added(density, density[0] * relative_density_change(l, dt))
 }
 
-/// Acceleration, energy rate and the parts of it that are the viscosity's and the artificial stress's, XSPH velocity and the largest
+/// Acceleration, energy rate and its parts due to viscosity and artificial stress, XSPH velocity and the largest
 /// `|mu|`.
 ///
-/// Where a section is given, the force of the pairs that cross it alone.
+/// If a section is given, only the force of the pairs that cross it.
 pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
     through: Option<Through<'_>>,
@@ -209,7 +210,7 @@ pub(in crate::engine) fn forces<const D: usize>(
             (bind.read(Group::Evaluated), bind.read(Group::Weight), bind.read(Group::Density));
         let packed = bind.read(Group::Packed);
         let weight_of = |j: Index| match (form, numerics.integrator) {
-            // The volumes of the gradient sum, at the same positions: both sums are adjoint to the last digit.
+            // The volumes of the gradient sum, at the same positions: both sums are adjoint to the bit.
             (PairForm::VolumeWeighted, Integrator::PredictorCorrector) => weight.get(0, j),
             (PairForm::VolumeWeighted, Integrator::Leapfrog) | (PairForm::DensityWeighted | PairForm::Mixed, _) => {
                 momentum_weight(form, near.1.get(0, j), density.get(0, j))
@@ -303,7 +304,7 @@ pub(in crate::engine) fn forces<const D: usize>(
         let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
         let mut smoothed = [4, 5, 6].map(|k| sums[k] * Recorded::of(numerics.xsph));
         if numerics.xsph != 0.0 {
-            // What is prescribed drifts with that alone.
+            // Prescribed components drift only with their velocity.
             let step = bind.read(Group::Step);
             smoothed = Motions::of(bind, model, step).map_or(smoothed, |of| of.of_particle(i).free(smoothed));
         }

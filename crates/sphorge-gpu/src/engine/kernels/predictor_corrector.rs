@@ -8,7 +8,7 @@ use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 
-/// The state at the middle of the step, predicted with the rates of the last one.
+/// The state at mid-step, predicted with the last rates.
 pub(in crate::engine) fn predict(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("predict", count, |bind, i| {
         let (place, velocity) = (bind.write(Group::Place), bind.write(Group::Velocity));
@@ -42,8 +42,8 @@ pub(in crate::engine) fn predict(model: &Model, count: usize) -> Result<Recordin
     })
 }
 
-/// The whole step with the rates of its middle. Pair forces have worked at the velocity they were evaluated with: what the mean velocity
-/// of the step differs from that goes to the internal energy.
+/// The whole step with the rates of its middle. The work of pair forces was computed with the velocity of their
+/// evaluation; its difference from the work at the mean velocity of the step goes to the internal energy.
 pub(in crate::engine) fn correct(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("correct", count, |bind, i| {
         let kicks = Kicks::of(bind, model);
@@ -52,7 +52,8 @@ pub(in crate::engine) fn correct(model: &Model, count: usize) -> Result<Recordin
         let (dt, half) = (kicks.step.get(0, Index::of(DT)), kicks.step.get(0, Index::of(HALF)));
         let held = kicks.motions.map(|motions| motions.of_particle(i));
         let axes = [0, 1, 2].map(|a| {
-            // Evaluated was what the acceleration of the step before predicted, or what is prescribed.
+            // Forces were evaluated with the velocity predicted from the acceleration of the previous step, or with the
+            // prescribed one.
             let before = base_velocity.double(a, 3 + a, i);
             let mut ahead = -(half * base_velocity.get(6 + a, i));
             if let Some(held) = held {

@@ -1,4 +1,4 @@
-//! Fields of particles as reductions ask for them, in pairs of numbers.
+//! Fields of particles for reductions, in pairs of numbers.
 
 use crate::engine::columns::{Binder, Fields, Group, Reading};
 use crate::record::{Double, Index};
@@ -7,12 +7,12 @@ use sphorge_engine::particles::{HistoryVariables, equivalent_strain_rate};
 use sphorge_engine::reduction::Quantity;
 use sphorge_physics::{Real, SymmetricTensor};
 
-/// A field that a card knows.
+/// A field that is available on a card.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Field {
-    /// So many columns from this one on.
+    /// This number of columns from this one on.
     Plain(Group, usize, usize),
-    /// The same with their rests, which start so much farther.
+    /// The same with their rests, which start at this offset.
     Carried(Group, usize, usize, usize),
     /// Symmetric tensor.
     Deviator,
@@ -70,15 +70,15 @@ pub(super) struct Number {
     pressure: Option<Reading>,
 }
 
-/// Whether a card knows a quantity; there are others, such as a yield stress, which may be none.
+/// Whether a quantity is available on a card; some are not, such as a yield stress that may be infinite.
 pub(in crate::engine) fn is_known(quantity: Quantity<'_>, model: &Model) -> bool {
     let field = Field::named(quantity.field, model);
-    // What is carried is a number or three of them.
+    // The state is one number or three.
     field.is_some_and(|field| quantity.component.is_none_or(|k| k < field.width()))
 }
 
 impl Number {
-    /// Nothing for what a card does not know.
+    /// Nothing for quantities that are not available.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, quantity: Quantity<'_>) -> Option<Self> {
         let field = Field::named(quantity.field, model)?;
         let columns = match field {
@@ -108,7 +108,7 @@ impl Number {
         pressure.map_or(deviator, |pressure| deviator - pressure)
     }
 
-    /// The component that is asked for, or the value, or the norm of a vector or tensor.
+    /// The requested component, or the value, or the norm of a vector or tensor.
     pub(super) fn at(self, i: Index) -> Double {
         match (self.component, self.field) {
             (Some(k), _) => self.component(k, i),

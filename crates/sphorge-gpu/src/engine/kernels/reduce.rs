@@ -1,27 +1,28 @@
-//! Numbers of parts of the particles brought together until a few rows are left, which is what is copied back.
+//! Reduction of numbers of parts of the particles until a few rows are left, which are copied back.
 
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_physics::Real;
 
-/// Rows that one thread brings together.
+/// Rows that one thread reduces.
 const WIDTH: usize = 64;
 
-/// So few rows are copied back as they are.
+/// Number of rows that are copied back without further passes.
 const FEW: usize = 16;
 
-/// How numbers of a column come together.
+/// Reduction operation of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Together {
     Least,
     Largest,
     Sum,
-    /// Of a sum that single precision does not hold: what is left of whole [`UNITS`], and, in the next column, how many of these there are.
+    /// For a sum beyond single precision: the remainder after whole [`UNITS`], and, in the next column, the number of
+    /// these.
     Ones,
     Units,
 }
 
-/// So many are one in the second column of a sum in two.
+/// This number counts as one in the second column of a two-column sum.
 pub(in crate::engine) const UNITS: f64 = 4096.0;
 
 impl Together {
@@ -34,7 +35,7 @@ impl Together {
     }
 }
 
-/// Carries what has become whole units, so that sums of few rows stay exact.
+/// Carries whole units to the second column, so that sums of few rows stay exact.
 pub(super) fn carry(numbers: &mut [Recorded], columns: &[Together]) {
     for k in (1..columns.len()).filter(|k| columns[*k] == Together::Units) {
         let units = Index::floor(numbers[k - 1] * Recorded::of(1.0 / UNITS)).number();
@@ -43,7 +44,7 @@ pub(super) fn carry(numbers: &mut [Recorded], columns: &[Together]) {
     }
 }
 
-/// Rows after each pass, of so many.
+/// Rows after each pass, given their number.
 fn passes(rows: usize) -> Vec<usize> {
     let mut passes = Vec::new();
     let mut left = rows;
@@ -54,7 +55,7 @@ fn passes(rows: usize) -> Vec<usize> {
     passes
 }
 
-/// The group that is left of one with so many rows.
+/// The group with the result for a group with this number of rows.
 pub(in crate::engine) fn left(group: Group, rows: usize) -> Group {
     match passes(rows).len() {
         0 => group,
@@ -62,7 +63,7 @@ pub(in crate::engine) fn left(group: Group, rows: usize) -> Group {
     }
 }
 
-/// What a pass makes of a group.
+/// Result of a pass over a group.
 fn reduced(group: Group, pass: usize) -> Group {
     match group {
         Group::Ways => Group::WaysLeft(pass),
@@ -70,12 +71,12 @@ fn reduced(group: Group, pass: usize) -> Group {
     }
 }
 
-/// Groups that passes over one with so many rows write, with their rows.
+/// Groups that the passes over a group with this number of rows write, with their rows.
 pub(in crate::engine) fn groups(group: Group, rows: usize) -> impl Iterator<Item = (Group, usize)> {
     passes(rows).into_iter().enumerate().map(move |(pass, rows)| (reduced(group, pass), rows))
 }
 
-/// The passes over a group of columns of so many rows, one behind the other, with the threads of each.
+/// The successive passes over a group of columns with this number of rows, with the threads of each.
 pub(in crate::engine) fn reduce<const COLUMNS: usize>(
     group: Group,
     rows: usize,

@@ -1,4 +1,4 @@
-//! The reference configuration of the total Lagrangian form: its lists, made once, and what deforms it.
+//! The reference configuration of the total Lagrangian form: its lists, built once, and the deformation from it.
 
 use super::grid::Grid;
 use super::images::Planes;
@@ -16,11 +16,11 @@ use sphorge_physics::total_lagrangian::{
 use sphorge_physics::viscosity::bulk_mu;
 use sphorge_physics::{Elementary, Real, Tensor};
 
-/// What the reference configurations of bodies are.
+/// Kind of reference configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum References {
     Initial,
-    /// That of some body has been renewed.
+    /// At least one has been renewed.
     Renewed,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Apart {
 }
 
 impl Apart {
-    /// Nothing where none has.
+    /// Nothing if none has.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Option<Self> {
         (references == References::Renewed).then(|| Self {
             flags: bind.read(Group::Apart),
@@ -42,7 +42,7 @@ impl Apart {
         })
     }
 
-    /// Of the body of a particle.
+    /// For the body of a particle.
     pub(super) fn has_come_apart(self, i: Index) -> Recorded {
         self.flags.get_at(self.body.at(i))
     }
@@ -70,7 +70,7 @@ impl Deformations {
         self.since.tensor(0, i)
     }
 
-    /// That of the reference configuration, where it is not the initial one.
+    /// That of the reference configuration, if it is not the initial one.
     pub(super) fn earlier(self, i: Index) -> Option<Tensor<Recorded>> {
         self.earlier.map(|earlier| earlier.tensor(0, i))
     }
@@ -82,7 +82,8 @@ impl Deformations {
     }
 }
 
-/// Makes the present configuration of bodies that are due their reference one: places, volumes, and deformation gradients that begin at one.
+/// Makes the current configuration of bodies that are due their reference: positions, volumes, and deformation
+/// gradients that start at one.
 pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("renew_reference", count, |bind, i| {
         let Some(apart) = Apart::of(bind, model, References::Renewed) else { return };
@@ -114,7 +115,7 @@ pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording,
     })
 }
 
-/// Number of the neighbours of every particle.
+/// Number of neighbours of every particle.
 pub(in crate::engine) fn count<const D: usize>(
     model: &Model,
     grid: &Grid,
@@ -129,7 +130,7 @@ pub(in crate::engine) fn count<const D: usize>(
     })
 }
 
-/// The list of every particle, from its place on.
+/// The list of every particle, from its start on.
 pub(in crate::engine) fn list<const D: usize>(
     model: &Model,
     grid: &Grid,

@@ -1,4 +1,5 @@
-//! Forces of the total Lagrangian form: the sum of the stress in the reference configuration, and the springs against hourglassing.
+//! Forces of the total Lagrangian form: the sum of the stress in the reference configuration, and the hourglass
+//! springs.
 
 use super::contact;
 use super::neighbors::{Pair, apart, over_list, places};
@@ -11,7 +12,7 @@ use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momen
 use sphorge_physics::total_lagrangian::force_tensor;
 use sphorge_physics::{Real, Vector};
 
-/// What forces read of a neighbour: the tensor whose sum is the force, and its spring.
+/// Data of a neighbour that forces read: the tensor whose sum is the force, and its spring.
 pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) -> Result<Recording, KernelFault> {
     recording("pull_back", count, |bind, i| {
         let (packed, deformation) = (bind.write(Group::Packed), bind.read(Group::Deformation));
@@ -36,7 +37,7 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
 
 /// Acceleration and energy rate of the stress.
 ///
-/// Where a section is given, the force of the pairs that cross it alone.
+/// If a section is given, only the force of the pairs that cross it.
 pub(in crate::engine) fn forces<const D: usize>(
     model: &Model,
     through: Option<Through<'_>>,

@@ -1,4 +1,4 @@
-//! Pairs that a section goes through: what particles ahead of its plane do to those behind it.
+//! Pairs across a section: the force of particles ahead of its plane on those behind it.
 
 use super::images::Image;
 use super::neighbors::places;
@@ -8,7 +8,7 @@ use sphorge_engine::model::{Model, Section};
 use sphorge_physics::section::{counted_by_row, share_through};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
-/// A section with the number it has among those of the model, where a sum is of the pairs that cross it alone.
+/// A section with its index in the model, if a sum is only over the pairs that cross it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::engine) struct Through<'a> {
     pub(in crate::engine) number: usize,
@@ -22,7 +22,7 @@ impl Through<'_> {
     }
 }
 
-/// On which sides of the plane particles are.
+/// Sides of the plane on which particles are.
 #[derive(Clone, Copy)]
 pub(super) struct Crossing<'a> {
     section: &'a Section,
@@ -30,14 +30,14 @@ pub(super) struct Crossing<'a> {
     bodies: Option<Indices>,
     /// m.
     spacing: f64,
-    /// How far the particle is ahead of the plane, m.
+    /// Distance of the particle ahead of the plane, m.
     ahead: Recorded,
     i: Index,
     sums: Writing,
 }
 
 impl<'a> Crossing<'a> {
-    /// Of a particle, whose place is bound.
+    /// For a particle, whose position is bound.
     pub(super) fn of(bind: &mut Binder<'_>, model: &Model, through: Through<'a>, i: Index, place: Reading) -> Self {
         let section = through.section;
         let bodies = section.body.map(|_| bind.indices(Group::Body));
@@ -48,7 +48,7 @@ impl<'a> Crossing<'a> {
         crossing
     }
 
-    /// How far a particle, or an image of it, is ahead of the plane, m.
+    /// Distance of a particle, or of an image of it, ahead of the plane, m.
     fn ahead_of(&self, image: Option<&Image>, of: Index) -> Recorded {
         let at = places(self.place, of);
         let mut ahead = Recorded::zero();
@@ -59,7 +59,7 @@ impl<'a> Crossing<'a> {
         ahead
     }
 
-    /// How much of the force of `j` goes through the plane, seen from behind.
+    /// Share of the force of `j` through the plane, seen from behind.
     fn share(&self, image: &Image, j: Index) -> Recorded {
         let other = self.ahead_of(Some(image), j);
         let counted = counted_by_row(other - self.ahead_of(None, j), Recorded::of(self.spacing));
@@ -69,7 +69,8 @@ impl<'a> Crossing<'a> {
         Recorded::select_lt(strange(self.i).max(strange(j)), Recorded::of(0.5), share, Recorded::zero())
     }
 
-    /// Adds what a pair adds to a sum whose first three numbers are a force, times its share, where it crosses.
+    /// Adds the contribution of a pair to a sum whose first three numbers are a force, times its share, if it crosses
+    /// the plane.
     pub(super) fn add<S: Numbers<Recorded>>(
         &self,
         state: Vector<Recorded>,
@@ -86,7 +87,7 @@ impl<'a> Crossing<'a> {
         Recorded::if_lt(Recorded::zero(), share.abs(), add, || state)
     }
 
-    /// Makes the sum of the particle this, N, or adds it.
+    /// Sets the sum of the particle to this value, N, or adds it.
     pub(super) fn set(&self, force: Vector<Recorded>, adds: bool) {
         for (a, force) in force.into_iter().enumerate() {
             let before = if adds { self.sums.get(a, self.i) } else { Recorded::zero() };

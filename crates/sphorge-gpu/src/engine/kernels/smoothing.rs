@@ -5,10 +5,10 @@ use crate::record::KernelFault;
 use sphorge_engine::model::{Model, SmoothingLength};
 use sphorge_physics::kernel::following_smoothing_length;
 
-/// Place of the smoothing length of the start, m, among [`Group::Constants`].
+/// Index of the initial smoothing length, m, among [`Group::Constants`].
 pub(in crate::engine) const AT_START: usize = 7;
 
-/// At most how many times as long as at the start smoothing lengths are.
+/// Largest ratio of smoothing lengths to the initial ones.
 pub(in crate::engine) fn largest_factor(model: &Model) -> f64 {
     match model.numerics.smoothing_length {
         SmoothingLength::Constant => 1.0,
@@ -16,12 +16,13 @@ pub(in crate::engine) fn largest_factor(model: &Model) -> f64 {
     }
 }
 
-/// Takes them to the present density before a search; they stay through the step, so that both of its sums see the same kernels.
+/// Updates them to the current density before a search. They are constant during the step, so that both of its sums see
+/// the same kernels.
 pub(in crate::engine) fn follow(model: &Model, count: usize) -> Result<Option<Recording>, KernelFault> {
     let SmoothingLength::FollowDensity { factor } = model.numerics.smoothing_length else { return Ok(None) };
     let kernel = recording("follow_density", count, |bind, i| {
         let (constants, density) = (bind.write(Group::Constants), bind.read(Group::Density));
-        // Of the mass and its volume at rest.
+        // From the mass and its volume at rest.
         let at_rest = constants.get(0, i) / constants.get(6, i);
         let at_start = constants.get(AT_START, i);
         let now = following_smoothing_length(model.dimensions.into(), at_start, at_rest, density.get(0, i), factor);

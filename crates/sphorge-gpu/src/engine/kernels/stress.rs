@@ -19,14 +19,14 @@ use sphorge_physics::total_lagrangian::{LARGEST_STRETCH_OF_A_LIQUID, stretched};
 use sphorge_physics::viscosity::{ViscosityParameters, balsara, bulk_viscosity, bulk_viscous_power};
 use sphorge_physics::{Real, SymmetricTensor};
 
-/// Which stress of a step.
+/// The stress of a step that is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum StressOf {
-    /// Of the middle that the predictor looks at: nothing is committed, forces read it.
+    /// At mid-step, for the predictor: nothing is committed; forces read it.
     Middle,
-    /// Of the end of the predictor–corrector's step, for good, from the density before it.
+    /// At the end of the step of the predictor–corrector, committed, from the density before it.
     End,
-    /// Of the end of the leapfrog's step, for good, and forces read it.
+    /// At the end of the step of leapfrog, committed; forces read it.
     Leapfrog,
 }
 
@@ -75,7 +75,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                 (density.double(0, 1, i), added(energy.double(0, 1, i), half * energy.get(2, i)))
             }
         };
-        // A pressure is small beside the bulk modulus: of densities of single precision it would be good to some 10 kPa.
+        // A pressure is small compared with the bulk modulus: from densities in single precision it would be accurate
+        // only to some 10 kPa.
         let state = material.bounded_pressure::<Double>().at(Double::new(rho), Double::new(e));
         let state = PressureState { pressure: state.pressure.high, sound_speed: state.sound_speed.high };
         let ([rho, _], [e, _]) = (rho, e);
@@ -104,7 +105,7 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             plastic.set(3, i, returned.yield_stress);
             plastic.add(4, 5, i, returned.plastic_work / rho);
             if let Some(history) = history {
-                // What a step adds may be less than single precision leaves of the sum.
+                // The increment of a step may be smaller than the resolution of the sum in single precision.
                 let mut values: Vec<Double> = kept.into_iter().map(Double::new).collect();
                 material.flow_law.cast().evolve(&in_pairs(&returned.step(flow, dt)), &mut values);
                 for (slot, value) in slots.iter().zip(values) {
@@ -178,7 +179,7 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
     })
 }
 
-/// A step as a law sees it whose numbers are pairs.
+/// A step for a law whose numbers are pairs.
 fn in_pairs(step: &FlowStep<Recorded>) -> FlowStep<Double> {
     let FlowState { plastic_strain, plastic_strain_rate, temperature, pressure, compression } = step.state;
     FlowStep {
@@ -195,7 +196,7 @@ fn in_pairs(step: &FlowStep<Recorded>) -> FlowStep<Double> {
     }
 }
 
-/// Warms the particles of material `k` by the friction of the step.
+/// Heats the particles of material `k` by the friction of the step.
 pub(in crate::engine) fn warm(model: &Model, k: usize, count: usize) -> Result<Recording, KernelFault> {
     let specific_heat = model.materials[k].specific_heat;
     recording(&format!("warm_by_friction_{k}"), count, |bind, thread| {

@@ -12,12 +12,13 @@ use sphorge_physics::total_lagrangian::MeetingPoint;
 use sphorge_physics::wall::{FacePush, FacePushes, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
 use sphorge_physics::{Real, Tensor, Vector};
 
-/// Sums kept of each wall and particle: work, heat of friction and heat of damping, J.
+/// Sums for each wall and particle: work, heat of friction and heat of damping, J.
 pub(in crate::engine) const SUMS: usize = 3;
-/// Numbers kept of each wall and particle: each sum with its rest, then their powers by the last forces, W.
+/// Numbers for each wall and particle: each sum with its rest, then their powers by the last forces, W.
 pub(in crate::engine) const FIELDS: usize = 3 * SUMS;
 
-/// Works out what walls and gravity do, to which the contact of a body with itself adds. A wall meets a particle of the total Lagrangian form at its face.
+/// Computes the effect of walls and gravity, to which self-contact adds. A wall acts on a particle of the total
+/// Lagrangian form at its face.
 pub(in crate::engine) fn push(model: &Model, references: References, count: usize) -> Result<Recording, KernelFault> {
     recording("push", count, |bind, i| {
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
@@ -68,7 +69,7 @@ pub(in crate::engine) fn is_total_lagrangian(model: &Model) -> bool {
     matches!(model.formulation, Formulation::TotalLagrangian { .. })
 }
 
-/// Adds what was worked out to acceleration and energy rate.
+/// Adds these to acceleration and energy rate.
 pub(in crate::engine) fn add(count: usize) -> Result<Recording, KernelFault> {
     recording("add_external", count, |bind, i| {
         let external = bind.read(Group::External);
@@ -80,29 +81,29 @@ pub(in crate::engine) fn add(count: usize) -> Result<Recording, KernelFault> {
     })
 }
 
-/// A particle that meets a wall.
+/// A particle at a wall.
 pub(in crate::engine) struct AtWall<T> {
     /// Smoothing length, m, spacing, m, sound speed at rest, m/s.
     pub(in crate::engine) h: T,
     pub(in crate::engine) spacing: T,
     pub(in crate::engine) sound_speed: T,
-    /// Where the form has particles that deform.
+    /// If the form has particles that deform.
     pub(in crate::engine) deformed: Option<Deformed<T>>,
 }
 
-/// How a particle that meets a wall is deformed.
+/// Deformation of a particle at a wall.
 #[derive(Clone, Copy)]
 pub(in crate::engine) struct Deformed<T> {
     /// Deformation gradient since the start.
     pub(in crate::engine) whole: Tensor<T>,
-    /// That of the reference configuration, where it is not the initial one.
+    /// That of the reference configuration, if it is not the initial one.
     pub(in crate::engine) earlier: Option<Tensor<T>>,
     /// 1/s.
     pub(in crate::engine) velocity_gradient: Tensor<T>,
 }
 
-/// What a wall, which moves with a velocity (m/s), does to a particle that is so far from where the wall stood at first (m) and has a velocity
-/// (m/s).
+/// Effect of a wall, which moves with a velocity (m/s), on a particle at this distance from the initial position of the
+/// wall (m) with a velocity (m/s).
 pub(in crate::engine) fn of_wall<T: Real>(
     wall: &Wall,
     body: &AtWall<T>,

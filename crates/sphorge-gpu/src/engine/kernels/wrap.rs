@@ -1,4 +1,4 @@
-//! Particles that have left a periodic cell come in again at its other end.
+//! Wraps particles that have left a periodic cell to its other end.
 
 use super::images::split;
 use crate::engine::columns::{Fields, Group, Recording, recording};
@@ -6,7 +6,8 @@ use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::Real;
 
-/// Before a search: lists and images are those of places within the cell, however many cells away particles are.
+/// Before a search, because lists and images are those of positions within the cell, however many cells away particles
+/// are.
 pub(in crate::engine) fn wrap(model: &Model, count: usize) -> Result<Option<Recording>, KernelFault> {
     if model.periodic.iter().all(Option::is_none) {
         return Ok(None);
@@ -20,7 +21,7 @@ pub(in crate::engine) fn wrap(model: &Model, count: usize) -> Result<Option<Reco
                 let [end, rest] = split(end);
                 (at.high - end) + (at.low - rest)
             };
-            // Cells towards zero: in single precision the last may be one too many or too few.
+            // Number of cells, rounded towards zero: in single precision the last may be one too many or too few.
             let gone = from(far, low) / period.high;
             let cells = Index::floor(gone.abs()).number();
             let at = far - period * Double::from(Recorded::select_lt(gone, zero, -cells, cells));

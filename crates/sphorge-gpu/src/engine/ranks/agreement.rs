@@ -1,4 +1,4 @@
-//! What ranks find together: sums in the common order of the particles, extremes, and failures.
+//! Collective operations of the ranks: sums in the common order of the particles, extremes, and failures.
 
 use super::Domain;
 use crate::engine::GpuEngine;
@@ -7,10 +7,10 @@ use sphorge_engine::persist::Fixed;
 use sphorge_engine::ranks::{Ranks, StepFault};
 use sphorge_engine::reduction::{Alone, Turns};
 
-/// What was made on this rank, where every rank has made it.
+/// The result of this rank, if all ranks have succeeded.
 ///
 /// # Errors
-/// What the first rank that has failed says, on all of them.
+/// The failure of the first rank that has failed, on all of them.
 pub(in crate::engine) fn made_on_all<T>(ranks: &Ranks, own: Result<T, RunFailure>) -> Result<T, RunFailure> {
     let told = own.as_ref().map(|_| ()).map_err(|failure| failure.message.clone());
     ranks.first_failure(told)?.map_err(RunFailure::of_engine)?;
@@ -22,7 +22,7 @@ impl GpuEngine {
         self.domain.as_ref().map(|domain: &Domain| &domain.ranks)
     }
 
-    /// Has each rank add its particles to sums, in their common order.
+    /// Lets each rank add its particles to sums, in their common order.
     pub(in crate::engine) fn in_turn(&self, sums: &mut [f64], add: impl FnOnce(&mut [f64])) -> Result<(), RunFailure> {
         match self.ranks() {
             Some(ranks) => ranks.pass(sums, add),
@@ -33,21 +33,21 @@ impl GpuEngine {
         }
     }
 
-    /// The sum of numbers of the particles of all ranks, of which those of this one are given.
+    /// The sum of numbers over the particles of all ranks; those of this rank are given.
     pub(in crate::engine) fn sum_in_order(&self, own: impl Iterator<Item = f64>) -> Result<f64, RunFailure> {
         let mut sum = [0.0];
         self.in_turn(&mut sum, |sum| own.for_each(|number| sum[0] += number))?;
         Ok(sum[0])
     }
 
-    /// The largest of each of some numbers of every rank.
+    /// The maximum of each of several numbers over all ranks.
     pub(in crate::engine) fn largest_of_ranks<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N], RunFailure> {
         let Some(ranks) = self.ranks() else { return Ok(own) };
         let all = ranks.gather_one(own)?;
         Ok(all.into_iter().fold(own, |a, b| core::array::from_fn(|k| a[k].max(b[k]))))
     }
 
-    /// Whether each of some things is so on any rank.
+    /// Whether each of several conditions holds on any rank.
     pub(in crate::engine) fn on_any_rank(&self, own: &[bool]) -> Result<Vec<bool>, RunFailure> {
         let Some(ranks) = self.ranks() else { return Ok(own.to_vec()) };
         let all = ranks.gather(own, &vec![own.len(); ranks.size()])?;
@@ -59,7 +59,7 @@ impl GpuEngine {
         self.domain.as_ref().map_or(self.initial.len(), Domain::total)
     }
 
-    /// Places of the particles of this card in the common order.
+    /// Indices of the particles of this card in the common order.
     pub(in crate::engine) fn own_places(&self) -> std::ops::Range<usize> {
         self.domain.as_ref().map_or(0..self.initial.len(), Domain::own)
     }
@@ -69,12 +69,12 @@ impl GpuEngine {
         self.domain.as_ref().map_or_else(|| Ok(own.to_vec()), |domain| domain.ranks.gather(own, &domain.counts()))
     }
 
-    /// Values of all ranks, of which each has any number, in the order of the ranks.
+    /// Values of all ranks, with any number on each, in the order of the ranks.
     pub(in crate::engine) fn joined_of_ranks<V: Fixed + Copy>(&self, own: &[V]) -> Result<Vec<V>, RunFailure> {
         self.ranks().map_or_else(|| Ok(own.to_vec()), |ranks| ranks.gather_all(own))
     }
 
-    /// Fails on all ranks where one has a fault.
+    /// Fails on all ranks if one has a fault.
     pub(in crate::engine) fn fail_together(&self, own: Option<StepFault>) -> Result<(), RunFailure> {
         match self.ranks() {
             Some(ranks) => ranks.fail_together(own),

@@ -1,4 +1,5 @@
-//! Columns that ghosts take over: packed on the card that has the particles, one message to each other rank, unpacked on the card that reads them.
+//! Halo exchange: columns are packed on the card that has the particles, sent in one message to each other rank, and
+//! unpacked on the card that reads them.
 
 use super::touched::ColumnSet;
 use crate::device::{Array, Card, Launch};
@@ -8,7 +9,7 @@ use crate::record::{Element, Index, KernelFault, Recorded};
 use sphorge_engine::RunFailure;
 use sphorge_physics::{Elementary, Real};
 
-/// What takes a set of columns to the ghosts of other ranks, and those of this one here.
+/// Transfers a set of columns to the ghosts of other ranks, and to those of this one.
 pub(super) struct Exchange {
     pack: Vec<Launch>,
     unpack: Vec<Launch>,
@@ -18,7 +19,8 @@ pub(super) struct Exchange {
     width: usize,
 }
 
-/// How many particles are sent in all, and how many ghosts there are here, behind so many particles of this rank.
+/// Total number of particles that are sent, and number of ghosts here, which follow this number of particles of this
+/// rank.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counts {
     pub(super) sent: usize,
@@ -27,7 +29,7 @@ pub(super) struct Counts {
 }
 
 impl Exchange {
-    /// Of these columns of groups, which are `stride` long.
+    /// For these columns of groups, which are `stride` long.
     pub(super) fn new(
         card: &Card,
         columns: &Columns,
@@ -47,13 +49,13 @@ impl Exchange {
         Ok(Self { pack, unpack, sent, received, width })
     }
 
-    /// What is sent: the numbers of each particle one behind the other, in the order they are sent in.
+    /// The message: the numbers of each particle contiguously, in the order in which particles are sent.
     pub(super) fn packed(&self, card: &Card) -> Result<Vec<f32>, RunFailure> {
         card.launch(&self.pack);
         card.read(&self.sent).map_err(failure)
     }
 
-    /// Brings what has come, in the order of the ghosts, to them.
+    /// Copies the received values, in the order of the ghosts, to them.
     pub(super) fn unpack(&self, card: &Card, numbers: &[f32]) {
         card.write(&self.received, numbers);
         card.launch(&self.unpack);
@@ -65,7 +67,7 @@ impl Exchange {
     }
 }
 
-/// What takes marks of ghosts back to the particles they stand for.
+/// Transfers marks of ghosts back to the particles they represent.
 pub(super) struct Marks {
     take: Launch,
     set: Launch,
@@ -86,7 +88,7 @@ impl Marks {
         })
     }
 
-    /// Taking marks away, and setting them.
+    /// Kernels that remove and set marks.
     fn kernels(stride: usize, own: usize) -> Result<(Recording, Recording), KernelFault> {
         let take = recording("take_marks", stride, |bind, thread| {
             let (marks, sent) = (bind.index_output(Group::Patched), bind.write(Group::Sent));
@@ -97,7 +99,7 @@ impl Marks {
         let set = recording("set_marks", stride, |bind, thread| {
             let (returned, sends) = (bind.read(Group::Received), bind.indices(Group::Sends));
             let marks = bind.index_output(Group::Patched);
-            // Who is read by several ranks may be marked by any of them.
+            // A particle that several ranks read may be marked by any of them.
             let mark = || {
                 marks.set(sends.at(thread), Index::of(1));
                 NOTHING
@@ -107,13 +109,13 @@ impl Marks {
         Ok((take, set))
     }
 
-    /// The marks of the ghosts, in their order, which are no more.
+    /// The marks of the ghosts, in their order; they are removed.
     pub(super) fn taken(&self, card: &Card) -> Result<Vec<f32>, RunFailure> {
         card.launch([&self.take]);
         card.read(&self.taken).map_err(failure)
     }
 
-    /// Adds marks that have come back, in the order particles are sent in.
+    /// Adds marks that have come back, in the order in which particles are sent.
     pub(super) fn set(&self, card: &Card, marks: &[f32]) {
         card.write(&self.returned, marks);
         card.launch([&self.set]);
@@ -137,7 +139,7 @@ fn bound(
     card.bind(&program, &arrays, threads as u32).map_err(failure)
 }
 
-/// The kernels that exchange a set of columns and marks of ghosts, as they are on some rank.
+/// The kernels that exchange a set of columns and marks of ghosts, as on some rank.
 pub(in crate::engine) fn kernels(set: &ColumnSet, stride: usize, own: usize) -> Result<Vec<Recording>, KernelFault> {
     let (take, put) = Marks::kernels(stride, own)?;
     let mut kernels = vec![take, put];
@@ -148,7 +150,7 @@ pub(in crate::engine) fn kernels(set: &ColumnSet, stride: usize, own: usize) -> 
     Ok(kernels)
 }
 
-/// What a set of columns has of each group.
+/// The columns of each group in a set.
 fn parts(set: &ColumnSet) -> impl Iterator<Item = Part> + '_ {
     let width = set.values().map(|columns| columns.count_ones() as usize).sum();
     let mut first = 0;
@@ -168,7 +170,7 @@ fn numbers(set: u128) -> Vec<usize> {
 struct Part {
     group: Group,
     columns: Vec<usize>,
-    /// Place of the first of them among the numbers of a particle, and how many these are.
+    /// Index of the first of them among the numbers of a particle, and their number.
     first: usize,
     width: usize,
 }
@@ -184,7 +186,7 @@ impl Part {
         format!("{what}_{group}")
     }
 
-    /// Where a number of a particle is in the message.
+    /// Index of a number of a particle in the message.
     fn place(&self, particle: Index, column: usize) -> Index {
         particle * Index::of(self.width as u32) + Index::of((self.first + column) as u32)
     }
@@ -196,7 +198,7 @@ impl Part {
                 Some(Element::Whole) => {
                     let whole = bind.indices(self.group);
                     let sent = bind.write(Group::Sent);
-                    // Exact: neither bodies nor motions are so many.
+                    // Exact, because there are far fewer bodies and motions.
                     sent.set_at(self.place(thread, 0), whole.at(i).number());
                 }
                 _ => {

@@ -1,13 +1,15 @@
-//! Who of the particles of other ranks is a ghost here: whoever may be near one of the own particles.
+//! Choice of the ghost particles: particles of other ranks that may be near one of the own particles.
 //!
-//! Each rank tells the others which cells its particles are in; particles in these and the cells around them are what another rank sends it.
+//! Each rank sends the others the cells that contain its particles; another rank sends it the particles in these cells
+//! and the ones around them.
 
 use sphorge_engine::RunFailure;
 use sphorge_engine::ranks::Ranks;
 use sphorge_physics::Vector;
 use std::collections::{HashMap, HashSet};
 
-/// Cells as wide as particles are looked for, along the axes that particles are spread over; those of periodic axes come again after so many.
+/// Cells as wide as the search distance, along the axes over which particles are spread; along periodic axes they
+/// repeat.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     edge: [f64; 3],
@@ -49,7 +51,8 @@ impl Cells {
     }
 }
 
-/// The own particles that each other rank has to know, ascending, where it looks for particles near its own in each of these sets of places.
+/// The own particles that each other rank has to know, ascending, if neighbours of its own particles are searched in
+/// each of these sets of positions.
 ///
 /// # Errors
 /// A rank is lost.
@@ -67,7 +70,7 @@ pub(super) fn read_by_others(
         let counts = ranks.gather_one(own.len())?;
         let coordinates: Vec<[u64; 3]> = own.iter().map(|cell| cell.map(|along| along as u64)).collect();
         let all = ranks.gather(&coordinates, &counts)?;
-        // By cell of this rank, who looks there.
+        // The ranks that search in each cell of this rank.
         let mut lookers: HashMap<Cell, Vec<usize>> = own.iter().map(|cell| (*cell, Vec::new())).collect();
         let mut rest = &all[..];
         for (rank, count) in counts.into_iter().enumerate() {

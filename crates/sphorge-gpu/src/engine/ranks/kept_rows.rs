@@ -1,4 +1,5 @@
-//! Lists that outlast the ghosts they name: their entries as places in the common order, which no rank numbers otherwise.
+//! Lists that remain valid when ghosts change: their entries are converted to indices in the common order, which are
+//! the same on all ranks.
 
 use super::{Domain, Lasting, lasting};
 use crate::engine::columns::Group;
@@ -14,13 +15,13 @@ use std::collections::{BTreeSet, HashMap};
 /// By particle, the entries of its list.
 pub(in crate::engine) type Entries = Vec<Vec<u32>>;
 
-/// Whether ghosts change while lists stay.
+/// Whether ghosts can change while lists are kept.
 pub(in crate::engine) fn keeps_entries(model: &Model) -> bool {
     keeps_lists(model) && model.search != Search::EveryStep && lasting(model) == Lasting::Margin
 }
 
 impl Domain {
-    /// The place in the common order of a particle or ghost here, by its number.
+    /// The index in the common order of a particle or ghost here.
     fn place(&self, number: u32) -> u32 {
         let own = self.own();
         match (number as usize).checked_sub(own.len()) {
@@ -29,13 +30,13 @@ impl Domain {
         }
     }
 
-    /// Numbers here of particles and ghosts, by their places.
+    /// Local indices of particles and ghosts, by their index in the common order.
     fn numbers(&self) -> HashMap<u32, u32> {
         let count = self.own().len() + self.places.len();
         (0..count as u32).map(|number| (self.place(number), number)).collect()
     }
 
-    /// Of each other rank the particles that entries name, ascending.
+    /// The particles of each other rank in the entries, ascending.
     pub(super) fn named(&self, entries: &Entries) -> Vec<Vec<u32>> {
         let own = self.own();
         let named: BTreeSet<u32> = entries.iter().flatten().map(|entry| Planes::split(*entry).0 as u32).collect();
@@ -49,7 +50,7 @@ impl Domain {
 }
 
 impl GpuEngine {
-    /// The lists of this card as numbers of a column after the other, `of` what is in each row.
+    /// The lists of this card, column by column; `of` maps the entries of each row.
     fn entries_of(&self, kept: &[f32], number: impl Fn(u32) -> u32) -> Result<Entries, RunFailure> {
         let rows = read(&self.card, &self.columns, Group::Rows)?;
         let length = |i: usize| rows[LENGTH * self.stride + i] as usize;
@@ -60,7 +61,7 @@ impl GpuEngine {
         Ok((0..self.initial.len()).map(|i| (0..length(i)).map(|k| entry(i, k)).collect()).collect())
     }
 
-    /// The lists of this card, whose entries name places in the common order.
+    /// The lists of this card with indices in the common order.
     pub(in crate::engine) fn kept_entries(&self) -> Result<Entries, RunFailure> {
         let kept = read(&self.card, &self.columns, Group::Kept)?;
         match &self.domain {
@@ -69,7 +70,7 @@ impl GpuEngine {
         }
     }
 
-    /// The same of lists that were loaded, which name places.
+    /// The same for loaded lists, which have these indices.
     pub(in crate::engine) fn loaded_entries(&self, kept: &[f32]) -> Result<Entries, RunFailure> {
         self.entries_of(kept, |place| place)
     }
@@ -85,7 +86,7 @@ impl GpuEngine {
         kept
     }
 
-    /// Brings lists that name places to the card, where they name particles and ghosts.
+    /// Copies lists with indices in the common order to the card, with local indices.
     pub(super) fn take_entries(&self, entries: &Entries) -> Result<(), RunFailure> {
         let Some(domain) = &self.domain else { return Ok(()) };
         let numbers = domain.numbers();

@@ -1,11 +1,13 @@
 //! Several cards that share the particles of a run, one to each rank.
 //!
-//! Particles have one common order, that of a space-filling curve through where they are at the start. Each card keeps a range of it for the whole run, and
-//! behind its own particles ghosts: copies of particles of other cards that its own may have for neighbours. Ghosts of ranks behind this one come before those
-//! of ranks before it, and cells sort them by their place in the common order, so that every sum is that of a single card, to the bit.
+//! Particles have one common order, that of a space-filling curve through their initial positions. Each card has a
+//! range of it for the whole run, followed by ghosts: copies of particles of other cards that its own may have as
+//! neighbours. Ghosts of ranks behind this one come before those of ranks before it, and cells sort them by their index
+//! in the common order, so that every sum is that of a single card, to the bit.
 //!
-//! What ghosts take over is not listed anywhere: kernels say in their own text which columns of neighbours they read ([`touched`]). A column that was
-//! written since ghosts took it over is exchanged before the first kernel that reads it of neighbours ([`GpuEngine::launch`]).
+//! The columns that ghosts receive are not listed anywhere: the recorded text of a kernel shows which columns of
+//! neighbours it reads ([`touched`]). A column that was written since its last exchange is exchanged before the first
+//! kernel that reads it from neighbours ([`GpuEngine::launch`]).
 
 pub(super) mod agreement;
 pub(super) mod exchange;
@@ -34,32 +36,32 @@ use std::collections::HashMap;
 use std::ops::Range;
 use touched::{ALL, ColumnSet, Touched};
 
-/// How much farther than particles are searched ghosts are looked for, as a share, where they serve until particles have moved.
+/// How much farther than neighbours ghosts are searched, as a share, if they are used until particles have moved.
 const MARGIN: f64 = 0.25;
 
-/// Room for ghosts beyond those there are, as a share.
+/// Additional capacity for ghosts, as a share.
 const SPARE: f64 = 0.25;
 
-/// What a rank has of the particles, and who its ghosts are.
+/// The particles of a rank and its ghosts.
 pub(super) struct Domain {
     pub(super) ranks: Ranks,
-    /// Places in the common order at which the particles of each rank begin, and their number.
+    /// Indices in the common order of the first particle of each rank, and the number of particles.
     starts: Vec<usize>,
     /// Particles of this rank that each other one reads, ascending.
     read_by: Vec<Vec<u32>>,
     /// Ghosts that each other rank fills.
     filled_by: Vec<usize>,
-    /// Places of the ghosts in the common order.
+    /// Indices of the ghosts in the common order.
     places: Vec<u32>,
-    /// Columns that were written since ghosts took them over.
+    /// Columns that were written since their last exchange.
     stale: RefCell<ColumnSet>,
     exchanges: RefCell<HashMap<ColumnSet, Exchange>>,
-    /// What takes marks of ghosts back.
+    /// Transfers marks of ghosts back.
     marks: RefCell<Option<Marks>>,
 }
 
 impl Domain {
-    /// The share of a rank of so many particles: whole chunks, so that what is summed by chunks is summed as on one card.
+    /// The share of a rank, given the number of particles: whole chunks, so that sums by chunks are those of one card.
     ///
     /// # Errors
     /// There are too few particles for so many ranks.
@@ -86,7 +88,7 @@ impl Domain {
         })
     }
 
-    /// Places of the particles of this rank in the common order.
+    /// Indices of the particles of this rank in the common order.
     pub(super) fn own(&self) -> Range<usize> {
         let rank = self.ranks.rank();
         self.starts[rank]..self.starts[rank + 1]
@@ -97,7 +99,7 @@ impl Domain {
         self.starts[self.ranks.size()]
     }
 
-    /// Particles of each rank.
+    /// Number of particles of each rank.
     pub(super) fn counts(&self) -> Vec<usize> {
         self.starts.windows(2).map(|ends| ends[1] - ends[0]).collect()
     }
@@ -106,7 +108,7 @@ impl Domain {
         self.filled_by.iter().sum()
     }
 
-    /// Ghosts whose places in the common order are behind those of the own particles; the others follow them.
+    /// Number of ghosts that follow the own particles in the common order; the others come after them.
     pub(super) fn ghosts_behind(&self) -> usize {
         self.filled_by[self.ranks.rank() + 1..].iter().sum()
     }
@@ -117,13 +119,13 @@ impl Domain {
         (rank + 1..size).chain(0..rank)
     }
 
-    /// Whom other ranks read, rank after rank.
+    /// The particles that other ranks read, rank after rank.
     fn sends(&self) -> Vec<u32> {
         self.read_by.concat()
     }
 
-    /// Tells each rank who of its particles is read by which other, where all look for neighbours of their own in these sets of places, and some have named
-    /// particles of each other rank, by their places in the common order.
+    /// Informs each rank which of its particles each other rank reads, if all search neighbours of their own in these
+    /// sets of positions, and some have listed particles of each other rank, by their index in the common order.
     fn choose(&mut self, cells: &Cells, sets: &[Vec<Vector<f64>>], named: &[Vec<u32>]) -> Result<(), RunFailure> {
         let own = self.own();
         let asked = self.exchange_lists(named)?;
@@ -142,7 +144,7 @@ impl Domain {
         Ok(())
     }
 
-    /// Sends each other rank a list, of any length; the lists of all others.
+    /// Sends each other rank a list of any length; returns the lists of all others.
     fn exchange_lists(&self, to: &[Vec<u32>]) -> Result<Vec<Vec<u32>>, RunFailure> {
         let (rank, size) = (self.ranks.rank(), self.ranks.size());
         let counts: Vec<u64> = to.iter().map(|of| of.len() as u64).collect();
@@ -153,7 +155,7 @@ impl Domain {
         Ok(from.iter().map(|bytes| bytemuck::pod_collect_to_vec(bytes)).collect())
     }
 
-    /// What the ghosts of this rank have of values of particles, those of the own ones given.
+    /// The values of the ghosts of this rank, given those of the own particles.
     pub(super) fn of_ghosts<const N: usize>(&self, own: &[[f64; N]]) -> Result<Vec<[f64; N]>, RunFailure> {
         let message =
             |of: &Vec<u32>| of.iter().flat_map(|i| own[*i as usize].map(f64::to_le_bytes)).flatten().collect();
@@ -162,14 +164,15 @@ impl Domain {
         Ok(come.chunks_exact(8 * N).map(|of| core::array::from_fn(|k| number(&of[8 * k..8 * k + 8]))).collect())
     }
 
-    /// Sends a message to each other rank; what has come for the ghosts in their order, of so many bytes each.
+    /// Sends a message to each other rank; returns the received values of the ghosts in their order, with this number
+    /// of bytes each.
     fn send(&self, to: Vec<Vec<u8>>, width: usize) -> Result<Vec<u8>, RunFailure> {
         let lengths: Vec<usize> = self.filled_by.iter().map(|ghosts| ghosts * width).collect();
         let from = self.ranks.exchange(to, &lengths)?;
         Ok(self.in_order_of_ghosts().flat_map(|rank| from[rank].iter().copied()).collect())
     }
 
-    /// Notes that columns are others than those of the ghosts.
+    /// Marks columns as changed since their last exchange.
     fn wrote(&self, columns: &Columns, written: &ColumnSet, stride: usize) {
         let mut stale = self.stale.borrow_mut();
         for (group, set) in written {
@@ -177,15 +180,15 @@ impl Domain {
         }
     }
 
-    /// Notes that ghosts know nothing.
+    /// Marks all columns of ghosts as not exchanged.
     pub(super) fn forget(&self, columns: &Columns, stride: usize) {
         let of_particles = columns.all().filter(|(group, _)| group.of_particles().is_some());
         let all = of_particles.map(|(group, _)| (*group, ALL)).collect();
         self.wrote(columns, &all, stride);
     }
 
-    /// Of the columns that kernels read of neighbours those that ghosts have to take over before the first of them: with these, what later ones read and
-    /// nobody writes before.
+    /// The columns of neighbours that kernels read and that have to be exchanged before the first of them, including
+    /// those that only later kernels read and that are not written before.
     fn wanted(&self, kernels: &[&Touched]) -> ColumnSet {
         let stale = self.stale.borrow();
         let mut wanted = ColumnSet::new();
@@ -208,7 +211,7 @@ impl Domain {
         wanted
     }
 
-    /// Has ghosts take columns over.
+    /// Exchanges columns.
     fn exchange(&self, card: &Card, columns: &Columns, set: ColumnSet, stride: usize) -> Result<(), RunFailure> {
         let mut known = self.exchanges.borrow_mut();
         if !known.contains_key(&set) {
@@ -240,7 +243,7 @@ impl Domain {
         Counts { sent: self.sends().len(), ghosts: self.ghosts(), own: self.own().len() }
     }
 
-    /// Marks the particles whose ghosts were marked on other cards, and takes the marks of the ghosts here away.
+    /// Marks the particles whose ghosts were marked on other cards, and removes the marks of the ghosts here.
     fn return_marks(&self, card: &Card, columns: &Columns, stride: usize) -> Result<(), RunFailure> {
         let mut known = self.marks.borrow_mut();
         let marks = match &mut *known {
@@ -269,25 +272,25 @@ fn copy_rows(from: &[f32], from_stride: usize, to: &mut [f32], to_stride: usize,
     }
 }
 
-/// The columns there are of a group.
+/// The columns of a group.
 fn existing(columns: &Columns, group: Group, stride: usize) -> u128 {
     let count = columns.array(group).map_or(0, |array| array.count() / stride);
     if count >= ALL.count_ones() as usize { ALL } else { (1 << count) - 1 }
 }
 
-/// When ghosts are others.
+/// When ghosts change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Lasting {
-    /// They are those of each search.
+    /// They belong to each search.
     OneSearch,
     /// Until particles have moved by the margin.
     Margin,
-    /// Those of the reference configuration.
+    /// They belong to the reference configuration.
     OneReference,
 }
 
 fn lasting(model: &Model) -> Lasting {
-    // What is searched in the cells anew, beside the lists.
+    // Particles that are searched in the cells besides those in the lists.
     let searches_present = contact::meets(model) || model.audit.is_some();
     match model.search {
         Search::Skin { .. } => Lasting::OneSearch,
@@ -298,18 +301,18 @@ fn lasting(model: &Model) -> Lasting {
     }
 }
 
-/// Whether ghosts have to be chosen again because of how far particles have moved.
+/// Whether ghosts have to be chosen again because particles have moved too far.
 pub(super) fn wears_out(model: &Model) -> bool {
     lasting(model) == Lasting::Margin
 }
 
-/// Length of the columns of a rank with so many particles and ghosts.
+/// Length of the columns of a rank with these numbers of particles and ghosts.
 pub(super) fn stride_for(own: usize, ghosts: usize) -> usize {
     (own + ghosts + (SPARE * ghosts as f64) as usize).div_ceil(CHUNK) * CHUNK
 }
 
 impl GpuEngine {
-    /// Launches the kernels of a stage, and before each has ghosts take over what it reads of them.
+    /// Launches the kernels of a stage, and before each exchanges the columns that it reads from ghosts.
     pub(super) fn launch(&self, stage: &Stage) -> Result<(), RunFailure> {
         let Some(domain) = &self.domain else {
             self.card.launch(stage.iter().map(|staged| &staged.launch));
@@ -335,14 +338,15 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Notes that a group was written otherwise than by a kernel of a stage.
+    /// Marks a group that was not written by a kernel of a stage as changed.
     pub(super) fn wrote(&self, group: Group) {
         if let Some(domain) = &self.domain {
             domain.wrote(&self.columns, &ColumnSet::from([(group, ALL)]), self.stride);
         }
     }
 
-    /// Chooses ghosts again where particles have moved so far that others may have become neighbours. Lists of the reference configuration are made of them.
+    /// Chooses ghosts again if particles have moved so far that others may have become neighbours. Lists of the
+    /// reference configuration are then built again.
     pub(super) fn refresh_ghosts(&mut self) -> Result<(), RunFailure> {
         if self.domain.is_none() || !wears_out(&self.model) {
             return Ok(());
@@ -358,7 +362,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// The same before a search whose ghosts serve until the next one.
+    /// The same before a search whose ghosts are used until the next one.
     pub(super) fn choose_ghosts_of_search(&mut self) -> Result<(), RunFailure> {
         if self.domain.is_some() && lasting(&self.model) == Lasting::OneSearch {
             self.choose_ghosts()?;
@@ -366,7 +370,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Chooses ghosts by where particles are, and where they are in the reference configuration.
+    /// Chooses ghosts by the current positions of particles and those in the reference configuration.
     pub(super) fn choose_ghosts(&mut self) -> Result<(), RunFailure> {
         if self.domain.is_none() {
             return Ok(());
@@ -395,7 +399,8 @@ impl GpuEngine {
         self.take_ghosts()
     }
 
-    /// Takes the ghosts that were chosen: who is sent, kernels for as many, and where particles were.
+    /// Applies the choice of ghosts: particles to be sent, kernels for their number, and positions of the particles at
+    /// this time.
     pub(super) fn take_ghosts(&mut self) -> Result<(), RunFailure> {
         let Some(domain) = &self.domain else { return Ok(()) };
         domain.forget(&self.columns, self.stride);
@@ -412,7 +417,7 @@ impl GpuEngine {
         self.set_step()
     }
 
-    /// Columns of a former length, as long as columns are now; ghosts have yet to take them over.
+    /// Extends columns to the current length; ghosts are not exchanged yet.
     pub(super) fn as_long_as_columns(&self, numbers: Vec<f32>, before: usize) -> Vec<f32> {
         if before == self.stride {
             return numbers;
@@ -422,7 +427,7 @@ impl GpuEngine {
         longer
     }
 
-    /// Takes longer columns, for more ghosts. Other ranks need not.
+    /// Extends the columns, for more ghosts. Other ranks need not.
     fn grow(&mut self) -> Result<(), RunFailure> {
         let Some(domain) = &self.domain else { return Ok(()) };
         let (own, before, stride) = (self.initial.len(), self.stride, stride_for(self.initial.len(), domain.ghosts()));
@@ -435,7 +440,7 @@ impl GpuEngine {
             if group.of_particles().is_some() || is_kept {
                 let columns = array.count() / before;
                 let numbers = self.card.read(&array).map_err(failure)?;
-                // Rows behind the particles stay as they are made.
+                // Rows behind the particles keep their initial values.
                 let mut longer = match self.columns.array(group).filter(|longer| longer.count() == columns * stride) {
                     Some(longer) => self.card.read(longer).map_err(failure)?,
                     None => vec![0.0; columns * stride],
@@ -451,12 +456,12 @@ impl GpuEngine {
     }
 }
 
-/// Whether there are images, which go other ways than their particles.
+/// Whether there are images, which move differently from their particles.
 pub(super) fn has_images(model: &Model) -> bool {
     !model.symmetry.is_empty() || model.periodic.iter().any(Option::is_some)
 }
 
-/// The sets of places that neighbours are looked for in.
+/// The sets of positions in which neighbours are searched.
 fn sets(
     model: &Model,
     present: impl FnOnce() -> Result<Vec<Vector<f64>>, RunFailure>,
@@ -476,7 +481,7 @@ pub(super) fn choose_at_start(domain: &mut Domain, model: &Model, p: &Particles,
     domain.choose(&cells(model, edge), &sets(model, places, places)?, &nobody)
 }
 
-/// Cells as wide as neighbours are far, and the margin where ghosts serve until particles have moved.
+/// Cells as wide as the distance of neighbours, and the margin if ghosts are used until particles have moved.
 fn cells(model: &Model, edge: f64) -> Cells {
     let margin = if wears_out(model) { MARGIN } else { 0.0 };
     let axes = match model.dimensions {

@@ -1,4 +1,5 @@
-//! Which columns of other particles a kernel reads, and which columns it writes, as its recorded text says.
+//! Column access of kernels, from their recorded text: columns of other particles that a kernel reads, and columns that
+//! it writes.
 
 use crate::engine::columns::{Group, Recording};
 use crate::record::{Operation, Statement, Value, Variable};
@@ -10,19 +11,20 @@ pub(in crate::engine) type ColumnSet = BTreeMap<Group, u128>;
 /// Every column of a group.
 pub(in crate::engine) const ALL: u128 = u128::MAX;
 
-/// What a kernel has to do with the columns of particles.
+/// Access of a kernel to the columns of particles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(in crate::engine) struct Touched {
-    /// Read of neighbours.
+    /// Read from neighbours.
     pub(in crate::engine) gathered: ColumnSet,
-    /// Written of the own particle.
+    /// Written for the own particle.
     pub(in crate::engine) written: ColumnSet,
     /// Whether neighbours are marked whose rows are to be patched.
     pub(in crate::engine) marks_neighbors: bool,
 }
 
 impl Touched {
-    /// Of a kernel over columns of a length, which runs over rows of ghosts too, or over those of the own particles alone.
+    /// For a kernel over columns of a length, which runs over rows of ghosts too, or only over those of the own
+    /// particles.
     pub(in crate::engine) fn of(recording: &Recording, stride: usize, runs_over_ghosts: bool) -> Self {
         let reader = Reader::new(recording, stride);
         let mut touched = Self::default();
@@ -38,11 +40,11 @@ impl Touched {
     }
 }
 
-/// What is known of the values of a kernel.
+/// Properties of the values of a kernel.
 struct Reader<'a> {
     recording: &'a Recording,
     stride: usize,
-    /// By value, whether it depends on who the neighbours are.
+    /// By value, whether it depends on the indices of neighbours.
     is_of_neighbor: Vec<bool>,
 }
 
@@ -51,7 +53,8 @@ impl<'a> Reader<'a> {
         let operations = &recording.kernel.operations;
         let mut is_of_neighbor = vec![false; operations.len()];
         let mut variables = HashSet::new();
-        // What a variable is assigned in a loop can depend on others assigned after it: as long as something is added.
+        // The value assigned to a variable in a loop can depend on others assigned after it: repeat until nothing is
+        // added.
         loop {
             let before = variables.len();
             for value in 0..operations.len() {
@@ -70,7 +73,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Adds the column that an element of a buffer is of, or all of its group where the column is not known here.
+    /// Adds the column of an element of a buffer, or the whole group if the column is not a constant.
     fn add(&self, columns: &mut ColumnSet, buffer: u32, at: Value) {
         let group = self.recording.groups[buffer as usize];
         if group.of_particles().is_some() {
@@ -78,7 +81,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The column that a place is in: a whole number of columns is added to the row, or nothing.
+    /// The column of an index: a whole number of columns is added to the row, or nothing.
     fn column(&self, at: Value) -> Option<usize> {
         let operations = &self.recording.kernel.operations;
         let whole = |value: Value| match operations[value as usize] {
@@ -92,7 +95,7 @@ impl<'a> Reader<'a> {
                 let column = start / self.stride;
                 (start % self.stride == 0 && !is_sum(row) && column < ALL.count_ones() as usize).then_some(column)
             }
-            // A number alone is a row that all threads share.
+            // A constant is a row that all threads share.
             Operation::Whole(_) => None,
             _ => Some(0),
         }
@@ -117,7 +120,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Adds the variables that take values which depend on who the neighbours are.
+/// Adds the variables whose values depend on the indices of neighbours.
 fn assigned(statements: &[Statement], is_of_neighbor: &[bool], variables: &mut HashSet<Variable>) {
     for statement in statements {
         match statement {
@@ -136,7 +139,7 @@ fn assigned(statements: &[Statement], is_of_neighbor: &[bool], variables: &mut H
     }
 }
 
-/// Whether the elements of a group are numbers of neighbours.
+/// Whether the elements of a group are indices of neighbours.
 fn names_neighbors(group: Group) -> bool {
     matches!(group, Group::List | Group::Kept | Group::Sorted | Group::Unsorted)
 }
