@@ -104,7 +104,7 @@ impl OrEnd {
             let _ = writeln!(
                 out,
                 ": {bytes} more bytes could not be allocated\nFiles that were written are complete; a run can be \
-                 resumed from its last checkpoint. `sphorge check` tells how much memory a deck takes."
+                 resumed from its last checkpoint. `sphorge check` estimates the memory of a deck."
             );
             // At once: what else ends a program would write what is buffered, perhaps in the middle of the write that wanted memory.
             signal_hook::low_level::exit(1);

@@ -36,7 +36,8 @@ Without --field and --column a standard set of pictures is drawn. Several runs
 are drawn side by side (--field) or in the same chart (--column). Pictures are
 written to the folder `plots` of the first run unless -o names another place.
 Plain numbers are in SI; units are written as in decks: \"12 us\", \"1.5 GPa\",
---window=\"-60,60,-100,20 mm\". An unknown field or column lists those available.")]
+--window=\"-60,60,-100,20 mm\". For an unknown field or column,
+the available ones are listed.")]
 pub(crate) struct PlotArguments {
     /// Run folders, of finished or unfinished runs
     #[arg(value_name = "DIR", required = true)]

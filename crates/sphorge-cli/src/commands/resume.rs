@@ -24,9 +24,9 @@ Examples:
 The run continues from the last complete checkpoint in its folder, on any
 number of threads. Frames and history are bit-identical to those of an
 uninterrupted run. Only the end and the output of the deck can be changed.
-A run that has reached its end is left as it is, unless more of it is asked
-for, such as a later time.end. Started with --checkpoint-at-end, it continues
-from its end, otherwise from its last checkpoint.")]
+A run that has reached its end is not changed, unless it is extended, for
+example by a later time.end. If it was started with --checkpoint-at-end, it
+continues from its end, otherwise from its last checkpoint.")]
 pub(crate) struct ResumeArguments {
     /// Run folder
     #[arg(value_name = "DIR")]

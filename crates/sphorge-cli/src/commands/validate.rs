@@ -21,7 +21,7 @@ Examples:
   sphorge validate --resume
   sphorge validate --list
 
-Every computed number is printed beside the published or exact one, with the
+Every computed number is printed with the published or exact one, with the
 deviation, the tolerance and a verdict: passed, failed, missed (known to be
 outside its tolerance, and no worse than known) or shown (no tolerance). The
 folder holds report.html (a single page), report.md, report.json and every
