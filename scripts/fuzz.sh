@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Feeds every text and file a user can hand to Sphorge, with random changes, to what reads it: fuzz.sh SECONDS [TARGET...]
+# Fuzzes the readers of all texts and files that a user can pass to Sphorge: fuzz.sh SECONDS [TARGET...]
 #
 # Builds the targets of the folder `fuzz` with stable Rust and a C++ compiler (libFuzzer comes with the crate libfuzzer-sys) and runs
-# them one after the other for that many seconds each, from the shipped decks, the corpus of bad decks, the files of a tiny run and what
-# former sessions have found. Prints executions, coverage and crashes; what crashed a target lies in fuzz/artifacts/TARGET. Ends with 1
-# if one did.
+# them one after the other for the given number of seconds each, starting from the shipped decks, the corpus of bad decks, the files of a
+# tiny run and the inputs found earlier. Prints executions, coverage and crashes. Inputs that crash a target are in fuzz/artifacts/TARGET;
+# the exit code is then 1.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../fuzz"
 

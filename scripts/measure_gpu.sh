@@ -1,24 +1,24 @@
 #!/usr/bin/env bash
-# Everything that is to be measured on a graphics card, in one call, from a program built elsewhere: writes results.json and results.md.
+# Runs all measurements on a graphics card in one call, with a program built elsewhere; writes results.json and results.md.
 #
 # usage: measure_gpu.sh --program FILE [--out FOLDER] [--device WORDS] [--nvrtc FOLDER] [--tests FILE] [--small] [PART...]
 #
 #   --program   `sphorge`, built with `cargo build --release --features gpu`
-#   --out       folder for everything that comes of it; parts add to what is there [default: out/measure-gpu]
-#   --device    words of the card [default: the first that `sphorge devices` lists]
-#   --nvrtc     folder with NVIDIA's compiler (libnvrtc.so.*, libnvrtc-builtins.so.*), where the machine has none
+#   --out       folder for all results; parts add to existing ones [default: out/measure-gpu]
+#   --device    words of the name of the card [default: the first that `sphorge devices` lists]
+#   --nvrtc     folder with NVIDIA's compiler (libnvrtc.so.*, libnvrtc-builtins.so.*), if it is not installed on the machine
 #   --tests     tests of the crate, built with `cargo test -p sphorge-gpu --features device --release --no-run`
-#   --small     sizes that a software renderer does in a minute: shows that all of this works
+#   --small     sizes that a software renderer computes in a minute, to test this script
 #
-# Parts, all if none is named:
-#   devices     what there is
-#   tests       parity of laws, pair sums and whole runs with the processor, where --tests names them
-#   bullet      the bullet of the paper by every strategy
-#   processor   the same by the processor's engine, for the velocity that is left
-#   speed       particle-steps per second of 2e5 and 2e6 particles, time of each kernel and its share of what the card can do
-#   large       the same of 1e7 particles, by a search every step and a skin
+# Parts (default: all):
+#   devices     the cards that are available
+#   tests       parity of laws, pair sums and whole runs with the processor, if --tests is given
+#   bullet      the bullet of the paper with every strategy
+#   processor   the same with the CPU engine, for the residual velocity
+#   speed       particle-steps per second of 2e5 and 2e6 particles, time of each kernel and its share of the peak of the card
+#   large       the same with 1e7 particles, with a search every step and a skin
 #   cases       the other cases of `sphorge bench`
-#   vulkan      the speed of 2e5 and 2e6 particles by Vulkan, where a card is reached by it beside CUDA
+#   vulkan      the speed of 2e5 and 2e6 particles through Vulkan, for a card that also supports CUDA
 #
 # Needs bash and awk, no network.
 set -uo pipefail

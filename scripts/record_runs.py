@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
-"""Records what a `sphorge` binary computes, and compares two such records bit by bit.
+"""Records the results of a `sphorge` binary, and compares two such records bit by bit.
 
     record_runs.py record BINARY OUT [--only NAME...] [--jobs N] [--set KEY=VALUE]...
     record_runs.py compare A [B] [--only NAME...]
 
-`record` runs every shipped deck at a low resolution, and the variants of the table below, which cover what no shipped deck uses:
-each with every neighbour search, in mixed and in double precision, on one thread and on two. OUT, a new folder, gets
+`record` runs every shipped deck at a low resolution, and the variants of the table below, which cover features that no shipped
+deck uses: each with every neighbour search, in mixed and in double precision, on one thread and on two. OUT, a new folder, gets
 `index.json` and the files it names by the SHA-256 of their content: `history.csv` of each run, and all fields of its last frame
-with the particles in order of `id`, so that it does not matter in which order a program writes them. What depends on the clock
-or on memory is left out. Frames hold most fields in single precision; sums over all particles and one particle with all its
-fields stand in the history in double. `--set` adds an override to every run, which shows that a comparison can fail.
+with the particles in order of `id`, independent of the order in which a program writes them. Values that depend on the clock
+or on memory are left out. Frames have most fields in single precision; the history has sums over all particles, and one
+particle with all its fields, in double precision. `--set` adds an override to every run, which shows that a comparison can fail.
 
-`compare` tells which runs of A and B differ, where first and by how much, and whether one and two threads agree in each of
+`compare` reports which runs of A and B differ, where first and by how much, and whether one and two threads agree in each of
 the two records; with A alone only the latter. A difference is relative to the largest value of its column or field. The exit
-code is 1 if anything differs. Compare only records made on one machine: instructions of other processors round otherwise.
+code is 1 if anything differs. Compare only records made on one machine: other processors may round differently.
 
-Needs Python 3.9 and nothing else.
+Needs only Python 3.9.
 """
 
 import argparse
