@@ -280,7 +280,7 @@ mod tests {
         let fast = of("iron-plate", &[("body.bar.velocity.1", "-3000 m/s")]);
         assert!(fast.notes[0].contains("break apart") && fast.notes[0].contains("a stretch of 16,"), "{fast:?}");
         let kept = [("body.bar.velocity.1", "-3000 m/s"), ("search", "{ total-lagrangian = { renewal = 0 } }")];
-        assert!(of("iron-plate", &kept).notes[0].contains("leave that out"));
+        assert!(of("iron-plate", &kept).notes[0].contains("leave this key out"));
         // 2 h over twice the spacing.
         let slow = |smoothing: &str| {
             of("iron-plate", &[("body.bar.velocity.1", "-20 m/s"), ("particles.smoothing", smoothing)]).notes
