@@ -302,7 +302,7 @@ mod tests {
         let verdicts = [(0.5, Verdict::Passed), (-1.5, Verdict::Missed), (2.5, Verdict::Failed)];
         verdicts.into_iter().for_each(|(value, verdict)| assert_eq!(judged(known(value)), verdict, "{value}"));
         assert_eq!(judged(known(f64::NAN)), Verdict::Failed);
-        assert!(known(1.5).demand().contains(", kept at most 2"), "{}", known(1.5).demand());
+        assert!(known(1.5).demand().contains(", if missed at most 2"), "{}", known(1.5).demand());
     }
 
     #[test]

@@ -331,7 +331,7 @@ fn a_step_that_collapses_is_told_and_a_run_without_end_is_stopped() {
     let failure = watch.step(&model, 1e-11, 202, 0.5).unwrap_err();
     assert_eq!((failure.step, failure.time, failure.field), (202, 0.5, "time step"));
     assert!(
-        failure.message.contains("5.0e10 steps are left") && failure.message.contains("stop-at-steps"),
+        failure.message.contains("5.0e10 steps to the end") && failure.message.contains("stop-at-steps"),
         "{failure}"
     );
     assert!(failure.message.contains("lower `time.courant`") && !failure.message.contains("raise `time.courant`"));
