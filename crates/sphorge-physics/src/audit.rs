@@ -1,9 +1,10 @@
-//! What lists of neighbours and an exact search are compared by: the rate of the density and the acceleration by stress alone.
+//! Quantities by which neighbour lists are compared with an exact search: the density rate and the acceleration by
+//! stress alone.
 
 use crate::tensor::dot;
 use crate::{Real, SymmetricTensor, Vector};
 
-/// A pair as the comparison sees it.
+/// Data of a pair for the comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct AuditPair<T> {
     /// `x_i - x_j`, m.
@@ -35,7 +36,7 @@ impl<T: Real> AuditSums<T> {
         Self { divergence: T::zero(), acceleration: [T::zero(); 3] }
     }
 
-    /// Adds a pair; returns its part of the acceleration, m/s^2.
+    /// Adds a pair; returns its contribution to the acceleration, m/s^2.
     pub fn add(&mut self, pair: &AuditPair<T>) -> Vector<T> {
         self.divergence += pair.volume * pair.f * dot(pair.v, pair.x);
         let traction = pair.stress.dot(pair.x);

@@ -1,34 +1,34 @@
-//! Contact of two bodies that push each other and never pull.
+//! Penalty contact between bodies, which push each other and never pull.
 //!
 //! Particles of different bodies share no kernel sum of stress. They see each other through the *overlap*
 //!
 //! `s_i = sum_j V_j W_ij / S_ab - 1`,
 //!
-//! a sum over the neighbours of other bodies with the volumes `V` they have at rest. `S_ab` is what the sum is for a particle of
-//! body `a` one mean spacing from the outermost layer of a flat body `b`, so bodies that touch have none: contact begins where
-//! one lattice would continue the other. Where it is positive it stores the energy
+//! a sum over the neighbours in other bodies with the volumes `V` they have at rest. `S_ab` is the value of the sum for
+//! a particle of body `a` one mean spacing from the outermost layer of a flat body `b`, so bodies that just touch have
+//! no overlap: contact begins where one lattice would continue the other. A positive overlap stores the energy
 //!
 //! `U = sum_i V_i K phi(s_i)`,  `phi' = s (1 + s^2/3)`,
 //!
-//! a contact potential in the sense of Campbell, Vignjevic & Libersky (2000) and Vignjevic, De Vuyst & Campbell (2006), here of
-//! the kernel-weighted overlap rather than of single distances. What follows from that:
-//! - The force is `-grad U`, so what is stored comes back. It is along `x_ij`, equal and opposite, and never attracts, since
-//!   `phi' >= 0` and kernels fall: linear and angular momentum are conserved, pair by pair.
-//! - A lattice is smooth to another one through a kernel sum: its rows are no bumps to what slides along them, as they would be
-//!   if single pairs touched.
+//! a contact potential in the sense of Campbell, Vignjevic & Libersky (2000) and Vignjevic, De Vuyst & Campbell (2006),
+//! here of the kernel-weighted overlap rather than of single distances. Consequences:
+//! - The force is `-grad U`, so stored energy is returned. It is along `x_ij`, equal and opposite, and never attracts,
+//!   since `phi' >= 0` and kernels decrease: linear and angular momentum are conserved, pair by pair.
+//! - The kernel sum makes a lattice smooth for another one: its rows are not obstacles to sliding, as they would be
+//!   with a contact of single pairs.
 //! - Stiffness grows with the overlap: bodies that have met at several km/s do not pass through each other.
 //!
-//! A body meets itself in the same way, where different sides of its surface come together ([`crate::surface`]).
+//! Self-contact of a body works in the same way where different sides of its surface meet ([`crate::surface`]).
 //!
-//! Damping and friction act along and across the direction `n_ij` of the difference of both overlap gradients, which points from
-//! one body to the other and turns its sign with the pair.
+//! Damping and friction act along and across the direction `n_ij` of the difference of both overlap gradients, which
+//! points from one body to the other and changes its sign with the pair.
 
 use crate::kernel::Kernel;
 use crate::tensor::dot;
 use crate::time_step::oscillator_limit;
 use crate::{Dimension, Elementary, Numbers, Real, Vector};
 
-/// Overlap over which damping comes in, so that it does not jump at first touch.
+/// Overlap over which damping sets in, so that it does not jump at first contact.
 const ONSET: f64 = 0.2;
 
 /// A flat body seen from outside: kernel sums over its lattice.
@@ -46,7 +46,7 @@ pub fn flat_body(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap
     flat_layers(kernel, dimension, spacing, h, gap, i32::MAX)
 }
 
-/// The same of a flat body's outermost `layers` alone.
+/// The same for only the outermost `layers` of a flat body.
 fn flat_layers(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap: f64, layers: i32) -> FlatBody {
     // Rows within the support, and positions between two rows.
     let rows = (kernel.support() * h / spacing) as i32 + 1;
@@ -72,7 +72,7 @@ fn flat_layers(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64, gap: 
     FlatBody { sum: flat.sum / shifts, slope: flat.slope / shifts }
 }
 
-/// A body as its contact with another one sees it.
+/// Properties of a body for its contact with another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactBody {
     /// Spacing, m.
@@ -110,9 +110,10 @@ pub struct ContactLaw<T> {
 }
 
 impl ContactLaw<f64> {
-    /// The contact of two bodies, to the bit the [`Self::turned`] one of both in the other order. Flat faces that close by a small share `e` of the mean spacing press with
-    /// `stiffness K_m e`, `K_m` the harmonic mean of the bulk moduli; approach at the speed `u` adds `damping sqrt(2) Z u`, `Z` the
-    /// harmonic mean of `sqrt(rho K)`: half a layer of each body on that spring is damped critically with `damping = 1`.
+    /// The contact of two bodies, bit-identical to the [`Self::turned`] one of both in the other order. Flat faces that
+    /// close by a small share `e` of the mean spacing press with `stiffness K_m e`, `K_m` the harmonic mean of the bulk
+    /// moduli; approach at the speed `u` adds `damping sqrt(2) Z u`, `Z` the harmonic mean of `sqrt(rho K)`: half a
+    /// layer of each body on that spring is critically damped with `damping = 1`.
     pub fn new(
         kernel: Kernel,
         dimension: Dimension,
@@ -123,7 +124,7 @@ impl ContactLaw<f64> {
         Self::of_layers(kernel, dimension, a, b, strength, i32::MAX)
     }
 
-    /// The contact of a body with itself, of which particles of the surface alone take part: the outermost layer.
+    /// The contact of a body with itself, in which only particles of the surface, the outermost layer, take part.
     pub fn with_itself(kernel: Kernel, dimension: Dimension, body: &ContactBody, strength: ContactStrength) -> Self {
         Self::of_layers(kernel, dimension, body, body, strength, 1)
     }
@@ -146,8 +147,9 @@ impl ContactLaw<f64> {
         // Only the outermost layer of each body has passed the threshold at first: d/dg of its energy per area.
         let relative = |flat: FlatBody, spacing: f64| spacing * (flat.slope / flat.sum) * (flat.slope / flat.sum);
         let response = relative(from_a, a.spacing) + relative(from_b, b.spacing);
-        // All pairs across a face, per area: sum over the layers of one body of their volume per area times what the other shows them.
-        // It is the same from both sides but for the places along the surface that its mean is taken of.
+        // All pairs across a face, per area: the sum over the layers of one body of their volume per area times the
+        // kernel sum of the other. It is the same from both sides, except for the positions along the surface over
+        // which it is averaged.
         let seen_from = |own: f64, other: &ContactBody| -> f64 {
             let own_layers = ((kernel.support() * h / own) as i32 + 2).min(layers);
             let shown = |k: i32| flat(other, h, touching + f64::from(k) * own).slope * own;
@@ -195,7 +197,7 @@ fn overlap_stiffness<T: Real>(overlap: T) -> T {
     T::select_lt(T::zero(), overlap, T::one() + overlap * overlap, T::zero())
 }
 
-/// What a particle sees of other bodies.
+/// Overlap of a particle with other bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlap<T> {
     /// `s_i = sum_j V_j W_ij / S_ab - 1`.
@@ -236,7 +238,7 @@ impl<T: Real> ContactKernel<T> {
 }
 
 impl<T: Real> Overlap<T> {
-    /// Of a particle with neighbours in other bodies, before the first of them is added.
+    /// For a particle with neighbours in other bodies, before the first of them is added.
     pub fn before_the_first() -> Self {
         Self { overlap: -T::one(), away: [T::zero(); 3], weight: T::zero() }
     }
@@ -266,14 +268,14 @@ pub struct ContactPair<T> {
     pub overlaps: (T, T),
     /// Difference of the overlap gradients of `i` and `j`, each pointing out of the other body; any length.
     pub direction: Vector<T>,
-    /// Momentum per speed that friction may take in a step, over the step, kg/s: the share of this pair in what would stop the
-    /// sliding of its lighter side.
+    /// Largest momentum per speed and time step that friction may transfer, kg/s: the share of this pair in stopping
+    /// the sliding of its lighter side.
     pub stopping: T,
 }
 
-/// Momentum per speed (kg/s) that friction may take in a step `dt` (s) from a pair, over the step: the share of the pair,
-/// `weight` over the larger sum of weights of the two particles, in what would stop the reduced mass. Masses in kg; none in a step of
-/// no length.
+/// Largest momentum per speed and time step (kg/s) that friction may transfer in a step `dt` (s) through a pair: its
+/// share, `weight` over the larger sum of weights of the two particles, in stopping the reduced mass. Masses in kg;
+/// zero in a step of zero length.
 #[inline(always)]
 pub fn stopping<T: Real>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) -> T {
     let (zero, reduced) = (T::zero(), m_i * m_j / (m_i + m_j));
@@ -281,12 +283,13 @@ pub fn stopping<T: Real>(m_i: T, m_j: T, weight: T, weights: (T, T), dt: T) -> T
     T::select_lt(zero, dt, T::select_lt(zero, weight, reduced * share / dt, zero), zero)
 }
 
-/// Share, among those of all particles, that a particle with this overlap has of an energy a contact held and releases as heat.
+/// Weight with which a particle with this overlap receives heat from the energy that a contact held and releases.
 pub fn share_of_released(overlap: f64) -> f64 {
     overlap.max(0.0).powi(2)
 }
 
-/// Stiffness and damping of the contacts of a particle: the diagonal of the second derivative of the energy by its place.
+/// Stiffness and damping of the contacts of a particle: the diagonal of the second derivative of the energy by its
+/// position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactStiffness<T> {
     /// Of the overlaps its neighbours see, N/m.
@@ -323,8 +326,8 @@ impl<T: Real> ContactStiffness<T> {
         self.modulus = self.modulus.max(law.modulus);
     }
 
-    /// Largest stable step, s, of a particle of that volume at rest (m^d) and mass (kg). Twice the diagonal stands for neighbours that
-    /// swing against the particle.
+    /// Largest stable step, s, of a particle of that volume at rest (m^d) and mass (kg). Twice the diagonal accounts
+    /// for neighbours that oscillate against the particle.
     pub fn limit(&self, own: &Overlap<T>, volume: T, mass: T) -> T {
         let stiffness =
             self.stiffness + self.modulus * volume * overlap_stiffness(own.overlap) * dot(own.away, own.away);
@@ -339,18 +342,18 @@ fn pair_pressure<T: Real>(law: &ContactLaw<T>, overlaps: (T, T)) -> T {
     overlap_pressure(overlaps.0) * law.inverse_sums.0 + overlap_pressure(overlaps.1) * law.inverse_sums.1
 }
 
-/// What a pair does.
+/// Force and powers of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactForce<T> {
     /// Force on `i`, N; that on `j` is opposite.
     pub force: Vector<T>,
-    /// Power the pair stores, W; negative where it is given back.
+    /// Power that the pair stores, W; negative if it is returned.
     pub stored: T,
-    /// Power damping turns to heat, W; not negative but for rounding.
+    /// Power that damping converts to heat, W; not negative except for rounding.
     pub damped: T,
-    /// Power friction turns to heat, W; never negative.
+    /// Power that friction converts to heat, W; never negative.
     pub rubbed: T,
-    /// Speed of approach, m/s; negative where the pair parts.
+    /// Speed of approach, m/s; negative if the pair separates.
     pub approach: T,
 }
 
@@ -364,7 +367,8 @@ impl<T: Real> ContactForce<T> {
 }
 
 impl<T: Real> ContactForce<T> {
-    /// Power that turns to heat in the particle, W, and friction's part of it: half of what is damped and a share of what is rubbed.
+    /// Power that becomes heat of the particle, W, and the part due to friction: half of the damping power and a share
+    /// of the friction power.
     #[inline(always)]
     pub fn own_heat(&self, friction_share: T) -> (T, T) {
         let friction = friction_share * self.rubbed;
@@ -389,7 +393,7 @@ impl<T: Real> Numbers<T> for ContactForce<T> {
 pub fn contact_force<T: Elementary>(law: &ContactLaw<T>, pair: &ContactPair<T>) -> ContactForce<T> {
     let r2 = dot(pair.x, pair.x);
     let n2 = dot(pair.direction, pair.direction);
-    // Beyond the reach of the kernel, where lists with a skin have pairs too, there is nothing to approach.
+    // Beyond the reach of the kernel, in pairs of a skin, there is no contact.
     T::if_lt(T::zero(), r2.min(n2).min(pair.weight), || force_in_reach(law, pair, r2, n2), ContactForce::none)
 }
 

@@ -1,23 +1,25 @@
-//! Hourglass control of the total Lagrangian form: springs against what a deformation gradient does not see.
+//! Hourglass control of the total Lagrangian form: springs against motion that the deformation gradient does not see.
 //!
-//! A deformation gradient sees only the linear part of the motion around a particle; what is left over costs no energy and
-//! can grow without bound. Ganzenmüller (2015, Eq 21 to 24) resists it with springs: where the linear motion puts neighbour `j` of
-//! `i` `delta_i = (F_i X_ij - x_ij) . x_ij/|x_ij|` farther out than it is,
+//! A deformation gradient sees only the linear part of the motion around a particle; the rest costs no energy and can
+//! grow without bound. Ganzenmüller (2015, Eq 21 to 24) resists it with springs. If the linear motion places neighbour
+//! `j` of `i` farther away than it is by `delta_i = (F_i X_ij - x_ij) . x_ij/|x_ij|`,
 //!
 //! `f_ij = V_i V_j W(X_ij)/|X_ij| s_ij x_ij/|x_ij|`,  `s_ij = alpha E (delta_i + delta_j)/(2 |X_ij|)`
 //!
-//! pushes `i` there, where `x_ij = x_i - x_j`. The work goes to the internal energy of both, half each.
+//! pushes `i` there, with `x_ij = x_i - x_j`. The work goes to the internal energy of both, half each.
 //!
-//! `s_ij` is a stress, and a metal bears no more than its flow stress `Y`. Springs as stiff as the metal at rest would hold up its
-//! flow, in which the motion is linear nowhere; springs weak enough for the flow let elastic bodies rattle. So they soften with it:
-//! in place of Young's modulus stands the secant modulus of a metal with the plastic strain `eps_p`,
+//! `s_ij` is a stress, and a metal bears no more than its flow stress `Y`. Springs as stiff as the metal at rest would
+//! resist plastic flow, whose motion is never linear; springs weak enough for plastic flow leave hourglass modes in
+//! elastic bodies. They therefore soften with the flow: instead of Young's modulus they have the secant modulus of a
+//! metal with the plastic strain `eps_p`,
 //!
 //! `E_s = Y/(eps_p + Y/E)`,
 //!
-//! which is `E` until it yields, and a thousandth of it after a strain of one. A particle pressed flat to `lambda_min` of its height is
-//! wider by `lambda_min^-1/2`, so that the strain of a spring in its plane, over the length at rest, is too large by as much, and so is its
-//! force by the strain of the plane: where the stiffness is not taken times `lambda_min`, springs hold up the foot of a bar at high speed (copper
-//! at 300 m/s, 12 particles across: the flare above the foot 4.7 % too thick, not 2.9 %). And they yield,
+//! which is `E` until it yields, and a thousandth of it after a strain of one. A particle pressed flat to `lambda_min`
+//! of its height is wider by `lambda_min^-1/2`. The strain of a spring in its plane, relative to the length at rest, is
+//! too large by this factor, and its force is too large by the strain of the plane. If the stiffness is not multiplied
+//! by `lambda_min`, springs resist the flow of the foot of a bar at high speed (copper at 300 m/s, 12 particles across:
+//! the flare above the foot is 4.7 % too thick instead of 2.9 %). And they yield,
 //!
 //! `s_ij -> s_ij/(1 + |s_ij|/(Y/2))`,
 //!
@@ -27,10 +29,10 @@ use crate::kernel::PairScale;
 use crate::pair::mean;
 use crate::{Real, Tensor, Vector};
 
-/// Share of the flow stress that springs bear at most.
+/// Largest stress of springs as a share of the flow stress.
 const SHARE: f64 = 0.5;
 
-/// What they bear of a metal without strength, such as a melt, as a share of Young's modulus.
+/// Bound for metal without strength, such as a melt, as a share of Young's modulus.
 const LEAST: f64 = 1e-4;
 
 /// Shortest distance the springs are divided by, squared, in `h^2`.
@@ -46,11 +48,11 @@ pub struct Spring<T> {
 }
 
 impl<T: Real> Spring<T> {
-    /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain, where the smallest principal stretch
-    /// is `smallest_stretch`.
+    /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain, with the
+    /// smallest principal stretch `smallest_stretch`.
     #[inline(always)]
     pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T, smallest_stretch: T) -> Self {
-        // A fluid has no springs; its bound only must not be zero.
+        // A fluid has no springs, but its bound must not be zero.
         let bound = (T::of(SHARE) * yield_stress).max(T::of(LEAST) * young).max(T::one());
         let secant = young / (T::one() + young * plastic_strain * T::of(SHARE) / bound);
         Self { stiffness: strength * secant * smallest_stretch.min(T::one()), bound }
@@ -70,7 +72,7 @@ impl<T: Real> Spring<T> {
     }
 }
 
-/// How far a pair is from where the linear motion of both particles would have it.
+/// Deviation of a pair from the linear motion of both particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit<T> {
     /// `|X_ij|^2`, m^2.
@@ -84,7 +86,8 @@ pub struct Misfit<T> {
 }
 
 impl<T: Real> Misfit<T> {
-    /// Of a pair that was at `X_ij` (`initial`, m), is at `x_ij` (m) and moves with `v_ij` (m/s), along the `D` axes computed in.
+    /// For a pair that was at `X_ij` (`initial`, m), is at `x_ij` (m) and moves with `v_ij` (m/s), along the `D` axes
+    /// computed in.
     #[inline(always)]
     pub fn of<const D: usize>(
         initial: &Vector<T>,
@@ -114,7 +117,7 @@ impl<T: Real> Misfit<T> {
     /// initial distance, `w` the shape of the kernel there, `volume_j` the initial volume of the neighbour (m^d).
     #[inline(always)]
     pub fn strength(&self, spring: Spring<T>, scale: PairScale<T>, w: T, volume_j: T) -> T {
-        // A particle is at no distance from itself and has no error: only the division must not fail.
+        // For padding, the pair of a particle with itself, the result is zero, but the division must be valid.
         let shortest = scale.h * scale.h * T::of(SHORTEST);
         let inverse = (self.initial2.max(shortest) * self.r2.max(shortest)).inverse_sqrt();
         scale.value(w) * volume_j * spring.stress(self.error * inverse * T::of(0.5)) * inverse

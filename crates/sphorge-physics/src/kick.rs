@@ -1,21 +1,22 @@
-//! What a kick of an integrator does to the energy balance, and where a drift came from.
+//! Energy balance of a kick of an integrator.
 //!
-//! Pair sums take the work of the pair forces at the velocity they were evaluated with, `v^`; a kick moves through the mean of the velocities
-//! before and after it, `v_m`. The difference, `a_p . (v_m - v^) dt` with the acceleration `a_p` of the pair forces, is booked to the internal
-//! energy, so that kinetic plus internal energy less external work is constant to round-off (in the spirit of Owen's 2014 compatible
-//! energy, per particle instead of per pair). What a velocity gains beyond `a_p dt` is external: of mass `m` the impulse `m (dv - a_p dt)` and the work
-//! `m v_m . (dv - a_p dt)`.
+//! Pair sums compute the work of the pair forces with the velocity of their evaluation, `v^`; a kick moves with the
+//! mean of the velocities before and after it, `v_m`. The difference, `a_p . (v_m - v^) dt` with the acceleration `a_p`
+//! of the pair forces, is booked to the internal energy, so that kinetic plus internal energy minus external work is
+//! constant to rounding (in the spirit of Owen's 2014 compatible energy, per particle instead of per pair). The
+//! velocity gained beyond `a_p dt` is due to external forces: for a mass `m` their impulse is `m (dv - a_p dt)` and
+//! their work `m v_m . (dv - a_p dt)`.
 
 use crate::{Real, Vector};
 
-/// What a kick of a particle adds to the balance.
+/// Contribution of a kick of a particle to the balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KickAccount<T> {
     /// Booked to the specific internal energy, J/kg.
     pub energy: T,
-    /// Work of everything that is not a pair force, J.
+    /// Work of all forces that are not pair forces, J.
     pub work: T,
-    /// Its impulse, N s.
+    /// Their impulse, N s.
     pub impulse: Vector<T>,
 }
 
@@ -26,7 +27,7 @@ pub struct KickAxis<T> {
     pub pair: T,
     /// Mean of the velocities before and after, m/s.
     pub mean: T,
-    /// The mean less the velocity pair forces were evaluated with, m/s.
+    /// The mean minus the velocity at which pair forces were evaluated, m/s.
     pub ahead: T,
     /// Velocity gained beyond that of the pair forces, m/s.
     pub beyond: T,
@@ -48,7 +49,8 @@ impl<T: Real> KickAccount<T> {
     }
 }
 
-/// Where something was a time `back` (s) ago, m, that has drifted to `x` (m) with a velocity (m/s); of a pair with the difference of both.
+/// Position a time `back` (s) ago, m, of a particle that has drifted to `x` (m) with a velocity (m/s); for a pair from
+/// the differences of both.
 #[inline(always)]
 pub fn earlier<T: Real>(x: T, velocity: T, back: T) -> T {
     x - back * velocity

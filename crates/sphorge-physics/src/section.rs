@@ -1,22 +1,23 @@
-//! How much of the force of a pair goes through the plane of a section.
+//! Share of the force of a pair that acts through the plane of a section.
 
 use crate::Real;
 
 /// An image that is shifted by less than this across the plane, in spacings, is shifted along it.
 const ALONG: f64 = 1e-3;
 
-/// How much of a pair whose particles are on either side the row of one of them counts: half, since the other half comes from the row of the other
-/// particle, but all where that is not where its image is. `shift` (m) is how far the image of the neighbour is across the plane from the neighbour.
+/// Share with which the row of one particle counts a pair across the plane: half, because the other half comes from the
+/// row of the other particle. It is the whole pair if the other particle is not where its image is. `shift` (m) is the
+/// displacement of the image of the neighbour across the plane.
 #[inline(always)]
 pub fn counted_by_row<T: Real>(shift: T, spacing: T) -> T {
     T::select_lt(T::of(ALONG) * spacing, shift.abs(), T::one(), T::of(0.5))
 }
 
-/// How much of the force of a neighbour on a particle goes through the plane, seen from behind, where both are so far ahead of it (m), and their row
-/// [counts](counted_by_row) so much.
+/// Share of the force of a neighbour on a particle that acts through the plane, seen from behind, for these distances
+/// ahead of it (m), if their row has this [share](counted_by_row).
 #[inline(always)]
 pub fn share_through<T: Real>(own: T, other: T, counted: T) -> T {
-    // One ahead of the plane, and in it.
+    // One ahead of the plane, or in it.
     let side = |ahead: T| T::select_lt(ahead, T::zero(), T::zero(), T::one());
     (side(other) - side(own)) * counted
 }

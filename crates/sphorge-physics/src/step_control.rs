@@ -1,15 +1,16 @@
-//! What a step may change of a particle at most.
+//! Step control: the largest changes of a particle that a step may cause.
 //!
-//! Limits of the time step ([`crate::time_step`]) are taken of the state that a step begins in. Where the state changes faster than they know, as
-//! where bodies meet, a step that was too long shows in what it has changed: it is taken back and repeated smaller.
+//! Limits of the time step ([`crate::time_step`]) are computed from the state at the start of a step. Where the state
+//! changes faster, for example where bodies meet, a step that was too long shows in the changes it has caused: it is
+//! rejected and repeated with a smaller size.
 //!
-//! All numbers are the same in every uniformly moving frame: what flies fast is not changed by it.
+//! All numbers are the same in every uniformly moving frame, so a high speed alone does not matter.
 
 use crate::stress::strain_rate;
 use crate::tensor::dot;
 use crate::{Real, SymmetricTensor, Tensor, Vector};
 
-/// What a step can change too much.
+/// Quantities that a step can change too much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Changed {
     /// The density.
@@ -22,22 +23,23 @@ pub enum Changed {
     Jump,
 }
 
-/// What a step has changed of a particle, or may change at most.
+/// Changes of a particle by a step, or their limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepChange<T = f64> {
     /// Change of the density over the density, `|tr L| dt`.
     pub density: T,
     /// Strain, the norm of the stretching: `sqrt(D:D) dt`.
     pub stretch: T,
-    /// Change of the specific internal energy over itself and the square of the sound speed at rest, `|de/dt| dt / (|e| + c0^2)`.
+    /// Change of the specific internal energy over its value plus the square of the sound speed at rest, `|de/dt| dt /
+    /// (|e| + c0^2)`.
     pub energy: T,
-    /// Distance that the acceleration of the step moves the particle over its smoothing length, `|a| dt^2 / h`.
+    /// Distance that the acceleration of the step moves the particle, over its smoothing length, `|a| dt^2 / h`.
     pub jump: T,
 }
 
 impl<T: Real> StepChange<T> {
-    /// What a step of size `dt` (s) has changed: `l` is the velocity gradient, 1/s, `energy` in J/kg with its rate in W/kg, the sound speed at rest
-    /// in m/s, `acceleration` in m/s², the smoothing length in m.
+    /// Changes by a step of size `dt` (s): `l` is the velocity gradient, 1/s, `energy` in J/kg with its rate in W/kg,
+    /// the sound speed at rest in m/s, `acceleration` in m/s², the smoothing length in m.
     #[inline(always)]
     pub fn of(
         l: &Tensor<T>,
@@ -58,10 +60,11 @@ impl<T: Real> StepChange<T> {
 }
 
 impl StepChange {
-    /// A tenth of these is what the hardest strikes of the decks change at a Courant number of 0.3, impacts at 6 km/s apart, which come to half.
+    /// The hardest impacts of the decks reach a tenth of these at a Courant number of 0.3; impacts at 6 km/s reach
+    /// half.
     pub const DEFAULT: Self = Self { density: 0.2, stretch: 0.25, energy: 0.1, jump: 0.1 };
 
-    /// Each number with what it is of.
+    /// Each number with its quantity.
     #[inline(always)]
     fn numbers(&self) -> [(Changed, f64); 4] {
         [
@@ -72,14 +75,15 @@ impl StepChange {
         ]
     }
 
-    /// Whether a number is above its limit, or none.
+    /// Whether a number is above its limit, or not a number.
     #[inline(always)]
     pub fn is_beyond(&self, limits: &Self) -> bool {
         let is_above = |((_, number), (_, limit)): ((Changed, f64), (Changed, f64))| number > limit || number.is_nan();
         self.numbers().into_iter().zip(limits.numbers()).any(is_above)
     }
 
-    /// What has changed most beside its limit, by how much, and the limit. What is no number is more than any.
+    /// The quantity with the largest change relative to its limit, the change, and the limit. A value that is not a
+    /// number is larger than any other.
     pub fn worst(&self, limits: &Self) -> (Changed, f64, f64) {
         let pairs = self.numbers().into_iter().zip(limits.numbers());
         let of_pair = |((changed, number), (_, limit))| (changed, number, limit);

@@ -1,4 +1,4 @@
-//! Surfaces of a body: where their normals and faces go as it deforms, and which places of them can meet.
+//! Surfaces of a body: normals and faces under deformation, and the parts that can be in contact.
 
 use crate::contact::flat_body;
 use crate::kernel::Kernel;
@@ -13,12 +13,12 @@ pub fn surface_normal<T: Real>(f: &Tensor<T>, normal: Vector<T>) -> Vector<T> {
     turned.map(|c| c / length)
 }
 
-/// Cosine of the angle between normals below which they are of different sides: 60 degrees. A corner, whose normal stands at 45 degrees, meets
-/// corners and flats.
+/// Cosine of the angle between normals below which they are on different sides: 60 degrees. A corner, whose normal is
+/// at 45 degrees, can meet corners and flat surfaces.
 const DIFFERENT: f64 = 0.5;
 
-/// Whether places of a surface with these outward unit normals are of different sides of it, as those of a fold that has closed are;
-/// [`sides_of_a_sheet`] tells them from the sides of a sheet.
+/// Whether points of a surface with these outward unit normals are on different sides of it, like those of a closed
+/// fold; [`sides_of_a_sheet`] distinguishes them from the sides of a sheet.
 #[inline]
 pub fn are_different_sides<T: Scalar>(normal_i: Vector<T>, normal_j: Vector<T>) -> bool {
     different_sides(normal_i, normal_j) > T::zero()
@@ -30,19 +30,20 @@ pub fn different_sides<T: Real>(normal_i: Vector<T>, normal_j: Vector<T>) -> T {
     T::select_lt(dot(normal_i, normal_j), T::of(DIFFERENT), T::one(), T::zero())
 }
 
-/// Cosine of the angle between normals, 25 degrees, from which on surfaces are of one side until the next search for what they meet: to turn to 60
-/// degrees moves neighbours on a surface by more than the skin of that search.
+/// Cosine of the angle between normals, 25 degrees, above which they stay on one side until the next contact search: a
+/// rotation to 60 degrees moves neighbours on a surface by more than the skin of that search.
 const TURNED_AWAY: f64 = 0.9;
 
-/// One where places of a surface with these outward unit normals may be of different sides of it before they are searched again, else zero.
+/// One if points of a surface with these outward unit normals may be on different sides of it before the next search,
+/// else zero.
 #[inline(always)]
 pub fn soon_different_sides<T: Real>(normal_i: Vector<T>, normal_j: Vector<T>) -> T {
     T::select_lt(dot(normal_i, normal_j), T::of(TURNED_AWAY), T::one(), T::zero())
 }
 
-/// Whether of two places of a surface `x = x_i - x_j` (m) apart, with these outward normals (of any length), at least one is behind the other
-/// by more than a length (m) and none in front of it, as on the two sides of a sheet or of an edge. Asked of the reference configuration, so
-/// that the answer stands.
+/// Whether of two points of a surface, `x = x_i - x_j` (m) apart, with these outward normals (of any length), at least
+/// one is behind the other by more than a length (m) and neither is in front of the other, as on the two sides of a
+/// sheet or of an edge. Evaluated in the reference configuration, so that the result does not change.
 #[inline]
 pub fn are_back_to_back<T: Scalar>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>, by: T) -> bool {
     back_to_back(x, normal_i, normal_j, by) > T::zero()
@@ -56,15 +57,16 @@ fn back_to_back<T: Real>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>,
     T::select_lt(by, j.max(i), none_in_front, T::zero())
 }
 
-/// How far behind each other two places are that are back to back, in spacings.
+/// Distance by which points that are back to back are behind each other, in spacings.
 const BEHIND: f64 = 0.25;
 
-/// Sides of a body that are farther apart at the start, in spacings, meet by their normals alone: before they are pressed into the reach of the
-/// contact through the body it has come apart, but its ends may be bent round to meet.
+/// For sides of a body that are farther apart at the start than this, in spacings, only the normals decide: before they
+/// are pressed into reach of each other through the body it has come apart, but its ends may be bent around to meet.
 const THICKEST: f64 = 32.0;
 
-/// One where two places of a surface, `x = x_i - x_j` (m) apart in the reference configuration of a body of that spacing (m), with these outward
-/// normals (of any length) there, are the two sides of a sheet or an edge of it, which never press each other, else zero.
+/// One if two points of a surface, `x = x_i - x_j` (m) apart in the reference configuration of a body of that spacing
+/// (m), with these outward normals (of any length), are the two sides of a sheet or an edge of it, which are never in
+/// contact, else zero.
 #[inline(always)]
 pub fn sides_of_a_sheet<T: Real>(x: Vector<T>, normal_i: Vector<T>, normal_j: Vector<T>, spacing: T) -> T {
     let thickest = T::of(THICKEST) * spacing;
@@ -88,18 +90,20 @@ pub fn add_outward(
     }
 }
 
-/// Length of an outward normal above which a particle of that spacing and smoothing length (m) is of the outermost layer, 1/m: between what the
-/// outermost layer of a flat surface has and the one behind it, the sum over the layers that are not there; less than midway, since a sheet of
-/// two layers has but seven tenths of that where the cubic spline smooths over two spacings.
+/// Length of an outward normal above which a particle of that spacing and smoothing length (m) is in the outermost
+/// layer, 1/m: between the values of the outermost layer of a flat surface and of the one behind it, which are sums
+/// over the missing layers. It is less than half-way, because a sheet of two layers has only seven tenths of that if
+/// the cubic spline smooths over two spacings.
 pub fn exposed(kernel: Kernel, dimension: Dimension, spacing: f64, h: f64) -> f64 {
     let missing = |layer: f64| flat_body(kernel, dimension, spacing, h, layer * spacing);
     0.7 * 0.5 * (missing(1.0).slope + missing(2.0).slope)
 }
 
-/// Length of the mean of unit normals of the faces near a particle below which it is near no one face, as in the middle of a sheet.
+/// Length of the mean of the unit normals around a particle below which it is not near a single face, as in the middle
+/// of a sheet.
 const ONE_FACE: f64 = 0.5;
 
-/// The face a particle behind the outermost layer is near, by its neighbours in that layer.
+/// The face near a particle behind the outermost layer, from its neighbours in that layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NearFace {
     sum: f64,
@@ -117,7 +121,8 @@ impl NearFace {
         (0..3).for_each(|a| self.mean[a] += per_length * outward[a]);
     }
 
-    /// Depth below the face times its outward unit normal, m, where the outermost layer is `half` a spacing (m) deep; zero near no one face.
+    /// Depth below the face times its outward unit normal, m, with an outermost layer `half` a spacing (m) deep; zero
+    /// if no single face is near.
     #[inline(always)]
     pub fn arm(&self, half: f64) -> Vector<f64> {
         let length = Real::sqrt(dot(self.mean, self.mean));
@@ -130,24 +135,27 @@ impl NearFace {
     }
 }
 
-/// The same of a particle of the outermost layer with this outward normal, of any length.
+/// The same for a particle of the outermost layer with this outward normal, of any length.
 #[inline(always)]
 pub fn outermost_arm(outward: Vector<f64>, half: f64) -> Vector<f64> {
     outward.map(|n| half * n / Real::sqrt(dot(outward, outward)))
 }
 
-/// Where a particle near a surface stands for others that meet the surface.
+/// Contact position of a particle near a surface.
 ///
-/// Contact begins where one lattice would continue the other, half a spacing in front of the outermost particles. Material that is pressed
-/// to a part `lambda` of its thickness has its face nearer, at `lambda` times the depth `D` of the particle below it. So that faces meet,
-/// the particle stands for the contact at `z = x + D (c(lambda) - 1) n`: as far below the face as it was at rest. `n` is the present normal and
-/// `1/lambda = |F^-T N|`; `c = lambda` where the material is pressed. Where it is stretched along the normal `c = 2 - 1/lambda`, whose
-/// value and slope are the same at rest, and which keeps the shift of what is torn apart below one depth.
+/// Contact begins where one lattice would continue the other, half a spacing in front of the outermost particles. In
+/// material that is compressed to a fraction `lambda` of its thickness the face is nearer, at `lambda` times the depth
+/// `D` of the particle below it. The particle therefore takes part in the contact at `z = x + D (c(lambda) - 1) n`, as
+/// far below the face as at rest. `n` is the current normal and `1/lambda = |F^-T N|`; `c = lambda` in compression. In
+/// stretch along the normal `c = 2 - 1/lambda`, which has the same value and slope at rest, and keeps the shift of torn
+/// material below one depth.
 ///
-/// The contact counts neighbours with their volumes at rest, though pressing spreads them: faces of material that was pressed to a half at constant
-/// volume overlap by a third of a spacing before they press each other. They stood off each other by half a spacing without the shift.
+/// The contact uses the volumes of neighbours at rest, although compression spreads them: faces of material that is
+/// compressed to a half at constant volume overlap by a third of a spacing before they push each other. Without the
+/// shift they would be held half a spacing apart.
 ///
-/// A force `f` on `z` is one on `x` and the stress `P` of [`Self::stress`], which follows from `f . dz = f . dx - V P : dF`.
+/// A force `f` on `z` is equivalent to one on `x` and the stress `P` of [`Self::stress`], which follows from `f . dz =
+/// f . dx - V P : dF`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceShift<T> {
     normal: Vector<T>,
@@ -160,8 +168,8 @@ pub struct FaceShift<T> {
 }
 
 impl<T: Scalar> FaceShift<T> {
-    /// Of a particle with this deformation gradient, whose depth below the face at rest (m) times the outward unit normal of the face there is
-    /// the `arm`; `None` where there is no face near.
+    /// For a particle with this deformation gradient and the `arm`, its depth below the face at rest (m) times the
+    /// outward unit normal of the face; `None` if no face is near.
     #[inline]
     pub fn new(f: &Tensor<T>, arm: Vector<T>) -> Option<Self> {
         (dot(arm, arm) > T::zero()).then(|| Self::of(f, arm))

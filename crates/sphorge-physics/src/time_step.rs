@@ -1,4 +1,4 @@
-//! Time-step limits: each the longest step, in s, that one process bears. The smallest of them is taken.
+//! Time step limits: each is the longest step, in s, for one process. The smallest of them is used.
 
 use crate::Real;
 
@@ -14,7 +14,7 @@ pub fn sound_limit<T: Real>(h: T, longitudinal_speed: T, mu_max: T, courant: T) 
     courant * h / (longitudinal_speed + mu_max.abs())
 }
 
-/// Acceleration: `factor sqrt(h / |a|)` (Monaghan 1992 uses 0.25); infinite where there is none.
+/// Acceleration: `factor sqrt(h / |a|)` (Monaghan 1992 uses 0.25); infinite without acceleration.
 #[inline(always)]
 pub fn acceleration_limit<T: Real>(h: T, acceleration: T, factor: T) -> T {
     factor * (h / acceleration.abs()).sqrt()
@@ -36,8 +36,8 @@ pub fn oscillator_limit<T: Real>(stiffness: T, damping: T) -> T {
     T::select_lt(T::zero(), stiffness, limit, T::of(f64::INFINITY))
 }
 
-/// Conduction: `m c_p / G` with the heat capacity `m c_p` (J/K) and the sum `G` (W/K) of a particle's conductances; an explicit step
-/// of that length would bring it to the temperature of its neighbours. Infinite where there is none.
+/// Conduction: `m c_p / G` with the heat capacity `m c_p` (J/K) and the sum `G` (W/K) of a particle's conductances; an
+/// explicit step of that length would bring it to the temperature of its neighbours. Infinite without conduction.
 #[inline(always)]
 pub fn conduction_limit<T: Real>(heat_capacity: T, conductance: T) -> T {
     heat_capacity / conductance

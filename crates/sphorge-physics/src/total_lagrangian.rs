@@ -1,4 +1,5 @@
-//! The total Lagrangian form: the deformation gradient of a particle and the stress whose sum at initial positions is its force.
+//! The total Lagrangian form: the deformation gradient of a particle, and the stress whose sum at the reference
+//! positions is its force.
 //!
 //! With the kernel gradient `grad_0 W` of the initial positions, corrected by `B_i` so that it is exact for linear fields, and
 //! initial volumes `V` (Bonet & Kulasegaram 2000; Ganzenmüller 2015):
@@ -8,15 +9,16 @@
 //!
 //! Both sums are adjoint, so energy is conserved.
 //!
-//! Waves of the initial lattice are as short in the current configuration as the material is compressed: the shortest length there
-//! is the smoothing length times the smallest principal stretch. It stands for `h` in the time-step limits and in the bulk viscosity.
+//! Waves on the initial lattice are shortened in the current configuration by the compression of the material: the
+//! shortest length is the smoothing length times the smallest principal stretch. It replaces `h` in the time step
+//! limits and in the bulk viscosity.
 
 use crate::tensile_part::smallest_principal_value;
 use crate::tensor::{apply, determinant, dot, inverse, multiply, transpose};
 use crate::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
-/// Takes a deformation gradient through a step `dt` (s) at the rate `dF/dt` (1/s) and returns the velocity gradient (1/s) of its
-/// middle, `dF/dt (F + dt/2 dF/dt)^-1`.
+/// Advances a deformation gradient by a step `dt` (s) with the rate `dF/dt` (1/s) and returns the velocity gradient
+/// (1/s) of its middle, `dF/dt (F + dt/2 dF/dt)^-1`.
 #[inline(always)]
 pub fn deform<T: Real>(f: &mut Tensor<T>, rate: &Tensor<T>, dt: T) -> Tensor<T> {
     let l = velocity_gradient(f, rate, dt);
@@ -24,13 +26,14 @@ pub fn deform<T: Real>(f: &mut Tensor<T>, rate: &Tensor<T>, dt: T) -> Tensor<T> 
     l
 }
 
-/// The velocity gradient (1/s) of the middle of a step `dt` (s) of a deformation gradient at the rate `dF/dt` (1/s): that of [`deform`].
+/// The velocity gradient (1/s) at the middle of a step `dt` (s) of a deformation gradient with the rate `dF/dt` (1/s):
+/// that of [`deform`].
 #[inline(always)]
 pub fn velocity_gradient<T: Real>(f: &Tensor<T>, rate: &Tensor<T>, dt: T) -> Tensor<T> {
     multiply(rate, &inverse(&plus(f, T::of(0.5) * dt, rate)))
 }
 
-/// Density, kg/m^3: mass (kg) over the volume the initial one (m^d) has become.
+/// Density, kg/m^3: mass (kg) over the deformed initial volume (m^d).
 #[inline(always)]
 pub fn density<T: Real>(mass: T, initial_volume: T, f: &Tensor<T>) -> T {
     mass / (initial_volume * determinant(f))
@@ -43,28 +46,29 @@ pub fn smallest_stretch<T: Real>(f: &Tensor<T>) -> T {
     smallest_principal_value(c).max(T::zero()).sqrt()
 }
 
-/// Principal stretch at which a body comes apart where it is liquid, if its bound is not smaller: what bears no shear keeps its initial
-/// neighbours for no reason. With 16, the bound of a solid, the sheets of liquid metal in `penetration` throw the material at their joint outwards.
+/// Principal stretch at which a body comes apart where it is liquid, if its bound is not smaller, because liquid has no
+/// reason to keep its initial neighbours. With 16, the bound of a solid, the sheets of liquid metal in `penetration`
+/// throw the material at their joint outwards.
 pub const LARGEST_STRETCH_OF_A_LIQUID: f64 = 4.0;
 
-/// Principal stretch, or one over it, at which the reference configuration of a body that has come apart is renewed. The crater of
-/// `penetration` at 0.4 mm is 31.4, 31.1, 29.6 mm wide with 1.5, 2, 3 (linear viscosity 1); below, noise of the springs that are set
-/// anew takes energy.
+/// Principal stretch, or one over it, at which the reference configuration of a body that has come apart is renewed.
+/// The crater of `penetration` at 0.4 mm is 31.4, 31.1, 29.6 mm wide with 1.5, 2, 3 (linear viscosity 1); below, noise
+/// due to the reset of the springs takes energy.
 const AGAIN: f64 = 2.0;
 
-/// Largest component of the gradient correction in a body that has come apart, twice that at a flat free surface. What has few neighbours on one
-/// side is common there, and rates of ten times the plain gradient are noise that takes energy: with the usual bound the internal energy
-/// of the disc of `penetration` falls below zero.
+/// Largest component of the gradient correction in a body that has come apart, twice that at a flat free surface.
+/// Particles with few neighbours on one side are common there, and rates of ten times the plain gradient are noise that
+/// takes energy: with the usual bound the internal energy of the disc of `penetration` becomes negative.
 pub const LARGEST_CORRECTION_APART: f64 = 4.0;
 
-/// Whether a particle of a body that has come apart is deformed so far from the reference configuration, its smallest principal stretch being
-/// known, that this is to be renewed.
+/// Whether a particle of a body that has come apart is deformed so far, given its smallest principal stretch, that the
+/// reference configuration is to be renewed.
 #[inline(always)]
 pub fn is_deformed_again(f: &Tensor<f64>, smallest_stretch: f64) -> bool {
     deformed_again(f, smallest_stretch) > 0.0
 }
 
-/// One where it is, else zero.
+/// One if it is, else zero.
 #[inline(always)]
 pub fn deformed_again<T: Elementary>(f: &Tensor<T>, smallest_stretch: T) -> T {
     let again = T::of(AGAIN);
@@ -78,36 +82,39 @@ pub fn is_stretched(f: &Tensor<f64>, bound: f64) -> bool {
     stretched(f, bound) > 0.0
 }
 
-/// One where a principal stretch is above a bound, else zero.
+/// One if a principal stretch is above a bound, else zero.
 #[inline(always)]
 pub fn stretched<T: Elementary>(f: &Tensor<T>, bound: T) -> T {
-    // The squares of the stretches add up to that of all components: few particles need the principal values.
+    // The squares of the stretches add up to the sum of the squares of all components: few particles need the principal
+    // values.
     let sum = f.as_flattened().iter().fold(T::zero(), |sum, c| sum + *c * *c);
     let beyond = || {
         let c = SymmetricTensor::symmetric_part(&multiply(&transpose(f), f));
-        // The largest principal value of C is the smallest of -C with the sign turned.
+        // The largest principal value of C is minus the smallest of -C.
         let largest = -smallest_principal_value(c * T::of(-1.0));
         T::select_lt(bound * bound, largest, T::one(), T::zero())
     };
     T::if_lt(bound * bound, sum, beyond, T::zero)
 }
 
-/// The length of the time-step limits of a particle of that smoothing length (m) and smallest principal stretch, m.
+/// The length in the time step limits of a particle with that smoothing length (m) and smallest principal stretch, m.
 ///
-/// Limits of the form `courant h/c` leave room: a copper bar of 12 particles across at 190 m/s, its foot at a fifth of its height, is
-/// the same to three digits at Courant numbers of 0.3, 0.6 and 0.9 of `h stretch/c`. At the usual 0.3 that room is spent on compression
-/// down to one half before the step falls.
+/// Limits of the form `courant h/c` have a margin: a copper bar of 12 particles across at 190 m/s, its foot at a fifth
+/// of its height, is the same to three digits at Courant numbers of 0.3, 0.6 and 0.9 of `h stretch/c`. At the usual 0.3
+/// this margin is used for compression down to one half before the step decreases.
 #[inline(always)]
 pub fn limiting_length<T: Real>(h: T, smallest_stretch: T) -> T {
     h * (T::of(2.0) * smallest_stretch).min(T::one())
 }
 
-/// Place in the initial configuration, from the centre (m), of the point of a particle that is farthest along a unit normal now.
+/// Position in the initial configuration, relative to the centre (m), of the point of a particle that is farthest along
+/// a unit normal now.
 ///
-/// The ball of half a spacing (m) that the particle is at rest is the ellipsoid its deformation gradient makes of it, whose extreme
-/// point is `F xi`, `xi = spacing/2 F^T n/|F^T n|`; it is `n . F xi = spacing/2 |F^T n|` away. A particle that meets a wall meets it
-/// there. The force `f` of the wall then acts at `x - F xi`, and what that is more than a force at the centre enters the sums of the form as
-/// the stress `P = f ⊗ xi/V_0`: its power, less that of this stress, is `f . (v - dF/dt xi)`, the one at the face.
+/// The deformation gradient turns the ball of half a spacing (m) that the particle is at rest into an ellipsoid, whose
+/// extreme point is `F xi`, `xi = spacing/2 F^T n/|F^T n|`, at the distance `n . F xi = spacing/2 |F^T n|`. A wall acts
+/// on the particle at the opposite point, `x - F xi`. The moment of its force `f` about the centre enters the sums of
+/// the form as the stress `P = f ⊗ xi/V_0`: the power of the force minus that of this stress is `f . (v - dF/dt xi)`,
+/// that at the face.
 #[inline(always)]
 pub fn extreme_point<T: Real>(spacing: T, f: &Tensor<T>, normal: Vector<T>) -> Vector<T> {
     let along = [0, 1, 2].map(|a| f[0][a] * normal[0] + f[1][a] * normal[1] + f[2][a] * normal[2]);
@@ -115,20 +122,20 @@ pub fn extreme_point<T: Real>(spacing: T, f: &Tensor<T>, normal: Vector<T>) -> V
     along.map(|c| T::of(0.5) * spacing * c / length)
 }
 
-/// The point of a particle that meets a wall ([`extreme_point`]).
+/// The point of a particle at which a wall acts ([`extreme_point`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeetingPoint<T> {
-    /// How far it is from the centre along the normal of the wall, turned round, m.
+    /// Its distance from the centre against the normal of the wall, m.
     pub radius: T,
-    /// Its place in the initial configuration from the centre, with the sign turned, m.
+    /// Its position in the initial configuration relative to the centre, with the sign reversed, m.
     pub place: Vector<T>,
     /// Its velocity, m/s.
     pub velocity: Vector<T>,
 }
 
 impl<T: Real> MeetingPoint<T> {
-    /// Of a particle of this spacing (m), deformation gradient since the start and velocity gradient (1/s), that moves with a velocity (m/s),
-    /// with a wall of this unit normal.
+    /// For a particle of this spacing (m), with its deformation gradient since the start, velocity gradient (1/s) and
+    /// velocity (m/s), and a wall with this unit normal.
     #[inline(always)]
     pub fn new(spacing: T, f: &Tensor<T>, l: &Tensor<T>, velocity: Vector<T>, normal: Vector<T>) -> Self {
         let place = extreme_point(spacing, f, normal);
@@ -138,8 +145,8 @@ impl<T: Real> MeetingPoint<T> {
     }
 }
 
-/// The tensor whose sum is the force of a particle, Pa: the first Piola–Kirchhoff stress of its Cauchy stress (Pa) and that of the forces on its
-/// faces (Pa), times its gradient correction.
+/// The tensor whose sum is the force on a particle, Pa: the first Piola–Kirchhoff stress of its Cauchy stress (Pa) plus
+/// that of the forces on its faces (Pa), times its gradient correction.
 #[inline(always)]
 pub fn force_tensor<T: Real>(
     stress: SymmetricTensor<T>,
@@ -154,7 +161,7 @@ pub fn force_tensor<T: Real>(
     multiply(&piola, correction)
 }
 
-/// `P = det F sigma F^-T`, the first Piola–Kirchhoff stress of a Cauchy stress: force on the area as it was, Pa.
+/// `P = det F sigma F^-T`, the first Piola–Kirchhoff stress of a Cauchy stress: force per initial area, Pa.
 #[inline(always)]
 pub fn first_piola<T: Real>(stress: SymmetricTensor<T>, f: &Tensor<T>) -> Tensor<T> {
     let j = determinant(f);
