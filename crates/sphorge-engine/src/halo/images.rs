@@ -108,7 +108,12 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 
 impl Images {
     /// No images yet.
     pub fn new(model: &Model) -> Self {
-        Self { symmetry: model.symmetry.clone(), periodic: model.periodic, ..Self::default() }
+        Self::of(model.symmetry.clone(), model.periodic)
+    }
+
+    /// Those of these planes and periodic cells, m; no images yet.
+    pub(crate) fn of(symmetry: Vec<SymmetryPlane>, periodic: [Option<(f64, f64)>; 3]) -> Self {
+        Self { symmetry, periodic, ..Self::default() }
     }
 
     /// With these images and the same planes and periodic axes.
@@ -140,9 +145,19 @@ impl Images {
         positions.iter().map(beyond).fold(0.0, f64::max)
     }
 
+    /// The shortest of the vectors that differ by whole periods, m.
+    pub(crate) fn shortest(&self, mut vector: Vector<f64>) -> Vector<f64> {
+        for (x, cell) in vector.iter_mut().zip(&self.periodic) {
+            if let Some((low, high)) = cell {
+                *x -= (high - low) * (*x / (high - low)).round();
+            }
+        }
+        vector
+    }
+
     /// The same planes and periodic axes, without images.
     pub(crate) fn planes(&self) -> Self {
-        Self { symmetry: self.symmetry.clone(), periodic: self.periodic, ..Self::default() }
+        Self::of(self.symmetry.clone(), self.periodic)
     }
 }
 

@@ -132,7 +132,7 @@ impl GpuEngine {
     /// Determines contact candidates, as the CPU engine does and on the processor, when particles have moved so far
     /// that this is necessary: a few times during the perforation of a plate.
     fn refresh_candidates(&mut self) -> Result<(), RunFailure> {
-        let (reach, support) = (self.reach(), self.model.numerics.kernel.support());
+        let reach = self.reach();
         if self.kept.has_candidates && self.ways(&self.stages.ways)?.longest <= ContactCandidates::lasts(reach).powi(2)
         {
             return Ok(());
@@ -151,7 +151,7 @@ impl GpuEngine {
             smoothing_length: &self.of_all_ranks(&self.initial.smoothing_length)?,
         };
         let mut candidates = ContactCandidates::default();
-        candidates.find(&material, &self.lists_of_all()?, reach, support)?;
+        candidates.find(&self.model, &material, &self.lists_of_all()?, reach)?;
         let flag = |i: usize| if candidates.is_candidate(i) { 1.0 } else { 0.0 };
         let mut flags: Vec<f32> = self.own_places().map(flag).collect();
         flags.resize(self.stride, 0.0);

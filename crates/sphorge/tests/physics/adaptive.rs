@@ -275,6 +275,49 @@ fn pieces_of_one_body_are_strangers() {
 }
 
 #[test]
+fn a_block_meets_images_as_it_meets_another() {
+    let block = |rest: &str| {
+        format!(
+            r#"
+dimensions = "plane-strain"
+method = "fraser"
+particles = {{ spacing = "1 mm" }}
+time = {{ end = "40 us" }}
+
+[[body]]
+name = "block"
+material = "armco-iron"
+shape = {{ box = {{ min = ["2 mm", "0 mm"], max = ["12 mm", "5 mm"] }} }}
+velocity = ["-100 m/s", "0 m/s"]
+{rest}"#
+        )
+    };
+    let mirror = block("\n[[symmetry]]\naxis = \"x\"\nat = \"0 mm\"\nside = \"positive\"\n");
+    // It leaves the cell on its way, and strikes what stands at the other end.
+    let cell = block(
+        r#"
+[periodic]
+x = ["0 mm", "25 mm"]
+
+[[body]]
+name = "target"
+material = "armco-iron"
+shape = { box = { min = ["13.5 mm", "0 mm"], max = ["23.5 mm", "5 mm"] } }
+"#,
+    );
+    let end = 40e-6;
+    for deck in [mirror, cell] {
+        let (reference, _) = run(&deck, EVERY_STEP, end);
+        let (guarded, audit) = run(&deck, GUARDED, end);
+        let kinetic = |s: &Simulation| s.ledger().unwrap().total.energies.kinetic;
+        assert!(kinetic(&reference) < 0.8 * kinetic(&simulation(&deck, &[])), "it strikes");
+        assert!(audit.density_rate_error < 1e-3, "{audit:?}");
+        let difference = kinetic(&guarded) / kinetic(&reference) - 1.0;
+        assert!(difference.abs() < 1e-3, "{difference}");
+    }
+}
+
+#[test]
 fn a_slot_that_closes_is_seen() {
     let end = 0.45e-3;
     let force = |s: &Simulation| s.ledger().unwrap().motion_forces[0][1];

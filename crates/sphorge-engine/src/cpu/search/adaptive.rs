@@ -15,6 +15,7 @@ use super::super::CpuEngine;
 use super::{CHUNK, moved_beyond};
 use crate::RunFailure;
 use crate::engine::SearchReport;
+use crate::halo::Images;
 use crate::lanes::PairScalar;
 use crate::model::{AdaptiveSearch, Search};
 use crate::neighbors::{PartialSearch, Reach, mark};
@@ -32,7 +33,8 @@ impl<T: PairScalar> CpuEngine<T> {
             let reach = self.largest_reach();
             let factor = self.model.numerics.kernel.support();
             let (domain, lists) = (self.domain.as_ref(), &mut self.lists);
-            lists.candidates.refresh(&self.particles, domain, &lists.list, lists.displacement, reach, factor)?;
+            let (images, displacement) = (|| Images::new(&self.model), lists.displacement);
+            lists.candidates.refresh(images, &self.particles, domain, &lists.list, displacement, reach, factor)?;
         }
         let own = self.mark(adaptive);
         let (marked, count) = match &self.domain {

@@ -4,16 +4,19 @@
 //! were in adjacent cells when they were sorted, as long as none has moved by more than half of the reach since. Every
 //! pair of contact candidates is therefore found from the cells: a particle is a contact candidate if the cells around
 //! it contain another body, another fragment of its own body, material that was farther apart than such cells can hold,
-//! or free surfaces that face each other, such as those of a slot before it closes.
+//! or free surfaces that face each other, such as those of a slot before it closes. Images in symmetry planes and beyond
+//! periodic ends count as particles do, since a body may meet its own image.
 
 use super::super::domain::Domain;
 use super::surroundings::Surroundings;
-use crate::RunFailure;
+use crate::halo::Images;
 use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none};
+use crate::{Model, RunFailure};
 use rayon::prelude::*;
 use sphorge_physics::{Vector, tensor::dot};
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Width of a cell in units of the reach.
@@ -67,6 +70,8 @@ pub struct ContactCandidates {
     faces_near: Vec<AtomicBool>,
     candidates_near: Vec<bool>,
     is_candidate: Vec<bool>,
+    /// Particles and images of one material within the kernel support of each other.
+    held_across: Vec<[u32; 2]>,
 }
 
 /// Contents of a cell, or of the cells around one.
@@ -96,9 +101,11 @@ impl Content {
 }
 
 impl ContactCandidates {
-    /// Determines the contact candidates, if particles, of any rank, have moved far enough since the last time.
+    /// Determines the contact candidates, if particles, of any rank, have moved far enough since the last time. `images`
+    /// gives the planes and periodic cells in which images are made.
     pub(super) fn refresh(
         &mut self,
+        images: impl FnOnce() -> Images,
         particles: &Particles,
         domain: Option<&Domain>,
         list: &NeighborList,
@@ -117,9 +124,9 @@ impl ContactCandidates {
             }
         }
         self.displacement_at_sort = displacement;
-        let seen = Surroundings::new(particles, domain)?;
+        let seen = Surroundings::new(images(), particles, domain)?;
         self.sorted_at.clone_from(&particles.position);
-        self.find_in(&seen, list, reach, support)
+        self.find_in(seen, list, reach, support)
     }
 
     /// How far a particle may move, m, before they have to be determined again.
@@ -128,30 +135,33 @@ impl ContactCandidates {
     }
 
     /// Determines the contact candidates, from lists that contain all neighbours of one piece; `reach` is that of the
-    /// lists, m, `support` that of the kernel in smoothing lengths.
+    /// lists, m. The lists need not contain images.
     ///
     /// # Errors
     /// None: there are no other ranks to lose.
     pub fn find(
         &mut self,
+        model: &Model,
         material: &SearchedMaterial<'_>,
         list: &NeighborList,
         reach: f64,
-        support: f64,
     ) -> Result<(), RunFailure> {
-        self.find_in(&Surroundings::of_one(material), list, reach, support)
+        self.find_in(Surroundings::of_one(Images::new(model), material), list, reach, model.numerics.kernel.support())
     }
 
     fn find_in(
         &mut self,
-        seen: &Surroundings<'_>,
+        seen: Surroundings<'_>,
         list: &NeighborList,
         reach: f64,
         support: f64,
     ) -> Result<(), RunFailure> {
         let size = CELL_WIDTH * reach;
+        // All that may be in a cell beside that of a particle.
+        let seen = &seen.reflect(2.0 * size);
         self.cells.sort(&seen.position, size);
-        self.fragments.find(seen, list, support)?;
+        self.find_held_across(seen, support);
+        self.fragments.find(seen, list, support, &self.held_across)?;
 
         let (cells, fragments) = (&self.cells, &self.fragments.of);
         self.contents.resize(cells.cells(), Content::NOTHING);
@@ -179,35 +189,49 @@ impl ContactCandidates {
         Ok(())
     }
 
+    /// Finds particles and images that hold a piece together, as neighbours in the lists do.
+    fn find_held_across(&mut self, seen: &Surroundings<'_>, support: f64) {
+        let (cells, count) = (&self.cells, seen.count());
+        let of_image = |image: usize| {
+            let near = cells.cells_around(cells.cell_of(image)).flat_map(|cell| cells.members(cell));
+            let held = near.filter(move |&&i| (i as usize) < count && is_held(seen, i as usize, image, support));
+            held.map(move |&i| [i, image as u32]).collect::<Vec<_>>()
+        };
+        self.held_across = (count..seen.position.len()).into_par_iter().flat_map_iter(of_image).collect();
+        self.held_across.sort_unstable();
+    }
+
     /// Normals of free surfaces: away from the neighbours of the same body. Neighbours that were farther apart at the
     /// start do not count, so that a slot that has closed still has its surfaces.
     fn find_normals(&mut self, seen: &Surroundings<'_>, list: &NeighborList, support: f64) -> Result<(), RunFailure> {
-        let Surroundings { position, body, smoothing_length, origin, .. } = seen;
-        let own = seen.own();
+        let (position, own, count) = (&seen.position, seen.own(), seen.count());
+        let across = &self.held_across;
         self.normals.resize(own.len(), [0.0; 3]);
         self.normals.par_iter_mut().enumerate().for_each(|(k, normal)| {
-            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            let (mut sum, mut neighbors) = ([0.0; 3], 0.0);
             let i = own.start + k;
-            for &j in list.row(k) {
-                let j = seen.point(j);
-                if j >= position.len() || body[i] != body[j] {
-                    continue;
-                }
-                let reach = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
-                let [d, at_start] = [position, origin].map(|x| [0, 1, 2].map(|a| x[i][a] - x[j][a]));
+            let in_list =
+                list.row(k).iter().map(|&j| seen.point(j)).filter(|&j| j < count && is_held(seen, i, j, support));
+            let first = across.partition_point(|&[of, _]| (of as usize) < i);
+            let images = across[first..].iter().take_while(|&&[of, _]| of as usize == i);
+            for j in in_list.chain(images.map(|&[_, image]| image as usize)) {
+                let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
                 let r = dot(d, d).sqrt();
-                if r > 0.0 && r < reach && dot(at_start, at_start) < (PARTED * reach).powi(2) {
-                    count += 1.0;
+                if r > 0.0 {
+                    neighbors += 1.0;
                     for a in 0..3 {
                         sum[a] += d[a] / r;
                     }
                 }
             }
             let length = dot(sum, sum).sqrt();
-            *normal = if length > EXPOSED * count { sum.map(|c| c / length) } else { [0.0; 3] };
+            *normal = if length > EXPOSED * neighbors { sum.map(|c| c / length) } else { [0.0; 3] };
         });
         if let Some(domain) = seen.domain {
             self.normals = domain.gather(&self.normals)?;
+        }
+        for image in seen.images() {
+            self.normals.push(image.vector(self.normals[image.source as usize]));
         }
         Ok(())
     }
@@ -281,6 +305,21 @@ impl ContactCandidates {
             + 8 * self.exposed_from.capacity()
             + self.faces_near.capacity()
             + self.is_candidate.capacity()
+            + 8 * self.held_across.capacity()
+    }
+}
+
+/// Whether two points are neighbours that hold a piece together: of one body, within the kernel support of each other, and not much farther apart at the
+/// start.
+fn is_held(seen: &Surroundings<'_>, i: usize, j: usize, support: f64) -> bool {
+    if seen.body[i] != seen.body[j] {
+        return false;
+    }
+    let reach = 0.5 * support * (seen.smoothing_length[i] + seen.smoothing_length[j]);
+    let d: Vector<f64> = [0, 1, 2].map(|a| seen.position[i][a] - seen.position[j][a]);
+    dot(d, d) < reach * reach && {
+        let at_start = seen.at_start(i, j);
+        dot(at_start, at_start) < (PARTED * reach).powi(2)
     }
 }
 
@@ -292,35 +331,48 @@ struct Fragments {
 }
 
 impl Fragments {
-    /// Joins particles of one body that are in the list, within the kernel support of each other, and were not much farther apart at
-    /// the start: fragments that meet stay fragments.
-    fn find(&mut self, seen: &Surroundings<'_>, list: &NeighborList, support: f64) -> Result<(), RunFailure> {
-        let Surroundings { position, body, smoothing_length, origin, .. } = seen;
+    /// Joins particles that are in the list, and images in `across`, where they hold a piece together: fragments that meet stay fragments.
+    fn find(
+        &mut self,
+        seen: &Surroundings<'_>,
+        list: &NeighborList,
+        support: f64,
+        across: &[[u32; 2]],
+    ) -> Result<(), RunFailure> {
         self.of.clear();
-        self.of.extend(0..position.len() as u32);
+        self.of.extend(0..seen.position.len() as u32);
         for (k, i) in seen.own().enumerate() {
             for &j in list.row(k) {
                 let j = seen.point(j);
                 // Those already joined, as most are, need not be examined again.
-                if j < i && self.of[i] != self.of[j] && body[i] == body[j] {
-                    let d: Vector<f64> = [0, 1, 2].map(|a| position[i][a] - position[j][a]);
-                    let r = 0.5 * support * (smoothing_length[i] + smoothing_length[j]);
-                    let at_start: Vector<f64> = [0, 1, 2].map(|a| origin[i][a] - origin[j][a]);
-                    if dot(d, d) < r * r && dot(at_start, at_start) < (PARTED * r).powi(2) {
-                        self.join(i as u32, j as u32);
-                    }
+                if j < i && self.of[i] != self.of[j] && is_held(seen, i, j, support) {
+                    self.join(i as u32, j as u32);
                 }
             }
         }
         self.join_among_ranks(seen.domain)?;
+        self.join_images(seen);
+        across.iter().for_each(|&[i, image]| self.join(i, image));
+        // Images of what images have joined.
+        self.join_images(seen);
         for i in 0..self.of.len() as u32 {
             self.of[i as usize] = self.root(i);
         }
         Ok(())
     }
 
-    /// Joins the fragments connected by the rows of other ranks, because fragments span ranks. The smallest index of
-    /// each does not depend on the order of joining.
+    /// Joins images in the same planes and cells whose particles are joined.
+    fn join_images(&mut self, seen: &Surroundings<'_>) {
+        let mut first_of = HashMap::new();
+        for (k, image) in seen.images().iter().enumerate() {
+            let (source, place) = image.identity();
+            let number = (seen.count() + k) as u32;
+            let first = *first_of.entry((self.root(source), place)).or_insert(number);
+            self.join(number, first);
+        }
+    }
+
+    /// Joins what the rows of other ranks hold together: fragments span ranks. The smallest index of each does not depend on who has joined what.
     fn join_among_ranks(&mut self, domain: Option<&Domain>) -> Result<(), RunFailure> {
         let Some(domain) = domain else { return Ok(()) };
         let mut own = Vec::new();
@@ -365,6 +417,7 @@ impl ContactCandidates {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::SymmetryPlane;
     use crate::neighbors::{Reach, brute_force};
 
     /// A row of ten particles a spacing of one apart, broken between the fifth and the sixth, whose second half stands
@@ -387,7 +440,7 @@ mod tests {
         let mut particles = particles.clone();
         particles.searched_at = searched_at.to_vec();
         particles.origin = searched_at.to_vec();
-        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.2, 2.0).unwrap();
+        candidates.refresh(Images::default, &particles, None, &list, DisplacementBound::default(), 1.2, 2.0).unwrap();
         (0..10).map(|i| candidates.is_candidate(i)).collect()
     }
 
@@ -429,7 +482,7 @@ mod tests {
         particles.smoothing_length.fill(0.6);
         let list = brute_force(&points, points.len(), &Reach::new(&particles.smoothing_length, 2.0));
         let mut candidates = ContactCandidates::default();
-        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.6, 2.0).unwrap();
+        candidates.refresh(Images::default, &particles, None, &list, DisplacementBound::default(), 1.6, 2.0).unwrap();
         for (i, [x, y, _]) in points.into_iter().enumerate() {
             let in_slot = x > 35.0 && (y == 4.0 || y == 7.0);
             assert!(!in_slot || candidates.is_candidate(i), "{x} {y}");
@@ -450,8 +503,39 @@ mod tests {
         let list = brute_force(&points, points.len(), &Reach::new(&particles.smoothing_length, 2.0));
         assert!(list.row(400).is_empty());
         let mut candidates = ContactCandidates::default();
-        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.6, 2.0).unwrap();
+        candidates.refresh(Images::default, &particles, None, &list, DisplacementBound::default(), 1.6, 2.0).unwrap();
         [10 * 20 + 19, 10 * 20 + 2, 400].map(|i| candidates.is_candidate(i))
+    }
+
+    /// Which columns, by `x`, of a square from `x = first` have candidates, beside these planes and in this periodic cell along `x`.
+    fn columns_with_candidates(first: f64, symmetry: Vec<SymmetryPlane>, periodic: Option<(f64, f64)>) -> Vec<f64> {
+        let points: Vec<Vector<f64>> = (0..400).map(|k| [first + f64::from(k % 20), f64::from(k / 20), 0.0]).collect();
+        let mut particles = Particles::new(points.len());
+        particles.position.clone_from(&points);
+        (particles.searched_at, particles.origin) = (points.clone(), points.clone());
+        particles.smoothing_length.fill(0.6);
+        let list = brute_force(&points, points.len(), &Reach::new(&particles.smoothing_length, 2.0));
+        let mut candidates = ContactCandidates::default();
+        let images = Images::of(symmetry, [periodic, None, None]);
+        let nowhere = DisplacementBound::default();
+        candidates.refresh(|| images, &particles, None, &list, nowhere, 1.6, 2.0).unwrap();
+        let in_middle = 10 * 20..11 * 20;
+        in_middle.filter(|&i| candidates.is_candidate(i)).map(|i| points[i][0]).collect()
+    }
+
+    #[test]
+    fn a_body_is_a_candidate_for_its_image_unless_they_are_one() {
+        let plane = |position| vec![SymmetryPlane { axis: 0, position, side: 1.0 }];
+        // Its face is a spacing and a half from its image, then half a spacing, as lattices are that a plane cuts; then far away.
+        let near = columns_with_candidates(0.75, plane(0.0), None);
+        assert!(near.first() == Some(&0.75) && near.iter().all(|x| *x < 8.0), "{near:?}");
+        assert!(columns_with_candidates(0.5, plane(0.0), None).is_empty());
+        assert!(columns_with_candidates(20.0, plane(0.0), None).is_empty());
+        // The same beyond the ends of a cell, whose images of both faces count.
+        let near = columns_with_candidates(1.0, Vec::new(), Some((0.0, 21.0)));
+        assert!(near.first() == Some(&1.0) && near.last() == Some(&20.0) && near.len() < 16, "{near:?}");
+        assert!(columns_with_candidates(0.5, Vec::new(), Some((0.0, 20.0))).is_empty());
+        assert!(columns_with_candidates(10.0, Vec::new(), Some((0.0, 40.0))).is_empty());
     }
 
     #[test]
@@ -478,7 +562,9 @@ mod tests {
         particles.smoothing_length.fill(0.6e-3);
         let list = brute_force(&particles.position, places.len(), &Reach::new(&particles.smoothing_length, 2.0));
         let mut candidates = ContactCandidates::default();
-        candidates.refresh(&particles, None, &list, DisplacementBound::default(), 1.2e-3, 2.0).unwrap();
+        candidates
+            .refresh(Images::default(), &particles, None, &list, DisplacementBound::default(), 1.2e-3, 2.0)
+            .unwrap();
         for (&[x, y], normal) in places.iter().zip(&candidates.normals).filter(|([_, y], _)| (1..9).contains(y)) {
             let expected = match x {
                 9 | 19 => [1.0, 0.0, 0.0],
