@@ -11,6 +11,13 @@ pub(super) const CHUNK: usize = 1024;
 /// neighbours end where a tile does.
 const TILE_BITS: u32 = 3;
 
+/// Spacings of the particles along the edge of a cell of most searches.
+const SPACINGS_IN_CELL: f64 = 2.6;
+
+/// Tiles below one node of the curve's tree are joined if they have no more points together than this share of a full tile: those of thin bodies are then
+/// about as large as those of others. With 0.9, tiles of a bar are joined to lumps that are cut into long strips.
+const JOINED_SHARE: f64 = 2.0 / 3.0;
+
 /// Coordinates of points that are sorted into cells are smaller than this, m: their differences and the cubes of these must be numbers.
 const FARTHEST: f64 = 1e100;
 
@@ -105,7 +112,8 @@ impl CellGrid {
     }
 
     /// Point indices in the order of tiles of cells along a Hilbert curve, in cell order within a tile: a piece of the order that is not much smaller
-    /// than a tile is compact, and a tile is long enough along the axis that runs fastest for neighbours to be in contiguous runs.
+    /// than a tile is compact, and a tile is long enough along the axis that runs fastest for neighbours to be in contiguous runs. Tiles with few points,
+    /// as in thin bodies, are joined.
     pub fn tiled_order(&mut self) -> &[u32] {
         // The last axis along which there is more than one cell, the rim aside.
         let fastest = (0..3).rev().find(|&a| self.extent[a] > 3);
@@ -126,10 +134,26 @@ impl CellGrid {
         by_tile.clear();
         by_tile.extend(occupied.map(|cell| (place(cell), cell)));
         by_tile.par_sort_unstable();
+        let axes = self.extent.iter().filter(|&&cells| cells > 3).count();
+        let cells = (0..3).filter(|&a| self.extent[a] > 3).map(|a| f64::from(1u32 << bits[a])).product::<f64>();
+        let most = JOINED_SHARE * cells * SPACINGS_IN_CELL.powi(axes as i32);
+        self.join_tiles(&mut by_tile, curve.nodes(), most as usize);
         tiled.clear();
         by_tile.iter().for_each(|&(_, cell)| tiled.extend_from_slice(self.members(cell)));
         (self.by_tile, self.tiled) = (by_tile, tiled);
         &self.tiled
+    }
+
+    /// Puts cells that are sorted by the places of their tiles in cell order wherever the tiles below one node have no more than `most` points. `nodes`
+    /// are the sizes of the nodes from here downwards, as powers of two.
+    fn join_tiles(&self, by_tile: &mut [(u64, usize)], mut nodes: impl Iterator<Item = u32> + Clone, most: usize) {
+        if by_tile.iter().map(|&(_, cell)| self.members_run(cell).len()).sum::<usize>() <= most {
+            by_tile.sort_unstable_by_key(|&(_, cell)| cell);
+        } else if let Some(size) = nodes.next() {
+            for node in by_tile.chunk_by_mut(|(a, _), (b, _)| a >> size == b >> size) {
+                self.join_tiles(node, nodes.clone(), most);
+            }
+        }
     }
 
     /// The contiguous runs `(first, last)` of `order` that hold every point within one cell of `p`; some may be empty.
@@ -330,6 +354,19 @@ mod tests {
                 assert!(passed.last().is_none_or(|there| steps(there) == 1), "{sides:?}: {here:?} after {passed:?}");
                 passed.push(here);
             }
+        }
+    }
+
+    #[test]
+    fn tiles_of_thin_bodies_are_joined() {
+        // A plate of two cells of eight points each, in tiles of 8 x 8 x 2: four of them have 4096, sixteen would have more than two thirds of a full tile.
+        let points = lattice([128, 64, 4], 0.5);
+        let order = tiled_order(&points);
+        for piece in order.chunks(4096) {
+            let cells: Vec<_> = piece.iter().map(|&i| points[i as usize].map(|x| x as u32)).collect();
+            assert!(cells.is_sorted(), "a joined tile is in cell order");
+            let (first, last) = (cells[0], cells[4095]);
+            assert_eq!([0, 1, 2].map(|a| last[a] - first[a]), [15, 15, 1], "{first:?} to {last:?}");
         }
     }
 

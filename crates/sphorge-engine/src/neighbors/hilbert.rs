@@ -51,6 +51,15 @@ impl HilbertCurve {
         Self { axes, bits: axes.map(|a| bits[a]) }
     }
 
+    /// Cells of the nodes that are passed one after the other, from the largest to single cells, as powers of two: halves, quarters or eighths of the
+    /// node before. Places of the cells of one node are a contiguous range that begins at a multiple of its size.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = u32> + Clone {
+        let [first, second, third] = self.bits;
+        let of_one_axis = (0..first - second).rev().map(move |bits| bits + 2 * second + third);
+        let of_two = (0..second - third).rev().map(move |bits| 2 * bits + 3 * third);
+        of_one_axis.chain(of_two).chain((0..third).rev().map(|bits| 3 * bits))
+    }
+
     /// Place of a cell on the curve.
     pub(super) fn place(&self, cell: [u32; 3]) -> u64 {
         let x = self.axes.map(|a| cell[a]);
@@ -124,6 +133,18 @@ mod tests {
                 assert_eq!(steps, 1, "{sides:?}: {pair:?}");
             }
         }
+    }
+
+    #[test]
+    fn nodes_halve_the_axes_that_have_cells() {
+        let nodes = |sides: [u32; 3]| {
+            let curve = HilbertCurve::through(sides.map(|side| side - 1));
+            curve.nodes().collect::<Vec<_>>()
+        };
+        assert_eq!(nodes([4, 4, 4]), [3, 0]);
+        assert_eq!(nodes([4, 32, 8]), [9, 8, 6, 3, 0]);
+        assert_eq!(nodes([1, 8, 1]), [2, 1, 0]);
+        assert_eq!(nodes([1, 1, 1]), []);
     }
 
     #[test]
