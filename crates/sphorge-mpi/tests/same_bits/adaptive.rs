@@ -99,6 +99,38 @@ fn images_and_a_contact_between_bodies() {
     compare_partial(CELL, &[&calm[..], &[("search", "\"adaptive\"")]].concat(), &[2, 4]);
 }
 
+/// A block that flies at its image in a plane and, out of the periodic cell, at another: contact candidates are found among images of particles of all
+/// ranks.
+const AT_IMAGES: &str = r#"
+dimensions = "plane-strain"
+method = "fraser"
+particles = { spacing = "0.5 mm" }
+time = { end = "16 us" }
+output = { history-interval = "1 us" }
+periodic = { x = ["0 mm", "24 mm"] }
+
+[[body]]
+name = "block"
+material = "armco-iron"
+shape = { box = { min = ["1 mm", "1.5 mm"], max = ["11 mm", "9.5 mm"] } }
+velocity = ["-100 m/s", "-100 m/s"]
+
+[[body]]
+name = "target"
+material = "armco-iron"
+shape = { box = { min = ["13 mm", "1.5 mm"], max = ["23 mm", "9.5 mm"] } }
+
+[[symmetry]]
+axis = "y"
+at = "0 mm"
+side = "positive"
+"#;
+
+#[test]
+fn contact_candidates_among_images() {
+    compare_partial(AT_IMAGES, &[("search", "\"adaptive\"")], &[2, 3, 4]);
+}
+
 #[test]
 fn neighbours_that_are_not_searched_themselves() {
     // Each particle is searched when it has strained by a few hundredths, its neighbours at other times: their rows, of other ranks and of images, are patched.
