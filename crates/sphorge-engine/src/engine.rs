@@ -7,7 +7,7 @@
 use crate::halo::FieldSet;
 use crate::persist::{Archive, ArchiveError};
 use crate::ranks::Communicator;
-use crate::reduction::{FieldSource, Reduction};
+use crate::reduction::{FieldSource, QueuedSums, Reduction};
 use crate::{Audit, Column, Ledger, LimitReason, Model, Particles, RunFailure};
 use std::sync::Arc;
 
@@ -236,6 +236,15 @@ pub trait Engine: Send {
     fn ledger(&self) -> Result<Ledger, RunFailure>;
     /// A sum, mean or extremum over particles, taken where the columns are; see [`Reduction`] for what comes back.
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure>;
+    /// The ledger and these sums as they are now: they are queued behind what was asked of the engine before, and waited for when it has gone on.
+    /// Nothing where summing them now costs no wait, as on a processor.
+    ///
+    /// # Errors
+    /// As above.
+    fn queue_sums(&self, asked: &[Reduction<'_>]) -> Result<Option<Box<dyn QueuedSums>>, RunFailure> {
+        let _ = asked;
+        Ok(None)
+    }
     /// A field of [`crate::particles::FIELDS`] of all particles, in the order of their `id`.
     ///
     /// # Errors

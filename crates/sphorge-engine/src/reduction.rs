@@ -2,10 +2,12 @@
 //!
 //! An engine evaluates them where its columns are; [`evaluate`] does so for columns in memory.
 
+mod answers;
 mod message;
 mod suspicion;
 mod turns;
 
+pub use answers::{Answers, Question, QueuedSums};
 pub use message::ReductionMessage;
 pub use suspicion::{
     AGAINST, Looked, PAIR_DISTANCE, PAIR_GAP, Standard, Suspects, Suspicion, TEARING_RADIUS, TEARING_SHARE,

@@ -4,7 +4,7 @@ use crate::engine::{Engine, EngineKind, InPieces, TimeStepLimit};
 use crate::model::Model;
 use crate::particles::{Column, FIELDS, History, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count, require};
-use crate::reduction::{FieldSource, ParticleSource, Reduction};
+use crate::reduction::{FieldSource, ParticleSource, QueuedSums, Reduction};
 use crate::step::advance;
 use crate::{ENGINES, Ledger, LimitReason, RunFailure, StageSeconds, StepReport};
 use std::sync::Arc;
@@ -209,6 +209,15 @@ impl Simulation {
     /// The engine is lost.
     pub fn detach(&self) -> Result<Option<Box<dyn FieldSource + Send>>, RunFailure> {
         self.engine.detach()
+    }
+
+    /// The ledger and these sums as they are now, to be waited for when steps have gone on, where asking for them now would make these wait: see
+    /// [`Engine::queue_sums`].
+    ///
+    /// # Errors
+    /// The engine is lost.
+    pub fn queue_sums(&self, asked: &[Reduction<'_>]) -> Result<Option<Box<dyn QueuedSums>>, RunFailure> {
+        self.engine.queue_sums(asked)
     }
 
     /// A copy of every field a user can name, in the order of `id`.

@@ -23,6 +23,22 @@ pub(crate) struct Observed {
     values: Vec<Option<f64>>,
     /// Particle followed by each tracer, by its id.
     followed: Vec<Option<u32>>,
+    /// Particles that each tracer is of.
+    selections: Vec<ParticleSelection>,
+}
+
+/// What a tracer asks for a quantity, once it knows whom it follows.
+fn reduction_of<'a>(
+    tracer: &Tracer,
+    of: &'a ParticleSelection,
+    followed: Option<u32>,
+    quantity: Quantity<'a>,
+) -> Option<Reduction<'a>> {
+    match followed {
+        _ if tracer.is_fixed => Some(Reduction::Interpolation { of, quantity, point: tracer.point }),
+        Some(id) => Some(Reduction::OfParticle { id, quantity }),
+        None => None,
+    }
 }
 
 /// Endings of the columns of a field, with the component each holds.
@@ -72,7 +88,25 @@ impl Observed {
                 add(ending, "force of the material ahead of the plane on the material behind it");
             }
         }
-        Self { values: vec![None; columns.len()], columns, followed: vec![None; model.tracers.len()] }
+        let selection = |tracer: &Tracer| ParticleSelection { body: tracer.body, ..ParticleSelection::default() };
+        Self {
+            values: vec![None; columns.len()],
+            columns,
+            followed: vec![None; model.tracers.len()],
+            selections: model.tracers.iter().map(selection).collect(),
+        }
+    }
+
+    /// What the next sample will ask. It is known once every tracer knows whom it follows.
+    pub(crate) fn asks<'a>(&'a self, model: &'a Model) -> Option<Vec<Reduction<'a>>> {
+        let mut asked = Vec::new();
+        for ((tracer, of), followed) in model.tracers.iter().zip(&self.selections).zip(&self.followed) {
+            for (field, _, k, _) in quantities(tracer, model) {
+                asked.push(reduction_of(tracer, of, *followed, Quantity { field, component: Some(k) })?);
+            }
+        }
+        asked.extend(model.sections.iter().map(Reduction::SectionForce));
+        Some(asked)
     }
 
     /// Takes the state; the first one is the initial configuration.
@@ -81,20 +115,15 @@ impl Observed {
     /// The engine is lost.
     pub(crate) fn sample(&mut self, model: &Model, source: &dyn ParticleSource) -> Result<(), RunFailure> {
         self.values.clear();
-        for (tracer, followed) in model.tracers.iter().zip(&mut self.followed) {
-            let Tracer { point, body, is_fixed, .. } = *tracer;
-            if followed.is_none() && !is_fixed {
+        for ((tracer, of), followed) in model.tracers.iter().zip(&self.selections).zip(&mut self.followed) {
+            if followed.is_none() && !tracer.is_fixed {
+                let Tracer { point, body, .. } = *tracer;
                 *followed = source.reduce(&Reduction::Nearest { point, body })?.first().map(|id| *id as u32);
             }
-            let of = ParticleSelection { body, ..ParticleSelection::default() };
             for (field, _, k, _) in quantities(tracer, model) {
-                let quantity = Quantity { field, component: Some(k) };
-                let found = match *followed {
-                    _ if is_fixed => source.reduce(&Reduction::Interpolation { of: &of, quantity, point })?,
-                    Some(id) => source.reduce(&Reduction::OfParticle { id, quantity })?,
-                    None => Vec::new(),
-                };
-                self.values.push(found.first().copied());
+                let asked = reduction_of(tracer, of, *followed, Quantity { field, component: Some(k) });
+                let found = asked.map(|asked| source.reduce(&asked)).transpose()?;
+                self.values.push(found.and_then(|found| found.first().copied()));
             }
         }
         for section in &model.sections {

@@ -6,8 +6,6 @@ use crate::engine::persist_fields;
 #[derive(Clone, Debug)]
 pub(super) struct FrontSpeed {
     level: f64,
-    /// +1 or -1.
-    direction: f64,
     window: (f64, f64),
     /// Whether the material ahead is above the level.
     ahead_is_above: Option<bool>,
@@ -16,20 +14,8 @@ pub(super) struct FrontSpeed {
 }
 
 impl FrontSpeed {
-    pub(super) fn new(level: f64, direction: f64, window: (f64, f64)) -> Self {
-        Self {
-            level,
-            direction: direction.signum(),
-            window,
-            ahead_is_above: None,
-            has_left: false,
-            samples: Vec::new(),
-        }
-    }
-
-    /// Sign of the coordinate the front runs along.
-    pub(super) fn direction(&self) -> f64 {
-        self.direction
+    pub(super) fn new(level: f64, window: (f64, f64)) -> Self {
+        Self { level, window, ahead_is_above: None, has_left: false, samples: Vec::new() }
     }
 
     /// Takes the means of slabs in the order of the front's path: coordinate and field of each, one after the other.
@@ -62,5 +48,5 @@ impl FrontSpeed {
     }
 }
 
-// Level, direction and window are those of the model.
+// Level and window are those of the model.
 persist_fields!(FrontSpeed { ahead_is_above, has_left, samples });

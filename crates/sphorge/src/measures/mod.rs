@@ -85,9 +85,7 @@ impl Measures {
             kind: kind.clone(),
             memory: match kind {
                 MeasureKind::Extreme { over_time: true, .. } => Memory::Best(None),
-                MeasureKind::FrontSpeed { level, direction, window, .. } => {
-                    Memory::Front(FrontSpeed::new(*level, *direction, *window))
-                }
+                MeasureKind::FrontSpeed { level, window, .. } => Memory::Front(FrontSpeed::new(*level, *window)),
                 MeasureKind::Period { .. } => Memory::Period(Period::default()),
                 MeasureKind::ReversalTime { .. } => Memory::Reversal(Reversal::default()),
                 MeasureKind::Extreme { over_time: false, .. }
@@ -103,6 +101,11 @@ impl Measures {
             evaluators: model.measures.iter().map(|measure| evaluator(&measure.kind)).collect(),
             values: vec![None; model.measures.len()],
         }
+    }
+
+    /// What the next sample will ask, unless it needs all positions.
+    pub(crate) fn asks(&self) -> Option<Vec<Reduction<'_>>> {
+        self.evaluators.iter().map(Evaluator::reduction).collect()
     }
 
     /// Takes the state at `time` (s, later than any before) into account.
@@ -172,6 +175,37 @@ pub(crate) fn span(kind: &MeasureKind, model: &Model, particles: &Particles) -> 
 }
 
 impl Evaluator {
+    /// The sum that it is made of; none where it is made of all positions.
+    fn reduction(&self) -> Option<Reduction<'_>> {
+        Some(match &self.kind {
+            MeasureKind::Extent { selection, axis } => Reduction::Extent { of: selection, axis: *axis },
+            MeasureKind::Diameter { selection, axis } => Reduction::Diameter { of: selection, axis: *axis },
+            MeasureKind::Extreme { selection, field, component, extremum, .. } => Reduction::Extremum {
+                of: selection,
+                quantity: Quantity { field, component: *component },
+                extremum: *extremum,
+            },
+            MeasureKind::Mean { selection, field, component } | MeasureKind::Period { selection, field, component } => {
+                Reduction::Mean { of: selection, quantity: Quantity { field, component: *component } }
+            }
+            MeasureKind::Value { selection, field, component, point } => Reduction::Interpolation {
+                of: selection,
+                quantity: Quantity { field, component: *component },
+                point: *point,
+            },
+            MeasureKind::FrontSpeed { selection, field, component, axis, direction, .. } => Reduction::Slabs {
+                of: selection,
+                quantity: Quantity { field, component: *component },
+                axis: *axis,
+                direction: direction.signum(),
+            },
+            MeasureKind::ReversalTime { selection, axis } => {
+                Reduction::Mean { of: selection, quantity: Quantity { field: "velocity", component: Some(*axis) } }
+            }
+            MeasureKind::CraterDiameter { .. } | MeasureKind::Cloud { .. } => return None,
+        })
+    }
+
     fn sample(
         &mut self,
         model: &Model,
@@ -180,14 +214,10 @@ impl Evaluator {
         positions: &Particles,
         shared: &mut Shared,
     ) -> Result<Option<f64>, RunFailure> {
-        let one = |reduction: Reduction<'_>| Ok::<_, RunFailure>(source.reduce(&reduction)?.first().copied());
-        Ok(match &self.kind {
-            MeasureKind::Extent { selection, axis } => one(Reduction::Extent { of: selection, axis: *axis })?,
-            MeasureKind::Diameter { selection, axis } => one(Reduction::Diameter { of: selection, axis: *axis })?,
-            MeasureKind::Extreme { selection, field, component, extremum, .. } => {
-                let quantity = Quantity { field, component: *component };
-                let now = one(Reduction::Extremum { of: selection, quantity, extremum: *extremum })?;
-                let Memory::Best(best) = &mut self.memory else { return Ok(now) };
+        let found = self.reduction().map(|asked| source.reduce(&asked)).transpose()?.unwrap_or_default();
+        let now = found.first().copied();
+        Ok(match (&self.kind, &mut self.memory) {
+            (MeasureKind::Extreme { extremum, .. }, Memory::Best(best)) => {
                 let better = match extremum {
                     Extremum::Maximum => f64::max,
                     Extremum::Minimum => f64::min,
@@ -195,43 +225,25 @@ impl Evaluator {
                 *best = now.into_iter().chain(*best).reduce(better);
                 *best
             }
-            MeasureKind::Mean { selection, field, component } => {
-                let quantity = Quantity { field, component: *component };
-                one(Reduction::Mean { of: selection, quantity })?
-            }
-            MeasureKind::Value { selection, field, component, point } => {
-                let quantity = Quantity { field, component: *component };
-                one(Reduction::Interpolation { of: selection, quantity, point: *point })?
-            }
-            MeasureKind::FrontSpeed { selection, field, component, axis, .. } => {
-                let Memory::Front(front) = &mut self.memory else { return Ok(None) };
-                let (quantity, direction) = (Quantity { field, component: *component }, front.direction());
-                let slabs = Reduction::Slabs { of: selection, quantity, axis: *axis, direction };
-                front.sample(time, &source.reduce(&slabs)?);
+            (_, Memory::Front(front)) => {
+                front.sample(time, &found);
                 front.speed()
             }
-            MeasureKind::Period { selection, field, component } => {
-                let Memory::Period(period) = &mut self.memory else { return Ok(None) };
-                let quantity = Quantity { field, component: *component };
-                if let Some(mean) = one(Reduction::Mean { of: selection, quantity })? {
-                    period.sample(time, mean);
-                }
+            (_, Memory::Period(period)) => {
+                now.into_iter().for_each(|mean| period.sample(time, mean));
                 period.period()
             }
-            MeasureKind::ReversalTime { selection, axis } => {
-                let Memory::Reversal(reversal) = &mut self.memory else { return Ok(None) };
-                let quantity = Quantity { field: "velocity", component: Some(*axis) };
-                if let Some(mean) = one(Reduction::Mean { of: selection, quantity })? {
-                    reversal.sample(time, mean);
-                }
+            (_, Memory::Reversal(reversal)) => {
+                now.into_iter().for_each(|mean| reversal.sample(time, mean));
                 reversal.time()
             }
-            MeasureKind::CraterDiameter { perforation, edge } => {
+            (MeasureKind::CraterDiameter { perforation, edge }, _) => {
                 shared.flight(model, positions, perforation).crater(*edge).map(|span| span.length)
             }
-            MeasureKind::Cloud { perforation, extent, leave_out } => {
+            (MeasureKind::Cloud { perforation, extent, leave_out }, _) => {
                 shared.flight(model, positions, perforation).cloud(*extent, *leave_out).map(|span| span.length)
             }
+            _ => now,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! When a run saves its state.
 
-use super::{progress::Observer, state::RunState};
+use super::{error::Trouble, progress::Observer, state::RunState};
 use crate::output::{About, OutputError, checkpoints, remove_former_checkpoints, write_checkpoint};
 use std::{
     sync::{
@@ -48,7 +48,7 @@ impl Keeper {
     }
 
     /// Saves the state if it is time to.
-    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+    pub(super) fn after_step(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
         let time = state.simulation.time();
         let is_asked = self.plan.request.as_ref().is_some_and(|request| request.swap(false, Ordering::Relaxed));
         let is_late = self.plan.every.is_some_and(|every| self.last.elapsed() >= every);
@@ -59,7 +59,7 @@ impl Keeper {
     }
 
     /// Saves the state of a run that is stopped; before the first step there is nothing to go on from.
-    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+    pub(super) fn at_stop(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
         if self.plan.saves() && state.simulation.steps() > 0 {
             self.save(state, observer)?;
         }
@@ -67,7 +67,7 @@ impl Keeper {
     }
 
     /// Saves the state of a run that has reached its end, if that was asked for.
-    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+    pub(super) fn at_end(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
         if self.plan.at_end {
             self.save(state, observer)?;
         }
@@ -77,8 +77,9 @@ impl Keeper {
     /// Saves the state now. A run whose state cannot be written goes on: it is well, and the checkpoints before are there.
     ///
     /// # Errors
-    /// The frame that was being written meanwhile is lost.
-    pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), OutputError> {
+    /// The row or the frame that was under way is lost.
+    pub(super) fn save(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        state.settle_row(observer)?;
         state.recorder.settle()?;
         if let Err(error) = self.try_save(state, observer) {
             let kept = checkpoints(state.recorder.directory().path()).unwrap_or_default();

@@ -95,6 +95,10 @@ pub(super) fn conclude(
     ended: Result<EndReason, Trouble>,
     observer: &mut dyn Observer,
 ) -> Result<Summary, RunError> {
+    if ended.is_err() {
+        // What a card that is lost has not given any more is no row, and not the trouble to report.
+        let _ = state.settle_row(observer);
+    }
     let RunState { simulation, recorder, pace, .. } = &mut state;
     match ended {
         Ok(reason) => {

@@ -5,12 +5,13 @@ use super::{
     error::Trouble,
     frame::{Frame, FrameUnderWay, frame_thread},
     state::Beginning,
-    watch::Watch,
+    watch::{Clock, Watch},
 };
 use crate::{
     engine::{
-        Audit, Energies, FieldSource, LimitReason, Simulation, StepReport,
+        Audit, Energies, FieldSource, Ledger, LimitReason, ParticleSource, Simulation, StepReport,
         persist::{Archive, ArchiveError, MOST_COUNTED, Persist, persist_count, persist_option, require},
+        reduction::{QueuedSums, Reduction},
     },
     geometry::FilledMass,
     measures::Measures,
@@ -41,6 +42,8 @@ pub(super) struct Recorder {
     under_way: Option<FrameUnderWay>,
     frame_thread: Option<rayon::ThreadPool>,
     last_row_step: Option<u64>,
+    /// The last row, while the engine sums what it says.
+    row_under_way: Option<RowUnderWay>,
     /// Energies, external work, what the integrator booked and what springs, viscosity and artificial stress took, of the last row.
     energies: Energies,
     external_work: f64,
@@ -59,6 +62,12 @@ pub(super) struct Recorder {
     /// What the engine says of its memory, the largest so far.
     engine_bytes: u64,
     seconds: f64,
+}
+
+/// A row whose sums are still to come. Until it is written nothing else of the recorder changes.
+struct RowUnderWay {
+    clock: Clock,
+    sums: Box<dyn QueuedSums>,
 }
 
 /// Sums over the steps.
@@ -105,6 +114,7 @@ impl Recorder {
             under_way: None,
             frame_thread: None,
             last_row_step: None,
+            row_under_way: None,
             energies: Energies::default(),
             external_work: 0.0,
             integration_energy: 0.0,
@@ -164,7 +174,7 @@ impl Recorder {
     /// Looks at all of the present state for what is broken.
     pub(super) fn look(&mut self, engine: &Simulation) -> Result<(), Trouble> {
         let start = Instant::now();
-        self.watch.look(engine, &engine.ledger()?, true)?;
+        self.watch.look(engine, engine.model(), Clock::of(engine), &engine.ledger()?, true)?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
@@ -193,22 +203,62 @@ impl Recorder {
         }
     }
 
-    /// Writes a row and returns the kinetic energy.
-    pub(super) fn row(&mut self, engine: &Simulation) -> Result<f64, Trouble> {
+    /// Takes a row of the present state, and says whether it is written. Where the engine sums while it goes on, [`Self::settle_row`] writes it.
+    pub(super) fn row(&mut self, engine: &Simulation) -> Result<bool, Trouble> {
         let start = Instant::now();
-        let ledger = engine.ledger()?;
-        let drift = self.conservation.sample(&ledger);
-        self.watch.look(engine, &ledger, false)?;
-        self.measures.sample(engine.model(), engine.time(), engine)?;
-        self.observed.sample(engine.model(), engine)?;
+        let (model, clock) = (engine.model(), Clock::of(engine));
+        self.engine_bytes = self.engine_bytes.max(engine.memory_bytes());
+        let queued = match self.asks(model, clock) {
+            Some(asked) => engine.queue_sums(&asked)?,
+            None => None,
+        };
+        let is_written = queued.is_none();
+        match queued {
+            Some(sums) => self.row_under_way = Some(RowUnderWay { clock, sums }),
+            None => self.write_row(model, clock, &engine.ledger()?, engine)?,
+        }
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(is_written)
+    }
+
+    /// Writes the row whose sums the engine has taken meanwhile; whether there was one.
+    pub(super) fn settle_row(&mut self, model: &Model) -> Result<bool, Trouble> {
+        let Some(RowUnderWay { clock, sums }) = self.row_under_way.take() else { return Ok(false) };
+        let start = Instant::now();
+        let answers = sums.wait()?;
+        self.write_row(model, clock, answers.ledger(), &answers)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(true)
+    }
+
+    /// The sums that a row is made of beside the ledger, where they are known before it is written: not of the first row, and not where a measure is
+    /// made of all positions.
+    fn asks<'a>(&'a self, model: &'a Model, clock: Clock) -> Option<Vec<Reduction<'a>>> {
+        let mut asked = self.watch.asks(model, clock)?;
+        asked.extend(self.measures.asks()?);
+        asked.extend(self.observed.asks(model)?);
+        Some(asked)
+    }
+
+    fn write_row(
+        &mut self,
+        model: &Model,
+        clock: Clock,
+        ledger: &Ledger,
+        source: &dyn ParticleSource,
+    ) -> Result<(), Trouble> {
+        let drift = self.conservation.sample(ledger);
+        self.watch.look(source, model, clock, ledger, false)?;
+        self.measures.sample(model, clock.time, source)?;
+        self.observed.sample(model, source)?;
         let since = self.steps.count - self.steps_at_last_row.count;
         let searched = self.steps.searched - self.steps_at_last_row.searched;
         let sample = HistorySample {
-            time: engine.time(),
-            step: engine.steps(),
+            time: clock.time,
+            step: clock.step,
             dt: self.step_size.0,
             reason: self.step_size.1,
-            ledger: &ledger,
+            ledger,
             energy_drift: drift.energy,
             momentum_drift: drift.momentum,
             searched_fraction: (since > 0).then(|| searched / since as f64),
@@ -218,8 +268,7 @@ impl Recorder {
             measures: self.measures.values(),
             observed: (self.observed.columns(), self.observed.values()),
         };
-        self.history.add(engine.model(), &sample)?;
-        self.engine_bytes = self.engine_bytes.max(engine.memory_bytes());
+        self.history.add(model, &sample)?;
         self.energies = ledger.total.energies;
         self.external_work = ledger.external_work;
         self.integration_energy = ledger.integration_energy;
@@ -228,9 +277,13 @@ impl Recorder {
         self.artificial_stress_energy = ledger.artificial_stress_energy;
         self.steps_at_last_row = self.steps;
         self.landing_since_row = true;
-        self.last_row_step = Some(engine.steps());
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(self.energies.kinetic)
+        self.last_row_step = Some(clock.step);
+        Ok(())
+    }
+
+    /// Kinetic energy of the last row, J.
+    pub(super) fn kinetic_energy(&self) -> f64 {
+        self.energies.kinetic
     }
 
     /// Writes a frame, then the list of frames, then the rows so far; where the engine lets fields be read while it goes on, the frame is under way then.

@@ -60,7 +60,7 @@ impl Repeater {
             // It may fail again: from here on there is nothing to repeat before it.
             let is_near = smaller.is_some() && self.kept.as_ref().is_some_and(|kept| kept.steps < steps);
             if self.most > 0 && (is_near || self.is_due()) {
-                self.keep(state);
+                self.keep(state, observer)?;
             }
             if let Some(smaller) = smaller {
                 state.simulation.shorten_next_step(smaller.share);
@@ -78,7 +78,8 @@ impl Repeater {
         self.kept.as_ref().is_none_or(|kept| kept.at.elapsed().as_secs_f64() > self.sparseness * kept.seconds)
     }
 
-    fn keep(&mut self, state: &mut RunState) {
+    fn keep(&mut self, state: &mut RunState, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        state.settle_row(observer)?;
         let start = Instant::now();
         // Before there is another one: there may be no room for two.
         self.kept = None;
@@ -86,12 +87,13 @@ impl Repeater {
         if state.save(&mut archive).is_err() {
             // The engine does not give its state away.
             self.most = 0;
-            return;
+            return Ok(());
         }
         let steps = state.simulation.steps();
         self.smaller.retain(|&step, _| step > steps);
         let seconds = start.elapsed().as_secs_f64();
         self.kept = Some(Kept { state: archive, steps, at: Instant::now(), seconds });
+        Ok(())
     }
 
     /// Goes back to the state that was kept, so that the step that failed comes again, smaller; or gives the failure back.

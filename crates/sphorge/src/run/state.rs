@@ -115,16 +115,20 @@ impl RunState {
         let (dt, reason) = self.simulation.next_step_estimate()?;
         self.recorder.prepared(dt, reason);
         self.recorder.watch_step(self.simulation.model(), dt, 0, 0.0)?;
-        self.initial_kinetic = self.recorder.row(&self.simulation)?;
-        self.kinetic = self.initial_kinetic;
-        self.warn(observer);
+        self.row(observer)?;
+        self.settle_row(observer)?;
+        self.initial_kinetic = self.kinetic;
         self.frame(observer)
     }
 
     /// Takes a step, which has failed some times before, and writes what is due after it.
     pub(super) fn step(&mut self, observer: &mut dyn Observer, failures: u32) -> Result<StepReport, Trouble> {
         // Steps end at frames. Rows come after the first step that has passed them, so that asking for more changes nothing.
-        let report = self.simulation.step(Some(self.frames.next()))?;
+        let stepped = self.simulation.step(Some(self.frames.next()));
+        // The sums of the last row were there before the step was, also before one that failed, which is the trouble to report.
+        let settled = self.settle_row(observer);
+        let report = stepped?;
+        settled?;
         self.recorder.stepped(&report, failures);
         let hope = match telling(&report) {
             Some(dt) => self.recorder.watch_step(self.simulation.model(), dt, report.step, report.time),
@@ -133,8 +137,7 @@ impl RunState {
         self.warn(observer);
         hope?;
         if self.rows.reached(report.time) {
-            self.kinetic = self.recorder.row(&self.simulation)?;
-            self.warn(observer);
+            self.row(observer)?;
         }
         if self.frames.reached(report.time) {
             self.frame(observer)?;
@@ -144,11 +147,13 @@ impl RunState {
 
     /// Writes the last row and the last frame where the present state has none yet.
     pub(super) fn close(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        self.settle_row(observer)?;
         self.recorder.look(&self.simulation)?;
         self.warn(observer);
         let (owes_row, owes_frame) = self.recorder.owes(self.simulation.steps());
         if owes_row {
             self.recorder.row(&self.simulation)?;
+            self.recorder.settle_row(self.simulation.model())?;
         }
         if owes_frame {
             self.frame(observer)?;
@@ -195,6 +200,29 @@ impl RunState {
     fn warn(&mut self, observer: &mut dyn Observer) {
         let news = self.recorder.warnings_to_tell(self.simulation.model());
         news.iter().for_each(|warning| observer.warned(warning));
+    }
+
+    /// Takes a row. It may be written after the next step, unless the deck decides by it whether there is one.
+    fn row(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        if self.recorder.row(&self.simulation)? {
+            self.row_is_written(observer);
+        } else if self.time.stop_kinetic_fraction.is_some() {
+            self.settle_row(observer)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the row whose sums are still to come, before anything else looks at the run.
+    pub(super) fn settle_row(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {
+        if self.recorder.settle_row(self.simulation.model())? {
+            self.row_is_written(observer);
+        }
+        Ok(())
+    }
+
+    fn row_is_written(&mut self, observer: &mut dyn Observer) {
+        self.kinetic = self.recorder.kinetic_energy();
+        self.warn(observer);
     }
 
     fn frame(&mut self, observer: &mut dyn Observer) -> Result<(), Trouble> {

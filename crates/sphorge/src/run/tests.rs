@@ -1,13 +1,15 @@
 //! Whole runs with an engine that only counts time.
 
+mod rows;
+
 use super::{drive::execute, *};
 use crate::{
     deck::Setup,
     engine::{
         BodyLedger, Column, Energies, Engine, EngineKind, FieldSource, Ledger, LimitReason, Reduction, RunFailure,
         SearchReport, TimeStepLimit, Unsupported,
-        persist::{Archive, ArchiveError},
-        reduction,
+        persist::{Archive, ArchiveError, Persist},
+        reduction::{self, QueuedSums},
     },
     geometry::FilledMass,
     model::{Measure, MeasureKind, Model, ParticleSelection, WarningKind},
@@ -33,6 +35,10 @@ struct Clockwork {
     fail_at: Option<f64>,
     /// Where frames are copied out while it goes on: from when on those of a tenth of a second are lost.
     copies_lost_from: Option<f64>,
+    /// Where rows are summed while it goes on.
+    rows: Option<rows::Rows>,
+    /// Of the last step.
+    dt: f64,
 }
 
 /// Starts [`Clockwork`]; with a time, fails there.
@@ -50,7 +56,16 @@ impl EngineKind for ClockworkKind {
         if model.gravity == [0.0; 3] { Ok(()) } else { Err(what()) }
     }
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
-        Ok(Box::new(Clockwork { model, particles, time: 0.0, steps: 0, fail_at: self.0, copies_lost_from: None }))
+        Ok(Box::new(Clockwork {
+            model,
+            particles,
+            time: 0.0,
+            steps: 0,
+            fail_at: self.0,
+            copies_lost_from: None,
+            rows: None,
+            dt: 0.0,
+        }))
     }
 }
 
@@ -67,7 +82,16 @@ impl EngineKind for CopyingKind {
     }
     fn start(&self, model: Arc<Model>, particles: Particles) -> Result<Box<dyn Engine>, RunFailure> {
         let (fail_at, copies_lost_from) = (self.0, Some(self.1));
-        Ok(Box::new(Clockwork { model, particles, time: 0.0, steps: 0, fail_at, copies_lost_from }))
+        Ok(Box::new(Clockwork {
+            model,
+            particles,
+            time: 0.0,
+            steps: 0,
+            fail_at,
+            copies_lost_from,
+            rows: None,
+            dt: 0.0,
+        }))
     }
 }
 
@@ -95,8 +119,13 @@ impl Engine for Clockwork {
             is_lost: (lost_from..lost_from + 0.1).contains(&self.time),
         })))
     }
+    fn queue_sums(&self, asked: &[Reduction<'_>]) -> Result<Option<Box<dyn QueuedSums>>, RunFailure> {
+        self.rows.as_ref().map_or(Ok(None), |rows| rows.queue(self, asked))
+    }
     fn begin(&mut self, dt: f64) -> Result<(), RunFailure> {
+        self.note(rows::Event::Step);
         self.time += dt;
+        self.dt = dt;
         self.steps += u64::from(dt > 0.0);
         self.particles.position[1][0] = 3.0 * self.time;
         Ok(())
@@ -117,10 +146,11 @@ impl Engine for Clockwork {
         Ok(())
     }
     fn guard(&self) -> Result<(), RunFailure> {
-        if self.fail_at.is_none_or(|t| self.time < t + DT) {
+        if self.fail_at.is_none_or(|t| self.time < t + DT) || self.rows.as_ref().is_some_and(|rows| rows.passes(self)) {
             return Ok(());
         }
         Err(RunFailure {
+            step_may_be_smaller: self.rows.is_some(),
             field: "velocity",
             particle: Some(0),
             body: Some(0),
@@ -149,7 +179,13 @@ impl Engine for Clockwork {
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {
         self.particles.read(field)
     }
-    fn persist(&mut self, _: &mut dyn Archive) -> Result<(), ArchiveError> {
+    fn persist(&mut self, archive: &mut dyn Archive) -> Result<(), ArchiveError> {
+        if self.rows.is_some() {
+            self.note(rows::Event::Save);
+            self.time.persist("clockwork.time", archive)?;
+            self.steps.persist("clockwork.steps", archive)?;
+            return self.particles.position[1][0].persist("clockwork.place", archive);
+        }
         Err(ArchiveError::Unsupported("a clockwork saves nothing".into()))
     }
     fn memory_bytes(&self) -> u64 {

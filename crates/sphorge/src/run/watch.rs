@@ -145,32 +145,59 @@ impl Watch {
         news
     }
 
+    /// What [`Self::look`] will ask of the particles at this moment. It is known once a first state has been looked at.
+    pub(super) fn asks(&self, model: &Model, clock: Clock) -> Option<Vec<Reduction<'static>>> {
+        self.start.as_ref()?;
+        let checks = self.due(model, clock, false).into_iter().flat_map(|of| self.checks(of, model, clock));
+        Some(checks.map(|check| Reduction::Suspects(check.suspicion)).collect())
+    }
+
     /// Looks at a state whose ledger is given; `thoroughly` at all of it, however short the time since the last look.
-    pub(super) fn look(&mut self, engine: &Simulation, ledger: &Ledger, thoroughly: bool) -> Result<(), RunFailure> {
+    pub(super) fn look(
+        &mut self,
+        source: &dyn ParticleSource,
+        model: &Model,
+        clock: Clock,
+        ledger: &Ledger,
+        thoroughly: bool,
+    ) -> Result<(), RunFailure> {
         if self.start.is_none() {
-            self.start = Some(Start::of(engine, ledger)?);
+            self.start = Some(Start::of(source, model, ledger)?);
         }
-        let clock = Clock { step: engine.steps(), time: engine.time() };
-        self.look_at_ledger(engine.model(), ledger, clock);
-        let due = |last: Option<u64>, interval: u64| {
-            last.is_none_or(|last| clock.step >= last + interval || thoroughly && clock.step > last)
-        };
-        if due(self.particles_at, PARTICLE_STEPS) {
-            self.particles_at = Some(clock.step);
-            self.look_at_particles(engine, engine.model(), clock)?;
-        }
-        // Sums over the neighbours of the start know no instability in tension.
-        if engine.model().formulation == Formulation::UpdatedLagrangian && due(self.pairs_at, PAIR_STEPS) {
-            self.pairs_at = Some(clock.step);
-            self.look_at_pairs(engine, engine.model(), clock)?;
-        }
-        // Particles that leave a periodic cell come in at its other end, far from their piece.
-        let is_open = engine.model().periodic.iter().all(Option::is_none);
-        if is_open && due(self.pieces_at, PIECE_STEPS) {
-            self.pieces_at = Some(clock.step);
-            self.look_at_losses(engine, WarningKind::Pieces, clock)?;
+        self.look_at_ledger(model, ledger, clock);
+        for of in self.due(model, clock, thoroughly) {
+            *self.last_look(of) = Some(clock.step);
+            self.look_at(of, source, model, clock)?;
         }
         Ok(())
+    }
+
+    /// What of the particles is to be looked at now.
+    fn due(&self, model: &Model, clock: Clock, thoroughly: bool) -> Vec<Aspect> {
+        let is_due = |last: Option<u64>, interval: u64| {
+            last.is_none_or(|last| clock.step >= last + interval || thoroughly && clock.step > last)
+        };
+        // Sums over the neighbours of the start know no instability in tension.
+        let pairs = model.formulation == Formulation::UpdatedLagrangian;
+        // Particles that leave a periodic cell come in at its other end, far from their piece.
+        let is_open = model.periodic.iter().all(Option::is_none);
+        [
+            (Aspect::Particles, is_due(self.particles_at, PARTICLE_STEPS)),
+            (Aspect::Pairs, pairs && is_due(self.pairs_at, PAIR_STEPS)),
+            (Aspect::Pieces, is_open && is_due(self.pieces_at, PIECE_STEPS)),
+        ]
+        .into_iter()
+        .filter_map(|(of, is_due)| is_due.then_some(of))
+        .collect()
+    }
+
+    /// The step of the last look at this.
+    fn last_look(&mut self, of: Aspect) -> &mut Option<u64> {
+        match of {
+            Aspect::Particles => &mut self.particles_at,
+            Aspect::Pairs => &mut self.pairs_at,
+            Aspect::Pieces => &mut self.pieces_at,
+        }
     }
 
     /// Looks at the size of the next step, before the first and after every step; fails where the run would not end.
@@ -244,13 +271,32 @@ impl Watch {
         }
     }
 
-    fn look_at_particles(
-        &mut self,
-        source: &dyn ParticleSource,
-        model: &Model,
-        clock: Clock,
-    ) -> Result<(), RunFailure> {
-        let Some(start) = &self.start else { return Ok(()) };
+    /// The checks that the deck asks for.
+    fn checks(&self, of: Aspect, model: &Model, clock: Clock) -> Vec<Check> {
+        match of {
+            Aspect::Particles => self.checks_of_particles(model, clock),
+            Aspect::Pairs => {
+                // Zones in tension are counted in what one kernel reaches.
+                let around = match model.dimensions.count() {
+                    1 => 2.0 * TEARING_RADIUS,
+                    2 => PI * TEARING_RADIUS.powi(2),
+                    _ => 4.0 / 3.0 * PI * TEARING_RADIUS.powi(3),
+                };
+                let pairing = self.check(WarningKind::Pairing, |_| (Suspicion::Paired, 1.0));
+                pairing.into_iter().chain(self.check(WarningKind::Tearing, |_| (Suspicion::Torn, around))).collect()
+            }
+            Aspect::Pieces => self.check(WarningKind::Pieces, |_| (Suspicion::Apart, 1.0)).into_iter().collect(),
+        }
+    }
+
+    /// A check with what its limit makes of it, unless it is switched off.
+    fn check(&self, kind: WarningKind, of: impl FnOnce(f64) -> (Suspicion, f64)) -> Option<Check> {
+        let (suspicion, unit) = of(self.limits.of(kind)?);
+        Some(Check { kind, suspicion, unit })
+    }
+
+    fn checks_of_particles(&self, model: &Model, clock: Clock) -> Vec<Check> {
+        let Some(start) = &self.start else { return Vec::new() };
         let gravity = model.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         let length = (0..3).map(|a| (start.high[a] - start.low[a]).powi(2)).sum::<f64>().sqrt();
         let reach = length + start.speed * clock.time + 0.5 * gravity * clock.time.powi(2);
@@ -258,75 +304,60 @@ impl Watch {
         let side =
             |corner: [f64; 3], open: f64| [0, 1, 2].map(|a| if model.periodic[a].is_some() { open } else { corner[a] });
         let (low, high) = (side(start.low, f64::NEG_INFINITY), side(start.high, f64::INFINITY));
-        let of = |kind: WarningKind, limit: f64| {
-            Some(match kind {
-                WarningKind::Cold => (Suspicion::Cold(limit), 1.0),
-                WarningKind::Hot => (Suspicion::Hot(limit), 1.0),
-                WarningKind::Compression => (Suspicion::Compressed(limit), 1.0),
-                WarningKind::Expansion => (Suspicion::Expanded(limit), 1.0),
-                WarningKind::BehindSymmetry if !model.symmetry.is_empty() => (Suspicion::Behind(limit), 1.0),
-                WarningKind::FarAway if reach > 0.0 => (Suspicion::Away { low, high, limit: limit * reach }, reach),
-                _ => return None,
-            })
-        };
-        for kind in WarningKind::ALL {
-            let Some((suspicion, scale)) = self.limits.of(kind).and_then(|limit| of(kind, limit)) else { continue };
-            let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
-            for (body, worst) in bodies.iter().enumerate().filter_map(|(body, found)| Some((body, found.worst?))) {
-                self.hold(kind, worst.0 / scale, Place::of(worst, body), clock);
+        let of_single = WarningKind::ALL.into_iter().filter_map(|kind| match kind {
+            WarningKind::Cold => self.check(kind, |limit| (Suspicion::Cold(limit), 1.0)),
+            WarningKind::Hot => self.check(kind, |limit| (Suspicion::Hot(limit), 1.0)),
+            WarningKind::Compression => self.check(kind, |limit| (Suspicion::Compressed(limit), 1.0)),
+            WarningKind::Expansion => self.check(kind, |limit| (Suspicion::Expanded(limit), 1.0)),
+            WarningKind::BehindSymmetry if !model.symmetry.is_empty() => {
+                self.check(kind, |limit| (Suspicion::Behind(limit), 1.0))
             }
-        }
-        self.look_at_losses(source, WarningKind::LostNeighbors, clock)
+            WarningKind::FarAway if reach > 0.0 => {
+                self.check(kind, |limit| (Suspicion::Away { low, high, limit: limit * reach }, reach))
+            }
+            _ => None,
+        });
+        of_single.chain(self.check(WarningKind::LostNeighbors, |_| (Suspicion::Lonely, 1.0))).collect()
     }
 
-    /// Looks for the share of particles that a body has lost since the start in a way it cannot.
-    fn look_at_losses(
+    fn look_at(
         &mut self,
+        of: Aspect,
         source: &dyn ParticleSource,
-        kind: WarningKind,
+        model: &Model,
         clock: Clock,
     ) -> Result<(), RunFailure> {
-        let suspicion = if kind == WarningKind::Pieces { Suspicion::Apart } else { Suspicion::Lonely };
-        if self.limits.of(kind).is_none() {
-            return Ok(());
-        }
-        let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
-        let Some(start) = &mut self.start else { return Ok(()) };
-        let before = if kind == WarningKind::Pieces { &mut start.apart } else { &mut start.lonely };
-        if before.is_empty() {
-            *before = bodies.iter().map(share_of).collect();
-        }
-        let before = before.clone();
-        for (body, found) in bodies.iter().enumerate() {
-            let more = share_of(found) - before.get(body).copied().unwrap_or(0.0);
-            if let Some(worst) = found.worst {
-                self.hold(kind, more, Place::of(worst, body), clock);
+        for check in self.checks(of, model, clock) {
+            let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(check.suspicion))?);
+            let before = self.shares_at_start(check.kind, &bodies);
+            for (body, found) in bodies.iter().enumerate() {
+                let Some(worst) = found.worst else { continue };
+                let number = match check.kind {
+                    WarningKind::LostNeighbors | WarningKind::Pieces => {
+                        share_of(found) - before.get(body).copied().unwrap_or(0.0)
+                    }
+                    WarningKind::Pairing => share_of(found),
+                    WarningKind::Tearing => found.suspects as f64 / check.unit,
+                    _ => worst.0 / check.unit,
+                };
+                self.hold(check.kind, number, Place::of(worst, body), clock);
             }
         }
         Ok(())
     }
 
-    /// Looks for pairs, as a share of each body, and for zones of pairs in tension, over the particles that one kernel reaches.
-    fn look_at_pairs(&mut self, source: &dyn ParticleSource, model: &Model, clock: Clock) -> Result<(), RunFailure> {
-        let around = match model.dimensions.count() {
-            1 => 2.0 * TEARING_RADIUS,
-            2 => PI * TEARING_RADIUS.powi(2),
-            _ => 4.0 / 3.0 * PI * TEARING_RADIUS.powi(3),
+    /// The shares of particles that bodies had lost at the first look, of a check for what a body cannot lose: more is held against these.
+    fn shares_at_start(&mut self, kind: WarningKind, bodies: &[Suspects]) -> Vec<f64> {
+        let Some(start) = &mut self.start else { return Vec::new() };
+        let shares = match kind {
+            WarningKind::Pieces => &mut start.apart,
+            WarningKind::LostNeighbors => &mut start.lonely,
+            _ => return Vec::new(),
         };
-        for (kind, suspicion) in [(WarningKind::Pairing, Suspicion::Paired), (WarningKind::Tearing, Suspicion::Torn)] {
-            if self.limits.of(kind).is_none() {
-                continue;
-            }
-            let bodies = Suspects::of(&source.reduce(&Reduction::Suspects(suspicion))?);
-            for (body, found) in bodies.iter().enumerate() {
-                let number =
-                    if kind == WarningKind::Pairing { share_of(found) } else { found.suspects as f64 / around };
-                if let Some(worst) = found.worst {
-                    self.hold(kind, number, Place::of(worst, body), clock);
-                }
-            }
+        if shares.is_empty() {
+            *shares = bodies.iter().map(share_of).collect();
         }
-        Ok(())
+        shares.clone()
     }
 
     /// Holds a number against the limit of its check.
@@ -381,18 +412,45 @@ impl Watch {
 
 /// When something is looked at.
 #[derive(Clone, Copy, Debug)]
-struct Clock {
-    step: u64,
-    time: f64,
+pub(super) struct Clock {
+    pub(super) step: u64,
+    /// s.
+    pub(super) time: f64,
+}
+
+impl Clock {
+    /// The present moment of a run.
+    pub(super) fn of(engine: &Simulation) -> Self {
+        Self { step: engine.steps(), time: engine.time() }
+    }
+}
+
+/// What of the particles is looked at together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Aspect {
+    /// Each by itself.
+    Particles,
+    /// Pairs as a share of each body, and zones of pairs in tension.
+    Pairs,
+    /// Pieces of bodies.
+    Pieces,
+}
+
+/// A check of particles.
+#[derive(Clone, Copy, Debug)]
+struct Check {
+    kind: WarningKind,
+    suspicion: Suspicion,
+    /// What a number that is found is divided by.
+    unit: f64,
 }
 
 impl Start {
-    fn of(engine: &Simulation, ledger: &Ledger) -> Result<Self, RunFailure> {
-        let model = engine.model();
+    fn of(source: &dyn ParticleSource, model: &Model, ledger: &Ledger) -> Result<Self, RunFailure> {
         let all = ParticleSelection::default();
         let extremum = |field, component, extremum| -> Result<f64, RunFailure> {
             let quantity = Quantity { field, component };
-            let found = engine.reduce(&Reduction::Extremum { of: &all, quantity, extremum })?;
+            let found = source.reduce(&Reduction::Extremum { of: &all, quantity, extremum })?;
             Ok(found.first().copied().unwrap_or(0.0))
         };
         let (mut low, mut high) = ([0.0; 3], [0.0; 3]);

@@ -147,10 +147,10 @@ fn particles_are_named_with_their_place() {
     particles.position[1] = [1.5, 0.0, 0.0];
     particles.temperature[1] = -4.0;
     let mut watch = begun(&model);
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(found(&watch, &model), one("cold", -4.0));
     particles.temperature = vec![-9.0, -1.0];
-    watch.look_at_particles(&(&model, &particles), &model, Clock { step: 60, time: 0.75 }).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, Clock { step: 60, time: 0.75 }).unwrap();
     let records = watch.records(&model);
     assert_eq!((records[0].value, records[0].value_time), (-9.0, 0.75));
     // First seen elsewhere and before.
@@ -171,15 +171,15 @@ fn who_flies_away_has_gone_farther_than_the_fastest_could() {
     model.gravity[1] = -8.0;
     particles.position[0] = [0.0, -20.0, 0.0];
     let mut watch = begun(&model);
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
     particles.position[0] = [0.0, -28.0, 0.0];
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(found(&watch, &model), one("far-away", 4.0));
     // Round a periodic axis one comes back.
     model.periodic[1] = Some((-1.0, 1.0));
     let mut watch = begun(&model);
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
 }
 
@@ -207,17 +207,17 @@ fn lost_neighbors_are_those_lost_since_the_start() {
     let (model, mut particles) = strip("");
     let mut watch = begun(&model);
     particles.neighbors[0] = 2;
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
     particles.neighbors[5] = 0;
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(found(&watch, &model), one("lost-neighbors", 0.01));
     let (model, particles) = strip("lost-neighbors = 0.01");
     let mut watch = begun(&model);
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     let (_, mut particles) = strip("");
     particles.neighbors[5] = 0;
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
 }
 
@@ -228,7 +228,7 @@ fn pieces_are_those_that_were_none_at_the_start() {
     let fling = |particles: &mut Particles, i: usize, y: f64| particles.position[i][1] = y;
     fling(&mut particles, 0, 1.0);
     let look = |particles: &Particles, watch: &mut Watch| {
-        watch.look_at_losses(&(&model, particles), WarningKind::Pieces, CLOCK).unwrap();
+        watch.look_at(Aspect::Pieces, &(&model, particles), &model, CLOCK).unwrap();
     };
     look(&particles, &mut watch);
     fling(&mut particles, 1, 2.0);
@@ -247,7 +247,7 @@ fn density_is_held_against_the_pressure_law() {
     // ofhc-copper: S = 1.489, so that chi is at most 0.672 and the density 3.05 times that at rest.
     particles.density[4] = 3.2 * 8960.0;
     let mut watch = begun(&model);
-    watch.look_at_particles(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Particles, &(&model, &particles), &model, CLOCK).unwrap();
     let names: Vec<_> = found(&watch, &model).into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["compression", "expansion"]);
 }
@@ -269,14 +269,14 @@ fn rows_that_fall_together_are_seen_by_their_share() {
     pair(&mut particles, a, b);
     pair(&mut particles, c, d);
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Pairs, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
     pair(&mut particles, e, f);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Pairs, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(found(&watch, &model), one("pairing", 0.06));
     let (model, _) = strip("off = [\"pairing\"]");
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Pairs, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
 }
 
@@ -295,14 +295,14 @@ fn a_zone_that_tears_is_seen_however_large_the_body() {
         }
     }
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Pairs, &(&model, &particles), &model, CLOCK).unwrap();
     let seen = found(&watch, &model);
     // Over those in a circle of 2.5 spacings.
     let number = f64::from(torn) / (std::f64::consts::PI * 2.5 * 2.5);
     assert!(seen.len() == 1 && seen[0].0 == "tearing" && (seen[0].1 - number).abs() < 1e-12, "{seen:?} {number}");
     let (model, _) = strip("off = [\"pairing\", \"tearing\"]");
     let mut watch = begun(&model);
-    watch.look_at_pairs(&(&model, &particles), &model, CLOCK).unwrap();
+    watch.look_at(Aspect::Pairs, &(&model, &particles), &model, CLOCK).unwrap();
     assert_eq!(watch.count(), 0);
 }
 
