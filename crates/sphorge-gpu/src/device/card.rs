@@ -89,7 +89,20 @@ impl Array {
 
 /// Numbers on their way from a card, which goes on meanwhile.
 #[derive(Debug)]
-pub struct Pending(Copying);
+pub struct Pending {
+    copying: Copying,
+    /// Where it is counted whether they are waited for, and the place of the copies in the queue.
+    counted: Option<(Profile, u64)>,
+}
+
+/// Room for numbers that are copied from a card while it goes on, of one array behind the other.
+#[derive(Debug)]
+pub struct Room {
+    copying: Copying,
+    /// Numbers that there is room for, and those that copies were queued for.
+    count: usize,
+    filled: usize,
+}
 
 #[derive(Debug)]
 enum Copying {
@@ -98,13 +111,28 @@ enum Copying {
     Graphics(graphics::Copying),
 }
 
+impl Room {
+    fn close(mut self) -> Pending {
+        match &mut self.copying {
+            _ if self.filled == 0 => self.copying = Copying::Nothing,
+            Copying::Nothing => {}
+            Copying::Cuda(copying) => copying.close(),
+            Copying::Graphics(copying) => copying.close(),
+        }
+        Pending { copying: self.copying, counted: None }
+    }
+}
+
 impl Pending {
     /// The numbers, when they are there.
     ///
     /// # Errors
     /// The card does not answer, or something that was asked of it before went wrong.
     pub fn wait(self) -> Result<Vec<f32>, CardFault> {
-        match self.0 {
+        if let Some((profile, place)) = self.counted {
+            profile.wait_for(place);
+        }
+        match self.copying {
             Copying::Nothing => Ok(Vec::new()),
             Copying::Cuda(copying) => copying.wait(),
             Copying::Graphics(copying) => copying.wait(),
@@ -377,25 +405,60 @@ impl Card {
         }
     }
 
-    /// Queues a copy of numbers behind everything that was launched, and goes on; none where there is no page-locked memory for it.
+    /// Room for so many numbers that are copied back while the card goes on; none where there is no page-locked memory for it.
+    ///
+    /// # Errors
+    /// The card does not answer.
+    pub fn room(&self, count: usize) -> Result<Option<Room>, CardFault> {
+        let copying = match &self.way {
+            _ if count == 0 => Copying::Nothing,
+            Way::Cuda(cuda) => match cuda.room(count)? {
+                Some(copying) => Copying::Cuda(copying),
+                None => return Ok(None),
+            },
+            Way::Graphics(graphics) => Copying::Graphics(graphics.room(count)),
+        };
+        Ok(Some(Room { copying, count, filled: 0 }))
+    }
+
+    /// Queues a copy of the first numbers of an array behind everything that was launched. They come behind those that were added before.
+    ///
+    /// # Errors
+    /// There is no room for them, or the array is of another card.
+    pub fn add(&self, room: &mut Room, array: &Array, count: usize) -> Result<(), CardFault> {
+        if count == 0 {
+            return Ok(());
+        }
+        let refused = |why: &str| CardFault::Lost { name: self.found.name.clone(), why: why.to_owned() };
+        if count > array.count.min(room.count - room.filled) {
+            return Err(refused("more numbers are copied than there is room for"));
+        }
+        match (&mut room.copying, &array.buffer) {
+            (Copying::Cuda(copying), Buffer::Cuda(block)) => copying.add(block, count),
+            (Copying::Graphics(copying), Buffer::Graphics(buffer)) => copying.add(buffer, count),
+            _ => return Err(refused(OTHER_CARD)),
+        }
+        room.filled += count;
+        Ok(())
+    }
+
+    /// What was added to a room, on its way.
+    pub fn pending(&self, room: Room) -> Pending {
+        let of_all = |profile: &Profile| {
+            profile.add_read(4 * room.filled as u64);
+            (profile.clone(), profile.queue_copy())
+        };
+        Pending { counted: self.profile.as_ref().map(of_all), ..room.close() }
+    }
+
+    /// Queues a copy of numbers behind everything that was launched, and goes on; none where there is no page-locked memory for it. It is not counted.
     ///
     /// # Errors
     /// The card does not answer.
     pub fn queue_read(&self, array: &Array) -> Result<Option<Pending>, CardFault> {
-        if array.count == 0 {
-            return Ok(Some(Pending(Copying::Nothing)));
-        }
-        let copying = match (&self.way, &array.buffer) {
-            (Way::Cuda(cuda), Buffer::Cuda(block)) => match cuda.queue_read(block, array.count)? {
-                Some(copy) => Copying::Cuda(copy),
-                None => return Ok(None),
-            },
-            (Way::Graphics(graphics), Buffer::Graphics(buffer)) => {
-                Copying::Graphics(graphics.queue_read(buffer, array.count))
-            }
-            _ => return Err(CardFault::Lost { name: self.found.name.clone(), why: OTHER_CARD.to_owned() }),
-        };
-        Ok(Some(Pending(copying)))
+        let Some(mut room) = self.room(array.count)? else { return Ok(None) };
+        self.add(&mut room, array, array.count)?;
+        Ok(Some(room.close()))
     }
 
     /// Copies numbers back, after everything that was launched.
@@ -412,8 +475,9 @@ impl Card {
     /// As above.
     pub fn read_first(&self, array: &Array, count: usize) -> Result<Vec<f32>, CardFault> {
         let count = count.min(array.count);
-        if let Some(profile) = &self.profile {
+        if let Some(profile) = self.profile.as_ref().filter(|_| count > 0) {
             profile.add_read(4 * count as u64);
+            profile.wait_for(profile.queue_copy());
         }
         self.copy_back(array, count)
     }

@@ -198,28 +198,22 @@ impl Graphics {
     }
 
     pub(super) fn read(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, CardFault> {
-        self.queue_read(buffer, count).wait()
+        let mut copying = self.room(count);
+        copying.add(buffer, count);
+        copying.close();
+        copying.wait()
     }
 
-    /// Queues a copy of numbers behind everything that was launched.
-    pub(super) fn queue_read(&self, buffer: &wgpu::Buffer, count: usize) -> Copying {
-        let bytes = 4 * count as u64;
+    /// Room for so many numbers that are copied back while the card goes on.
+    pub(super) fn room(&self, count: usize) -> Copying {
         let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
-            size: bytes,
+            size: 4 * count as u64,
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, bytes);
-        let submitted = self.queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        copy.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody waits any more where the card was lost.
-            let _ = sender.send(result);
-        });
-        let (name, device, trouble) = (self.name.clone(), self.device.clone(), self.trouble.clone());
-        Copying { name, device, trouble, copy, receiver, submitted }
+        let (name, device, queue) = (self.name.clone(), self.device.clone(), self.queue.clone());
+        Copying { name, device, queue, trouble: self.trouble.clone(), copy, filled: 0, mapped: None }
     }
 
     fn lost(&self, why: &dyn std::fmt::Display) -> CardFault {
@@ -227,28 +221,57 @@ impl Graphics {
     }
 }
 
-/// Numbers on their way from a card.
+/// Numbers on their way from a card, of one array behind the other.
 #[derive(Debug)]
 pub(super) struct Copying {
     name: String,
     device: wgpu::Device,
+    queue: wgpu::Queue,
     trouble: Trouble,
     copy: wgpu::Buffer,
+    /// Bytes that copies were queued for.
+    filled: u64,
+    mapped: Option<Mapped>,
+}
+
+/// When all of it is there.
+#[derive(Debug)]
+struct Mapped {
     receiver: Receiver<Result<(), wgpu::BufferAsyncError>>,
     submitted: wgpu::SubmissionIndex,
 }
 
 impl Copying {
+    /// Queues a copy of the first numbers of a buffer behind everything that was launched.
+    pub(super) fn add(&mut self, buffer: &wgpu::Buffer, count: usize) {
+        let bytes = 4 * count as u64;
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &self.copy, self.filled, bytes);
+        self.queue.submit([encoder.finish()]);
+        self.filled += bytes;
+    }
+
+    /// Nothing is added any more.
+    pub(super) fn close(&mut self) {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.copy.slice(..self.filled).map_async(wgpu::MapMode::Read, move |result| {
+            // Nobody waits any more where the card was lost.
+            let _ = sender.send(result);
+        });
+        self.mapped = Some(Mapped { receiver, submitted: self.queue.submit([]) });
+    }
+
     /// The numbers, when they are there.
     pub(super) fn wait(self) -> Result<Vec<f32>, CardFault> {
         let lost = |why: &dyn std::fmt::Display| CardFault::Lost { name: self.name.clone(), why: why.to_string() };
-        let poll = wgpu::PollType::Wait { submission_index: Some(self.submitted), timeout: None };
+        let Some(Mapped { receiver, submitted }) = self.mapped else { return Ok(Vec::new()) };
+        let poll = wgpu::PollType::Wait { submission_index: Some(submitted), timeout: None };
         self.device.poll(poll).map_err(|why| lost(&why))?;
-        self.receiver.recv().map_err(|why| lost(&why))?.map_err(|why| lost(&why))?;
+        receiver.recv().map_err(|why| lost(&why))?.map_err(|why| lost(&why))?;
         if let Some(why) = self.trouble.first() {
             return Err(lost(&why));
         }
-        let view = self.copy.slice(..).get_mapped_range().map_err(|why| lost(&why))?;
+        let view = self.copy.slice(..self.filled).get_mapped_range().map_err(|why| lost(&why))?;
         Ok(bytemuck::cast_slice::<u8, f32>(&view).to_vec())
     }
 }

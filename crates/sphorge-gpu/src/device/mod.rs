@@ -9,7 +9,7 @@ mod profile;
 mod trouble;
 mod yardstick;
 
-pub use card::{Array, Card, Launch, Pending, Program};
+pub use card::{Array, Card, Launch, Pending, Program, Room};
 pub use cuda::NVRTC_FOLDER;
 pub use fault::CardFault;
 pub use found::{Found, Interface, Memory, Missing, Survey, find};

@@ -8,7 +8,17 @@ const COUNTED: u64 = 3;
 
 /// Times of kernels, each waited for by itself; copies share them.
 #[derive(Clone, Debug, Default)]
-pub struct Profile(Arc<Mutex<Vec<KernelTime>>>, Arc<AtomicU64>);
+pub struct Profile(Arc<Mutex<Vec<KernelTime>>>, Arc<ReadBack>);
+
+/// What is copied back, but for frames.
+#[derive(Debug, Default)]
+struct ReadBack {
+    bytes: AtomicU64,
+    waits: AtomicU64,
+    /// Copies that were queued, and those of them that are there for certain.
+    queued: AtomicU64,
+    there: AtomicU64,
+}
 
 /// What the launches of a kernel took.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,13 +43,30 @@ pub struct KernelWork {
 }
 
 impl Profile {
-    /// Bytes that were waited for and copied back, not counting frames.
+    /// Bytes that were copied back, not counting frames.
     pub fn bytes_read(&self) -> u64 {
-        self.1.load(Ordering::Relaxed)
+        self.1.bytes.load(Ordering::Relaxed)
+    }
+
+    /// How often the card was waited for to have them. Copies that were queued before another that was waited for are there already.
+    pub fn waits(&self) -> u64 {
+        self.1.waits.load(Ordering::Relaxed)
     }
 
     pub(super) fn add_read(&self, bytes: u64) {
-        self.1.fetch_add(bytes, Ordering::Relaxed);
+        self.1.bytes.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    /// The place of another copy in the queue.
+    pub(super) fn queue_copy(&self) -> u64 {
+        1 + self.1.queued.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// Counts a wait, unless what is at that place of the queue is there for certain.
+    pub(super) fn wait_for(&self, place: u64) {
+        if self.1.there.fetch_max(place, Ordering::Relaxed) < place {
+            self.1.waits.fetch_add(1, Ordering::Relaxed);
+        }
     }
 
     /// Forgets the times, not the work.

@@ -401,6 +401,11 @@ impl Writing {
     }
 
     /// A number by its index in the whole group.
+    pub(super) fn get_at(self, at: Index) -> Recorded {
+        self.buffer.at(at)
+    }
+
+    /// Writes a number by its index in the whole group.
     pub(super) fn set_at(self, at: Index, value: Recorded) {
         self.buffer.set(at, value);
     }

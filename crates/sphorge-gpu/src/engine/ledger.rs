@@ -7,40 +7,12 @@ use super::kernels::ledger::{
     SPEED, numbers,
 };
 use super::kernels::walls::SUMS;
+use super::made::SegmentSums;
+use super::ranks::agreement::Order;
 use super::{GpuEngine, Stage, failure};
+use crate::device::Array;
+use sphorge_engine::reduction::Turns;
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Model, RunFailure, WallLedger};
-
-/// Sums of every segment, as they were read back: of each segment a number and its rest, sum after sum.
-pub(super) struct SegmentSums {
-    numbers: Vec<f32>,
-    segments: usize,
-}
-
-impl SegmentSums {
-    pub(super) fn new(numbers: Vec<f32>, segments: usize) -> Self {
-        Self { numbers, segments }
-    }
-
-    /// The two numbers that stand for one, or for themselves.
-    pub(super) fn pair(&self, sum: usize, segment: usize) -> [f64; 2] {
-        let at = 2 * (sum * self.segments + segment);
-        [self.numbers[at], self.numbers[at + 1]].map(f64::from)
-    }
-
-    pub(super) fn at(&self, sum: usize, segment: usize) -> f64 {
-        let [number, rest] = self.pair(sum, segment);
-        number + rest
-    }
-
-    /// Adds the first sums of the segments in their order.
-    pub(super) fn add(&self, sums: &mut [f64]) {
-        for segment in 0..self.segments {
-            for (sum, place) in sums.iter_mut().enumerate() {
-                *place += self.at(sum, segment);
-            }
-        }
-    }
-}
 
 /// Sums over the segments of each body and motion: those of the card, and then the mass.
 struct Table<'a> {
@@ -51,14 +23,14 @@ struct Table<'a> {
 
 impl<'a> Table<'a> {
     /// Adds segments in their order, each process its own, one after the other.
-    fn add(engine: &'a GpuEngine, found: &SegmentSums) -> Result<Self, RunFailure> {
-        let model = &engine.model;
+    fn add(found: SegmentSums<'a>, order: Order<'_>) -> Result<Self, RunFailure> {
+        let model = found.model;
         let of = LedgerSums::of(model);
         let motions = model.motions.len() + 1;
         let width = of.count + 1;
         let mut sums = vec![0.0; model.bodies.len() * motions * width];
-        engine.in_turn(&mut sums, |sums| {
-            for (k, segment) in engine.segments.list.iter().enumerate() {
+        order.pass(&mut sums, |sums| {
+            for (k, segment) in found.segments.list.iter().enumerate() {
                 let row = (segment.body as usize * motions + segment.motion as usize) * width;
                 for (sum, place) in sums[row..row + of.count].iter_mut().enumerate() {
                     *place += found.at(sum, k);
@@ -173,13 +145,35 @@ impl<'a> Table<'a> {
     }
 }
 
+/// A ledger that was launched: what is made of its sums.
+pub(super) struct LaunchedLedger {
+    /// Numbers that it leaves.
+    pub(super) count: usize,
+    /// Accelerations that motions impose, m/s²: of none, and of each.
+    driven: Vec<[Option<f64>; 3]>,
+}
+
+impl LaunchedLedger {
+    /// The ledger of its sums.
+    pub(super) fn made(&self, found: SegmentSums<'_>, order: Order<'_>) -> Result<Ledger, RunFailure> {
+        Ok(Table::add(found, order)?.ledger(&self.driven))
+    }
+}
+
 impl GpuEngine {
     pub(super) fn conservation(&self) -> Result<Ledger, RunFailure> {
+        let launched = self.launch_ledger()?;
+        let numbers = self.first_sums(launched.count)?;
+        launched.made(self.of_segments(&numbers), self.order())
+    }
+
+    /// Launches the sums of the ledger.
+    pub(super) fn launch_ledger(&self) -> Result<LaunchedLedger, RunFailure> {
         let then = self.time - (self.dt - self.dt_to_evaluation());
         self.give_numbers(&numbers(&self.model, self.dt, then))?;
         self.launch_own(&self.stages.ledger);
-        let found = self.segment_sums(LedgerSums::of(&self.model).count)?;
-        Ok(Table::add(self, &found)?.ledger(&self.accelerations()))
+        let count = self.segments.numbers_of(LedgerSums::of(&self.model).count);
+        Ok(LaunchedLedger { count, driven: self.accelerations() })
     }
 
     /// Launches kernels that read nothing of ghosts.
@@ -194,12 +188,19 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// The first sums of all segments.
-    pub(super) fn segment_sums(&self, count: usize) -> Result<SegmentSums, RunFailure> {
-        let array = self.columns.array(Group::Sums).ok_or_else(|| failure("no sums"))?;
-        let segments = self.segments.len();
-        let numbers = self.card.read_first(array, 2 * count * segments).map_err(failure)?;
-        Ok(SegmentSums::new(numbers, segments))
+    /// Where sums are left, until the next.
+    pub(super) fn sums(&self) -> Result<&Array, RunFailure> {
+        self.columns.array(Group::Sums).ok_or_else(|| failure("no sums"))
+    }
+
+    /// The first numbers that sums have left, waited for.
+    pub(super) fn first_sums(&self, count: usize) -> Result<Vec<f32>, RunFailure> {
+        self.card.read_first(self.sums()?, count).map_err(failure)
+    }
+
+    /// Numbers as sums of the segments.
+    pub(super) fn of_segments<'a>(&'a self, numbers: &'a [f32]) -> SegmentSums<'a> {
+        SegmentSums { model: &self.model, segments: &self.segments, numbers }
     }
 
     /// Accelerations that motions impose now, m/s²: of none, and of each.

@@ -9,7 +9,9 @@ mod heat;
 mod kernels;
 mod ledger;
 mod lists;
+mod made;
 mod plan;
+mod queued;
 mod ranks;
 mod reductions;
 mod renewal;
@@ -177,7 +179,7 @@ struct GpuEngine {
     /// Lowest temperature, K, with heat conduction.
     coldest: f64,
     /// Portions that sums are taken of.
-    segments: Segments,
+    segments: Arc<Segments>,
     /// Groups that were copied back since the last step.
     read_back: RefCell<Vec<(Group, Arc<Vec<f32>>)>>,
     /// Reductions that were requested.

@@ -5,49 +5,67 @@ use super::columns::Recording;
 use super::kernels::quantities;
 use super::kernels::reductions::{self, Reduced};
 use super::kernels::sums::of_lanes;
-use super::ledger::SegmentSums;
+use super::made::Made;
 use super::{GpuEngine, failure};
 use crate::device::Launch;
 use crate::record::KernelFault;
-use sphorge_engine::model::{Extremum, ParticleSelection};
+use sphorge_engine::model::ParticleSelection;
 use sphorge_engine::reduction::{
-    AGAINST, Quantity, Reduction, Standard, Suspicion, evaluate, evaluate_in_turn, extent_between_planes,
-    line_of_diameter,
+    AGAINST, Quantity, Reduction, Standard, Suspicion, evaluate, evaluate_in_turn, line_of_diameter,
 };
-use sphorge_engine::{Particles, RunFailure};
+use sphorge_engine::{Model, Particles, RunFailure};
 use sphorge_physics::Vector;
 use std::sync::Arc;
 
 /// Launches of reductions that were asked for before.
 pub(super) type Known = Vec<(String, Arc<Vec<Launch>>)>;
 
-/// Numbers of the worst particle of a body as processes tell each other: how many are looked at, how many are suspicious, how bad the worst is, its `id`
-/// and where it is.
-const TALLY: usize = 7;
+/// A reduction that was launched: how many numbers it leaves, and what is made of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Launched {
+    pub(super) count: usize,
+    pub(super) made: Made,
+}
 
 impl GpuEngine {
     pub(super) fn reduction(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
-        let on_card = match *reduction {
-            Reduction::SectionForce(section) => return self.section_force(section),
-            Reduction::Mean { of, quantity } => self.ratio(of, Reduced::Mean(quantity), [0.0; 3])?,
+        let Some(Launched { count, made }) = self.launch_sum(reduction)? else { return self.evaluated(reduction) };
+        let numbers = self.first_sums(count)?;
+        made.of(self.of_segments(&numbers), self.order())
+    }
+
+    /// Launches the sums of a reduction, if the card takes them.
+    pub(super) fn launch_sum(&self, reduction: &Reduction<'_>) -> Result<Option<Launched>, RunFailure> {
+        let nowhere = [0.0; 3];
+        match *reduction {
+            Reduction::SectionForce(section) => self.launch_section(section).map(Some),
+            Reduction::Mean { of, quantity } => self.launch_reduced(of, &Reduced::Mean(quantity), nowhere, Made::Ratio),
             Reduction::Interpolation { of, quantity, point } => {
-                self.ratio(of, Reduced::Interpolation(quantity), point)?
+                self.launch_reduced(of, &Reduced::Interpolation(quantity), point, Made::Ratio)
             }
-            Reduction::Extremum { of, quantity, extremum } => self.extremum(of, quantity, extremum)?,
-            Reduction::Extent { of, axis } => Some(self.extent(of, axis)?),
-            Reduction::Diameter { of, axis } => Some(self.diameter(of, axis)?),
-            Reduction::OfParticle { id, quantity } => self.of_particle(id, quantity)?,
-            Reduction::Suspects(suspicion) if suspicion.is_of_single_particles() => Some(self.suspects(suspicion)?),
-            Reduction::Slabs { .. } | Reduction::Nearest { .. } | Reduction::Suspects(_) => None,
-        };
-        match on_card {
-            Some(found) => Ok(found),
-            None => self.evaluated(reduction),
+            Reduction::Extremum { of, quantity, extremum } => {
+                self.launch_reduced(of, &Reduced::Range(quantity), nowhere, Made::Extremum(extremum))
+            }
+            Reduction::Extent { of, axis } => {
+                self.launch_reduced(of, &Reduced::Ends(axis), nowhere, Made::Extent(axis))
+            }
+            Reduction::Diameter { of, axis } => {
+                let centre = match known_line_of_diameter(&self.model, axis) {
+                    Some(centre) => centre,
+                    None => self.line_of_diameter(of, axis)?,
+                };
+                self.launch_reduced(of, &Reduced::Radius(axis), centre, Made::Diameter)
+            }
+            Reduction::OfParticle { id, quantity } => self.launch_value(id, quantity),
+            Reduction::Suspects(suspicion) if suspicion.is_of_single_particles() => {
+                self.launch_suspects(suspicion).map(Some)
+            }
+            Reduction::Slabs { .. } | Reduction::Nearest { .. } | Reduction::Suspects(_) => Ok(None),
         }
     }
 
     /// A reduction that the processor evaluates.
-    fn evaluated(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
+    pub(super) fn evaluated(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
         let particles = self.with_fields(&reduction.fields())?;
         match &self.domain {
             Some(domain) => evaluate_in_turn(reduction, &self.model, &particles, &domain.ranks),
@@ -86,13 +104,17 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// What a reduction makes of each segment of the selected particles.
-    fn reduced(
+    /// Launches what a reduction makes of each segment of the selected particles, where the card knows the quantity.
+    fn launch_reduced(
         &self,
         of: &ParticleSelection,
         reduced: &Reduced<'_>,
         point: Vector<f64>,
-    ) -> Result<SegmentSums, RunFailure> {
+        made: Made,
+    ) -> Result<Option<Launched>, RunFailure> {
+        if !reduced.quantity().is_none_or(|quantity| quantities::is_known(quantity, &self.model)) {
+            return Ok(None);
+        }
         self.give_numbers(&reductions::numbers(&self.model, point, 0, |_| None))?;
         let (portions, count) = (self.segments.portions(), reduced.count());
         let references = self.references();
@@ -105,171 +127,62 @@ impl GpuEngine {
             };
             Ok(vec![(lanes, portions.segments * portions.lanes()), (together?, portions.segments * count)])
         })?;
-        self.segment_sums(count)
+        Ok(Some(Launched { count: self.segments.numbers_of(count), made }))
     }
 
-    /// A sum over another, where the card knows the quantity.
-    fn ratio(
-        &self,
-        of: &ParticleSelection,
-        reduced: Reduced<'_>,
-        point: Vector<f64>,
-    ) -> Result<Option<Vec<f64>>, RunFailure> {
-        if !self.is_known(reduced.quantity()) {
-            return Ok(None);
-        }
-        let found = self.reduced(of, &reduced, point)?;
-        let mut sums = [0.0; 2];
-        self.in_turn(&mut sums, |sums| found.add(sums))?;
-        let [sum, weight] = sums;
-        Ok(Some(if weight > 0.0 { vec![sum / weight] } else { Vec::new() }))
-    }
-
-    fn is_known(&self, quantity: Option<Quantity<'_>>) -> bool {
-        quantity.is_none_or(|of| quantities::is_known(of, &self.model))
-    }
-
-    /// The smallest and the largest; none where there is no particle.
-    fn range(
-        &self,
-        of: &ParticleSelection,
-        reduced: &Reduced<'_>,
-        point: Vector<f64>,
-    ) -> Result<Option<[f64; 2]>, RunFailure> {
-        if !self.is_known(reduced.quantity()) {
-            return Ok(None);
-        }
-        let found = self.reduced(of, reduced, point)?;
-        let mut range = [0.0, 0.0, 0.0];
-        self.in_turn(&mut range, |range| {
-            for segment in 0..self.segments.len() {
-                let [largest, smallest, is_any] = [0, 1, 2].map(|k| found.at(k, segment));
-                if is_any > 0.0 {
-                    let is_first = range[2] == 0.0;
-                    range[0] = if is_first { -smallest } else { range[0].min(-smallest) };
-                    range[1] = if is_first { largest } else { range[1].max(largest) };
-                    range[2] = 1.0;
-                }
-            }
-        })?;
-        let [low, high, is_any] = range;
-        Ok((is_any > 0.0).then_some([low, high]))
-    }
-
-    fn extremum(
-        &self,
-        of: &ParticleSelection,
-        quantity: Quantity<'_>,
-        extremum: Extremum,
-    ) -> Result<Option<Vec<f64>>, RunFailure> {
-        if !self.is_known(Some(quantity)) {
-            return Ok(None);
-        }
-        let range = self.range(of, &Reduced::Range(quantity), [0.0; 3])?;
-        let of_range = |[low, high]: [f64; 2]| match extremum {
-            Extremum::Minimum => low,
-            Extremum::Maximum => high,
-        };
-        Ok(Some(range.map(of_range).into_iter().collect()))
-    }
-
-    fn extent(&self, of: &ParticleSelection, axis: usize) -> Result<Vec<f64>, RunFailure> {
-        let range = self.range(of, &Reduced::Ends(axis), [0.0; 3])?;
-        Ok(range.map(|[low, high]| extent_between_planes(&self.model, axis, low, high)).into_iter().collect())
-    }
-
-    fn diameter(&self, of: &ParticleSelection, axis: usize) -> Result<Vec<f64>, RunFailure> {
-        let found = self.reduced(of, &Reduced::Centre, [0.0; 3])?;
+    /// A point of the line that a diameter is taken about, through the mean position of the particles, which is waited for.
+    fn line_of_diameter(&self, of: &ParticleSelection, axis: usize) -> Result<Vector<f64>, RunFailure> {
         let mut sums = [0.0; 4];
-        self.in_turn(&mut sums, |sums| found.add(sums))?;
-        let centre = line_of_diameter(&self.model, axis, sums);
-        let range = self.range(of, &Reduced::Radius(axis), centre)?;
-        Ok(range.map(|[_, radius]| 2.0 * radius).into_iter().collect())
+        if let Some(Launched { count, .. }) = self.launch_reduced(of, &Reduced::Centre, [0.0; 3], Made::Ratio)? {
+            let numbers = self.first_sums(count)?;
+            self.in_turn(&mut sums, |sums| self.of_segments(&numbers).add(sums))?;
+        }
+        Ok(line_of_diameter(&self.model, axis, sums))
     }
 
-    fn of_particle(&self, id: u32, quantity: Quantity<'_>) -> Result<Option<Vec<f64>>, RunFailure> {
+    /// Launches the value of a particle that the card knows; nothing of one that another process has.
+    fn launch_value(&self, id: u32, quantity: Quantity<'_>) -> Result<Option<Launched>, RunFailure> {
         if !quantities::is_known(quantity, &self.model) {
             return Ok(None);
         }
-        let row = self.segments.row_of(&self.initial, id);
-        let own = row.map(|row| self.value_of(row, quantity)).transpose()?;
-        // One process has it.
-        let mut found = [0.0; 2];
-        self.in_turn(&mut found, |found| {
-            if let Some(own) = own {
-                found.copy_from_slice(&[1.0, own]);
-            }
-        })?;
-        let [is_there, value] = found;
-        Ok(Some(if is_there > 0.0 { vec![value] } else { Vec::new() }))
-    }
-
-    /// A quantity that the card knows of the particle in a row.
-    fn value_of(&self, row: usize, quantity: Quantity<'_>) -> Result<f64, RunFailure> {
+        let made = Made::OfParticle;
+        let Some(row) = self.segments.row_of(id) else { return Ok(Some(Launched { count: 0, made })) };
         self.give_numbers(&reductions::numbers(&self.model, [0.0; 3], row, |_| None))?;
         self.launch_reduction(format!("{quantity:?}"), || {
             Ok(vec![(reductions::of_particle(&self.model, quantity, self.stride)?, 1)])
         })?;
-        let array = self.columns.array(super::Group::Sums).ok_or_else(|| failure("no sums"))?;
-        let numbers = self.card.read_first(array, 2).map_err(failure)?;
-        Ok(numbers.into_iter().map(f64::from).sum())
+        Ok(Some(Launched { count: 2, made }))
     }
 
-    /// Particles that are not as they should be, body by body, as [`sphorge_engine::Suspects`] reads them.
-    fn suspects(&self, suspicion: Suspicion) -> Result<Vec<f64>, RunFailure> {
-        let standards: Vec<_> =
-            self.model.bodies.iter().map(|body| suspicion.standard(&self.model, body.material)).collect();
+    /// Launches the look for particles that are not as they should be.
+    fn launch_suspects(&self, suspicion: Suspicion) -> Result<Launched, RunFailure> {
         let against = |body: usize| -> Option<[f64; AGAINST]> {
-            match standards[body] {
+            match suspicion.standard(&self.model, self.model.bodies[body].material) {
                 Standard::Against(numbers) => Some(numbers),
                 Standard::Unseen | Standard::Blameless => None,
             }
         };
         self.give_numbers(&reductions::numbers(&self.model, [0.0; 3], 0, against))?;
-        let portions = self.segments.portions();
+        let (portions, bodies) = (self.segments.portions(), self.model.bodies.len());
         self.launch_reduction(format!("{:?}", std::mem::discriminant(&suspicion)), || {
-            let [of_lanes, of_segments] = reductions::suspects(&self.model, suspicion, (portions, self.stride))?;
-            Ok(vec![(of_lanes, portions.segments * portions.lanes()), (of_segments, portions.segments)])
+            let kernels = reductions::suspects(&self.model, suspicion, (portions, self.stride))?;
+            let threads = [portions.segments * portions.lanes(), portions.segments, bodies];
+            Ok(kernels.into_iter().zip(threads).collect())
         })?;
-        let found = self.segment_sums(2)?;
-        let mut own = vec![[0.0; TALLY]; self.model.bodies.len()];
-        for (k, segment) in self.segments.list.iter().enumerate() {
-            let tally = &mut own[segment.body as usize];
-            if standards[segment.body as usize] != Standard::Unseen {
-                tally[0] += f64::from(segment.particles);
-            }
-            let ([suspects, place], worst) = (found.pair(0, k), found.at(1, k));
-            let id = self.initial.id[self.segments.row_at(place)];
-            add_suspects(tally, suspects, [worst, f64::from(id), 0.0, 0.0, 0.0]);
-        }
-        for tally in own.iter_mut().filter(|tally| tally[1] > 0.0) {
-            let Some(row) = self.segments.row_of(&self.initial, tally[3] as u32) else { continue };
-            for a in 0..3 {
-                tally[4 + a] = self.value_of(row, Quantity { field: "position", component: Some(a) })?;
-            }
-        }
-        let mut all = vec![[0.0; TALLY]; own.len()];
-        self.in_turn(all.as_flattened_mut(), |sums| {
-            for (sums, own) in sums.as_chunks_mut::<TALLY>().0.iter_mut().zip(&own) {
-                sums[0] += own[0];
-                add_suspects(sums, own[1], [own[2], own[3], own[4], own[5], own[6]]);
-            }
-        })?;
-        for tally in &mut all {
-            tally[2] *= suspicion.sense();
-        }
-        Ok(all.into_flattened())
+        let [_, count] = reductions::numbers_of_suspects(portions.segments, bodies);
+        Ok(Launched { count, made: Made::Suspects(suspicion) })
     }
 }
 
-/// Adds suspects to those of a body, of which the worst is that with the largest number, and of those the first.
-fn add_suspects(tally: &mut [f64; TALLY], suspects: f64, worst: [f64; 5]) {
-    if suspects == 0.0 {
-        return;
-    }
-    let is_worse = worst[0].total_cmp(&tally[2]).then(tally[3].total_cmp(&worst[1])).is_gt();
-    if tally[1] == 0.0 || is_worse {
-        tally[2..].copy_from_slice(&worst);
-    }
-    tally[1] += suspects;
+/// A point of the line that a diameter is taken about, where it does not depend on the particles: between planes of symmetry, or where there is one
+/// direction across the axis alone, in which all particles are at zero.
+fn known_line_of_diameter(model: &Model, axis: usize) -> Option<Vector<f64>> {
+    let between_planes = line_of_diameter(model, axis, [f64::NAN, f64::NAN, f64::NAN, 1.0]);
+    let known = |a: usize| match between_planes[a] {
+        _ if a == axis || a >= model.dimensions.count() => Some(0.0),
+        x if x.is_nan() => None,
+        x => Some(x),
+    };
+    let [x, y, z] = [0, 1, 2].map(known);
+    Some([x?, y?, z?])
 }

@@ -1,5 +1,7 @@
 //! Forces through sections, summed on the card when asked for.
 
+use super::made::Made;
+use super::reductions::Launched;
 use super::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
 use sphorge_engine::model::{Integrator, Section};
@@ -10,17 +12,14 @@ impl GpuEngine {
         self.model.numerics.integrator == Integrator::PredictorCorrector
     }
 
-    /// Force of what is ahead of a section of the model on what is behind it, N.
-    pub(super) fn section_force(&self, section: &Section) -> Result<Vec<f64>, RunFailure> {
+    /// Launches the force of what is ahead of a section of the model on what is behind it, N.
+    pub(super) fn launch_section(&self, section: &Section) -> Result<Launched, RunFailure> {
         let number = self.model.sections.iter().position(|of| of == section);
         let number = number.ok_or_else(|| failure(format!("no section `{}`", section.name)))?;
         if !self.sums_sections_with_forces() {
             self.launch(&self.stages.sections[number])?;
         }
         self.launch_own(&self.stages.section_sums[number]);
-        let found = self.segment_sums(3)?;
-        let mut force = [0.0; 3];
-        self.in_turn(&mut force, |force| found.add(force))?;
-        Ok(force.to_vec())
+        Ok(Launched { count: self.segments.numbers_of(3), made: Made::Force })
     }
 }

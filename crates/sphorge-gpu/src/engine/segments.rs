@@ -32,8 +32,9 @@ pub(super) struct Segments {
     pub(super) list: Vec<Segment>,
     /// Number of the segment of each particle; behind the last particle, up to a whole chunk, the number of segments, which is that of none.
     pub(super) of_particles: Vec<u32>,
-    /// Rows of the particles by their `id`.
+    /// Rows of the particles by their `id`, and these, ascending.
     by_id: Vec<u32>,
+    ids: Vec<u32>,
     /// Particles of a chunk.
     chunk: usize,
 }
@@ -61,11 +62,17 @@ impl Segments {
         of_particles.resize(of_particles.len().next_multiple_of(chunk_length), list.len() as u32);
         let mut by_id: Vec<u32> = (0..p.len() as u32).collect();
         by_id.sort_unstable_by_key(|row| p.id[*row as usize]);
-        Self { list, of_particles, by_id, chunk: chunk_length }
+        let ids = by_id.iter().map(|row| p.id[*row as usize]).collect();
+        Self { list, of_particles, by_id, ids, chunk: chunk_length }
     }
 
     pub(super) fn len(&self) -> usize {
         self.list.len()
+    }
+
+    /// Numbers that so many sums leave: of each segment one and its rest.
+    pub(super) fn numbers_of(&self, sums: usize) -> usize {
+        2 * sums * self.len()
     }
 
     pub(super) fn portions(&self) -> Portions {
@@ -73,14 +80,13 @@ impl Segments {
     }
 
     /// The row of a particle, if it is here.
-    pub(super) fn row_of(&self, p: &Particles, id: u32) -> Option<usize> {
-        let place = self.by_id.binary_search_by_key(&id, |row| p.id[*row as usize]);
-        place.ok().map(|place| self.by_id[place] as usize)
+    pub(super) fn row_of(&self, id: u32) -> Option<usize> {
+        self.ids.binary_search(&id).ok().map(|place| self.by_id[place] as usize)
     }
 
-    /// The row of a particle that has so many before it by their `id`.
-    pub(super) fn row_at(&self, place: f64) -> usize {
-        self.by_id.get(place as usize).map_or(0, |row| *row as usize)
+    /// The `id` of the particle that has so many before it by their `id`.
+    pub(super) fn id_at(&self, place: f64) -> u32 {
+        self.ids.get(place as usize).copied().unwrap_or_default()
     }
 
     /// How many particles each has before it by their `id`: numbers that cards hold exactly.
@@ -125,6 +131,7 @@ pub(super) fn insert(
     columns.insert(Group::PlacesById, card.indices(&segments.places())?);
     columns.insert(Group::Regions, card.indices(&p.regions)?);
     columns.insert(Group::LaneSums, card.zeros(segments.portions().lanes() * sums)?);
-    columns.insert(Group::Sums, card.zeros(sums)?);
+    let [of_suspects, _] = reductions::numbers_of_suspects(segments.len(), model.bodies.len());
+    columns.insert(Group::Sums, card.zeros(sums.max(of_suspects))?);
     Ok(())
 }

@@ -130,7 +130,7 @@ impl GpuEngine {
             extremes: [0.0; limits::FIELDS],
             heat: model.thermal.conduction.then(HeatClock::default),
             coldest: f64::INFINITY,
-            segments,
+            segments: Arc::new(segments),
             read_back: RefCell::default(),
             reductions: RefCell::default(),
             domain,

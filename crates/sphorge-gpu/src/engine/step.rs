@@ -9,7 +9,7 @@ use sphorge_engine::model::{AdaptiveSearch, Integrator, Material, Search, WallCo
 use sphorge_engine::particles::HistoryVariables;
 use sphorge_engine::persist::{Archive, ArchiveError};
 use sphorge_engine::ranks::StepFault;
-use sphorge_engine::reduction::Reduction;
+use sphorge_engine::reduction::{QueuedSums, Reduction};
 use sphorge_engine::{
     Audit, Column, Engine, FieldSource, Ledger, LimitReason, RunFailure, SearchReport, TimeStepLimit, largest_change,
 };
@@ -282,6 +282,10 @@ impl Engine for GpuEngine {
 
     fn reduce(&self, reduction: &Reduction<'_>) -> Result<Vec<f64>, RunFailure> {
         self.reduction(reduction)
+    }
+
+    fn queue_sums(&self, asked: &[Reduction<'_>]) -> Result<Option<Box<dyn QueuedSums>>, RunFailure> {
+        self.queued_sums(asked)
     }
 
     fn read(&self, field: &str) -> Result<Column<'_>, RunFailure> {

@@ -110,30 +110,14 @@ impl Block {
     }
 }
 
-impl Block {
-    /// Queues a copy of the first bytes behind everything that was asked for; none where there is no page-locked memory for it.
-    pub(super) fn copy_to_host(&self, bytes: usize) -> Result<Option<HostCopy>, DriverError> {
-        self.context.enter()?;
-        let bytes = bytes.min(self.bytes);
-        // SAFETY: freed when the copy is dropped.
-        let Ok(pointer) = (unsafe { result::malloc_host(bytes, 0) }) else { return Ok(None) };
-        let pointer = pointer.cast::<u8>();
-        let mut copy = HostCopy { context: self.context.clone(), pointer, bytes, done: None };
-        // SAFETY: as long as it was asked for, and nobody else has it. The copy waits for the driver before it frees it.
-        let target = unsafe { std::slice::from_raw_parts_mut(pointer, bytes) };
-        // SAFETY: within the block, and the target is page-locked and stays until the copy is done.
-        unsafe { result::memcpy_dtoh_async(target, self.pointer, self.context.stream) }?;
-        copy.done = Some(Event::now(&self.context)?);
-        Ok(Some(copy))
-    }
-}
-
-/// Page-locked memory that a copy goes to.
+/// Page-locked memory that copies go to, one behind the other.
 #[derive(Debug)]
 pub(super) struct HostCopy {
     context: Arc<Context>,
     pointer: *mut u8,
     bytes: usize,
+    /// How many of them copies were queued for.
+    filled: usize,
     /// When all of it is there.
     done: Option<Event>,
 }
@@ -142,13 +126,38 @@ pub(super) struct HostCopy {
 unsafe impl Send for HostCopy {}
 
 impl HostCopy {
-    /// Waits for the copy and takes its first bytes.
+    /// Room for so many bytes, more than none; none where there is no page-locked memory for it.
+    pub(super) fn room(context: &Arc<Context>, bytes: usize) -> Result<Option<Self>, DriverError> {
+        context.enter()?;
+        // SAFETY: freed when the copy is dropped.
+        let Ok(pointer) = (unsafe { result::malloc_host(bytes, 0) }) else { return Ok(None) };
+        Ok(Some(Self { context: context.clone(), pointer: pointer.cast(), bytes, filled: 0, done: None }))
+    }
+
+    /// Queues a copy of the first bytes of a block behind everything that was asked for, as far as there is room.
+    pub(super) fn add(&mut self, block: &Block, bytes: usize) -> Result<(), DriverError> {
+        self.context.enter()?;
+        let bytes = bytes.min(block.bytes).min(self.bytes - self.filled);
+        // SAFETY: within the room, and nobody else has it. It is freed when the driver has written it.
+        let target = unsafe { std::slice::from_raw_parts_mut(self.pointer.add(self.filled), bytes) };
+        self.filled += bytes;
+        // SAFETY: within the block, and the target is page-locked and stays until the copy is done.
+        unsafe { result::memcpy_dtoh_async(target, block.pointer, self.context.stream) }
+    }
+
+    /// Notes the moment when everything that was added is there.
+    pub(super) fn close(&mut self) -> Result<(), DriverError> {
+        self.done = Some(Event::now(&self.context)?);
+        Ok(())
+    }
+
+    /// Waits for the copies and takes their first bytes.
     pub(super) fn wait(&self, into: &mut [u8]) -> Result<(), DriverError> {
         if let Some(done) = &self.done {
             done.wait()?;
         }
-        let length = into.len().min(self.bytes);
-        // SAFETY: as long as it was asked for, and the driver has written it.
+        let length = into.len().min(self.filled);
+        // SAFETY: so many were asked for, and the driver has written them.
         into[..length].copy_from_slice(unsafe { std::slice::from_raw_parts(self.pointer, length) });
         Ok(())
     }
@@ -162,7 +171,7 @@ impl Drop for HostCopy {
             None => self.context.wait().is_ok(),
         };
         if is_done && self.context.enter().is_ok() {
-            // SAFETY: taken in `copy_to_host`, and no copy to it is under way.
+            // SAFETY: taken in `room`, and no copy to it is under way.
             let _ = unsafe { result::free_host(self.pointer.cast()) };
         }
     }

@@ -194,11 +194,11 @@ impl Cuda {
         Ok(numbers)
     }
 
-    /// Queues a copy of numbers behind everything that was asked for; none where there is no memory for it.
-    pub(super) fn queue_read(&self, block: &Block, count: usize) -> Result<Option<Copying>, CardFault> {
-        let copy = block.copy_to_host(4 * count).map_err(|error| self.lost(&told(error)))?;
+    /// Room for so many numbers that are copied back while the card goes on; none where there is no memory for it.
+    pub(super) fn room(&self, count: usize) -> Result<Option<Copying>, CardFault> {
+        let copy = HostCopy::room(&self.context, 4 * count).map_err(|error| self.lost(&told(error)))?;
         let (name, trouble) = (self.name.clone(), self.trouble.clone());
-        Ok(copy.map(|copy| Copying { name, trouble, copy, count }))
+        Ok(copy.map(|copy| Copying { name, trouble, copy, count: 0 }))
     }
 
     fn note(&self, done: Result<(), DriverError>) {
@@ -222,6 +222,21 @@ pub(super) struct Copying {
 }
 
 impl Copying {
+    /// Queues a copy of the first numbers of a block behind everything that was asked for.
+    pub(super) fn add(&mut self, block: &Block, count: usize) {
+        self.count += count;
+        if let Err(error) = self.copy.add(block, 4 * count) {
+            self.trouble.keep(told(error));
+        }
+    }
+
+    /// Nothing is added any more.
+    pub(super) fn close(&mut self) {
+        if let Err(error) = self.copy.close() {
+            self.trouble.keep(told(error));
+        }
+    }
+
     /// The numbers, when they are there.
     pub(super) fn wait(self) -> Result<Vec<f32>, CardFault> {
         let lost = |why: String| CardFault::Lost { name: self.name.clone(), why };

@@ -404,26 +404,28 @@ pub(in crate::engine) fn of_particle(
     })
 }
 
-/// What a lane has found of suspicious particles: their number, how many particles have an `id` before that of the worst, and how bad that is.
+/// What a lane has found of suspicious particles: their number, and of the worst how many particles have an `id` before its own, how bad it is, and its
+/// row.
 #[derive(Clone, Copy)]
 struct Tally {
     suspects: Recorded,
     place: Recorded,
     worst: Double,
+    row: Recorded,
 }
 
 impl Tally {
-    fn start() -> [Recorded; 4] {
+    fn start() -> [Recorded; 5] {
         let worst = -Double::largest();
-        [Recorded::zero(), Recorded::zero(), worst.high, worst.low]
+        [Recorded::zero(), Recorded::zero(), worst.high, worst.low, Recorded::zero()]
     }
 
-    fn of([suspects, place, high, low]: [Recorded; 4]) -> Self {
-        Self { suspects, place, worst: Double::new([high, low]) }
+    fn of([suspects, place, high, low, row]: [Recorded; 5]) -> Self {
+        Self { suspects, place, worst: Double::new([high, low]), row }
     }
 
     /// With those of another, which has some: of equally bad ones the first `id` is the worst.
-    fn with(self, other: Self) -> [Recorded; 4] {
+    fn with(self, other: Self) -> [Recorded; 5] {
         let ahead = (other.worst - self.worst).high;
         let zero = Recorded::zero();
         let is_first = Recorded::select_lt(other.place, self.place, Recorded::one(), zero);
@@ -435,16 +437,28 @@ impl Tally {
             choose(other.place, self.place),
             choose(other.worst.high, self.worst.high),
             choose(other.worst.low, self.worst.low),
+            choose(other.row, self.row),
         ]
     }
 }
 
-/// The kernels that look for suspicious particles: that of the lanes, and that of the segments.
+/// Sums of a look for suspicious particles: of each segment how many there are and the place of the worst by its `id`, and how bad it is. Behind them is of each
+/// body where its worst is, m: three numbers with their rests. Rows of the worst of each segment follow, which nobody reads back.
+pub(in crate::engine) const SUSPECTS: usize = 2;
+pub(in crate::engine) const OF_WORST: usize = 6;
+
+/// Numbers that a look for suspicious particles leaves, and those of them that are read back.
+pub(in crate::engine) fn numbers_of_suspects(segments: usize, bodies: usize) -> [usize; 2] {
+    let read = 2 * SUSPECTS * segments + OF_WORST * bodies;
+    [read + segments, read]
+}
+
+/// The kernels that look for suspicious particles: that of the lanes, that of the segments, and that of the bodies.
 pub(in crate::engine) fn suspects(
     model: &Model,
     suspicion: Suspicion,
     (portions, count): (Portions, usize),
-) -> Result<[Recording; 2], KernelFault> {
+) -> Result<[Recording; 3], KernelFault> {
     let kind = format!("{suspicion:?}").to_lowercase();
     let kind = kind.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
     let of_lanes = recording(&format!("suspects_{kind}"), count, |bind, thread| {
@@ -456,7 +470,7 @@ pub(in crate::engine) fn suspects(
         let against: [Double; AGAINST] = core::array::from_fn(|k| given.of_body(body, HELD_AGAINST + k));
         let (spacing, seen) = (given.of_body(body, SPACING), given.of_body(body, SEEN).high);
         let sense = Double::of(suspicion.sense());
-        let found: [Recorded; 4] = lane.fold(bind.scope, Tally::start(), |found: [Recorded; 4], i| {
+        let found: [Recorded; 5] = lane.fold(bind.scope, Tally::start(), |found: [Recorded; 5], i| {
             let looked = Looked {
                 position: place.doubles(0, i),
                 density: Double::new(density.double(0, 1, i)),
@@ -468,13 +482,15 @@ pub(in crate::engine) fn suspects(
             let worst = sense * suspicion.number(model, &against, &looked);
             let beyond = (worst - sense * against[0]).high;
             let is_suspect = Recorded::select_lt(Recorded::zero(), beyond, seen, Recorded::zero());
-            let own = Tally { suspects: Recorded::one(), place: places.at(i).number(), worst };
+            let own = Tally { suspects: Recorded::one(), place: places.at(i).number(), worst, row: i.number() };
             Recorded::if_lt(Recorded::zero(), is_suspect, || Tally::of(found).with(own), || found)
         });
-        let [suspects, place, high, low] = found;
-        lane.set_all(bind, &[Double::new([suspects, place]), Double::new([high, low])]);
+        let [suspects, place, high, low, row] = found;
+        let worst = Double::new([high, low]);
+        lane.set_all(bind, &[Double::new([suspects, place]), worst, Double::new([row, Recorded::zero()])]);
     })?;
     let (segments, lanes) = (portions.segments, portions.lanes());
+    let rows = numbers_of_suspects(segments, model.bodies.len())[1];
     let of_segments = recording("suspects_of_lanes", count, |bind, segment| {
         let (from, to) = (bind.read(Group::LaneSums), bind.write(Group::Sums));
         let part = |lane: Index, sum: usize| {
@@ -483,15 +499,44 @@ pub(in crate::engine) fn suspects(
         };
         let first = segment * Index::of(lanes as u32);
         let found = bind.scope.fold(Index::of(0), Index::of(lanes as u32), Tally::start(), |_, found, lane| {
-            let ([suspects, place], [high, low]) = (part(first + lane, 0), part(first + lane, 1));
-            let other = Tally::of([suspects, place, high, low]);
+            let lane = first + lane;
+            let ([suspects, place], [high, low], [row, _]) = (part(lane, 0), part(lane, 1), part(lane, 2));
+            let other = Tally::of([suspects, place, high, low, row]);
             let with = || Tally::of(found).with(other);
             Recorded::if_lt(Recorded::zero(), suspects, with, || found)
         });
-        for (k, number) in found.into_iter().enumerate() {
-            let at = Index::of((2 * (k / 2) * segments + k % 2) as u32) + Index::of(2) * segment;
-            to.set_at(at, number);
+        let [tally @ .., row] = found;
+        for (k, number) in tally.into_iter().enumerate() {
+            to.set_at(of_segment(segment, k, segments), number);
+        }
+        to.set_at(Index::of(rows as u32) + segment, row);
+    })?;
+    let of_bodies = recording("worst_of_segments", count, |bind, body| {
+        let (bodies, place) = (bind.indices(Group::Segments), bind.read(Group::Place));
+        let sums = bind.write(Group::Sums);
+        let found = bind.scope.fold(Index::of(0), Index::of(segments as u32), Tally::start(), |_, found, segment| {
+            let part = |k: usize| sums.get_at(of_segment(segment, k, segments));
+            let (suspects, zero) = (part(0), Recorded::zero());
+            let with = || {
+                let row = sums.get_at(Index::of(rows as u32) + segment);
+                let strange = (bodies.at(Index::of(2) * segment + Index::of(1)).number() - body.number()).abs();
+                let other = Tally::of([suspects, part(1), part(2), part(3), row]);
+                Recorded::if_lt(strange, Recorded::of(0.5), || Tally::of(found).with(other), || found)
+            };
+            Recorded::if_lt(zero, suspects, with, || found)
+        });
+        let [suspects, .., row] = found;
+        let at_worst = || place.doubles(0, Index::floor(row));
+        let x = Recorded::if_lt(Recorded::zero(), suspects, at_worst, || [Double::zero(); 3]);
+        let first = Index::of((2 * SUSPECTS * segments) as u32) + Index::of(OF_WORST as u32) * body;
+        for (k, number) in x.into_iter().flat_map(|x| [x.high, x.low]).enumerate() {
+            sums.set_at(first + Index::of(k as u32), number);
         }
     })?;
-    Ok([of_lanes, of_segments])
+    Ok([of_lanes, of_segments, of_bodies])
+}
+
+/// Where a number of the tally of a segment is: that of two sums, each with a second number.
+fn of_segment(segment: Index, k: usize, segments: usize) -> Index {
+    Index::of((2 * (k / 2) * segments + k % 2) as u32) + Index::of(2) * segment
 }

@@ -17,20 +17,40 @@ pub(in crate::engine) fn made_on_all<T>(ranks: &Ranks, own: Result<T, RunFailure
     own
 }
 
+/// Who adds to sums, one after the other in the common order of the particles.
+#[derive(Clone, Copy)]
+pub(in crate::engine) enum Order<'a> {
+    /// This process has all particles.
+    Alone,
+    Ranks(&'a Ranks),
+}
+
+impl Turns for Order<'_> {
+    type Lost = RunFailure;
+    fn pass(&self, sums: &mut [f64], add: impl FnOnce(&mut [f64])) -> Result<(), RunFailure> {
+        match self {
+            Self::Alone => {
+                let Ok(()) = Alone.pass(sums, add);
+                Ok(())
+            }
+            Self::Ranks(ranks) => ranks.pass(sums, add),
+        }
+    }
+}
+
 impl GpuEngine {
     fn ranks(&self) -> Option<&Ranks> {
         self.domain.as_ref().map(|domain: &Domain| &domain.ranks)
     }
 
+    /// The processes that add to sums.
+    pub(in crate::engine) fn order(&self) -> Order<'_> {
+        self.ranks().map_or(Order::Alone, Order::Ranks)
+    }
+
     /// Lets each rank add its particles to sums, in their common order.
     pub(in crate::engine) fn in_turn(&self, sums: &mut [f64], add: impl FnOnce(&mut [f64])) -> Result<(), RunFailure> {
-        match self.ranks() {
-            Some(ranks) => ranks.pass(sums, add),
-            None => {
-                let Ok(()) = Alone.pass(sums, add);
-                Ok(())
-            }
-        }
+        self.order().pass(sums, add)
     }
 
     /// The sum of numbers over the particles of all ranks; those of this rank are given.

@@ -204,7 +204,8 @@ fn no_reduction_of_single_particles_reads_a_column_back() {
     assert_eq!(bytes(Reduction::Mean { of, quantity }), 2 * 8 * segments);
     assert_eq!(bytes(Reduction::Extremum { of, quantity, extremum: Extremum::Maximum }), 3 * 8 * segments);
     assert_eq!(bytes(Reduction::Extent { of, axis: 0 }), 3 * 8 * segments);
-    assert_eq!(bytes(Reduction::Suspects(Suspicion::Expanded(0.5))), 2 * 8 * segments);
+    // Of each body where its worst is.
+    assert_eq!(bytes(Reduction::Suspects(Suspicion::Expanded(0.5))), 2 * 8 * segments + 3 * 8);
     assert_eq!(bytes(Reduction::OfParticle { id: 0, quantity }), 8);
     // What is evaluated by the processor reads the groups it needs, once until the next step.
     let slabs = || Reduction::Slabs { of, quantity, axis: 1, direction: 1.0 };
