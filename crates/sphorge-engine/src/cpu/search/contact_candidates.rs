@@ -563,7 +563,7 @@ mod tests {
         let list = brute_force(&particles.position, places.len(), &Reach::new(&particles.smoothing_length, 2.0));
         let mut candidates = ContactCandidates::default();
         candidates
-            .refresh(Images::default(), &particles, None, &list, DisplacementBound::default(), 1.2e-3, 2.0)
+            .refresh(Images::default, &particles, None, &list, DisplacementBound::default(), 1.2e-3, 2.0)
             .unwrap();
         for (&[x, y], normal) in places.iter().zip(&candidates.normals).filter(|([_, y], _)| (1..9).contains(y)) {
             let expected = match x {
