@@ -175,10 +175,19 @@ pub(super) enum Group {
     Received,
 }
 
+/// What the length of a group follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Extent {
+    /// Each of its columns has one value of this kind for every particle, ghosts included.
+    Particles(Element),
+    /// It grows with the columns of the particles, but its rows are not particles.
+    Columns,
+    /// It does not depend on the length of the columns.
+    Own,
+}
+
 impl Group {
-    /// Number of values that each of its columns has for every particle and that ghosts receive; nothing if rows are
-    /// not particles.
-    pub(super) fn of_particles(self) -> Option<Element> {
+    fn extent(self) -> Extent {
         match self {
             Self::Place
             | Self::BasePlace
@@ -225,23 +234,17 @@ impl Group {
             | Self::GhostsAt
             | Self::Candidates
             | Self::StrainCorrection
-            | Self::Section(_) => Some(Element::Number),
-            Self::Body | Self::Motion | Self::Touched | Self::Patched => Some(Element::Whole),
-            Self::Surface
-            | Self::ContactLaws
+            | Self::Section(_) => Extent::Particles(Element::Number),
+            Self::Body | Self::Motion | Self::Touched | Self::Patched => Extent::Particles(Element::Whole),
+            Self::ContactLaws
             | Self::HeatLaws
             | Self::HeatExtremes
             | Self::Extremes
             | Self::ExtremesLeft(_)
-            | Self::Apart
-            | Self::ListStarts
-            | Self::List
             | Self::Kept
             | Self::Stored
             | Self::Ways
             | Self::WaysLeft(_)
-            | Self::Step
-            | Self::Members(_)
             | Self::CellCounts
             | Self::Slots
             | Self::CellStarts
@@ -249,40 +252,37 @@ impl Group {
             | Self::Unsorted
             | Self::Sorted
             | Self::Around
-            | Self::Sends
             | Self::Sent
-            | Self::Received
+            | Self::Received => Extent::Columns,
+            Self::Surface
+            | Self::Members(_)
+            | Self::ListStarts
+            | Self::List
+            | Self::Apart
+            | Self::Step
+            | Self::Sends
             | Self::Segments
             | Self::SegmentOf
             | Self::SumNumbers
             | Self::LaneSums
             | Self::Sums
             | Self::PlacesById
-            | Self::Regions => None,
+            | Self::Regions => Extent::Own,
         }
     }
-}
 
-impl Group {
+    /// Kind of the values that each of its columns has for every particle and that ghosts receive; nothing if rows are
+    /// not particles.
+    pub(super) fn of_particles(self) -> Option<Element> {
+        match self.extent() {
+            Extent::Particles(element) => Some(element),
+            Extent::Columns | Extent::Own => None,
+        }
+    }
+
     /// Whether its length is independent of that of the columns, so that it does not change when these are extended.
     pub(super) fn outlasts_columns(self) -> bool {
-        matches!(
-            self,
-            Self::Surface
-                | Self::Members(_)
-                | Self::ListStarts
-                | Self::List
-                | Self::Apart
-                | Self::Step
-                | Self::Sends
-                | Self::Segments
-                | Self::SegmentOf
-                | Self::SumNumbers
-                | Self::LaneSums
-                | Self::Sums
-                | Self::PlacesById
-                | Self::Regions
-        )
+        self.extent() == Extent::Own
     }
 }
 
