@@ -80,5 +80,5 @@ fn a_flux_that_takes_more_heat_than_there_is_ends_the_run() {
     };
     assert_eq!(failure.field, "temperature");
     assert!(failure.particle.is_some() && failure.step == simulation.steps() + 1 && failure.time > 0.0);
-    assert!(failure.to_string().contains("more heat than there is"), "{failure}");
+    assert!(failure.to_string().contains("removes more heat than it contains"), "{failure}");
 }

@@ -79,7 +79,9 @@ boundary = [
 
 const GRAVITY: &str = r#"gravity = ["0 m/s^2", "-1e6 m/s^2"]"#;
 const SYMMETRY: &str = r#"symmetry = [{ axis = "x" }, { axis = "y" }]"#;
-const PERIODIC: &str = r#"periodic = { x = ["0 mm", "36 mm"] }"#;
+/// So long that the end of the bar away from the hammer is away from its images, too.
+const PERIODIC: &str = r#"periodic = { x = ["0 mm", "60 mm"] }"#;
+const LONG: (&str, &str) = ("body.0.shape.box.max", r#"["60 mm", "5 mm"]"#);
 const PENALTY: &str = "contact = { penalty = { friction = 0.2 } }";
 
 /// Changes of a deck: paths and values.
@@ -116,8 +118,8 @@ const FEATURES: &[Feature] = &[
     Feature::new("slow conduction", "", HEAT, &[("material.iron.conductivity", "80 W/(m K)")]),
     Feature::new("penalty and heat", PENALTY, HEAT, &[MLS]),
     Feature::new("symmetry", SYMMETRY, HEAT, &[MLS, ("numerics.artificial-stress", "true")]),
-    Feature::new("periodic", PERIODIC, HEAT, &[MLS]),
-    Feature::new("penalty across a periodic end", PERIODIC, "", &[("contact", "penalty")]),
+    Feature::new("periodic", PERIODIC, HEAT, &[LONG, MLS]),
+    Feature::new("penalty across a periodic end", PERIODIC, "", &[LONG, ("contact", "penalty")]),
     Feature::new("follow-density", "", "", &[("numerics.smoothing-length", "follow-density")]),
     Feature::new("corrected", "", "", &[("numerics.gradient-correction", "linear")]),
     // Several times as far as the kernel reaches.
