@@ -76,7 +76,7 @@ pub(super) fn share_at_start(ranks: Ranks, model: &Model, particles: &Particles)
     let blocks = count.div_ceil(BLOCK);
     if blocks < size {
         return Err(RunFailure::of_engine(format!(
-            "{count} particles are too few for {size} ranks, which get whole blocks of {BLOCK} particles: there are {blocks}; use `--ranks {}`",
+            "{count} particles are too few for {size} ranks: each needs a block of {BLOCK}; use `--ranks {}`",
             blocks.max(1)
         )));
     }

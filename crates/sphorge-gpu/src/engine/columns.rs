@@ -180,9 +180,9 @@ pub(super) enum Group {
 enum Extent {
     /// Each of its columns has one value of this kind for every particle, ghosts included.
     Particles(Element),
-    /// It grows with the columns of the particles, but its rows are not particles.
+    /// Its rows are not particles, and it is made again when the columns are extended.
     Columns,
-    /// It does not depend on the length of the columns.
+    /// It does not depend on the length of the columns, and is kept when they are extended.
     Own,
 }
 

@@ -234,7 +234,7 @@ fn too_few_particles_for_the_ranks_are_refused() {
     let message = try_run_on_ranks("taylor-plate", &[("particles.spacing", "\"2 mm\"")], 2, 1)
         .map(|files| files.len())
         .unwrap_err();
-    assert!(message.contains("are too few for 2 ranks") && message.contains("take `--ranks 1`"), "{message}");
+    assert!(message.contains("are too few for 2 ranks") && message.contains("use `--ranks 1`"), "{message}");
 }
 
 #[test]

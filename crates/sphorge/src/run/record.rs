@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     engine::{
-        Audit, Energies, FieldSource, Ledger, LimitReason, ParticleSource, Simulation, StepReport,
+        Audit, Energies, FieldSource, Ledger, LimitReason, ParticleSource, RunFailure, Simulation, StepReport,
         persist::{Archive, ArchiveError, MOST_COUNTED, Persist, persist_count, persist_option, require},
         reduction::{QueuedSums, Reduction},
     },
@@ -225,7 +225,7 @@ impl Recorder {
     pub(super) fn settle_row(&mut self, model: &Model) -> Result<bool, Trouble> {
         let Some(RowUnderWay { clock, sums }) = self.row_under_way.take() else { return Ok(false) };
         let start = Instant::now();
-        let answers = sums.wait()?;
+        let answers = sums.wait().map_err(|lost| RunFailure { step: clock.step, time: clock.time, ..lost })?;
         self.write_row(model, clock, answers.ledger(), &answers)?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(true)

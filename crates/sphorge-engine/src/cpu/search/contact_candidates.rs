@@ -10,7 +10,7 @@
 use super::super::domain::Domain;
 use super::surroundings::Surroundings;
 use crate::halo::Images;
-use crate::neighbors::{CellGrid, DisplacementBound, NeighborList};
+use crate::neighbors::{CellGrid, DisplacementBound, NeighborList, bounds};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none};
 use crate::{Model, RunFailure};
@@ -192,12 +192,17 @@ impl ContactCandidates {
     /// Finds particles and images that hold a piece together, as neighbours in the lists do.
     fn find_held_across(&mut self, seen: &Surroundings<'_>, support: f64) {
         let (cells, count) = (&self.cells, seen.count());
+        // Most images are farther from all particles than that.
+        let reach = support * seen.smoothing_length.iter().copied().fold(0.0, f64::max);
+        let (low, high) = bounds(&seen.position[..count]);
+        let is_near = |x: &Vector<f64>| (0..3).all(|a| low[a] - reach <= x[a] && x[a] <= high[a] + reach);
         let of_image = |image: usize| {
             let near = cells.cells_around(cells.cell_of(image)).flat_map(|cell| cells.members(cell));
             let held = near.filter(move |&&i| (i as usize) < count && is_held(seen, i as usize, image, support));
             held.map(move |&i| [i, image as u32]).collect::<Vec<_>>()
         };
-        self.held_across = (count..seen.position.len()).into_par_iter().flat_map_iter(of_image).collect();
+        let images = (count..seen.position.len()).into_par_iter().filter(|&image| is_near(&seen.position[image]));
+        self.held_across = images.flat_map_iter(of_image).collect();
         self.held_across.sort_unstable();
     }
 

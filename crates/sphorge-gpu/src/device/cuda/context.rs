@@ -153,8 +153,9 @@ impl HostCopy {
 
     /// Waits for the copies and takes their first bytes.
     pub(super) fn wait(&self, into: &mut [u8]) -> Result<(), DriverError> {
-        if let Some(done) = &self.done {
-            done.wait()?;
+        match &self.done {
+            Some(done) => done.wait()?,
+            None => self.context.wait()?,
         }
         let length = into.len().min(self.filled);
         // SAFETY: so many were asked for, and the driver has written them.
