@@ -33,14 +33,13 @@ impl Image {
         images
     }
 
-    /// Whether a particle at `x` has this image: what stands on a symmetry plane or behind it has none.
+    /// Whether a particle at `x` has this image: what stands on a symmetry plane has none.
     fn is_of(&self, model: &Model, x: Vector<f64>) -> bool {
-        let before =
-            |s: &sphorge_engine::model::SymmetryPlane| s.side * (x[s.axis] - s.position) > 1e-9 * model.spacing;
+        let off = |s: &sphorge_engine::model::SymmetryPlane| (x[s.axis] - s.position).abs() > 1e-9 * model.spacing;
         let mirrored = |s: &&sphorge_engine::model::SymmetryPlane| {
             self.sign[s.axis] < 0.0 && self.shift[s.axis] == 2.0 * s.position
         };
-        model.symmetry.iter().filter(mirrored).all(before)
+        model.symmetry.iter().filter(mirrored).all(off)
     }
 
     pub(crate) fn point(&self, x: Vector<f64>) -> Vector<f64> {

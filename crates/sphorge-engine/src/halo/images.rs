@@ -102,6 +102,65 @@ pub struct Images {
     sources: Vec<u32>,
 }
 
+/// One kind of image along an axis: its sign and shift (m), and who needs it.
+struct Kind {
+    sign: f64,
+    shift: f64,
+    needed: Needed,
+}
+
+/// The source coordinates along an axis (m) whose images can be neighbours of a particle.
+enum Needed {
+    /// From the first to the second.
+    Between(f64, f64),
+    /// Behind a symmetry plane that particles have passed. `i` sees the image of `j` where `|x_i + x_j| < reach`, with
+    /// coordinates from the plane on. `j` then has to see the image of `i`, on whichever side the two are: sums would
+    /// otherwise not be adjoint, and neither energy nor momentum be conserved.
+    Mirrored { plane: f64, skip: f64, reach: f64, occupied: HashSet<i64> },
+}
+
+impl Needed {
+    /// Those of images behind a plane.
+    fn behind(plane: &SymmetryPlane, positions: &[Vector<f64>], reach: f64) -> Self {
+        let (axis, position) = (plane.axis, plane.position);
+        // A particle on the plane is its own image.
+        let skip = 1e-9 * reach;
+        if positions.iter().all(|p| plane.side * (p[axis] - position) >= -skip) {
+            return match plane.side > 0.0 {
+                true => Self::Between(position + skip, position + reach),
+                false => Self::Between(position - reach, position - skip),
+            };
+        }
+        let mut occupied = HashSet::new();
+        let mut last = None;
+        for p in positions {
+            // Particles that follow each other are often near each other.
+            let layer = Some(Self::layer(p[axis] - position, reach));
+            if layer != last {
+                occupied.extend(layer);
+                last = layer;
+            }
+        }
+        Self::Mirrored { plane: position, skip, reach, occupied }
+    }
+
+    /// The layer, as thick as the reach, in which a particle at this distance from a plane is.
+    fn layer(distance: f64, reach: f64) -> i64 {
+        (distance / reach).floor() as i64
+    }
+
+    /// Whether the image of a source with this coordinate is needed.
+    fn of(&self, x: f64) -> bool {
+        match self {
+            Self::Between(first, last) => x >= *first && x <= *last,
+            Self::Mirrored { plane, skip, reach, occupied } => {
+                let layer = Self::layer(plane - x, *reach);
+                (x - plane).abs() >= *skip && (layer - 1..=layer + 1).any(|layer| occupied.contains(&layer))
+            }
+        }
+    }
+}
+
 /// Axis pairs of the symmetric components xx, yy, zz, xy, yz, xz.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
@@ -133,14 +192,13 @@ impl Images {
         self.sources.extend(self.images.iter().map(|image| image.source));
     }
 
-    /// How far a particle is beyond a plane or a periodic end, m. Particles that do not wrap, or that are pressed
-    /// through a plane, are neighbours of images of particles that are equally farther from it on this side.
+    /// How far a particle is beyond a periodic end, m. Particles that do not wrap are neighbours of copies of particles
+    /// that are equally farther from it on this side.
     fn farthest_outside(&self, positions: &[Vector<f64>]) -> f64 {
         let beyond = |p: &Vector<f64>| {
-            let planes = self.symmetry.iter().map(|plane| plane.side * (plane.position - p[plane.axis]));
             let ends =
                 self.periodic.iter().zip(p).filter_map(|(cell, x)| cell.map(|(low, high)| (low - x).max(x - high)));
-            planes.chain(ends).fold(0.0, f64::max)
+            ends.fold(0.0, f64::max)
         };
         positions.iter().map(beyond).fold(0.0, f64::max)
     }
@@ -202,29 +260,20 @@ impl Halo for Images {
         self.images.clear();
         for axis in 0..3 {
             let before = self.images.len();
-            let mut kinds: [Option<(f64, f64, f64, f64)>; 2] = [None; 2];
-            // Each kind of image: sign, shift, and the interval of source coordinates that need it.
+            let mut kinds: [Option<Kind>; 2] = [const { None }; 2];
             if let Some((low, high)) = self.periodic[axis] {
                 let length = high - low;
-                kinds = [
-                    Some((1.0, length, f64::NEG_INFINITY, low + reach)),
-                    Some((1.0, -length, high - reach, f64::INFINITY)),
-                ];
+                let kind = |shift, first, last| Some(Kind { sign: 1.0, shift, needed: Needed::Between(first, last) });
+                kinds = [kind(length, f64::NEG_INFINITY, low + reach), kind(-length, high - reach, f64::INFINITY)];
             }
             let planes = self.symmetry.iter().filter(|s| s.axis == axis);
             for (kind, plane) in kinds.iter_mut().filter(|i| i.is_none()).zip(planes) {
-                let p = plane.position;
-                // A particle on the plane is its own image.
-                let skip = 1e-9 * reach;
-                *kind = Some(if plane.side > 0.0 {
-                    (-1.0, 2.0 * p, p + skip, p + reach)
-                } else {
-                    (-1.0, 2.0 * p, p - reach, p - skip)
-                });
+                let needed = Needed::behind(plane, positions, reach);
+                *kind = Some(Kind { sign: -1.0, shift: 2.0 * plane.position, needed });
             }
-            for (sign, shift, first, last) in kinds.into_iter().flatten() {
+            for Kind { sign, shift, needed } in kinds.into_iter().flatten() {
                 for (i, p) in positions.iter().enumerate() {
-                    if p[axis] >= first && p[axis] <= last {
+                    if needed.of(p[axis]) {
                         let mut image = Image { source: i as u32, sign: [1.0; 3], shift: [0.0; 3] };
                         image.sign[axis] = sign;
                         image.shift[axis] = shift;
@@ -233,8 +282,7 @@ impl Halo for Images {
                 }
                 for k in 0..before {
                     let mut image = self.images[k];
-                    let x = image.position(&positions[image.source as usize])[axis];
-                    if x >= first && x <= last {
+                    if needed.of(image.position(&positions[image.source as usize])[axis]) {
                         image.sign[axis] *= sign;
                         image.shift[axis] = sign * image.shift[axis] + shift;
                         self.images.push(image);
@@ -320,6 +368,52 @@ mod tests {
         assert_eq!(later.sources(), [1, 0, 2]);
         later.supplement(&at([0.5, -0.5, 1.4]), 1.0);
         assert_eq!(later.count(), 3);
+    }
+
+    /// Points on both sides of two planes; a fragment that flies behind one of them, alone and together with others.
+    fn scattered() -> Vec<Vector<f64>> {
+        let mut state = 7u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let near = (0..150).map(|_| [3.5 * next() - 0.8, 3.5 * next() - 0.4, next()]).collect::<Vec<_>>();
+        near.into_iter().chain([[-20.0, 0.3, 0.5], [-2.6, 2.5, 0.5], [1.9, 9.0, 0.2]]).collect()
+    }
+
+    #[test]
+    fn every_pair_with_an_image_is_seen_by_both_sides_as_in_the_whole_model() {
+        let planes = [(0, 1.0), (1, 1.0)].map(|(axis, side)| SymmetryPlane { axis, position: 0.0, side });
+        for sides in [[1.0, 1.0], [-1.0, 1.0]] {
+            let mut halo = Images { symmetry: planes.to_vec(), ..Images::default() };
+            halo.symmetry.iter_mut().zip(sides).for_each(|(plane, side)| plane.side = side);
+            let mut points = scattered();
+            points.iter_mut().for_each(|p| p[0] *= sides[0]);
+            let reach = 1.0;
+            halo.rebuild(&points, reach);
+            let near = |a: &Vector<f64>, b: &Vector<f64>| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>() < reach;
+            let mut found: Vec<_> = (0..points.len())
+                .flat_map(|i| halo.images.iter().map(move |image| (i, image)))
+                .filter(|(i, image)| near(&points[*i], &image.position(&points[image.source as usize])))
+                .map(|(i, image)| (i, image.source as usize, image.sign.map(|sign| sign as i64)))
+                .collect();
+            let mut expected = Vec::new();
+            for sign in [[-1, 1, 1], [1, -1, 1], [-1, -1, 1]] {
+                for (i, p) in points.iter().enumerate() {
+                    for (j, q) in points.iter().enumerate() {
+                        if near(p, &[0, 1, 2].map(|a| sign[a] as f64 * q[a])) {
+                            expected.push((i, j, sign));
+                        }
+                    }
+                }
+            }
+            found.sort_unstable();
+            expected.sort_unstable();
+            assert!(expected.len() > 500 && found == expected, "{} and {}", found.len(), expected.len());
+            assert!(expected.iter().all(|&(i, j, sign)| expected.binary_search(&(j, i, sign)).is_ok()));
+            // What flies alone behind a plane is reflected in the other one only.
+            assert!(halo.images.iter().all(|image| image.source != 150 || image.sign[0] > 0.0));
+        }
     }
 
     #[test]

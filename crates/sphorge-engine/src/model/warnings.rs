@@ -114,7 +114,7 @@ impl WarningKind {
                 "wall-energy",
                 0.2,
                 "work of walls at rest over the initial kinetic energy",
-                "lower the stiffness or damping of the wall, lower `time.courant`, or use a symmetry plane instead",
+                "lower the stiffness or damping of the wall, lower `time.courant`, or, where nothing leaves the wall again, use a symmetry plane instead",
             ),
             Self::Pairing => above(
                 "pairing",
@@ -144,7 +144,7 @@ impl WarningKind {
                 "behind-symmetry",
                 0.5,
                 "depth of a particle behind a symmetry plane over the spacing",
-                "the body has folded through its image: choose a spacing with the first layer of particles half a spacing from the plane (`sphorge check` suggests some), or use a penalty wall instead of the plane",
+                "the body has folded through its image, or has come apart and mixes with it: choose a spacing with the first layer of particles half a spacing from the plane (`sphorge check` suggests some), or use a penalty wall instead of the plane",
             ),
             Self::FarAway => above(
                 "far-away",

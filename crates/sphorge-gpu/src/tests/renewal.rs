@@ -112,6 +112,14 @@ fn debris_of_an_impact_is_that_of_the_processor() {
     compare(shipped("penetration"), &disc, 2e-6, 2, (1e-4, 3e-4));
 }
 
+/// Half of a drop that splashes on a wall. It comes apart, and its particles pass the plane.
+const SPLASH: &str = include_str!("../../../sphorge/tests/physics/splash.toml");
+
+#[test]
+fn what_passes_a_symmetry_plane_meets_the_images_of_the_processor() {
+    compare(SPLASH, &[], 250e-6, 6, (1e-3, 1e-2));
+}
+
 #[test]
 fn what_comes_apart_keeps_the_energy_its_contact_held() {
     let text = closing(BLOCKS, &format!("{RUBS}\nsearch = {{ total-lagrangian = {{ renewal = 1.2 }} }}"));

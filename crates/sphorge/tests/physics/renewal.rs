@@ -86,3 +86,26 @@ fn a_liquid_comes_apart_at_a_stretch_a_solid_bears() {
     assert!(is_renewed(&[fluid]), "a fluid");
     assert!(!is_renewed(&[hot, ("search", "{ total-lagrangian = { renewal = 0 } }")]), "never");
 }
+
+/// Half of a drop that splashes on a wall. It comes apart, and its particles pass the plane.
+const SPLASH: &str = include_str!("splash.toml");
+
+#[test]
+fn what_comes_apart_beside_a_symmetry_plane_keeps_energy_and_momentum() {
+    let mut simulation = simulation(SPLASH, &[]);
+    let start = simulation.ledger().unwrap();
+    let supplied = start.total.energies.kinetic;
+    let (mut deepest, mut searches, mut energy, mut momentum) = (0.0f64, 0, 0.0f64, 0.0f64);
+    while simulation.time() < 300e-6 {
+        searches += u32::from(simulation.step(Some(300e-6)).unwrap().searched_fraction > 0.0);
+        let now = simulation.ledger().unwrap();
+        let total = now.total.energies.kinetic + now.total.energies.internal - now.external_work;
+        energy = energy.max((total / supplied - 1.0).abs());
+        let change = now.total.momentum[1] - start.total.momentum[1] - now.external_impulse[1];
+        momentum = momentum.max(change.abs() / start.total.momentum_scale);
+        deepest = simulation.particles().unwrap().position.iter().fold(deepest, |deepest, x| deepest.max(-x[0]));
+    }
+    println!("deepest {deepest:.1e}, {searches} searches, energy {energy:.1e}, momentum {momentum:.1e}");
+    assert!(searches > 5 && deepest > 1e-4, "{searches} searches, {deepest:.1e} m behind the plane");
+    assert!(energy < 1e-10 && momentum < 1e-12, "energy {energy:.1e}, momentum {momentum:.1e}");
+}

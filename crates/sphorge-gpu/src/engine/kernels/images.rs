@@ -218,8 +218,8 @@ impl Choice {
 }
 
 impl Image {
-    /// Distance of a position, with its rest, from each plane this image is behind, m.
-    pub(super) fn depths<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = Recorded> {
+    /// Distance of a position, with its rest, from each plane this image is behind, on either side of it, m.
+    pub(super) fn distances<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> impl Iterator<Item = Recorded> {
         let kinds = self.kinds::<D>(place);
         kinds.filter(|(kind, _)| kind.turns()).map(|(kind, place)| kind.distance(place))
     }

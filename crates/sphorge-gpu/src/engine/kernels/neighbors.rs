@@ -97,6 +97,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
     let own = places(place, i);
     let h = length(i);
     let cells = Index::of((grid.around().len() / 3) as u32);
+    let near = Recorded::of(strays(model) * grid.edge);
     let mut state = start;
     for (bits, image) in planes.images() {
         // A particle next to the image of the particle has an image next to the particle itself.
@@ -118,9 +119,11 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
                         let itself = (j.number() - i.number()).abs();
                         apart = Recorded::select_lt(itself, Recorded::of(0.5), reach * reach, apart);
                     }
-                    for depth in image.depths::<D>(&other) {
+                    for distance in image.distances::<D>(&other) {
                         let on_plane = Recorded::of(ON_PLANE) * reach;
-                        apart = Recorded::select_lt(on_plane, depth, apart, reach * reach);
+                        apart = Recorded::select_lt(on_plane, distance, apart, reach * reach);
+                        // The neighbour is in the sum of this particle only if it also sums over this one.
+                        apart = Recorded::select_lt(distance, near, apart, reach * reach);
                     }
                     Recorded::if_lt(apart, reach * reach, || add(state, &pair, j), || state)
                 })
@@ -129,16 +132,21 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
         state = match image.farthest::<D>(&own) {
             None => sum(),
             // Only particles near all planes and ends have neighbours behind them.
-            Some(depth) => Recorded::if_lt(depth, Recorded::of(strays(model) * grid.edge), sum, || before),
+            Some(distance) => Recorded::if_lt(distance, near, sum, || before),
         };
     }
     state
 }
 
-/// How much farther from an end there are images, because particles leave a periodic cell before all are wrapped.
+/// How far from a plane or an end there are images, over the edge of a cell. Particles leave a periodic cell before all
+/// are wrapped; those that have passed a symmetry plane, by up to the reach of a kernel, see images of what is farther
+/// in front of it by the same distance.
 fn strays(model: &Model) -> f64 {
-    let is_open = model.periodic.iter().all(Option::is_none);
-    if is_open || adaptive(model).is_none() { 1.0 } else { 1.0 + AdaptiveSearch::IMAGE_MARGIN }
+    let of_ends = match model.periodic.iter().all(Option::is_none) || adaptive(model).is_none() {
+        true => 1.0,
+        false => 1.0 + AdaptiveSearch::IMAGE_MARGIN,
+    };
+    if model.symmetry.is_empty() { of_ends } else { f64::max(of_ends, 2.0) }
 }
 
 /// Folds a state over the list of a particle, as far as pairs are within the kernel support, at the distances used in
