@@ -13,6 +13,8 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::NegativeEnergy, &raw.negative_energy),
         (WarningKind::Hot, &raw.hot),
         (WarningKind::WallEnergy, &raw.wall_energy),
+        (WarningKind::EnergyDrift, &raw.energy_drift),
+        (WarningKind::MomentumDrift, &raw.momentum_drift),
         (WarningKind::Pairing, &raw.pairing),
         (WarningKind::Tearing, &raw.tearing),
         (WarningKind::Pieces, &raw.pieces),

@@ -19,6 +19,10 @@ tables! {
         hot: Option<Given<Number>>, example 3, default 2.0;
         /// Largest work of all walls at rest, of either sign, over the initial kinetic energy.
         wall_energy: Option<Given<Number>>, example 0.3, default 0.2;
+        /// Largest drift of the total energy, over the energy in play. Not checked with `guard = "none"`.
+        energy_drift: Option<Given<Number>>, example 1e-3, default 1e-4;
+        /// Largest drift of the linear momentum, over the sum of the magnitudes of all momenta. Not checked with `guard = "none"`.
+        momentum_drift: Option<Given<Number>>, example 1e-3, default 1e-4;
         /// Largest share of the particles of a body that have clumped in pairs.
         pairing: Option<Given<Number>>, example 0.2, default 0.1;
         /// Largest number of particles of a body that cannot break (no `spall-pressure`, no damage) in zones where more than 40 % are in pairs in

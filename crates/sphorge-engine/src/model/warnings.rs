@@ -13,6 +13,10 @@ pub enum WarningKind {
     Hot,
     /// Work of walls that do not move.
     WallEnergy,
+    /// Energy that came from nowhere or went nowhere.
+    EnergyDrift,
+    /// The same of linear momentum.
+    MomentumDrift,
     /// Particles of one body that have fallen together in pairs.
     Pairing,
     /// A zone of a body that cannot break in which particles have fallen together in pairs in tension.
@@ -62,12 +66,14 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'st
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::Cold,
         Self::Hot,
         Self::WallEnergy,
+        Self::EnergyDrift,
+        Self::MomentumDrift,
         Self::Pairing,
         Self::Tearing,
         Self::Pieces,
@@ -115,6 +121,18 @@ impl WarningKind {
                 0.2,
                 "work of walls at rest over the initial kinetic energy",
                 "lower the stiffness or damping of the wall, lower `time.courant`, or, where nothing leaves the wall again, use a symmetry plane instead",
+            ),
+            Self::EnergyDrift => above(
+                "energy-drift",
+                1e-4,
+                "change of the total energy that neither work nor heat explains, over the energy in play",
+                "the sums of this run do not conserve energy: set `precision = \"double\"`; if the drift stays, do not use the run, and report its deck as a fault of the program",
+            ),
+            Self::MomentumDrift => above(
+                "momentum-drift",
+                1e-4,
+                "change of the linear momentum that no external impulse explains, over the sum of all m |v|",
+                "the sums of this run do not conserve momentum: set `precision = \"double\"`; if the drift stays, do not use the run, and report its deck as a fault of the program",
             ),
             Self::Pairing => above(
                 "pairing",

@@ -70,6 +70,16 @@ impl Conservation {
         self.largest.momentum = self.largest.momentum.max(self.last.momentum);
         self.last
     }
+
+    /// The last drift, of amounts (J, kg m/s) larger than what counts as nothing.
+    pub(super) fn drift_beyond(&self, energy: f64, momentum: f64) -> Drift {
+        let beyond =
+            |drift: f64, scale: f64, nothing: f64| if drift.abs() * scale > nothing { drift.abs() } else { 0.0 };
+        Drift {
+            energy: beyond(self.last.energy, self.energy_scale, energy),
+            momentum: beyond(self.last.momentum, self.momentum_scale, momentum),
+        }
+    }
 }
 
 persist_fields!(Drift { energy, momentum });

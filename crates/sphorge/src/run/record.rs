@@ -174,7 +174,8 @@ impl Recorder {
     /// Looks at all of the present state for what is broken.
     pub(super) fn look(&mut self, engine: &Simulation) -> Result<(), Trouble> {
         let start = Instant::now();
-        self.watch.look(engine, engine.model(), Clock::of(engine), &engine.ledger()?, true)?;
+        let ledger = engine.ledger()?;
+        self.watch.look(engine, engine.model(), Clock::of(engine), (&ledger, &self.conservation), true)?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
@@ -248,7 +249,7 @@ impl Recorder {
         source: &dyn ParticleSource,
     ) -> Result<(), Trouble> {
         let drift = self.conservation.sample(ledger);
-        self.watch.look(source, model, clock, ledger, false)?;
+        self.watch.look(source, model, clock, (ledger, &self.conservation), false)?;
         self.measures.sample(model, clock.time, source)?;
         self.observed.sample(model, source)?;
         let since = self.steps.count - self.steps_at_last_row.count;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     engine::{BodyLedger, Energies, WallLedger, persist::MemoryArchive},
-    model::{TimeTable, Wall, WallContact, WallSurface},
+    model::{AdaptiveSearch, TimeTable, Wall, WallContact, WallSurface},
     output::testing,
     particles::Particles,
 };
@@ -379,4 +379,42 @@ fn news_are_told_once_and_a_saved_watch_goes_on() {
     let mut archive = MemoryArchive::new();
     watch.persist("watch", &mut archive).unwrap();
     assert!(loaded.persist("watch", &mut archive.to_load()).is_err());
+}
+
+/// Conservation of a run of 100 J and 10 kg m/s that has lost this much of them.
+fn lost(energy: f64, momentum: f64) -> Conservation {
+    let mut conservation = Conservation::default();
+    let at = |energy: f64, momentum: f64| {
+        let mut of = ledger(energy, 0.0, 0.0, 0.0);
+        (of.total.momentum, of.total.momentum_scale) = ([momentum, 0.0, 0.0], 10.0);
+        of
+    };
+    conservation.sample(&at(100.0, 10.0));
+    conservation.sample(&at(100.0 - energy, 10.0 - momentum));
+    conservation
+}
+
+#[test]
+fn what_is_not_conserved_is_told_unless_it_is_next_to_nothing_or_the_form_does_not_conserve_it() {
+    let mut model = testing::model(&["bar"]);
+    let mut watch = begun(&model);
+    watch.look_at_drift(&model, &lost(9e-3, 9e-4), CLOCK);
+    watch.look_at_drift(&model, &lost(-9e-3, -9e-4), CLOCK);
+    assert_eq!(watch.count(), 0);
+    watch.look_at_drift(&model, &lost(0.5, 0.0), CLOCK);
+    assert_eq!(found(&watch, &model), one("energy-drift", 5e-3));
+    let mut watch = begun(&model);
+    watch.look_at_drift(&model, &lost(0.0, 2.0), CLOCK);
+    assert_eq!(found(&watch, &model), one("momentum-drift", 0.2));
+    // Half a joule and two units of momentum that are the noise of a body at rest.
+    let mut watch = begun(&model);
+    let start = watch.start.as_mut().unwrap();
+    (start.nothing, start.no_momentum) = (0.6, 2.1);
+    watch.look_at_drift(&model, &lost(0.5, 2.0), CLOCK);
+    assert_eq!(watch.count(), 0);
+    let mut watch = begun(&model);
+    let published = AdaptiveSearch { plastic_strain_threshold: 1e-4, accumulate: false, guard: None };
+    model.search = Search::Adaptive(published);
+    watch.look_at_drift(&model, &lost(0.5, 2.0), CLOCK);
+    assert_eq!(watch.count(), 0);
 }
