@@ -244,7 +244,10 @@ impl Oracle {
                 let body = &self.model.bodies[self.p.body[i] as usize];
                 let at_spacing = numerics.kernel.w(body.spacing / body.smoothing_length);
                 let of_body = artificial_stress::coefficient(a.epsilon, at_spacing, a.exponent);
-                self.repulsion[i] = artificial_stress::artificial_stress(sigma, of_body, self.dimension).to_tensor();
+                let material = &self.model.materials[self.p.material[i] as usize];
+                let left = material.bounded_pressure().energy_left(energy);
+                let tensor = artificial_stress::artificial_stress(sigma, of_body * left, self.dimension);
+                self.repulsion[i] = tensor.to_tensor();
             }
             self.switch[i] = if numerics.balsara { balsara(&l, c, h) } else { 1.0 };
         }

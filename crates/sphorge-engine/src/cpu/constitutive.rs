@@ -306,8 +306,10 @@ impl<T: PairScalar> CpuEngine<T> {
                 *here = energy + half * power;
             }
             if form.artificial_stress {
-                for (here, body) in columns.repulsion.iter_mut().zip(&body[particles.clone()]) {
-                    *here = repulsion[*body as usize];
+                let owners = body[particles.clone()].iter().zip(&material[particles.clone()]);
+                for (k, (body, material)) in owners.enumerate() {
+                    let left = model.materials[*material as usize].bounded_pressure().energy_left(columns.energy[k]);
+                    columns.repulsion[k] = repulsion[*body as usize] * left;
                 }
             }
             if form.bulk_viscosity.is_some() {

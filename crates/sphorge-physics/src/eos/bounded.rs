@@ -39,6 +39,15 @@ impl<T: Real> BoundedPressure<T> {
         let state = self.law.pressure(density, energy.max(self.least_energy));
         PressureState { pressure: state.pressure.max(self.least_pressure), ..state }
     }
+
+    /// What is left of the energy that the reference state has above absolute zero: one at an energy (J/kg) of zero and above, zero from that of absolute
+    /// zero down. What takes work from the internal energy and is no stress of the material, as the artificial stress does, has that much of it to take.
+    #[inline(always)]
+    pub fn energy_left(&self, energy: T) -> T {
+        // A reference state at absolute zero has nothing: any lack is all of it.
+        let held = (-self.least_energy).max(T::of(f64::from(f32::MIN_POSITIVE)));
+        (T::one() + energy.min(T::zero()) / held).max(T::zero())
+    }
 }
 
 /// Steps to the density of the cut-off; each halves what is left of the distance or does better.
@@ -171,6 +180,17 @@ mod tests {
         // 450 300 = 135 kJ/kg, less than 0.01 c0^2 = 160 kJ/kg.
         assert_eq!(steel(1e9, 450.0).least_energy, -135e3);
         assert_eq!(steel(1e9, f64::INFINITY).least_energy, -160e3);
+    }
+
+    #[test]
+    fn energy_is_left_down_to_absolute_zero() {
+        let law = steel(1e9, 450.0);
+        for (energy, left) in [(1e6, 1.0), (0.0, 1.0), (-33.75e3, 0.75), (-135e3, 0.0), (-1e9, 0.0)] {
+            assert_eq!(law.energy_left(energy), left, "{energy}");
+        }
+        // A reference state at absolute zero.
+        let cold = BoundedPressure { least_energy: 0.0, ..law };
+        assert_eq!((cold.energy_left(0.0), cold.energy_left(-1e-3)), (1.0, 0.0));
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! What viscosity, artificial stress and hourglass springs turn into internal energy: pair by pair by hand, and the sum of all energies.
 
 use super::setup::{run_steps, run_to, simulation};
-use sphorge::engine::{Simulation, WallLedger};
+use sphorge::{
+    deck,
+    engine::{Simulation, WallLedger},
+};
 
 /// A particle that moves along x, at half a spacing from the plane `x = 0`.
 const PARTICLE: &str = r#"
@@ -98,6 +101,34 @@ fn a_pair_turns_into_internal_energy_what_its_powers_by_hand_say() {
             }
         }
     }
+}
+
+/// Two that are closer than their lattice has them and part are driven apart by their own tension: at 0.3 spacings the repulsion is eighteen times as large. It takes no more than what
+/// they hold above absolute zero. Without an end to it a pair that parts expands, pulls harder and is driven harder, and steps become as short as
+/// one likes.
+#[test]
+fn a_pair_takes_no_more_than_its_energy_from_the_artificial_stress() {
+    let like = format!("{PARTICLE}{LIKE}velocity = [\"-50 m/s\", \"0 m/s\"]\n");
+    let with = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+    let overrides = [
+        with("body.right.velocity", "[\"50 m/s\", \"0 m/s\"]"),
+        with("numerics.artificial-stress", "{ epsilon = 0.6, exponent = 4 }"),
+    ];
+    let setup = deck::load_text("pair", &like, &overrides).unwrap();
+    let (mut particles, material) = (setup.particles, setup.model.materials[0].clone());
+    for x in &mut particles.position {
+        x[0] *= 0.3;
+    }
+    let mut simulation = Simulation::new(setup.model, particles);
+    let c = material.equation_of_state.reference_sound_speed();
+    let held = 0.01 * c * c;
+    let mut least: f64 = 0.0;
+    for _ in 0..1000 {
+        simulation.step(None).unwrap();
+        let p = simulation.particles().unwrap();
+        least = p.energy.iter().copied().fold(least, f64::min);
+    }
+    assert!(least < -0.1 * held && least > -1.1 * held, "{}", least / held);
 }
 
 /// A bar that strikes a wall without friction and yields: five per cent of its energy goes to viscosity and springs.

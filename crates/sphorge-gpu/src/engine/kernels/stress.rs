@@ -169,7 +169,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         let sigma = (returned.deviator - SymmetricTensor::isotropic(pressure)) * stress_scale(numerics.pair_form, rho);
         packed.set_all(0, i, &sigma.to_array());
         if numerics.artificial_stress.is_some() {
-            let repulsion = artificial_stress(sigma, constants.get(2, i), model.dimensions.into());
+            let left = material.bounded_pressure::<Recorded>().energy_left(e);
+            let repulsion = artificial_stress(sigma, constants.get(2, i) * left, model.dimensions.into());
             packed.set_all(6, i, &repulsion.to_array());
         }
         if numerics.balsara {
