@@ -99,7 +99,7 @@ pub(crate) fn execute(arguments: BenchArguments) -> Ending {
     let report =
         bench(&options, &mut |what| terminal::note(&format!("measuring {what}"))).map_err(|error| match error {
             BenchError::Deck(_) => Failure::BadInput(error.into()),
-            BenchError::Threads(_) | BenchError::Failed(_) => Failure::Failed(error.into()),
+            BenchError::Threads(_) => Failure::Failed(error.into()),
         })?;
     let text = if arguments.json {
         let limits = times.as_ref().map(|times| &times.limits);

@@ -1,6 +1,6 @@
 //! What can stop a benchmark.
 
-use crate::{deck::DeckReport, engine::RunFailure};
+use crate::deck::DeckReport;
 
 /// What can stop a benchmark.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -13,7 +13,4 @@ pub enum BenchError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Deck(DeckReport),
-    /// A shipped deck cannot be stepped.
-    #[error(transparent)]
-    Failed(#[from] RunFailure),
 }

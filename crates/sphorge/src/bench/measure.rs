@@ -4,6 +4,7 @@ use super::{BenchRow, StageShares};
 use crate::{
     deck::Setup,
     engine::{EngineKind, RunFailure, Simulation},
+    run::repeat::Repeater,
 };
 use std::time::Instant;
 
@@ -51,8 +52,9 @@ pub(super) fn measure(
 /// A simulation after the first steps.
 pub(super) fn warm(kind: &dyn EngineKind, setup: Setup) -> Result<Simulation, RunFailure> {
     let mut simulation = Simulation::start(kind, setup.model, setup.particles)?;
+    let mut repeater = Repeater::new(&simulation);
     for _ in 0..WARM_UP_STEPS {
-        simulation.step(None)?;
+        repeater.step(&mut simulation)?;
     }
     Ok(simulation)
 }
@@ -65,12 +67,14 @@ pub(super) struct Measured {
     wall_seconds: f64,
 }
 
-/// Steps for so many seconds, and a few times at least.
+/// Steps for so many seconds, and a few times at least. A step that is repeated counts as often as it is taken.
 pub(super) fn steps(simulation: &mut Simulation, seconds: f64) -> Result<Measured, RunFailure> {
+    // One of its own: it goes back behind none of the seconds that were taken before.
+    let mut repeater = Repeater::new(simulation);
     let start = Instant::now();
     let mut measured = Measured { steps: 0, pairs: 0, searched: 0.0, wall_seconds: 0.0 };
     while measured.steps < LEAST_STEPS || start.elapsed().as_secs_f64() < seconds {
-        let report = simulation.step(None)?;
+        let report = repeater.step(simulation)?;
         measured.steps += 1;
         measured.pairs += report.pairs;
         measured.searched += report.searched_fraction;

@@ -7,6 +7,7 @@ use crate::{
     model::{Body, Dimensions, Model},
     observed::Observed,
     output::uncompressed_bytes,
+    run::repeat::Repeater,
 };
 use std::{sync::Arc, time::Instant};
 
@@ -145,21 +146,19 @@ fn look_ahead(setup: Setup, kind: &dyn EngineKind, seconds: f64) -> Result<Forec
         .map_err(|failure| ForecastError::Start { engine: kind.name(), failure: Box::new(failure) })?;
     let (first_step, first_reason) = simulation.next_step_estimate()?;
     // The first step touches memory for the first time: it is taken, not timed.
-    simulation.step(None)?;
-    let (mut steps, start, start_time) = (0_u64, Instant::now(), simulation.time());
+    Repeater::new(&simulation).step(&mut simulation)?;
+    // What a run would repeat is repeated.
+    let mut repeater = Repeater::new(&simulation);
+    let (mut steps, start, start_time, start_steps) = (0_u64, Instant::now(), simulation.time(), simulation.steps());
     let is_over = |simulation: &Simulation| {
         simulation.time() >= model.time.end || model.time.max_steps.is_some_and(|most| simulation.steps() >= most)
     };
     while steps == 0 || start.elapsed().as_secs_f64() < seconds && !is_over(&simulation) {
-        match simulation.step(None) {
-            Ok(_) => steps += 1,
-            // A run would repeat it.
-            Err(failure) if failure.step_may_be_smaller && steps > 0 => break,
-            Err(failure) => return Err(failure.into()),
-        }
+        repeater.step(&mut simulation)?;
+        steps += 1;
     }
     let seconds_per_step = start.elapsed().as_secs_f64() / steps as f64;
-    let mean_step = (simulation.time() - start_time) / steps as f64;
+    let mean_step = (simulation.time() - start_time) / (simulation.steps() - start_steps) as f64;
     let by_time = (model.time.end / mean_step).ceil();
     let expected_steps = by_time.min(model.time.max_steps.map_or(f64::INFINITY, |most| most as f64));
 
@@ -271,5 +270,17 @@ mod tests {
         assert_eq!(forecast.frames, 2);
         assert!(forecast.output_bytes > 2 * uncompressed_bytes(particles.len(), &model.output.fields));
         assert!(forecast.memory_bytes > particles.len() as u64 * 500);
+    }
+
+    /// A disc that strikes so hard that the first step is too long: a run repeats it.
+    #[test]
+    fn what_a_run_repeats_is_repeated() {
+        let text = crate::decks::find("penetration").unwrap().text;
+        let setup = || load_text("penetration", text, &[("particles.spacing".into(), "\"0.5 mm\"".into())]).unwrap();
+        let Setup { model, particles, .. } = setup();
+        let failure = Simulation::new(model, particles).step(None).unwrap_err();
+        assert!(failure.step == 1 && failure.step_may_be_smaller, "{failure}");
+        let forecast = forecast(setup(), &options(0.0)).unwrap();
+        assert!(forecast.expected_steps > 100.0, "{}", forecast.expected_steps);
     }
 }

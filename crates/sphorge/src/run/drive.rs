@@ -4,7 +4,7 @@ use super::{
     checkpoint::{CheckpointPlan, Keeper},
     error::{RunError, Trouble, failure_record},
     progress::{Observer, Pace, RunStart},
-    repeat::Repeater,
+    repeat::{Repeater, Watched},
     state::{Beginning, RunState},
 };
 use crate::{
@@ -146,12 +146,12 @@ pub(super) fn go_on(
 ) -> Result<EndReason, Trouble> {
     let stopped = || stop.load(Ordering::Relaxed).then_some(EndReason::User);
     let mut last_report = None;
-    let mut repeater = Repeater::new(state);
+    let mut repeater = Repeater::new(&state.simulation);
     let reason = loop {
         if let Some(reason) = state.end_reason().or_else(stopped) {
             break reason;
         }
-        let report = repeater.step(state, observer)?;
+        let report = repeater.step(&mut Watched { state, observer })?;
         keeper.after_step(state, observer)?;
         state.tell(&report, observer, false);
         last_report = Some(report);

@@ -21,7 +21,7 @@ mod frame;
 mod progress;
 mod rank_files;
 mod record;
-mod repeat;
+pub(crate) mod repeat;
 mod resume;
 mod schedule;
 mod state;

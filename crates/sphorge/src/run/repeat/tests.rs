@@ -59,14 +59,14 @@ fn story(deck: &str, sparseness: f64, resumed_after: Option<u64>) -> (String, St
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("run");
     let mut state = state_begun(deck, &folder);
-    let repeater = |state: &RunState| Repeater { sparseness, ..Repeater::new(state) };
+    let repeater = |state: &RunState| Repeater { sparseness, ..Repeater::new(&state.simulation) };
     let mut own = repeater(&state);
     let reason = loop {
         if let Some(reason) = state.end_reason() {
             break reason;
         }
         let before = state.simulation.steps();
-        own.step(&mut state, &mut Silent).unwrap();
+        own.step(&mut Watched { state: &mut state, observer: &mut Silent }).unwrap();
         if state.simulation.steps() <= before {
             // Frames that the run has gone back behind are no longer there.
             state.recorder.flush().unwrap();
@@ -115,9 +115,9 @@ fn a_step_that_fails_again_and_again_ends_the_run_with_its_name() {
     let deck = DECK.replace("stretch = 0.002", "jump = 1e-12");
     let place = tempfile::tempdir().unwrap();
     let mut state = state_begun(&deck, &place.path().join("run"));
-    let mut repeater = Repeater::new(&state);
+    let mut repeater = Repeater::new(&state.simulation);
     let failure = loop {
-        match repeater.step(&mut state, &mut Silent) {
+        match repeater.step(&mut Watched { state: &mut state, observer: &mut Silent }) {
             Ok(_) => {}
             Err(Trouble::Engine(failure)) => break failure,
             Err(trouble) => panic!("{trouble:?}"),
