@@ -2,6 +2,9 @@
 
 use super::{Lanes, PairScalar};
 
+/// Name of the variable of the environment that limits the instructions: `scalar`, or `avx2` on an x86 processor.
+const LIMIT: &str = "SPHORGE_INSTRUCTIONS";
+
 /// Instructions pair sweeps are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Instructions {
@@ -43,9 +46,21 @@ impl Instructions {
         all.into_iter().flatten()
     }
 
-    /// The fastest this processor has.
+    /// The fastest this processor has, or no faster than what the variable of the environment [`LIMIT`] names: results of every
+    /// instruction set differ in their last bits, and the check of this takes them one after the other.
     pub(crate) fn best() -> Self {
-        Self::available().last().unwrap_or(Self::Scalar)
+        let most = std::env::var(LIMIT).unwrap_or_default();
+        Self::available().take_while(|own| own.is_within(&most)).last().unwrap_or(Self::Scalar)
+    }
+
+    /// Whether it is no faster than the instruction set of a name; one that no set has limits nothing.
+    fn is_within(self, most: &str) -> bool {
+        match most {
+            "scalar" => self == Self::Scalar,
+            #[cfg(target_arch = "x86_64")]
+            "avx2" => self != Self::Avx512,
+            _ => true,
+        }
     }
 }
 
@@ -83,4 +98,20 @@ fn run_avx2<T: PairScalar, J: Job<T>>(job: J) {
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,avx512f,avx512vl,avx512dq,avx512bw")]
 fn run_avx512<T: PairScalar, J: Job<T>>(job: J) {
     job.run::<T::Avx512>();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fastest_within_a_limit_is_not_beyond_it() {
+        let fastest = |most: &str| Instructions::available().take_while(|own| own.is_within(most)).last();
+        assert_eq!(fastest("scalar"), Some(Instructions::Scalar));
+        for none in ["", "avx512", "none that is"] {
+            assert_eq!(fastest(none), Instructions::available().last(), "{none}");
+        }
+        #[cfg(target_arch = "x86_64")]
+        assert_eq!(fastest("avx2"), Instructions::available().take(2).last());
+    }
 }
