@@ -8,6 +8,7 @@ mod contact;
 mod external_forces;
 mod failure;
 mod heat;
+mod homogeneous;
 mod numerical_work;
 mod oracle;
 mod persist;

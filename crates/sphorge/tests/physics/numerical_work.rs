@@ -122,7 +122,7 @@ fn a_pair_takes_no_more_than_its_energy_from_the_artificial_stress() {
     let mut simulation = Simulation::new(setup.model, particles);
     let c = material.equation_of_state.reference_sound_speed();
     let held = 0.01 * c * c;
-    let mut least: f64 = 0.0;
+    let mut least = 0.0_f64;
     for _ in 0..1000 {
         simulation.step(None).unwrap();
         let p = simulation.particles().unwrap();

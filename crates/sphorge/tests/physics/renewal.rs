@@ -4,6 +4,37 @@ use super::external_forces::STRUCK_WALL;
 use super::setup::{by_id, run_to, simulation};
 use sphorge::engine::Simulation;
 
+/// A sheet on a wall, so soft and so fast that no force moves it, in a motion that is linear in space: it is flattened and sheared, and what touches the wall stands
+/// still. Its reference is renewed at a stretch of 1.2, which it has at 25 ns.
+const FLATTENED: &str = r#"
+dimensions = "plane-strain"
+search = { total-lagrangian = { renewal = 1.2 } }
+particles = { spacing = "1 mm" }
+numerics = { precision = "double", viscosity = false }
+time = { end = "30 ns", fixed-step = "0.1 ns" }
+
+[periodic]
+x = ["-10 mm", "10 mm"]
+
+[material.soft]
+density = "8000 kg/m^3"
+young-modulus = "20 MPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "sheet"
+material = "soft"
+shape = { box = { min = ["-10 mm", "0 mm"], max = ["10 mm", "8 mm"] } }
+velocity-gradient = { rows = [["0 1/s", "20e6 1/s"], ["0 1/s", "-10e6 1/s"]] }
+
+[[wall]]
+name = "table"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+contact = { penalty = { stiffness = 1.0, friction = 0.3, damping = 0.02 } }
+"#;
+
 /// A copper strip whose ends are pulled apart at 100 m/s each.
 const PULLED: &str = include_str!("pulled_strip.toml");
 
@@ -108,4 +139,29 @@ fn what_comes_apart_beside_a_symmetry_plane_keeps_energy_and_momentum() {
     println!("deepest {deepest:.1e}, {searches} searches, energy {energy:.1e}, momentum {momentum:.1e}");
     assert!(searches > 5 && deepest > 1e-4, "{searches} searches, {deepest:.1e} m behind the plane");
     assert!(energy < 1e-10 && momentum < 1e-12, "energy {energy:.1e}, momentum {momentum:.1e}");
+}
+
+/// Faces stay on the wall while the sheet is flattened to seven tenths, before and after the renewal: nothing pushes it. Where they are pressed in by a tenth of a spacing
+/// they are pushed by that and stand still: nothing is rubbed and nothing damped, though the centres of the particles slide along the wall and approach it.
+#[test]
+fn a_wall_meets_the_faces_of_what_is_flattened_and_renewed() {
+    // Twenty particles at `k = c^2/spacing^2` times a tenth of a millimetre for 30 ns, of which centres half a millimetre above the wall slide at 10 km/s and approach at 5.
+    let (mass, k, end) = (20.0 * 8e-3, 20e6 / 1.2 / 8000.0 / 1e-6, 30e-9);
+    let impulse = mass * k * 1e-4 * end;
+    let rubbed_at_centres = 0.3 * impulse * 10e3;
+    let damped_at_centres = mass * 2.0 * 0.02 * f64::sqrt(k) * 5e3 * 5e3 * end;
+    for (pressed, expected) in [("0 mm", 0.0), ("0.1 mm", impulse)] {
+        let plane = format!("[\"0 mm\", \"{pressed}\"]");
+        let mut simulation = simulation(FLATTENED, &[("wall.table.plane.point", &plane)]);
+        let mut searches = 0;
+        while simulation.time() < end {
+            searches += u32::from(simulation.step(Some(end)).unwrap().searched_fraction > 0.0);
+        }
+        assert_eq!(searches, 1, "renewed");
+        let ledger = simulation.ledger().unwrap();
+        let (wall, found) = (&ledger.walls[0], ledger.external_impulse[1]);
+        assert!((found - expected).abs() < 0.05 * impulse, "{pressed}: {found} by hand {expected}");
+        assert!(wall.friction_work < 0.01 * rubbed_at_centres, "{pressed}: {wall:?}, at centres {rubbed_at_centres}");
+        assert!(wall.damping_work < 0.01 * damped_at_centres, "{pressed}: {wall:?}, at centres {damped_at_centres}");
+    }
 }

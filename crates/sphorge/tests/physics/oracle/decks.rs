@@ -432,6 +432,28 @@ spin = { rate = "1000 rad/s" }
 boundary = [{ name = "air", convection = { coefficient = "1e9 W/(m^2 K)", ambient = "500 K" } }]
 "#;
 
+/// A block that is sheared and turned until its reference is renewed, then pressed on a slanting wall and stretched along it until that happens again, and once more:
+/// what is done first and what is done later are not the same in another order, and the wall sees both.
+const TUMBLING: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+search = { total-lagrangian = { renewal = 1.1 } }
+time = { end = "20 us" }
+
+[[body]]
+name = "block"
+material = "ofhc-copper"
+shape = { box = { min = ["-5 mm", "0 mm"], max = ["5 mm", "7 mm"] } }
+velocity = ["0 m/s", "-300 m/s"]
+velocity-gradient = { rows = [["-3e5 1/s", "7e5 1/s"], ["-2e5 1/s", "3e5 1/s"]], centre = ["0 mm", "3 mm"] }
+
+[[wall]]
+name = "table"
+plane = { point = ["-5 mm", "0 mm"], normal = [0.2, 1] }
+contact = { penalty = { friction = 0.2, damping = 0.3 } }
+"#;
+
 /// The total Lagrangian form.
 pub(super) const PRESSED: &[Case] = &[
     case("total lagrangian", STRUCK, &[("thermal.conduction", "false")], 40),
@@ -454,6 +476,7 @@ pub(super) const ROD: &[Case] = &[
     case("total lagrangian, periodic", CELL, &[TOTAL], 40),
     case("total lagrangian, renewed, two bodies", CORNERED, &[RENEWED], 40),
     case("total lagrangian, renewed, walls", WALLS, &[RENEWED], 40),
+    case("total lagrangian, renewed on a wall again and again", TUMBLING, &[], 52),
     case("total lagrangian, renewed, periodic", CELL, &[RENEWED, SHEARED], 60),
 ];
 
