@@ -10,6 +10,7 @@ use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported};
 use sphorge_engine::{LimitReason, Particles};
 use sphorge_physics::contact::Overlap;
+use sphorge_physics::integrity::INTEGRITY;
 use sphorge_physics::{Dimension, Tensor, Vector};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -69,6 +70,9 @@ pub(crate) struct Oracle {
     pub(crate) contact_push: Vec<(Vector<f64>, f64, f64)>,
     pub(crate) initial_volume: Vec<f64>,
     pub(crate) history: Vec<Vec<f64>>,
+    /// What particles bear of tension and shear, and of viscous pressure at the last stress.
+    pub(crate) integrity: Vec<f64>,
+    pub(crate) share: Vec<f64>,
     /// Scaled stress and artificial stress, and Balsara's switch.
     pub(crate) stress: Vec<Tensor<f64>>,
     pub(crate) repulsion: Vec<Tensor<f64>>,
@@ -116,6 +120,7 @@ impl EngineKind for OracleKind {
         let n = p.len();
         let material = |i: usize| &model.materials[p.material[i] as usize];
         let history = (0..n).map(|i| material(i).flow_law.history().iter().map(|v| v.initial).collect()).collect();
+        let integrity = vec![1.0; n];
         if model.numerics.temperature == TemperatureSource::Energy {
             let warmth = |i: usize| material(i).specific_heat * (p.temperature[i] - material(i).reference_temperature);
             let energies: Vec<f64> = (0..n).map(|i| p.energy[i] + warmth(i)).collect();
@@ -152,6 +157,8 @@ impl EngineKind for OracleKind {
             contact_push: Vec::new(),
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,
+            integrity,
+            share: vec![1.0; n],
             stress: uncorrected(n),
             repulsion: uncorrected(n),
             switch: vec![1.0; n],
@@ -444,6 +451,9 @@ impl Engine for Oracle {
         if (0..self.p.len()).any(|i| of_law(i).is_some()) {
             let values = self.each(|i| of_law(i).map_or(0.0, |k| self.history[i][k]));
             return Ok(Column::Scalar(Cow::Owned(values)));
+        }
+        if field == INTEGRITY.name {
+            return Ok(Column::Scalar(Cow::Borrowed(&self.integrity)));
         }
         self.p.column(field).ok_or_else(|| RunFailure::of_engine(format!("no field `{field}`")))
     }

@@ -3,8 +3,10 @@
 use super::Oracle;
 use super::pairs::{apply, minus, plus};
 use sphorge_engine::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
+use sphorge_physics::eos::PressureState;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
 use sphorge_physics::hourglass::Spring;
+use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::pair::{
     EnergySplit, PairForm, gradient_factor, gradient_weight, inverse_density_mean, mean, momentum_weight,
@@ -53,8 +55,8 @@ impl Oracle {
             let (rho, cp, t0) = (self.p.density[i], m.specific_heat, m.reference_temperature);
             let elastic = heat::elastic_energy(self.p.deviator[i], m.shear_modulus, rho);
             let stored = (1.0 - m.taylor_quinney) * self.p.plastic_work[i];
-            let of_energy =
-                heat::temperature_from_energy(t0, self.p.energy[i], m.cold_energy(rho), elastic, stored, cp);
+            let cold = m.cold_energies().at(rho, self.integrity[i]);
+            let of_energy = heat::temperature_from_energy(t0, self.p.energy[i], cold, elastic, stored, cp);
             let is_liquid = match m.flow_law.melting_temperature() {
                 Some(melting) => self.p.temperature[i].max(if m.heats() { of_energy } else { t0 }) >= melting,
                 None => !m.flow_law.has_shear(),
@@ -179,36 +181,59 @@ impl Oracle {
         let (model, source) = (self.model.clone(), self.model.numerics.temperature);
         let m = &model.materials[self.p.material[i] as usize];
         let rho = self.p.density[i];
-        let state = m.pressure(rho, energy);
-        let shear = self.shear_modulus(i, rho, state.pressure);
+        let whole = m.pressure(rho, energy);
+        let shear = self.shear_modulus(i, rho, whole.pressure.max(-m.spall_pressure));
+        let before = self.integrity[i];
+        let size = smeared_width(model.numerics.kernel.support(), self.p.smoothing_length[i]);
+        let borne = m.borne(rho, whole.pressure, before, size);
+        let state = PressureState { pressure: borne.pressure, ..whole };
+        self.share[i] = borne.share;
         let p = &mut self.p;
         (p.pressure[i], p.sound_speed[i]) = (state.pressure, state.sound_speed);
-        let trial = trial_deviator(p.deviator[i], &p.velocity_gradient[i], shear, dt);
+        // A particle of that integrity bears the stress of whole material times it.
+        let of_whole = if before > 0.0 { p.deviator[i] * (1.0 / before) } else { SymmetricTensor::zero() };
+        let trial = trial_deviator(of_whole, &p.velocity_gradient[i], shear, dt);
         let state = m.flow_state(p.plastic_strain[i], p.temperature[i], rho, state.pressure);
         let history = &mut self.history[i];
+        if before == 0.0 {
+            if commit {
+                p.deviator[i] = SymmetricTensor::zero();
+                (p.plastic_strain_increment[i], p.yield_stress[i]) = (0.0, 0.0);
+                if source == TemperatureSource::Energy {
+                    let stored = (1.0 - m.taylor_quinney) * p.plastic_work[i];
+                    let (cold, heat) = (m.cold_energies().at(rho, 0.0), energy - artificial);
+                    let (t0, cp) = (m.reference_temperature, m.specific_heat);
+                    p.temperature[i] = heat::temperature_from_energy(t0, heat, cold, 0.0, stored, cp);
+                }
+            }
+            return SymmetricTensor::zero();
+        }
         let after = return_mapping(m.return_rule, &m.flow_law, shear, trial, state, history, dt);
+        let deviator = after.deviator * borne.integrity;
         if !commit {
-            return after.deviator;
+            return deviator;
         }
         m.flow_law.evolve(&after.step(state, dt), history);
-        p.deviator[i] = after.deviator;
+        p.deviator[i] = deviator;
+        self.integrity[i] = borne.integrity;
+        let plastic_work = before * after.plastic_work;
         p.plastic_strain[i] += after.plastic_strain_increment;
         p.plastic_strain_increment[i] = after.plastic_strain_increment;
-        p.yield_stress[i] = after.yield_stress;
-        p.plastic_work[i] += after.plastic_work / rho;
+        p.yield_stress[i] = if borne.integrity > 0.0 { borne.integrity * after.yield_stress } else { 0.0 };
+        p.plastic_work[i] += plastic_work / rho;
         let (beta, cp, t0) = (m.taylor_quinney, m.specific_heat, m.reference_temperature);
         match source {
             TemperatureSource::PlasticWork => {
-                p.temperature[i] += heat::temperature_rise_from_plastic_work(beta, after.plastic_work, rho, cp);
+                p.temperature[i] += heat::temperature_rise_from_plastic_work(beta, plastic_work, rho, cp);
             }
             TemperatureSource::Energy => {
-                let cold = m.cold_energy(rho);
-                let elastic = heat::elastic_energy(after.deviator, shear, rho);
+                let cold = m.cold_energies().at(rho, borne.integrity);
+                let elastic = borne.integrity * heat::elastic_energy(after.deviator, shear, rho);
                 let stored = (1.0 - beta) * p.plastic_work[i];
                 p.temperature[i] = heat::temperature_from_energy(t0, energy - artificial, cold, elastic, stored, cp);
             }
         }
-        after.deviator
+        deviator
     }
 
     /// Stress where forces are evaluated, as the momentum sum wants it: `a_i sigma_i B_i`, or `P_i B_i`.
@@ -225,7 +250,7 @@ impl Oracle {
             if self.total_lagrangian().is_some() {
                 let h = h * smallest_stretch(&self.deformation[i]);
                 let divergence = l[0][0] + l[1][1] + l[2][2];
-                let q = bulk_viscosity(self.viscosity(), divergence, rho, c, h);
+                let q = self.share[i] * bulk_viscosity(self.viscosity(), divergence, rho, c, h);
                 pressure += q;
                 // The kicks of the step take half of it with the pressure before and half with the one after.
                 let mean = 0.5 * (std::mem::replace(&mut self.viscous_pressure[i], q) + q);

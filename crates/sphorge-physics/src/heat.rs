@@ -20,7 +20,7 @@ pub fn temperature_rise_from_plastic_work<T: Real>(
 ///
 /// `e` has no part of forces that keep particles apart and are no stress of the material, such as the artificial stress.
 /// `cold_energy` is the energy of the density on the isotherm `T_0`
-/// ([`BoundedPressure::cold_energy`](crate::eos::BoundedPressure::cold_energy)), `elastic_energy` that of the deviatoric
+/// ([`ColdEnergy`](crate::eos::ColdEnergy)), `elastic_energy` that of the deviatoric
 /// stress ([`elastic_energy`]), `stored_plastic` the share `(1 - beta)` of plastic work kept in the lattice. All J/kg.
 #[inline(always)]
 pub fn temperature_from_energy<T: Real>(

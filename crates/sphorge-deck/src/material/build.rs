@@ -4,6 +4,7 @@ use super::constants::{Constants, ElasticConstants, LawConstants};
 use crate::defaults;
 use sphorge_engine::model::Material;
 use sphorge_engine::model::NO_HEATING;
+use sphorge_physics::integrity::DEFAULT_OPENING;
 use sphorge_physics::{
     eos::{EQUATIONS_OF_STATE, EquationOfState},
     flow::FLOW_LAWS,
@@ -142,6 +143,7 @@ pub(crate) fn build(name: &str, constants: &Constants) -> Result<Material, Incom
                 conductivity: constants.conductivity.unwrap_or(0.0),
                 taylor_quinney: constants.taylor_quinney.unwrap_or(defaults::TAYLOR_QUINNEY),
                 spall_pressure: constants.spall_pressure.unwrap_or(f64::INFINITY),
+                spall_opening: constants.spall_opening.unwrap_or(DEFAULT_OPENING),
                 reference_temperature,
             })
         }
@@ -214,13 +216,13 @@ mod tests {
     }
 
     #[test]
-    fn tension_is_cut_off_where_the_material_spalls() {
-        let material = build("steel", &Constants { spall_pressure: Some(1e9), ..steel() }).unwrap();
-        // K = 175 GPa: 0.4 % of expansion is 0.7 GPa, 1 % would be 1.75 GPa.
-        let pressure = |strain: f64| material.pressure(7850.0 * (1.0 - strain), 0.0).pressure;
-        assert!((pressure(0.004) / -0.7e9 - 1.0).abs() < 1e-9 && pressure(0.01) == -1e9);
-        assert!((pressure(-0.01) / 1.75e9 - 1.0).abs() < 1e-9);
-        assert_eq!(build("steel", &steel()).unwrap().spall_pressure, f64::INFINITY);
+    fn what_spalls_says_at_which_tension_and_opening() {
+        let given = Constants { spall_pressure: Some(1e9), spall_opening: Some(2e-5), ..steel() };
+        let spall = build("steel", &given).unwrap().spall().unwrap();
+        assert_eq!((spall.pressure, spall.opening, spall.density), (1e9, 2e-5, 7850.0));
+        let spall = build("steel", &Constants { spall_opening: None, ..given }).unwrap().spall().unwrap();
+        assert_eq!(spall.opening, 1e-4);
+        assert_eq!(build("steel", &steel()).unwrap().spall(), None);
     }
 
     #[test]

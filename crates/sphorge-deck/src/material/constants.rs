@@ -100,6 +100,8 @@ pub(crate) struct Constants {
     pub(crate) taylor_quinney: Option<f64>,
     /// Pa, positive.
     pub(crate) spall_pressure: Option<f64>,
+    /// m.
+    pub(crate) spall_opening: Option<f64>,
     /// K.
     pub(crate) reference_temperature: Option<f64>,
 }
@@ -124,6 +126,7 @@ impl Constants {
             conductivity: over.conductivity.or(self.conductivity),
             taylor_quinney: over.taylor_quinney.or(self.taylor_quinney),
             spall_pressure: over.spall_pressure.or(self.spall_pressure),
+            spall_opening: over.spall_opening.or(self.spall_opening),
             reference_temperature: over.reference_temperature.or(self.reference_temperature),
         }
     }

@@ -100,6 +100,7 @@ pub(super) fn listing(name: &str, constants: &Constants) -> MaterialListing {
         line("conductivity", "k", constants.conductivity, "W/(m K)", "thermal conductivity"),
         line("taylor-quinney", "beta", constants.taylor_quinney, "", "share of plastic work that heats"),
         line("spall-pressure", "p_s", constants.spall_pressure, "Pa", "tension at which it spalls"),
+        line("spall-opening", "delta", constants.spall_opening, "m", "opening at which a crack bears no tension"),
         line(
             "reference-temperature",
             "T_0",

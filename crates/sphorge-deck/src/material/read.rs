@@ -33,6 +33,7 @@ pub(crate) fn constants(raw: &RawMaterial, problems: &mut Problems) -> Constants
         conductivity: read(&raw.conductivity, Bound::NonNegative, problems),
         taylor_quinney: read(&raw.taylor_quinney, Bound::Between(0.0, 1.0), problems),
         spall_pressure: read(&raw.spall_pressure, Bound::Positive, problems),
+        spall_opening: read(&raw.spall_opening, Bound::Positive, problems),
         reference_temperature: read(&raw.reference_temperature, Bound::NonNegative, problems),
     }
 }

@@ -40,9 +40,12 @@ tables! {
         conductivity: Option<Given<Conductivity>>, example "80.2 W/(m K)", default 0.0;
         /// Share of plastic work that becomes heat (Taylor & Quinney), 0 to 1.
         taylor_quinney: Option<Given<Number>>, example 0.9, default 0.9;
-        /// Tension at which the material spalls, above zero: the pressure of every pressure law is cut off at its negative. The
-        /// deviatoric stress is not changed.
+        /// Tension at which the material spalls, above zero. From there on tension and shear fall with the opening of the crack, and a
+        /// particle that is severed bears pressure alone: see the field `integrity`.
         spall_pressure: Option<Given<Stress>>, example "1.2 GPa", otherwise "none: unlimited tension";
+        /// Opening of a crack at which it bears no tension any more: spalling takes half of it times `spall-pressure` in energy per area.
+        /// Where the spacing is too coarse for it, twice the elastic stretch of a particle at `spall-pressure`.
+        spall_opening: Option<Given<Length>>, example "20 um", default "0.1 mm";
         /// Temperature at which the internal energy is zero, and the default initial temperature of bodies.
         reference_temperature: Option<Given<Temperature>>, example "20 degC", default "293.15 K";
     }

@@ -9,6 +9,8 @@ use crate::model::{Integrator, Material, Model, TemperatureSource};
 use crate::neighbors::BLOCK;
 use crate::particles::Particles;
 use rayon::prelude::*;
+use sphorge_physics::eos::ColdEnergy;
+use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
 use sphorge_physics::{SymmetricTensor, heat, stress, viscosity};
@@ -44,6 +46,12 @@ struct StressStep<'a> {
     slots: &'a [Vec<usize>],
     /// History variables of a particle.
     history_width: usize,
+    /// By material.
+    cold_energies: &'a [ColdEnergy<f64>],
+    /// Whether some material loses its integrity.
+    spalls: bool,
+    /// Support of the kernel over the smoothing length.
+    support: f64,
 }
 
 impl<'a> FlowColumns<'a> {
@@ -57,13 +65,20 @@ impl<'a> FlowColumns<'a> {
     fn take_step(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
         self.know_yield_stresses(step, columns, particles.material);
         self.set_shear_moduli(step.materials, columns, particles.material);
+        if step.spalls {
+            self.weaken(step, columns, particles.material);
+        }
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
+        if step.spalls {
+            self.open(step, columns, particles);
+        }
         // An elastic step changes nothing here, and adding zeros would read and write as much memory again.
         let mut left = !elastic & (u128::MAX >> (BLOCK - particles.material.len()));
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            let slots = &step.slots[particles.material[k] as usize];
+            let material = particles.material[k] as usize;
+            let slots = &step.slots[material][..step.materials[material].flow_law.history().len()];
             let (mut values, first) = ([0.0; MOST_HISTORY], k * step.history_width);
             for (value, slot) in values.iter_mut().zip(slots) {
                 *value = self.history[first + slot];
@@ -71,6 +86,59 @@ impl<'a> FlowColumns<'a> {
             self.return_to_yield(k, step, columns, particles, &mut values[..slots.len()]);
             for (value, slot) in values.iter().zip(slots) {
                 self.history[first + slot] = *value;
+            }
+        }
+        if step.spalls {
+            self.sever(step, columns, particles.material);
+        }
+    }
+
+    /// The place of the integrity of particle `k` in the history of the block, if its material spalls.
+    #[inline(always)]
+    fn place_of_integrity(step: &StressStep<'_>, k: usize, of: &[u32]) -> Option<usize> {
+        let material = of[k] as usize;
+        let slot = step.materials[material].spalls().then(|| step.slots[material].last()).flatten()?;
+        Some(k * step.history_width + slot)
+    }
+
+    /// Reads the integrities at the start of the step: a particle has that share of its shear modulus.
+    #[inline(always)]
+    fn weaken(&self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
+        for k in 0..of.len() {
+            let before = Self::place_of_integrity(step, k, of).map_or(1.0, |place| self.history[place]);
+            columns.integrity_before[k] = before;
+            columns.shear_modulus[k] *= before;
+        }
+    }
+
+    /// Takes from the pressures what particles do not bear, and finds the integrities at the end of the step.
+    #[inline(always)]
+    fn open(&self, step: &StressStep<'_>, columns: &mut StressColumns, particles: &ElasticInputs<'_>) {
+        for (k, material) in particles.material.iter().enumerate() {
+            let (before, pressure) = (columns.integrity_before[k], columns.pressure[k]);
+            let material = &step.materials[*material as usize];
+            (columns.integrity[k], columns.share[k]) = (before, 1.0);
+            if pressure < -before * material.spall_pressure {
+                let size = smeared_width(step.support, particles.smoothing_length[k]);
+                let borne = material.borne(columns.density[k], pressure, before, size);
+                (columns.pressure[k], columns.integrity[k]) = (borne.pressure, borne.integrity);
+                columns.share[k] = borne.share;
+            }
+        }
+    }
+
+    /// Takes from the deviators what has been lost of the integrity in the step.
+    #[inline(always)]
+    fn sever(&mut self, step: &StressStep<'_>, columns: &mut StressColumns, of: &[u32]) {
+        for k in 0..of.len() {
+            let (before, after) = (columns.integrity_before[k], columns.integrity[k]);
+            if after < before {
+                columns.set_deviator(k, columns.deviator_of(k) * (after / before));
+                if let (true, Some(place)) = (step.commit, Self::place_of_integrity(step, k, of)) {
+                    self.history[place] = after;
+                    // That of an elastic law is infinite.
+                    self.yield_stress[k] = if after > 0.0 { self.yield_stress[k] * (after / before) } else { 0.0 };
+                }
             }
         }
     }
@@ -103,7 +171,9 @@ impl<'a> FlowColumns<'a> {
             for (k, material) in of.iter().enumerate() {
                 let material = &materials[*material as usize];
                 let density = columns.density[k];
-                let pressure = material.pressure(density, columns.energy[k]).pressure;
+                let whole = material.pressure(density, columns.energy[k]).pressure;
+                // Tension without its cut-off: it changes the modulus little, and integrity is not known yet.
+                let pressure = whole.max(-material.spall_pressure);
                 let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, pressure);
                 columns.shear_modulus[k] = material.flow_law.shear_modulus(material.shear_modulus, state);
             }
@@ -122,57 +192,87 @@ impl<'a> FlowColumns<'a> {
         history: &mut [f64],
     ) {
         let material = &step.materials[particles.material[k] as usize];
-        let (density, shear_modulus) = (columns.density[k], columns.shear_modulus[k]);
+        let cold = &step.cold_energies[particles.material[k] as usize];
+        let (density, integrity) = (columns.density[k], if step.spalls { columns.integrity_before[k] } else { 1.0 });
+        if integrity == 0.0 {
+            return self.heat_severed(k, step, columns, (material, cold));
+        }
+        // The law is that of the whole material, with the share of the stress that this would have.
+        let shear_modulus = columns.shear_modulus[k] / integrity;
         let state = material.flow_state(self.plastic_strain[k], self.temperature[k], density, columns.pressure[k]);
         let update = return_mapping_near(
             material.return_rule,
             &material.flow_law,
             shear_modulus,
-            columns.deviator_of(k),
+            columns.deviator_of(k) * (1.0 / integrity),
             state,
             history,
             particles.dt,
             self.plastic_strain_increment[k],
         );
-        columns.set_deviator(k, update.deviator);
+        columns.set_deviator(k, update.deviator * integrity);
         if step.commit {
             material.flow_law.evolve(&update.step(state, particles.dt), history);
             self.commit(
                 k,
                 &update,
-                material,
+                (material, cold),
                 shear_modulus,
                 step.temperature,
                 density,
                 columns.energy[k] - columns.artificial_energy[k],
+                (integrity, if step.spalls { columns.integrity[k] } else { 1.0 }),
             );
         }
     }
 
-    /// Applies the result of a return mapping: plastic strain, heat.
+    /// The step of a particle that bears no shear any more.
+    #[inline(always)]
+    fn heat_severed(
+        &mut self,
+        k: usize,
+        step: &StressStep<'_>,
+        columns: &mut StressColumns,
+        (material, cold): (&Material, &ColdEnergy<f64>),
+    ) {
+        columns.set_deviator(k, SymmetricTensor::zero());
+        if !step.commit {
+            return;
+        }
+        (self.plastic_strain_increment[k], self.yield_stress[k]) = (0.0, 0.0);
+        if step.temperature == TemperatureSource::Energy {
+            let energy = columns.energy[k] - columns.artificial_energy[k];
+            let cold = cold.at(columns.density[k], 0.0);
+            self.temperature[k] = material.temperature_of_energy(energy, cold, 0.0, self.plastic_work[k]);
+        }
+    }
+
+    /// Applies the result of a return mapping to a particle of an integrity before and after the step: plastic strain, heat.
     #[inline(always)]
     fn commit(
         &mut self,
         k: usize,
         update: &Returned<f64>,
-        material: &Material,
+        (material, cold): (&Material, &ColdEnergy<f64>),
         shear_modulus: f64,
         source: TemperatureSource,
         density: f64,
         energy: f64,
+        (before, after): (f64, f64),
     ) {
+        let plastic_work = before * update.plastic_work;
         self.plastic_strain[k] += update.plastic_strain_increment;
         self.plastic_strain_increment[k] = update.plastic_strain_increment;
-        self.yield_stress[k] = update.yield_stress;
-        self.plastic_work[k] += update.plastic_work / density;
+        self.yield_stress[k] = before * update.yield_stress;
+        self.plastic_work[k] += plastic_work / density;
         match source {
             TemperatureSource::PlasticWork => {
                 let (beta, cp) = (material.taylor_quinney, material.specific_heat);
-                self.temperature[k] += heat::temperature_rise_from_plastic_work(beta, update.plastic_work, density, cp);
+                self.temperature[k] += heat::temperature_rise_from_plastic_work(beta, plastic_work, density, cp);
             }
             TemperatureSource::Energy => {
-                let elastic = heat::elastic_energy(update.deviator, shear_modulus, density);
-                let cold = material.cold_energy(density);
+                let elastic = after * heat::elastic_energy(update.deviator, shear_modulus, density);
+                let cold = cold.at(density, after);
                 self.temperature[k] = material.temperature_of_energy(energy, cold, elastic, self.plastic_work[k]);
             }
         }
@@ -211,6 +311,7 @@ impl<T: PairScalar> CpuEngine<T> {
             pair_form: numerics.pair_form,
             bulk_viscosity: formulation.bulk_viscosity(model),
             artificial_stress: numerics.artificial_stress.is_some(),
+            spalls: model.materials.iter().any(Material::spalls),
             dimension: super::dimension(model),
         };
 
@@ -251,6 +352,9 @@ impl<T: PairScalar> CpuEngine<T> {
             commit,
             slots,
             history_width,
+            cold_energies: &self.cold_energies,
+            spalls: form.spalls,
+            support: numerics.kernel.support(),
         };
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
@@ -322,12 +426,14 @@ impl<T: PairScalar> CpuEngine<T> {
                 material: &material[particles.clone()],
                 deviator: s,
                 velocity_gradient: &velocity_gradient[particles.clone()],
+                smoothing_length: &smoothing_length[particles.clone()],
                 dt,
             };
             FlowColumns::new(flow).take_step(&step, columns, &inputs);
             run(step.instructions, PackStress { columns, form, records, extras });
             if let (Some(parameters), (Some(pressure), work)) = (form.bulk_viscosity, viscous) {
-                *work += step_size * columns.viscous_power(parameters, &mass[particles.clone()], pressure);
+                let masses = &mass[particles.clone()];
+                *work += step_size * columns.viscous_power(parameters, form.spalls, masses, pressure);
             }
 
             if commit {
@@ -396,6 +502,7 @@ impl<T: PairScalar> CpuEngine<T> {
             density,
             energy,
             velocity_gradient,
+            smoothing_length,
             deviator,
             plastic_strain,
             plastic_strain_increment,
@@ -418,9 +525,12 @@ impl<T: PairScalar> CpuEngine<T> {
             commit: true,
             slots,
             history_width,
+            cold_energies: &self.cold_energies,
+            spalls: model.materials.iter().any(Material::spalls),
+            support: model.numerics.kernel.support(),
         };
         let (material, energy, velocity_gradient) = (&*material, &*energy, &*velocity_gradient);
-        let base_density = &*base_density;
+        let (base_density, smoothing_length) = (&*base_density, &*smoothing_length);
         (
             deviator.par_chunks_mut(BLOCK),
             (
@@ -452,7 +562,8 @@ impl<T: PairScalar> CpuEngine<T> {
                 {
                     *here = *energy;
                 }
-                let inputs = ElasticInputs { material, deviator: s, velocity_gradient: l, dt };
+                let smoothing_length = &smoothing_length[particles];
+                let inputs = ElasticInputs { material, deviator: s, velocity_gradient: l, smoothing_length, dt };
                 FlowColumns::new(flow).take_step(&step, columns, &inputs);
                 for (k, s) in s.iter_mut().enumerate() {
                     *s = columns.deviator_of(k);

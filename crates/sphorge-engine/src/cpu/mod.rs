@@ -49,7 +49,7 @@ pub use search::{AuditedRow, ContactCandidates, SearchedMaterial, audit_of};
 use crate::engine::{Engine, EngineKind, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
 use crate::halo::{Arrival, FieldSet, Halo, Images};
 use crate::lanes::{Instructions, PairScalar};
-use crate::model::{Integrator, Model, Precision};
+use crate::model::{Integrator, Material, Model, Precision};
 use crate::neighbors::range_of;
 use crate::particles::{Column, Particles};
 use crate::persist::{Archive, ArchiveError, Persist, persist_count};
@@ -68,6 +68,7 @@ use kinematics::PairConstants;
 use numerical_work::NumericalWork;
 use records::Records;
 use search::Lists;
+use sphorge_physics::eos::ColdEnergy;
 use std::sync::Arc;
 use walls::Walls;
 
@@ -145,6 +146,8 @@ struct CpuEngine<T: PairScalar> {
     repulsion: Vec<f64>,
     /// Sound speed at rest, by material, m/s.
     sound_speeds: Vec<f64>,
+    /// By material.
+    cold_energies: Vec<ColdEnergy<f64>>,
     lists: Lists<T>,
     step: StepState,
     /// Scratch of the density re-initialisation, kg/m³.
@@ -234,6 +237,7 @@ impl<T: PairScalar> CpuEngine<T> {
             instructions: Instructions::best(),
             repulsion: initial::repulsion(&model),
             sound_speeds: model.materials.iter().map(|m| m.equation_of_state.reference_sound_speed()).collect(),
+            cold_energies: model.materials.iter().map(Material::cold_energies).collect(),
             has_come_apart: vec![false; model.bodies.len()],
             particles,
             model,

@@ -31,10 +31,12 @@ impl<T: PairScalar> CpuEngine<T> {
         let solid = (&p.deformation, &p.smallest_stretch, &p.body);
         let liquid = (&p.temperature, &p.energy, &p.density, &p.deviator, &p.plastic_work);
         let columns = (solid.into_par_iter(), liquid.into_par_iter()).into_par_iter();
-        columns.with_min_len(BLOCK).for_each(|((f, smallest, &body), liquid)| {
+        let history = &p.history;
+        columns.with_min_len(BLOCK).enumerate().for_each(|(i, ((f, smallest, &body), liquid))| {
             let is_liquid = || {
                 let (&temperature, &energy, &density, &deviator, &plastic_work) = liquid;
-                let state = EnergyState { energy, density, deviator, plastic_work };
+                let integrity = history.integrity_of(i);
+                let state = EnergyState { energy, density, deviator, plastic_work, integrity };
                 materials[body as usize].is_liquid(temperature, &state)
             };
             let too_far = match has_come_apart[body as usize] {

@@ -29,6 +29,11 @@ pub(super) struct StressColumns {
     pub(super) artificial_energy: [f64; BLOCK],
     /// Coefficient of the artificial stress; only with one.
     pub(super) repulsion: [f64; BLOCK],
+    /// At the start and at the end of the step; only where some material spalls.
+    pub(super) integrity_before: [f64; BLOCK],
+    pub(super) integrity: [f64; BLOCK],
+    /// Of viscous pressure that is borne; only where some material spalls.
+    pub(super) share: [f64; BLOCK],
     pub(super) pressure: [f64; BLOCK],
     pub(super) sound_speed: [f64; BLOCK],
 }
@@ -46,6 +51,9 @@ impl StressColumns {
             smoothing_length: zero,
             artificial_energy: zero,
             repulsion: zero,
+            integrity_before: zero,
+            integrity: zero,
+            share: zero,
             pressure: zero,
             sound_speed: zero,
         }
@@ -80,13 +88,16 @@ impl StressColumns {
     pub(super) fn viscous_power(
         &self,
         parameters: ViscosityParameters<f64>,
+        spalls: bool,
         masses: &[f64],
         pressures: &mut [f64],
     ) -> f64 {
         let mut power = 0.0;
         for (k, (mass, pressure)) in masses.iter().zip(pressures).enumerate() {
             let (divergence, density) = (self.divergence[k], self.density[k]);
-            let q = bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
+            let share = if spalls { self.share[k] } else { 1.0 };
+            let q =
+                share * bulk_viscosity(parameters, divergence, density, self.sound_speed[k], self.smoothing_length[k]);
             power += mass * bulk_viscous_power(0.5 * (*pressure + q), divergence, density);
             *pressure = q;
         }
@@ -113,6 +124,8 @@ pub(super) struct ElasticInputs<'a> {
     pub(super) material: &'a [u32],
     pub(super) deviator: &'a [SymmetricTensor<f64>],
     pub(super) velocity_gradient: &'a [Tensor<f64>],
+    /// m.
+    pub(super) smoothing_length: &'a [f64],
     /// Length of the step, s.
     pub(super) dt: f64,
 }
@@ -185,6 +198,8 @@ pub(super) struct StressForm {
     pub(super) bulk_viscosity: Option<ViscosityParameters<f64>>,
     /// Whether there is artificial stress.
     pub(super) artificial_stress: bool,
+    /// Whether some material loses its integrity.
+    pub(super) spalls: bool,
     pub(super) dimension: Dimension,
 }
 
@@ -206,7 +221,8 @@ impl<T: PairScalar> Job<f64> for PackStress<'_, T> {
             if let Some(p) = form.bulk_viscosity {
                 let p = ViscosityParameters { alpha: L::splat(p.alpha), beta: L::splat(p.beta) };
                 let (divergence, h) = (L::load(&columns.divergence[k..]), L::load(&columns.smoothing_length[k..]));
-                pressure += bulk_viscosity(p, divergence, density, sound_speed, h);
+                let viscous = bulk_viscosity(p, divergence, density, sound_speed, h);
+                pressure += if form.spalls { viscous * L::load(&columns.share[k..]) } else { viscous };
             }
             let mut deviator = [L::zero(); 6];
             for c in 0..6 {

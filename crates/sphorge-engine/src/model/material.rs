@@ -4,6 +4,7 @@ use sphorge_physics::conduction::effusivity;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
 use sphorge_physics::heat::{elastic_energy, melted, temperature_from_energy};
+use sphorge_physics::integrity::{Borne, Spall};
 use sphorge_physics::total_lagrangian::young_modulus;
 use sphorge_physics::{Real, SymmetricTensor, return_mapping::ReturnRule};
 
@@ -30,9 +31,10 @@ pub struct Material {
     pub conductivity: f64,
     /// Share of plastic work that heats (Taylor–Quinney).
     pub taylor_quinney: f64,
-    /// Tension the material bears before it spalls, Pa, positive: the pressure never falls below its negative. Infinite where the
-    /// deck gives none.
+    /// Tension the material bears before it spalls, Pa, positive. Infinite where the deck gives none.
     pub spall_pressure: f64,
+    /// Opening of a crack at which it bears no tension any more, m.
+    pub spall_opening: f64,
     /// Temperature at which the internal energy is zero, and at which bodies start unless they say otherwise, K.
     pub reference_temperature: f64,
 }
@@ -48,6 +50,8 @@ pub struct EnergyState {
     pub deviator: SymmetricTensor<f64>,
     /// Plastic work so far, J/kg.
     pub plastic_work: f64,
+    /// Share of tension and shear it still bears.
+    pub integrity: f64,
 }
 
 /// Specific heat of a material that gives none: plastic work and energy do not change its temperature.
@@ -67,8 +71,8 @@ impl Material {
         FlowState { plastic_strain, pressure, compression, ..FlowState::at_rest(temperature) }
     }
 
-    /// Pressure (Pa) and sound speed at a density (kg/m³) and a specific internal energy (J/kg), tension cut off where the
-    /// material spalls. Energies below that of absolute zero count as that.
+    /// Pressure (Pa) and sound speed of whole material at a density (kg/m³) and a specific internal energy (J/kg). Energies below that of
+    /// absolute zero count as that.
     #[inline(always)]
     pub fn pressure(&self, density: f64, energy: f64) -> PressureState<f64> {
         self.bounded_pressure().at(density, energy)
@@ -77,12 +81,32 @@ impl Material {
     /// The same, to be computed one by one or on SIMD lanes.
     #[inline(always)]
     pub fn bounded_pressure<T: Real>(&self) -> BoundedPressure<T> {
-        BoundedPressure::new(
-            &self.equation_of_state,
-            self.spall_pressure,
-            self.specific_heat,
-            self.reference_temperature,
-        )
+        BoundedPressure::new(&self.equation_of_state, self.specific_heat, self.reference_temperature)
+    }
+
+    /// Whether the material loses its integrity in tension.
+    pub fn spalls(&self) -> bool {
+        self.spall_pressure.is_finite()
+    }
+
+    /// How the material spalls, if it does.
+    pub fn spall(&self) -> Option<Spall<f64>> {
+        self.spalls().then(|| Spall {
+            pressure: self.spall_pressure,
+            opening: self.spall_opening,
+            density: self.density,
+            sound_speed: self.equation_of_state.reference_sound_speed(),
+        })
+    }
+
+    /// What a particle bears of the `pressure` (Pa) of whole material at a density (kg/m³), with its integrity before and its size (m;
+    /// [`smeared_width`](sphorge_physics::integrity::smeared_width)).
+    #[inline(always)]
+    pub fn borne(&self, density: f64, pressure: f64, before: f64, size: f64) -> Borne<f64> {
+        match self.spall() {
+            None => Borne { pressure, integrity: 1.0, share: 1.0 },
+            Some(spall) => spall.borne(density, pressure, before, size),
+        }
     }
 
     /// Effusivity at rest, W s^(1/2)/(m² K); zero or infinite where conductivity or specific heat is not given.
@@ -90,18 +114,13 @@ impl Material {
         effusivity(self.conductivity, self.density, self.specific_heat)
     }
 
-    /// Specific energy of a density (kg/m³) on the isotherm of the reference temperature, J/kg, with the tension cut-off.
-    pub fn cold_energy(&self, density: f64) -> f64 {
-        self.bounded_pressure().cold_energy(density, self.reference_temperature, self.specific_heat)
-    }
-
-    /// The same for many densities.
+    /// Specific energies of densities on the isotherm of the reference temperature.
     pub fn cold_energies<T: Real>(&self) -> ColdEnergy<T> {
-        ColdEnergy::new(&self.bounded_pressure(), self.reference_temperature, self.specific_heat)
+        ColdEnergy::new(&self.equation_of_state, self.spall_pressure, self.reference_temperature, self.specific_heat)
     }
 
     /// Temperature of an internal energy, K, from it and what of it is no heat: the energy of the density on the isotherm
-    /// ([`Self::cold_energy`]), that of shape change, and a share of the plastic work; all J/kg.
+    /// ([`Self::cold_energies`]), that of shape change, and a share of the plastic work; all J/kg.
     #[inline(always)]
     pub fn temperature_of_energy<T: Real>(&self, energy: T, cold_energy: T, elastic_energy: T, plastic_work: T) -> T {
         temperature_from_energy(
@@ -127,9 +146,10 @@ impl Material {
 
     /// Whether a particle of a temperature (K) and a state is liquid: see [`Self::liquid`].
     pub fn is_liquid(&self, temperature: f64, state: &EnergyState) -> bool {
-        let EnergyState { energy, density, deviator, plastic_work } = *state;
+        let EnergyState { energy, density, deviator, plastic_work, integrity } = *state;
         let elastic = || elastic_energy(deviator, self.shear_modulus, density);
-        let of_energy = || self.temperature_of_energy(energy, self.cold_energy(density), elastic(), plastic_work);
+        let cold = || self.cold_energies().at(density, integrity);
+        let of_energy = || self.temperature_of_energy(energy, cold(), elastic(), plastic_work);
         self.liquid(temperature, of_energy) > 0.0
     }
 
@@ -159,6 +179,7 @@ mod tests {
             conductivity: 0.0,
             taylor_quinney: 0.9,
             spall_pressure: f64::INFINITY,
+            spall_opening: 0.0,
             reference_temperature: 293.15,
         }
     }
@@ -168,7 +189,13 @@ mod tests {
         // Melts at 1000 K; 400 J/(kg K). Constants in the order of the law: A, B, n, C, m, reference rate, T_0, T_m.
         let metal = material("johnson-cook", &[3e8, 4e8, 0.3, 0.01, 1.0, 1.0, 293.15, 1000.0], 400.0);
         let shear = |tau: f64| SymmetricTensor { xy: tau, ..SymmetricTensor::zero() };
-        let state = |energy: f64| EnergyState { energy, density: 8000.0, deviator: shear(4e8), plastic_work: 50e3 };
+        let state = |energy: f64| EnergyState {
+            energy,
+            density: 8000.0,
+            deviator: shear(4e8),
+            plastic_work: 50e3,
+            integrity: 1.0,
+        };
         assert!(!metal.is_liquid(999.9, &state(0.0)) && metal.is_liquid(1000.0, &state(0.0)));
         // 400 (1000 - 293.15) + 0.1 50e3 + 4e8^2/(2 80e9 8000) = 282 740 + 5000 + 125 J/kg.
         assert!((metal.temperature_of_energy(287_865.0f64, 0.0, 125.0, 50e3) - 1000.0).abs() < 1e-9);

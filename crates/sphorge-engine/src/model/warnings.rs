@@ -144,7 +144,7 @@ impl WarningKind {
                 "tearing",
                 1.0,
                 "number of particles of a body that cannot break in zones where more than 40 % have clumped in pairs in tension, over the number within one kernel",
-                "numerical fracture: see `pairing`; gaps open in the body without a fracture law",
+                "numerical fracture: see `pairing`; gaps open in the body without a fracture law: give the material a `spall-pressure` if it is meant to break",
             ),
             Self::Pieces => above(
                 "pieces",

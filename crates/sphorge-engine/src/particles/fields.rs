@@ -1,10 +1,9 @@
 //! The fields a user can name: stored columns, histories of material laws, and quantities derived from columns.
 
-use super::history::declared;
+use super::history::{all_declared, declared, kept_by};
 use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
 use crate::model::Material;
-use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::{Real, SymmetricTensor, Tensor};
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -81,7 +80,7 @@ pub static FIELDS: LazyLock<Vec<FieldInfo>> = LazyLock::new(|| {
         });
         fields.extend(DERIVED.iter().filter(|(behind, _)| *behind == column.name).map(|(_, field)| *field));
     }
-    for variable in FLOW_LAWS.iter().flat_map(|law| law.history) {
+    for variable in all_declared() {
         if fields.iter().all(|field| field.name != variable.name) {
             fields.push(FieldInfo {
                 name: variable.name,
@@ -97,7 +96,7 @@ pub static FIELDS: LazyLock<Vec<FieldInfo>> = LazyLock::new(|| {
 
 /// Whether a field is more than its initial value for bodies of these materials: all are but histories that none of their laws keeps.
 pub fn is_kept(field: &str, materials: &[Material]) -> bool {
-    let keeps = |material: &Material| material.flow_law.history().iter().any(|variable| variable.name == field);
+    let keeps = |material: &Material| kept_by(material).any(|variable| variable.name == field);
     declared(field).is_none() || materials.iter().any(keeps)
 }
 

@@ -1,26 +1,39 @@
 //! History variables that material laws declare: stored, named, guarded, saved and reordered for them.
 
 use super::{ColumnVisitor, Permutation};
-use crate::model::Model;
+use crate::model::{Material, Model};
 use crate::neighbors::BLOCK;
 use crate::persist::{Archive, ArchiveError, Fixed, Persist, persist_pieces};
 use sphorge_physics::flow::FLOW_LAWS;
 use sphorge_physics::history::HistoryVariable;
+use sphorge_physics::integrity::INTEGRITY;
 
 /// History variables of all particles. Every particle has all of them, at the initial value where its law has no use for one.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// Variables of the laws of a model, each once.
     variables: Vec<&'static HistoryVariable>,
-    /// For each material, the variables of its law in the law's order.
+    /// For each material, the variables of its law in the law's order, then its integrity if it spalls.
     slots: Vec<Vec<usize>>,
+    /// Place of the integrity among the variables, if some material spalls.
+    integrity: Option<usize>,
     /// Values of a block of particles, particle by particle.
     blocks: Vec<Vec<f64>>,
 }
 
+/// All variables that materials may keep.
+pub(super) fn all_declared() -> impl Iterator<Item = &'static HistoryVariable> {
+    FLOW_LAWS.iter().flat_map(|law| law.history).chain([&INTEGRITY])
+}
+
 /// The variable of that name, if some law declares one.
 pub(super) fn declared(name: &str) -> Option<&'static HistoryVariable> {
-    FLOW_LAWS.iter().flat_map(|law| law.history).find(|variable| variable.name == name)
+    all_declared().find(|variable| variable.name == name)
+}
+
+/// The variables that a material keeps: those of its flow law in the law's order, then its integrity if it spalls.
+pub(super) fn kept_by(material: &Material) -> impl Iterator<Item = &'static HistoryVariable> {
+    material.flow_law.history().iter().chain(material.spalls().then_some(&INTEGRITY))
 }
 
 /// What the laws of a model keep of the past of a particle.
@@ -28,7 +41,8 @@ pub(super) fn declared(name: &str) -> Option<&'static HistoryVariable> {
 pub struct HistoryVariables {
     /// Variables of all laws, each once.
     pub variables: Vec<&'static HistoryVariable>,
-    /// For each material, the places among them of the variables of its law, in the law's order.
+    /// For each material, the places among them of the variables of its law, in the law's order, then that of its integrity if it
+    /// spalls.
     pub slots: Vec<Vec<usize>>,
 }
 
@@ -38,13 +52,13 @@ impl HistoryVariables {
         let mut variables: Vec<&'static HistoryVariable> = Vec::new();
         let mut slots = Vec::new();
         for material in &model.materials {
-            let of_law = material.flow_law.history().iter().map(|variable| {
+            let of_material = kept_by(material).map(|variable| {
                 variables.iter().position(|known| known.name == variable.name).unwrap_or_else(|| {
                     variables.push(variable);
                     variables.len() - 1
                 })
             });
-            slots.push(of_law.collect());
+            slots.push(of_material.collect());
         }
         Self { variables, slots }
     }
@@ -61,7 +75,14 @@ impl History {
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
         let block = |b: usize| initial.repeat(BLOCK.min(count - b * BLOCK));
         let blocks = (0..count.div_ceil(BLOCK)).map(block).collect();
-        Self { variables, slots, blocks }
+        let integrity = place_of_integrity(&variables);
+        Self { variables, slots, integrity, blocks }
+    }
+
+    /// Share of tension and shear that particle `i` still bears.
+    pub fn integrity_of(&self, i: usize) -> f64 {
+        let width = self.variables.len();
+        self.integrity.map_or(INTEGRITY.initial, |k| self.blocks[i / BLOCK][i % BLOCK * width + k])
     }
 
     /// Values of every block, and for each material the places of its law's variables among those of a particle.
@@ -93,6 +114,7 @@ impl History {
     pub(crate) fn add(&mut self, variable: &'static HistoryVariable, values: &[f64]) {
         let width = self.variables.len();
         self.variables.push(variable);
+        self.integrity = place_of_integrity(&self.variables);
         self.blocks.resize(values.len().div_ceil(BLOCK), Vec::new());
         for (block, values) in self.blocks.iter_mut().zip(values.chunks(BLOCK)) {
             let longer = |(i, value): (usize, &f64)| [&block[i * width..][..width], &[*value]].concat();
@@ -139,6 +161,11 @@ impl History {
     pub(super) fn bytes(&self) -> usize {
         self.blocks.iter().map(|block| 8 * block.capacity()).sum()
     }
+}
+
+/// Place of the integrity among variables.
+fn place_of_integrity(variables: &[&'static HistoryVariable]) -> Option<usize> {
+    variables.iter().position(|variable| variable.name == INTEGRITY.name)
 }
 
 impl Persist for History {

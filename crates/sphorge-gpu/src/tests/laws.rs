@@ -123,7 +123,7 @@ fn returned<T: Elementary>(law: &FlowLaw<f64>, rule: ReturnRule, x: &[T]) -> Vec
 }
 
 fn bounded_pressure<T: Elementary>(law: &EquationOfState<f64>, x: &[T]) -> Vec<T> {
-    let state = BoundedPressure::<T>::new(law, 2e9, 385.0, 300.0).at(x[0], x[1]);
+    let state = BoundedPressure::<T>::new(law, 385.0, 300.0).at(x[0], x[1]);
     vec![state.pressure, state.sound_speed]
 }
 
@@ -165,12 +165,11 @@ pub(super) fn laws() -> Vec<Law> {
             recorded: Box::new(move |x| bounded_pressure(&law, x)),
             never: 0,
         });
-        let cold = BoundedPressure::<f64>::new(&law, 2e9, 385.0, 300.0);
         laws.push(Law {
             name: format!("cold energy {key}"),
-            ranges: vec![(6000.0, 14_000.0)],
-            direct: Box::new(move |x| vec![ColdEnergy::new(&cold, 300.0, 385.0).at(x[0])]),
-            recorded: Box::new(move |x| vec![ColdEnergy::new(&cold, 300.0, 385.0).at(x[0])]),
+            ranges: vec![(6000.0, 14_000.0), (0.0, 1.0)],
+            direct: Box::new(move |x| vec![ColdEnergy::new(&law, 2e9, 300.0, 385.0).at(x[0], x[1])]),
+            recorded: Box::new(move |x| vec![ColdEnergy::new(&law, 2e9, 300.0, 385.0).at(x[0], x[1])]),
             never: 0,
         });
     }

@@ -1,7 +1,8 @@
 use super::*;
 use sphorge_physics::artificial_stress::artificial_stress;
-use sphorge_physics::eos::EQUATIONS_OF_STATE;
+use sphorge_physics::eos::{EQUATIONS_OF_STATE, PressureState};
 use sphorge_physics::flow::FLOW_LAWS;
+use sphorge_physics::integrity::Borne;
 use sphorge_physics::return_mapping::ReturnRule;
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity};
 use sphorge_physics::{Dimension, Tensor, tensor};
@@ -28,6 +29,7 @@ fn material(equation: (&str, &[f64]), flow: (&str, &[f64]), shear_modulus: f64, 
         conductivity: 0.0,
         taylor_quinney: 0.9,
         spall_pressure,
+        spall_opening: 5e-5,
         reference_temperature: 298.0,
     }
 }
@@ -99,7 +101,14 @@ fn assert_near(got: f64, want: f64, size: f64, what: &dyn std::fmt::Display) {
 /// Advances particles by a step with SIMD and one by one; returns how many stayed elastic.
 fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form: StressForm) -> usize {
     let materials = materials();
-    let particles: Vec<Particle> = (0..COUNT).map(|k| particle(&materials, mixed, k)).collect();
+    // Whole, weakened, severed.
+    let integrity: Vec<f64> = (0..COUNT).map(|k| [1.0, 0.6, 0.0][k % 3]).collect();
+    let mut particles: Vec<Particle> = (0..COUNT).map(|k| particle(&materials, mixed, k)).collect();
+    for (p, integrity) in particles.iter_mut().zip(&integrity) {
+        if form.spalls && materials[p.material as usize].spalls() {
+            p.flow[2] *= integrity;
+        }
+    }
     let column = |of: &dyn Fn(&Particle) -> f64| -> Vec<f64> { particles.iter().map(of).collect() };
     let source = if only_flow_heats { TemperatureSource::PlasticWork } else { TemperatureSource::Energy };
     let step = StressStep {
@@ -108,10 +117,12 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         only_flow_heats,
         instructions,
         commit: true,
-        slots: &vec![Vec::new(); materials.len()],
-        history_width: 0,
+        slots: &materials.iter().map(|m| if m.spalls() { vec![0] } else { Vec::new() }).collect::<Vec<_>>(),
+        history_width: 1,
+        cold_energies: &materials.iter().map(Material::cold_energies).collect::<Vec<_>>(),
+        spalls: form.spalls,
+        support: 2.0,
     };
-
     let mut columns = StressColumns::new();
     columns.repulsion = std::array::from_fn(|k| 0.2 + 0.01 * k as f64);
     columns.density[..COUNT].copy_from_slice(&column(&|p| p.density));
@@ -123,9 +134,11 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         material: &particles.iter().map(|p| p.material).collect::<Vec<_>>(),
         deviator: &particles.iter().map(|p| p.deviator).collect::<Vec<_>>(),
         velocity_gradient: &particles.iter().map(|p| p.l).collect::<Vec<_>>(),
+        smoothing_length: &[1e-3; COUNT],
         dt: DT,
     };
-    FlowColumns::new((ep, dep, y, wp, t, &mut Vec::new())).take_step(&step, &mut columns, &inputs);
+    let mut history = integrity.clone();
+    FlowColumns::new((ep, dep, y, wp, t, &mut history)).take_step(&step, &mut columns, &inputs);
     let mut records = vec![[0.0; force::LEN]; COUNT];
     let mut singles = vec![[0.0f32; force::LEN]; COUNT];
     let mut extras = vec![[0.0; extra::LEN]; COUNT];
@@ -138,15 +151,41 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
     let mut elastic = 0;
     for (k, p) in particles.iter().enumerate() {
         let m = &materials[p.material as usize];
-        let (law, pressure) = (&m.flow_law, m.pressure(p.density, p.energy).pressure);
+        let state = m.pressure(p.density, p.energy);
+        let before = if form.spalls && m.spalls() { integrity[k] } else { 1.0 };
+        let borne = match form.spalls {
+            true => m.borne(p.density, state.pressure, before, smeared_width(2.0, 1e-3)),
+            false => Borne { pressure: state.pressure, integrity: 1.0, share: 1.0 },
+        };
+        let state = PressureState { pressure: borne.pressure, ..state };
+        let (law, pressure) = (&m.flow_law, state.pressure);
         let begin = m.flow_state(p.flow[0], p.flow[4], p.density, pressure);
         let g = law.shear_modulus(m.shear_modulus, begin);
-        let trial = stress::trial_deviator(p.deviator, &p.l, g, DT);
-        let update = return_mapping_near(m.return_rule, law, g, trial, begin, &[], DT, p.flow[1]);
+        let of_whole = if before > 0.0 { p.deviator * (1.0 / before) } else { SymmetricTensor::zero() };
+        let trial = stress::trial_deviator(of_whole, &p.l, g, DT);
+        let mut update = return_mapping_near(m.return_rule, law, g, trial, begin, &[], DT, p.flow[1]);
         elastic += usize::from(update.plastic_strain_increment == 0.0);
-        let mut want: [Vec<f64>; 5] = p.flow.map(|v| vec![v]);
+        if form.spalls && m.spalls() && k != 50 {
+            assert_near(history[k], borne.integrity, 1.0, &format!("integrity of {k}"));
+        }
+        if before == 0.0 {
+            update.deviator = SymmetricTensor::zero();
+        }
+        let deviator_after = update.deviator * borne.integrity;
+        let (mut want, mut empty): ([Vec<f64>; 5], _) = (p.flow.map(|v| vec![v]), Vec::new());
         let [ep, dep, y, wp, t] = &mut want;
-        FlowColumns::new((ep, dep, y, wp, t, &mut Vec::new())).commit(0, &update, m, g, source, p.density, p.energy);
+        let cold = m.cold_energies();
+        if before == 0.0 {
+            (dep[0], y[0]) = (0.0, 0.0);
+            if source == TemperatureSource::Energy {
+                t[0] = m.temperature_of_energy(p.energy, cold.at(p.density, 0.0), 0.0, wp[0]);
+            }
+        } else {
+            let integrity = (before, borne.integrity);
+            let mut flow = FlowColumns::new((ep, dep, y, wp, t, &mut empty));
+            flow.commit(0, &update, (m, &cold), g, source, p.density, p.energy, integrity);
+            y[0] = if borne.integrity > 0.0 { y[0] * (borne.integrity / before) } else { 0.0 };
+        }
         for (c, name) in ["strain", "increment", "yield stress", "work", "temperature"].into_iter().enumerate() {
             // A step known to be elastic leaves the work alone whatever the density.
             if k != 50 {
@@ -156,23 +195,22 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
             }
         }
         let deviator = columns.deviator_of(k).to_array();
-        for (got, want) in deviator.into_iter().zip(update.deviator.to_array()) {
+        for (got, want) in deviator.into_iter().zip(deviator_after.to_array()) {
             assert_near(got, want, 1.0e9, &format!("deviator of {k}"));
         }
-        let state = m.pressure(p.density, p.energy);
         assert_near(columns.pressure[k], state.pressure, 1.0e11, &format!("pressure of {k}"));
         assert_near(columns.sound_speed[k], state.sound_speed, 1.0e4, &format!("sound speed of {k}"));
 
         let mut pressure = state.pressure;
         if let Some(viscosity) = form.bulk_viscosity {
             let divergence = p.l[0][0] + p.l[1][1] + p.l[2][2];
-            pressure += bulk_viscosity(viscosity, divergence, p.density, state.sound_speed, 1e-3);
+            pressure += borne.share * bulk_viscosity(viscosity, divergence, p.density, state.sound_speed, 1e-3);
         }
         let scale = match form.pair_form {
             PairForm::VolumeWeighted => 1.0,
             PairForm::DensityWeighted | PairForm::Mixed => 1.0 / (p.density * p.density),
         };
-        let sigma = (update.deviator - SymmetricTensor::isotropic(pressure)) * scale;
+        let sigma = (deviator_after - SymmetricTensor::isotropic(pressure)) * scale;
         let tail = [p.density, state.sound_speed];
         for (c, want) in sigma.to_array().into_iter().chain(tail).enumerate() {
             let size = if c < 6 { 1.0e11 * scale.max(1e-12) } else { 1.0e5 };
@@ -196,6 +234,7 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
         pair_form: PairForm::VolumeWeighted,
         bulk_viscosity: None,
         artificial_stress: true,
+        spalls: false,
         dimension: Dimension::Three,
     };
     let scaled = StressForm { pair_form: PairForm::DensityWeighted, dimension: Dimension::Two, ..plain };
@@ -205,7 +244,9 @@ fn lanes_of_every_instruction_set_give_what_one_particle_at_a_time_does() {
         ..plain
     };
     for instructions in Instructions::available() {
-        for form in [plain, scaled, viscous] {
+        for form in
+            [plain, scaled, viscous, StressForm { spalls: true, ..plain }, StressForm { spalls: true, ..viscous }]
+        {
             for mixed in [false, true] {
                 for only_flow_heats in [false, true] {
                     let elastic = compare(instructions, mixed, only_flow_heats, form);
@@ -227,6 +268,9 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
         commit: true,
         slots: &vec![Vec::new(); materials.len()],
         history_width: 0,
+        cold_energies: &materials.iter().map(Material::cold_energies).collect::<Vec<_>>(),
+        spalls: false,
+        support: 2.0,
     };
     let mut columns = StressColumns::new();
     columns.density = [2710.0; BLOCK];
@@ -235,6 +279,7 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
         material: &[1],
         deviator: &[SymmetricTensor::diagonal(2.0e6, -3.0e6, 1.0e6)],
         velocity_gradient: &[[[0.0, -2.0 / DT, 0.0], [2.0 / DT, 0.0, 0.0], [0.0; 3]]],
+        smoothing_length: &[1e-3],
         dt: DT,
     };
     let mut flow = [[0.0], [0.0], [f64::INFINITY], [0.0], [300.0]];
@@ -248,6 +293,6 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
     assert_eq!(flow, [[0.0], [0.0], [f64::INFINITY], [0.0], [300.0]]);
     assert!((tensor::determinant(&turned.to_tensor()) / -6.0e18 - 1.0).abs() < 1e-9);
 
-    let nothing = ElasticInputs { material: &[], deviator: &[], velocity_gradient: &[], dt: DT };
+    let nothing = ElasticInputs { material: &[], deviator: &[], velocity_gradient: &[], smoothing_length: &[], dt: DT };
     assert_eq!(columns.take_elastic_step(step.instructions, &materials, &nothing), 0);
 }

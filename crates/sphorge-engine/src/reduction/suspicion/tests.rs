@@ -22,6 +22,7 @@ pub(in crate::reduction) fn material(law: &str) -> Material {
         conductivity: 0.0,
         taylor_quinney: 0.9,
         spall_pressure: f64::INFINITY,
+        spall_opening: 5e-5,
         reference_temperature: 300.0,
     }
 }
@@ -189,6 +190,12 @@ fn expansion_is_held_against_the_density_at_rest() {
     p.density = vec![4100.0, 2000.0, 3900.0];
     let found = find(Suspicion::Expanded(0.5), &model, &p);
     assert_eq!((found[0].suspects, found[0].worst.unwrap().0), (2, 0.25));
+    // What spalls has cracks in its volume.
+    let spalls = Material { spall_pressure: 1e9, ..material("linear") };
+    assert_eq!(
+        find(Suspicion::Expanded(0.5), &crate::reduction::suspicion::tests::model(vec![spalls]), &p)[0].suspects,
+        0
+    );
 }
 
 #[test]

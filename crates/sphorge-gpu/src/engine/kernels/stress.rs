@@ -12,6 +12,7 @@ use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::{FlowState, FlowStep};
 use sphorge_physics::heat::{elastic_energy, temperature_rise_from_plastic_work};
+use sphorge_physics::integrity::{Borne, smeared_width};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
 use sphorge_physics::stress::trial_deviator;
@@ -78,8 +79,24 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         // A pressure is small compared with the bulk modulus: from densities in single precision it would be accurate
         // only to some 10 kPa.
         let state = material.bounded_pressure::<Double>().at(Double::new(rho), Double::new(e));
-        let state = PressureState { pressure: state.pressure.high, sound_speed: state.sound_speed.high };
+        let whole = PressureState { pressure: state.pressure.high, sound_speed: state.sound_speed.high };
         let ([rho, _], [e, _]) = (rho, e);
+        let slots = &HistoryVariables::of(model).slots[k];
+        let history = (!slots.is_empty()).then(|| bind.write(Group::History));
+        // Integrity is kept behind the variables of the law.
+        let laws = material.flow_law.history().len();
+        let spalling = material.spall().map(|spall| {
+            let slot = slots[laws];
+            let before = history.map_or(Recorded::one(), |of| of.get(2 * slot, i));
+            let size = smeared_width(numerics.kernel.support(), bind.read(Group::Constants).get(1, i));
+            (slot, before, spall.cast::<Recorded>().borne(rho, whole.pressure, before, size))
+        });
+        let one = Recorded::one();
+        let (before, borne) = match &spalling {
+            Some((_, before, borne)) => (*before, *borne),
+            None => (one, Borne { pressure: whole.pressure, integrity: one, share: one }),
+        };
+        let state = PressureState { pressure: borne.pressure, ..whole };
         let flow = FlowState {
             plastic_strain: plastic.get(0, i),
             plastic_strain_rate: Recorded::zero(),
@@ -89,14 +106,39 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
         };
         let law = material.flow_law.cast::<Recorded>();
         let shear_modulus = law.shear_modulus(Recorded::of(material.shear_modulus), flow);
-        let trial = trial_deviator(deviator.symmetric(0, i), &l, shear_modulus, dt);
+        let stored = deviator.symmetric(0, i);
+        // A particle of that integrity bears the stress of whole material times it, and one without any none.
+        let of_whole = match spalling {
+            Some(_) => {
+                let inverse = Recorded::select_lt(Recorded::zero(), before, one / before, Recorded::zero());
+                stored * inverse
+            }
+            None => stored,
+        };
+        let trial = trial_deviator(of_whole, &l, shear_modulus, dt);
         let guess = plastic.get(2, i);
-        let slots = &HistoryVariables::of(model).slots[k];
-        let history = (!slots.is_empty()).then(|| bind.write(Group::History));
-        let kept: Vec<[Recorded; 2]> =
-            history.iter().flat_map(|of| slots.iter().map(|slot| of.double(2 * slot, 2 * slot + 1, i))).collect();
+        let kept: Vec<[Recorded; 2]> = history
+            .iter()
+            .flat_map(|of| slots[..laws].iter().map(|slot| of.double(2 * slot, 2 * slot + 1, i)))
+            .collect();
         let held: Vec<Recorded> = kept.iter().map(|kept| kept[0]).collect();
-        let returned = return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &held, dt, guess);
+        let mut returned =
+            return_mapping_near(material.return_rule, &law, shear_modulus, trial, flow, &held, dt, guess);
+        let evolved = returned.step(flow, dt);
+        let mut elastic_share = one;
+        if spalling.is_some() {
+            let is_severed =
+                |severed: Recorded, bears: Recorded| Recorded::select_lt(Recorded::zero(), before, bears, severed);
+            let zero = Recorded::zero();
+            returned.deviator = returned.deviator * is_severed(zero, borne.integrity);
+            returned.plastic_work *= before;
+            returned.plastic_strain_increment = is_severed(zero, returned.plastic_strain_increment);
+            // That of an elastic law is infinite.
+            let left = Recorded::select_lt(zero, borne.integrity, returned.yield_stress * borne.integrity, zero);
+            returned.yield_stress = is_severed(zero, left);
+            // Of the elastic energy of a deviator that integrity has been taken from already.
+            elastic_share = Recorded::select_lt(zero, borne.integrity, one / borne.integrity, zero);
+        }
         pressures.set_all(0, i, &[state.pressure, state.sound_speed, shear_modulus]);
         if of.commits() {
             deviator.set_all(0, i, &returned.deviator.to_array());
@@ -104,11 +146,14 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             plastic.set(2, i, returned.plastic_strain_increment);
             plastic.set(3, i, returned.yield_stress);
             plastic.add(4, 5, i, returned.plastic_work / rho);
-            if let Some(history) = history {
+            if let (Some(history), Some((slot, ..))) = (history, spalling) {
+                history.set_all(2 * slot, i, &[borne.integrity, Recorded::zero()]);
+            }
+            if let Some(history) = history.filter(|_| laws > 0) {
                 // The increment of a step may be smaller than the resolution of the sum in single precision.
                 let mut values: Vec<Double> = kept.into_iter().map(Double::new).collect();
-                material.flow_law.cast().evolve(&in_pairs(&returned.step(flow, dt)), &mut values);
-                for (slot, value) in slots.iter().zip(values) {
+                material.flow_law.cast().evolve(&in_pairs(&evolved), &mut values);
+                for (slot, value) in slots[..laws].iter().zip(values) {
                     history.set_all(2 * slot, i, &[value.high, value.low]);
                 }
             }
@@ -129,8 +174,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                             heat -= half * energy.get(4, i);
                         }
                     }
-                    let elastic = elastic_energy(returned.deviator, shear_modulus, rho);
-                    let cold = material.cold_energies::<Recorded>().at(rho);
+                    let elastic = elastic_share * elastic_energy(returned.deviator, shear_modulus, rho);
+                    let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
                     let warm = material.temperature_of_energy(heat, cold, elastic, plastic.get(4, i));
                     temperature.set_all(0, i, &[warm, Recorded::zero()]);
                 }
@@ -148,7 +193,7 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                 beta: Recorded::of(numerics.viscosity_beta),
             };
             let (divergence, shortest) = (l[0][0] + l[1][1] + l[2][2], constants.get(1, i) * stretch.get(0, i));
-            let q = bulk_viscosity(parameters, divergence, rho, state.sound_speed, shortest);
+            let q = borne.share * bulk_viscosity(parameters, divergence, rho, state.sound_speed, shortest);
             let power = bulk_viscous_power(mean(stretch.get(1, i), q), divergence, rho);
             accounts.add(10, 11, i, constants.get(0, i) * dt * power);
             stretch.set(1, i, q);
@@ -158,7 +203,7 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             {
                 let is_liquid = material.liquid(temperature.get(0, i), || {
                     let elastic = elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
-                    let cold = material.cold_energies::<Recorded>().at(rho);
+                    let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
                     material.temperature_of_energy(e, cold, elastic, plastic.get(4, i))
                 });
                 let f = bind.read(Group::Deformation).tensor(0, i);

@@ -372,6 +372,35 @@ velocity = ["40 m/s", "-300 m/s", "30 m/s"]
 spin = { rate = ["900 rad/s", "-2000 rad/s", "1500 rad/s"] }
 "#;
 
+/// A block of a metal that spalls, pulled apart along one axis and sheared.
+const TORN: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+search = "every-step"
+numerics = { precision = "double", artificial-stress = true }
+time = { end = "20 us" }
+
+[material.iron]
+base = "armco-iron"
+spall-pressure = "0.4 GPa"
+spall-opening = "0.3 mm"
+
+[[body]]
+name = "block"
+material = "iron"
+shape = { box = { min = ["-6 mm", "-3 mm"], max = ["6 mm", "3 mm"] } }
+velocity-profile = { along = "x", amplitude = ["400 m/s", "90 m/s"], rows = [["-6 mm", -1.0], ["-1 mm", -0.7], ["2 mm", 0.8], ["6 mm", 1.0]] }
+"#;
+
+/// Tension that ends.
+pub(super) const SPALLED: &[Case] = &[
+    case("spalled", TORN, &[], 40),
+    case("spalled, predictor-corrector, temperature of energy", TORN, &[PREDICTOR, OF_ENERGY], 40),
+    case("spalled, following smoothing lengths", TORN, &[FOLLOW, OF_ENERGY], 40),
+    case("spalled, total lagrangian", TORN, &[TOTAL, OF_ENERGY], 40),
+    case("spalled, total lagrangian, renewed", TORN, &[RENEWED], 40),
+];
+
 /// Three dimensions.
 pub(super) const SPACE: &[Case] = &[
     case("space", CUBES, &[], 20),

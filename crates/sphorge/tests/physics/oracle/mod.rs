@@ -6,7 +6,7 @@
 mod decks;
 
 use super::setup::COLLISION;
-use decks::{BARS, BLOCKS, CORNER, Case, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE};
+use decks::{BARS, BLOCKS, CORNER, Case, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED};
 use sphorge::deck;
 use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation, WallLedger};
 use sphorge::{Model, Particles, model::Section};
@@ -200,7 +200,7 @@ fn oracle_and_engine_agree_on_kernel_sums_to_rounding() {
 
 #[test]
 fn oracle_and_engine_agree_on_surroundings_to_rounding() {
-    check([PRESS, CORNER, BLOCKS, OVEN, SPACE, LINE].into_iter().flatten(), &[], ROUNDING);
+    check([PRESS, CORNER, BLOCKS, OVEN, SPACE, LINE, SPALLED].into_iter().flatten(), &[], ROUNDING);
 }
 
 #[test]
