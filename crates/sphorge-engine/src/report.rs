@@ -245,10 +245,12 @@ pub struct Ledger {
     pub integration_energy: f64,
     /// Energy a density re-initialisation added to the pressure field without work, since the start, J.
     pub mls_energy: f64,
-    /// Work against the hourglass springs since the start, J, part of the internal energy: what they hold, which comes back, and what
-    /// they have turned into heat. Zero but in the total Lagrangian form. Here and below it is positive where forces have taken from
+    /// Work against the hourglass springs since the start, J, part of the internal energy: what they hold, and what they have turned
+    /// into heat. Zero but in the total Lagrangian form. Here and below it is positive where forces have taken from
     /// the motion.
     pub hourglass_energy: f64,
+    /// Energy that the hourglass springs hold, J, part of that work: it comes back. The rest is heat.
+    pub hourglass_stored_energy: f64,
     /// What the artificial viscosity has turned into internal energy since the start, J: that of pairs, or the bulk viscosity of the
     /// total Lagrangian form.
     pub viscous_energy: f64,

@@ -91,6 +91,9 @@ pub(crate) struct Oracle {
     pub(crate) viscous_pressure: Vec<f64>,
     pub(crate) viscous_power: f64,
     pub(crate) hourglass_power: f64,
+    /// Least stretch at which a particle has yielded, zero without springs, and mean square of the misfit of its springs.
+    pub(crate) yielded_stretch: Vec<f64>,
+    pub(crate) spring_misfit: Vec<f64>,
     pub(crate) heat_rate: Vec<f64>,
     pub(crate) ledger: Ledger,
     pub(crate) accounts: Accounts,
@@ -172,6 +175,8 @@ impl EngineKind for OracleKind {
             viscous_pressure: vec![0.0; n],
             viscous_power: 0.0,
             hourglass_power: 0.0,
+            yielded_stretch: vec![1.0; n],
+            spring_misfit: vec![0.0; n],
             heat_rate: vec![0.0; n],
             ledger: Ledger::default(),
             accounts: Accounts::new(&model, dimension),

@@ -5,7 +5,7 @@ use super::pairs::{apply, minus, plus};
 use sphorge_engine::model::{Formulation, GradientCorrection, Integrator, Material, TemperatureSource};
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
-use sphorge_physics::hourglass::Spring;
+use sphorge_physics::hourglass::{Spring, is_fit};
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::pair::{
@@ -73,6 +73,7 @@ impl Oracle {
             self.initial_volume[i] = self.p.mass[i] / self.p.density[i];
             self.earlier_deformation[i] = multiply(&self.deformation[i], &self.earlier_deformation[i]);
             self.deformation[i] = identity();
+            (self.yielded_stretch[i], self.spring_misfit[i]) = (1.0, 0.0);
         }
         for (apart, due) in self.has_come_apart.iter_mut().zip(&due) {
             *apart |= due;
@@ -80,14 +81,15 @@ impl Oracle {
         due.contains(&true)
     }
 
-    /// `B_i`, the inverse of `g_i sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`.
-    fn correction_of(&self, i: usize, g: f64, weight: &[f64], at: &[Vector<f64>]) -> Tensor<f64> {
+    /// `B_i`, the inverse of `g_i sum_j w_j (x_j - x_i) ⊗ grad_i W_ij`, and whether it is that.
+    fn correction_of(&self, i: usize, g: f64, weight: &[f64], at: &[Vector<f64>]) -> (Tensor<f64>, bool) {
         let mut moment = tensor::zero();
         for n in self.pairs(i, at) {
             add_dyad(&mut moment, -g * weight[n.j] * n.f, n.x, n.x);
         }
         let largest = if self.has_come_apart[self.p.body[i] as usize] { 4.0 } else { LARGEST_COMPONENT };
-        gradient_correction(&moment, self.dimension, largest)
+        let correction = gradient_correction(&moment, self.dimension, largest);
+        (correction, is_fit(&moment, &correction, self.dimension) > 0.0)
     }
 
     /// `L_i = g_i sum_j w_j (v_j - v_i) ⊗ B_i grad_i W_ij` and `drho/dt = -rho tr L`, at the middle of the step.
@@ -105,7 +107,13 @@ impl Oracle {
             None => self.each(|i| gradient_weight(form, self.p.mass[i], rho[i])),
         };
         if self.is_corrected() && (self.total_lagrangian().is_none() || std::mem::take(&mut self.is_renewed)) {
-            self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, rho[i]), &self.weight, &at));
+            let corrections = self.each(|i| self.correction_of(i, gradient_factor(form, rho[i]), &self.weight, &at));
+            for (i, (correction, is_fit)) in corrections.into_iter().enumerate() {
+                self.correction[i] = correction;
+                if !is_fit {
+                    self.yielded_stretch[i] = 0.0;
+                }
+            }
         }
         let gradients = self.each(|i| {
             let mut sum = tensor::zero();
@@ -123,7 +131,11 @@ impl Oracle {
                 let l = deform(&mut self.deformation[i], &gradient, self.dt);
                 self.p.velocity_gradient[i] = l;
                 self.p.density[i] = density(self.p.mass[i], self.initial_volume[i], &self.deformation[i]);
-                self.mu[i] = bulk_mu(&l, self.p.smoothing_length[i] * smallest_stretch(&self.deformation[i]));
+                let stretch = smallest_stretch(&self.deformation[i]);
+                self.mu[i] = bulk_mu(&l, self.p.smoothing_length[i] * stretch);
+                if self.p.plastic_strain_increment[i] > 0.0 {
+                    self.yielded_stretch[i] = self.yielded_stretch[i].min(stretch);
+                }
             } else {
                 self.p.velocity_gradient[i] = gradient;
                 self.p.density[i] = density_after(self.p.density[i], &gradient, step);
@@ -161,7 +173,7 @@ impl Oracle {
             let (form, p) = (numerics.pair_form, &self.p);
             let weight = self.each(|i| gradient_weight(form, p.mass[i], p.density[i]));
             let at = self.places(p.position.clone());
-            self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, p.density[i]), &weight, &at));
+            self.correction = self.each(|i| self.correction_of(i, gradient_factor(form, p.density[i]), &weight, &at).0);
         }
     }
 
@@ -361,32 +373,51 @@ impl Oracle {
         }
     }
 
-    /// Ganzenmüller's springs: `V_i V_j W(X_ij) s_ij x_ij/(|X_ij| |x_ij|)`, half of the work to each.
+    /// Springs of particle `i`.
+    fn spring(&self, strength: f64, i: usize) -> Spring<f64> {
+        let (young, p) = (self.material(i).young_modulus(), &self.p);
+        Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], self.yielded_stretch[i])
+    }
+
+    /// Energy that the springs hold, J.
+    pub(crate) fn energy_of_springs(&self) -> f64 {
+        let Some(strength) = self.total_lagrangian() else { return 0.0 };
+        let held = |i: usize| self.spring(strength, i).energy(self.spring_misfit[i], self.dimension);
+        (0..self.p.len()).map(|i| self.initial_volume[i] * held(i)).sum()
+    }
+
+    /// Springs, `V_i V_j w_ij (k_i z_i(j) + k_j z_j)/2` with the weight of the gradient, half of the work to each. The stiffness is that
+    /// of the misfit at the last evaluation.
     pub(crate) fn resist_hourglass(&mut self) {
         let Some(strength) = self.total_lagrangian() else { return };
         let p = &self.p;
-        let spring = |i: usize| {
-            let stretch = smallest_stretch(&self.deformation[i]);
-            Spring::new(strength, self.material(i).young_modulus(), p.yield_stress[i], p.plastic_strain[i], stretch)
-        };
+        let stiffness = self.each(|i| self.spring(strength, i).at(self.spring_misfit[i]));
         let sums = self.each(|i| {
-            let (mut a, mut power, mut exerted) = ([0.0; 3], 0.0, Vec::new());
+            let (mut a, mut power, mut misfit, mut exerted) = ([0.0; 3], 0.0, 0.0, Vec::new());
+            let mut moment = tensor::zero();
             for n in self.pairs(i, &self.searched_at) {
                 let x = minus(p.position[i], n.image.point(p.position[n.j]));
                 let v = minus(self.evaluated[i], n.image.vector(self.evaluated[n.j]));
-                let linear = [&self.deformation[i], &n.image.tensor(&self.deformation[n.j])].map(|f| apply(f, n.x));
-                let error = dot(plus(plus(linear[0], 1.0, linear[1]), -2.0, x), x);
-                let lengths = n.r * dot(x, x).sqrt();
-                let stress = spring(i).between(spring(n.j)).stress(0.5 * error / lengths);
-                let push = self.initial_volume[i] * self.initial_volume[n.j] * n.w * stress / lengths / p.mass[i];
-                a = plus(a, push, x);
-                exerted.push((i, n.j, n.image, x.map(|x| p.mass[i] * push * x)));
-                power -= 0.5 * push * dot(v, x);
+                let miss = |f: &Tensor<f64>| minus(apply(f, n.x), x);
+                let own = miss(&self.deformation[i]);
+                let other = miss(&n.image.tensor(&self.deformation[n.j]));
+                let weight = -self.initial_volume[n.j] * n.f;
+                let both = plus(own.map(|z| 0.5 * stiffness[i] * z), 0.5 * stiffness[n.j], other);
+                let push = both.map(|push| self.initial_volume[i] / p.mass[i] * weight * push);
+                a = plus(a, 1.0, push);
+                exerted.push((i, n.j, n.image, push.map(|push| p.mass[i] * push)));
+                power -= 0.5 * dot(push, v);
+                misfit += weight * dot(own, own) / self.dimension.count() as f64;
+                add_dyad(&mut moment, weight, own, n.x);
             }
-            (a, power, exerted)
+            (a, power, misfit, moment, exerted)
         });
         self.hourglass_power = 0.0;
-        for (i, (a, power, exerted)) in sums.into_iter().enumerate() {
+        for (i, (a, power, misfit, moment, exerted)) in sums.into_iter().enumerate() {
+            // The deformation gradient is the fit to the neighbours, so springs have no moment.
+            let is_balanced = moment.as_flattened().iter().all(|m| m.abs() < 1e-9);
+            debug_assert!(is_balanced || self.yielded_stretch[i] == 0.0, "springs of {i} have a moment: {moment:?}");
+            self.spring_misfit[i] = misfit;
             self.p.acceleration[i] = plus(self.p.acceleration[i], 1.0, a);
             self.p.energy_rate[i] += power;
             self.hourglass_power += self.p.mass[i] * power;

@@ -510,6 +510,7 @@ impl Oracle {
             (0..p.len()).filter(|&i| self.motion_of(i) == Some(k)).map(lack).fold([0.0; 3], |s, f| plus(s, 1.0, f))
         };
         let mut ledger = self.ledger.clone();
+        ledger.hourglass_stored_energy = self.energy_of_springs();
         ledger.bodies = (0..model.bodies.len()).map(|b| self.sums(|i| p.body[i] as usize == b)).collect();
         ledger.total = self.sums(|_| true);
         ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());

@@ -1,126 +1,138 @@
 //! Hourglass control of the total Lagrangian form: springs against motion that the deformation gradient does not see.
 //!
 //! A deformation gradient sees only the linear part of the motion around a particle; the rest costs no energy and can
-//! grow without bound. Ganzenmüller (2015, Eq 21 to 24) resists it with springs. If the linear motion places neighbour
-//! `j` of `i` farther away than it is by `delta_i = (F_i X_ij - x_ij) . x_ij/|x_ij|`,
+//! grow without bound. Springs resist it. How far the linear motion of `i` misses the place of neighbour `j` is
 //!
-//! `f_ij = V_i V_j W(X_ij)/|X_ij| s_ij x_ij/|x_ij|`,  `s_ij = alpha E (delta_i + delta_j)/(2 |X_ij|)`
+//! `z_i(j) = F_i X_ij - x_ij`,
 //!
-//! pushes `i` there, with `x_ij = x_i - x_j`. The work goes to the internal energy of both, half each.
+//! with `x_ij = x_i - x_j`, and the energy of the springs weights it as the gradient sum does, `grad_0 W_ij = -w_ij X_ij`:
 //!
-//! `s_ij` is a stress, and a metal bears no more than its flow stress `Y`. Springs as stiff as the metal at rest would
-//! resist plastic flow, whose motion is never linear; springs weak enough for plastic flow leave hourglass modes in
-//! elastic bodies. They therefore soften with the flow: instead of Young's modulus they have the secant modulus of a
-//! metal with the plastic strain `eps_p`,
+//! `E_hg = sum_i (k_i/4) V_i sum_j V_j w_ij |z_i(j)|^2`,  `w_ij = -(1/r) dW/dr` at `X_ij`.
 //!
-//! `E_s = Y/(eps_p + Y/E)`,
+//! `F_i` is the least-squares fit to the places of the neighbours with these weights. The normal equations of the fit,
+//! `sum_j V_j w_ij z_i(j) X_ij^T = 0`, say that the energy does not change with `F_i`, although `F_i` depends on all
+//! neighbours. The pair force
 //!
-//! which is `E` until it yields, and a thousandth of it after a strain of one. A particle pressed flat to `lambda_min`
-//! of its height is wider by `lambda_min^-1/2`. The strain of a spring in its plane, relative to the length at rest, is
-//! too large by this factor, and its force is too large by the strain of the plane. If the stiffness is not multiplied
-//! by `lambda_min`, springs resist the flow of the foot of a bar at high speed (copper at 300 m/s, 12 particles across:
-//! the flare above the foot is 4.7 % too thick instead of 2.9 %). And they yield,
+//! `f_ij = V_i V_j w_ij (k_i z_i(j) + k_j z_j)/2`,  `z_j = F_j X_ij - x_ij`,
 //!
-//! `s_ij -> s_ij/(1 + |s_ij|/(Y/2))`,
+//! is therefore the exact gradient of the energy: the stiffness is symmetric, no mode grows, and what the springs take
+//! from the motion comes back. A weight other than that of the gradient, a force along the pair only, or a stiffness
+//! that depends on the pair leaves a moment without counterpart, and elastic bodies flutter. The springs see curvature,
+//! with a stiffness that falls with the square of the number of layers, as does what the particle sums lack in bending:
+//! one strength, 1.25, is right for all thicknesses from three layers on.
 //!
-//! so that they never exceed half the flow stress. Stiffness and bound are the means of the two particles, so momentum is conserved.
+//! Springs as stiff as the metal at rest would resist plastic flow, whose motion is never linear. They therefore have
+//! the secant modulus of a metal with the plastic strain `eps_p`, to which the misfit itself counts as strain:
+//!
+//! `k_i = alpha lambda E_s`,  `E_s = Y/((eps_p + Y/E)^2 + (c eps_z)^2)^(1/2)`,  `eps_z^2 = (1/d) sum_j V_j w_ij |z_i(j)|^2`.
+//!
+//! That is Young's modulus until the metal yields or the misfit approaches the elastic strain. As `k_i` depends on
+//! `eps_z` of its own particle only, there still is an energy, per volume
+//!
+//! `(d/2) k_0 eps_z^2/(1 + (1 + b^2 eps_z^2)^(1/2))`,
+//!
+//! with `k_0`, the stiffness without misfit, and `b = c/(eps_p + Y/E)`. It is given back except for what is lost when
+//! `eps_p` grows, which is heat.
+//!
+//! A particle pressed flat to `lambda` of its height is wider by `lambda^-1/2`. The strain of a spring in its plane,
+//! relative to the length at rest, is too large by this factor, and its force by the strain of the plane; without the
+//! factor springs resist the flow of the foot of a bar at high speed. It is the least stretch at which the particle has
+//! yielded so far, so that no spring stiffens while it is strained.
 
-use crate::kernel::PairScale;
-use crate::pair::mean;
-use crate::{Real, Tensor, Vector};
+use crate::{Dimension, Elementary, Real, Tensor, Vector};
 
-/// Largest stress of springs as a share of the flow stress.
-const SHARE: f64 = 0.5;
+/// Flow stress at least, for metal without strength such as a melt, as a share of Young's modulus.
+const LEAST: f64 = 2e-4;
 
-/// Bound for metal without strength, such as a melt, as a share of Young's modulus.
-const LEAST: f64 = 1e-4;
+/// How much of the misfit counts as strain, `c`. Plastic hinges lock without, and with much more columns of particles
+/// separate in stripes.
+const COUNTED: f64 = 15.0;
 
-/// Shortest distance the springs are divided by, squared, in `h^2`.
-const SHORTEST: f64 = 1e-6;
+/// Largest deviation of `M B M` from `M`, relative to `M`, that is rounding.
+const INEXACT: f64 = 1e-3;
 
 /// Springs of a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring<T> {
-    /// `alpha lambda_min E_s`, Pa.
+    /// Stiffness without misfit, `k_0`, Pa.
     pub stiffness: T,
-    /// Largest stress, Pa, positive.
-    pub bound: T,
+    /// `b^2`, by which the misfit softens them.
+    pub softening: T,
 }
 
 impl<T: Real> Spring<T> {
     /// Springs of strength `alpha` in a material of that Young's modulus, flow stress (Pa) and plastic strain, with the
-    /// smallest principal stretch `smallest_stretch`.
+    /// least principal stretch at which it has yielded.
     #[inline(always)]
-    pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T, smallest_stretch: T) -> Self {
-        // A fluid has no springs, but its bound must not be zero.
-        let bound = (T::of(SHARE) * yield_stress).max(T::of(LEAST) * young).max(T::one());
-        let secant = young / (T::one() + young * plastic_strain * T::of(SHARE) / bound);
-        Self { stiffness: strength * secant * smallest_stretch.min(T::one()), bound }
+    pub fn new(strength: T, young: T, yield_stress: T, plastic_strain: T, least_stretch: T) -> Self {
+        // A fluid has no springs, but its flow stress must not be zero.
+        let flow = yield_stress.max(T::of(LEAST) * young).max(T::one());
+        let inverse_strain = young / flow;
+        let share = T::one() / (T::one() + inverse_strain * plastic_strain);
+        let softening = T::of(COUNTED) * inverse_strain * share;
+        Self { stiffness: strength * young * share * least_stretch.min(T::one()), softening: softening * softening }
     }
 
-    /// The spring between two particles.
+    /// Stiffness, Pa, at the mean square `eps_z^2` of the misfit.
     #[inline(always)]
-    pub fn between(self, other: Self) -> Self {
-        Self { stiffness: mean(self.stiffness, other.stiffness), bound: mean(self.bound, other.bound) }
+    pub fn at(self, misfit2: T) -> T {
+        self.stiffness / (T::one() + self.softening * misfit2).sqrt()
     }
 
-    /// Stress of a spring, Pa: the stiffness times its strain where that is small, never beyond the bound.
+    /// Energy that the springs hold at the mean square `eps_z^2` of the misfit, per initial volume, J/m^d.
     #[inline(always)]
-    pub fn stress(self, strain: T) -> T {
-        let stress = self.stiffness * strain;
-        stress / (T::one() + stress.max(-stress) / self.bound)
+    pub fn energy(self, misfit2: T, dimension: Dimension) -> T {
+        let root = (T::one() + self.softening * misfit2).sqrt();
+        T::of(0.5 * dimension.count() as f64) * self.stiffness * misfit2 / (T::one() + root)
     }
 }
 
-/// Deviation of a pair from the linear motion of both particles.
+/// Deviation of a pair from the linear motion of each of its particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit<T> {
+    /// `X_ij`, m.
+    pub initial: Vector<T>,
     /// `|X_ij|^2`, m^2.
     pub initial2: T,
-    /// `|x_ij|^2`, m^2.
-    pub r2: T,
-    /// `((F_i + F_j) X_ij - 2 x_ij) . x_ij = (delta_i + delta_j) |x_ij|`, m^2; positive where the pair is too close.
-    pub error: T,
-    /// `v_ij . x_ij`, m^2/s.
-    pub v_dot_x: T,
+    /// `F_i X_ij - x_ij`, m.
+    pub own: Vector<T>,
+    /// `F_j X_ij - x_ij`, m.
+    pub other: Vector<T>,
 }
 
 impl<T: Real> Misfit<T> {
-    /// For a pair that was at `X_ij` (`initial`, m), is at `x_ij` (m) and moves with `v_ij` (m/s), along the `D` axes
-    /// computed in.
+    /// None.
     #[inline(always)]
-    pub fn of<const D: usize>(
-        initial: &Vector<T>,
-        x: &Vector<T>,
-        v: &Vector<T>,
-        f_i: &Tensor<T>,
-        f_j: &Tensor<T>,
-    ) -> Self {
+    pub fn zero() -> Self {
         let o = T::zero();
-        let mut misfit = Self { initial2: o, r2: o, error: o, v_dot_x: o };
+        Self { initial: [o; 3], initial2: o, own: [o; 3], other: [o; 3] }
+    }
+
+    /// For a pair that was at `X_ij` (`initial`, m) and is at `x_ij` (m), along the `D` axes computed in.
+    #[inline(always)]
+    pub fn of<const D: usize>(initial: &Vector<T>, x: &Vector<T>, f_i: &Tensor<T>, f_j: &Tensor<T>) -> Self {
+        let mut misfit = Self { initial: *initial, ..Self::zero() };
         for a in 0..D {
             misfit.initial2 = initial[a].mul_add(initial[a], misfit.initial2);
-        }
-        for a in 0..D {
-            let mut linear = x[a] * T::of(-2.0);
+            let (mut own, mut other) = (-x[a], -x[a]);
             for b in 0..D {
-                linear = (f_i[a][b] + f_j[a][b]).mul_add(initial[b], linear);
+                own = f_i[a][b].mul_add(initial[b], own);
+                other = f_j[a][b].mul_add(initial[b], other);
             }
-            misfit.r2 = x[a].mul_add(x[a], misfit.r2);
-            misfit.error = linear.mul_add(x[a], misfit.error);
-            misfit.v_dot_x = x[a].mul_add(v[a], misfit.v_dot_x);
+            (misfit.own[a], misfit.other[a]) = (own, other);
         }
         misfit
     }
 
-    /// `f_ij / V_i` over `x_ij`, N/m^(d+1): the force on `i` is `V_i` times this times `x_ij`. `scale` is that of the pair at its
-    /// initial distance, `w` the shape of the kernel there, `volume_j` the initial volume of the neighbour (m^d).
+    /// `(k_i z_i(j) + k_j z_j)/2`, Pa m: the force on `i` is `V_i V_j w_ij` times this. `own` and `other` are `k_i` and
+    /// `k_j`, Pa.
     #[inline(always)]
-    pub fn strength(&self, spring: Spring<T>, scale: PairScale<T>, w: T, volume_j: T) -> T {
-        // For padding, the pair of a particle with itself, the result is zero, but the division must be valid.
-        let shortest = scale.h * scale.h * T::of(SHORTEST);
-        let inverse = (self.initial2.max(shortest) * self.r2.max(shortest)).inverse_sqrt();
-        scale.value(w) * volume_j * spring.stress(self.error * inverse * T::of(0.5)) * inverse
+    pub fn push<const D: usize>(&self, own: T, other: T) -> Vector<T> {
+        let mut push = [T::zero(); 3];
+        for a in 0..D {
+            push[a] = T::of(0.5) * own.mul_add(self.own[a], other * self.other[a]);
+        }
+        push
     }
 }
 
@@ -131,67 +143,320 @@ pub struct SpringSums<T> {
     pub acceleration: Vector<T>,
     /// Power that goes to the internal energy, per initial volume, W/m^d.
     pub energy_rate: T,
+    /// `sum_j V_j w_ij |z_i(j)|^2`, `d` times the mean square of the misfit.
+    pub misfit2: T,
+    /// `sum_j V_j w_ij z_i(j) X_ij^T`: zero but for what rounding has left between `F_i` and the places of the neighbours.
+    pub moment: Tensor<T>,
 }
 
 impl<T: Real> SpringSums<T> {
     /// Nothing summed.
     #[inline(always)]
     pub fn zero() -> Self {
-        Self { acceleration: [T::zero(); 3], energy_rate: T::zero() }
+        let o = T::zero();
+        Self { acceleration: [o; 3], energy_rate: o, misfit2: o, moment: [[o; 3]; 3] }
     }
 
-    /// Adds a spring of that strength ([`Misfit::strength`]) along the `D` axes computed in.
+    /// Adds a spring along the `D` axes computed in: `push` by [`Misfit::push`], `v` the velocity of `i` relative to `j`
+    /// (m/s), `weight` that of the gradient, `V_j w_ij` (m^-2).
     #[inline(always)]
-    pub fn add<const D: usize>(&mut self, x: &Vector<T>, v_dot_x: T, strength: T) {
+    pub fn add<const D: usize>(&mut self, misfit: &Misfit<T>, push: &Vector<T>, v: &Vector<T>, weight: T) {
+        let (mut power, mut square) = (T::zero(), T::zero());
         for a in 0..D {
-            self.acceleration[a] = strength.mul_add(x[a], self.acceleration[a]);
+            self.acceleration[a] = weight.mul_add(push[a], self.acceleration[a]);
+            power = push[a].mul_add(v[a], power);
+            square = misfit.own[a].mul_add(misfit.own[a], square);
+            let own = weight * misfit.own[a];
+            for b in 0..D {
+                self.moment[a][b] = own.mul_add(misfit.initial[b], self.moment[a][b]);
+            }
         }
-        self.energy_rate -= T::of(0.5) * strength * v_dot_x;
+        self.energy_rate -= T::of(0.5) * weight * power;
+        self.misfit2 = weight.mul_add(square, self.misfit2);
     }
+}
+
+/// One if a gradient correction inverts its moment matrix, on the axes on which there are neighbours at all; zero where
+/// it does not, and a deformation gradient is no fit to the neighbours. Springs would not have an energy there.
+pub fn is_fit<T: Elementary>(moment: &Tensor<T>, correction: &Tensor<T>, dimension: Dimension) -> T {
+    let d = dimension.count();
+    let product = |a: usize, b: usize| {
+        let mut sum = T::zero();
+        for p in 0..d {
+            for q in 0..d {
+                sum = sum + moment[a][p] * correction[p][q] * moment[q][b];
+            }
+        }
+        sum
+    };
+    let (mut size, mut error) = (T::zero(), T::zero());
+    for a in 0..d {
+        for b in 0..d {
+            size = size.max(moment[a][b].abs());
+            error = error.max((product(a, b) - moment[a][b]).abs());
+        }
+    }
+    T::select_lt(T::of(INEXACT) * size, error, T::zero(), T::one())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tensor::identity;
+    use crate::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
+    use crate::tensor::{determinant, dot, identity, multiply, zero};
+    use crate::test_cloud::{Cloud, Noise};
 
-    #[test]
-    fn springs_are_those_of_the_metal_at_rest_and_yield_with_it() {
-        // E 200 GPa, strength 10, flow stress 800 MPa: 400 MPa at most.
-        let spring = Spring::new(10.0, 200e9, 800e6, 0.0, 1.0);
-        assert_eq!(spring, Spring { stiffness: 2e12, bound: 400e6 });
-        assert!((spring.stress(1e-8) / 2e4 - 1.0).abs() < 1e-4);
-        // As much again as the bound: half of it. Ten times: 10/11.
-        assert!((spring.stress(2e-4) / 200e6 - 1.0).abs() < 1e-12);
-        assert!((spring.stress(-2e-3) / -363.636_363_6e6 - 1.0).abs() < 1e-9);
-        // The tangent, k/(1 + r)^2: a quarter at the bound, 1/121 at ten times.
-        let tangent = |strain: f64| (spring.stress(strain + 1e-9) - spring.stress(strain - 1e-9)) / 2e-9;
-        assert!((tangent(2e-4) / 5e11 - 1.0).abs() < 1e-4 && (tangent(2e-3) / (2e12 / 121.0) - 1.0).abs() < 1e-4);
-        // Between two: the means.
-        let other = Spring { stiffness: 1e12, bound: 200e6 };
-        assert_eq!(spring.between(other), Spring { stiffness: 1.5e12, bound: 300e6 });
+    const PLANE_AND_SPACE: [Dimension; 2] = [Dimension::Two, Dimension::Three];
+
+    /// Springs of an irregular body of a metal that yields at a strain of 0.005.
+    struct Sprung {
+        cloud: Cloud,
+        spring: Vec<Spring<f64>>,
+        correction: Vec<Tensor<f64>>,
+    }
+
+    impl Sprung {
+        fn new(dimension: Dimension) -> Self {
+            let cloud = Cloud::block(dimension);
+            // Particles that have yielded by different strains.
+            let spring = |i: usize| Spring::new(1.2, 200.0, 1.0, 0.002 * (i % 5) as f64, 0.7 + 0.1 * (i % 4) as f64);
+            let spring = (0..cloud.count()).map(spring).collect();
+            let mut sprung = Self { cloud, spring, correction: Vec::new() };
+            let places = sprung.cloud.x.clone();
+            let invert = |i: usize| gradient_correction(&sprung.moment(i, &places), dimension, LARGEST_COMPONENT);
+            sprung.correction = (0..places.len()).map(invert).collect();
+            sprung
+        }
+
+        fn pairs(&self, i: usize) -> impl Iterator<Item = (usize, Vector<f64>, f64)> {
+            (0..self.cloud.count()).filter(move |&j| j != i).map(move |j| {
+                let (apart, slope) = (self.cloud.x_ij(i, j), self.cloud.grad_w(i, j));
+                (j, apart, -self.cloud.volume[j] * dot(slope, apart) / dot(apart, apart))
+            })
+        }
+
+        /// `sum_j V_j w_ij x_ij X_ij^T`.
+        fn moment(&self, i: usize, x: &[Vector<f64>]) -> Tensor<f64> {
+            let mut moment = zero();
+            for (j, apart, weight) in self.pairs(i) {
+                for a in 0..3 {
+                    for b in 0..3 {
+                        moment[a][b] += weight * (x[i][a] - x[j][a]) * apart[b];
+                    }
+                }
+            }
+            moment
+        }
+
+        fn fit(&self, i: usize, x: &[Vector<f64>]) -> Tensor<f64> {
+            let mut f = multiply(&self.moment(i, x), &self.correction[i]);
+            for a in self.cloud.dimension.count()..3 {
+                f[a][a] = 1.0;
+            }
+            f
+        }
+
+        /// Sums of particles at `x` that move with `v`, and the energy.
+        fn sums(&self, x: &[Vector<f64>], v: &[Vector<f64>]) -> (Vec<SpringSums<f64>>, f64) {
+            match self.cloud.dimension {
+                Dimension::Two => self.sums_in::<2>(x, v),
+                _ => self.sums_in::<3>(x, v),
+            }
+        }
+
+        fn sums_in<const D: usize>(&self, x: &[Vector<f64>], v: &[Vector<f64>]) -> (Vec<SpringSums<f64>>, f64) {
+            let f: Vec<_> = (0..x.len()).map(|i| self.fit(i, x)).collect();
+            let difference = |of: &[Vector<f64>], i: usize, j: usize| [0, 1, 2].map(|a| of[i][a] - of[j][a]);
+            let misfit =
+                |i: usize, j: usize, apart: &Vector<f64>| Misfit::of::<D>(apart, &difference(x, i, j), &f[i], &f[j]);
+            let square = |i: usize| {
+                self.pairs(i).fold(0.0, |sum, (j, apart, weight)| {
+                    let own = misfit(i, j, &apart).own;
+                    sum + weight * dot(own, own)
+                }) / D as f64
+            };
+            let squares: Vec<f64> = (0..x.len()).map(square).collect();
+            let stiffness: Vec<f64> = (0..x.len()).map(|i| self.spring[i].at(squares[i])).collect();
+            let sums = |i: usize| {
+                let mut sums = SpringSums::zero();
+                for (j, apart, weight) in self.pairs(i) {
+                    let misfit = misfit(i, j, &apart);
+                    let push = misfit.push::<D>(stiffness[i], stiffness[j]);
+                    sums.add::<D>(&misfit, &push, &difference(v, i, j), weight);
+                }
+                sums
+            };
+            let energy = (0..x.len())
+                .map(|i| self.cloud.volume[i] * self.spring[i].energy(squares[i], self.cloud.dimension))
+                .sum();
+            ((0..x.len()).map(sums).collect(), energy)
+        }
+
+        fn force(&self, i: usize, sums: &[SpringSums<f64>]) -> Vector<f64> {
+            sums[i].acceleration.map(|a| self.cloud.volume[i] * a)
+        }
+
+        /// The body, stretched, turned by half a radian and with particles off their places by a share of the spacing.
+        fn disturbed(&self, share: f64, seed: u64) -> Vec<Vector<f64>> {
+            let (s, c) = 0.5f64.sin_cos();
+            let d = self.cloud.dimension.count();
+            let mut noise = Noise::new(seed);
+            let turned = |x: &Vector<f64>| {
+                let (x, y) = (1.1 * x[0], 0.95 * x[1]);
+                [c * x - s * y, s * x + c * y]
+            };
+            self.cloud
+                .x
+                .iter()
+                .map(|place| {
+                    let [x, y] = turned(place);
+                    let mut place = [x, y, place[2]];
+                    place[..d].iter_mut().for_each(|x| *x += share * 0.1 * noise.next());
+                    place
+                })
+                .collect()
+        }
     }
 
     #[test]
-    fn springs_soften_to_the_secant_modulus() {
-        // E 200 GPa, Y 800 MPa at a plastic strain of 0.016: 800 MPa/(0.016 + 0.004) = 40 GPa.
-        let spring = Spring::new(10.0, 200e9, 800e6, 0.016f64, 1.0);
-        assert!((spring.stiffness / 400e9 - 1.0).abs() < 1e-12 && spring.bound == 400e6);
+    fn the_force_is_the_slope_of_the_energy_also_where_springs_soften() {
+        for dimension in PLANE_AND_SPACE {
+            let sprung = Sprung::new(dimension);
+            // Misfits from a tenth of the elastic strain to many times it.
+            for share in [0.003, 0.3] {
+                let x = sprung.disturbed(share, 11);
+                let rest = vec![[0.0; 3]; x.len()];
+                let (sums, _) = sprung.sums(&x, &rest);
+                let size =
+                    (0..x.len()).flat_map(|i| sprung.force(i, &sums)).fold(0.0, |most: f64, f| most.max(f.abs()));
+                for i in (0..x.len()).step_by(7) {
+                    for a in 0..dimension.count() {
+                        let energy = |shift: f64| {
+                            let mut x = x.clone();
+                            x[i][a] += shift;
+                            sprung.sums(&x, &rest).1
+                        };
+                        let step = 1e-4 * share;
+                        let slope = (energy(step) - energy(-step)) / (2.0 * step);
+                        let force = sprung.force(i, &sums)[a];
+                        assert!((force + slope).abs() < 1e-5 * size, "{dimension:?} {share} {i} {a}: {force} {slope}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_stiffness_is_symmetric_and_never_negative() {
+        let sprung = Sprung::new(Dimension::Two);
+        let (x, n) = (sprung.cloud.x.clone(), 2 * sprung.cloud.count());
+        let rest = vec![[0.0; 3]; x.len()];
+        let column = |q: usize| -> Vec<f64> {
+            let force = |shift: f64| {
+                let mut x = x.clone();
+                x[q / 2][q % 2] += shift;
+                let (sums, _) = sprung.sums(&x, &rest);
+                (0..n).map(|p| sprung.force(p / 2, &sums)[p % 2]).collect::<Vec<_>>()
+            };
+            let step = 1e-8;
+            force(step).iter().zip(force(-step)).map(|(ahead, behind)| (behind - ahead) / (2.0 * step)).collect()
+        };
+        let columns: Vec<Vec<f64>> = (0..n).map(column).collect();
+        let largest = columns.iter().flatten().fold(0.0, |most: f64, k| most.max(k.abs()));
+        for p in 0..n {
+            for q in 0..p {
+                let (one, other) = (columns[p][q], columns[q][p]);
+                assert!((one - other).abs() < 1e-6 * largest, "{p} {q}: {one} {other}");
+            }
+        }
+        let mut noise = Noise::new(3);
+        for _ in 0..200 {
+            let u: Vec<f64> = (0..n).map(|_| noise.next()).collect();
+            let along = |k: &Vec<f64>| k.iter().zip(&u).map(|(k, u)| k * u).sum::<f64>();
+            let twice: f64 = columns.iter().map(along).zip(&u).map(|(f, u)| f * u).sum();
+            assert!(twice > 0.0, "{twice}");
+        }
+    }
+
+    #[test]
+    fn springs_move_and_turn_nothing_and_their_work_is_the_energy() {
+        for dimension in PLANE_AND_SPACE {
+            let sprung = Sprung::new(dimension);
+            let x = sprung.disturbed(0.3, 5);
+            let mut noise = Noise::new(9);
+            let v: Vec<Vector<f64>> = x.iter().map(|_| [noise.next(), noise.next(), noise.next()]).collect();
+            let (sums, _) = sprung.sums(&x, &v);
+            let (mut force, mut torque, mut size, mut heat, mut power) = ([0.0; 3], [0.0; 3], 0.0, 0.0, 0.0);
+            for (i, x) in x.iter().enumerate() {
+                let f = sprung.force(i, &sums);
+                let turning = [x[1] * f[2] - x[2] * f[1], x[2] * f[0] - x[0] * f[2], x[0] * f[1] - x[1] * f[0]];
+                (0..3).for_each(|a| force[a] += f[a]);
+                (0..3).for_each(|a| torque[a] += turning[a]);
+                size += dot(f, f).sqrt();
+                power += dot(f, v[i]);
+                heat += sprung.cloud.volume[i] * sums[i].energy_rate;
+                let moment = sums[i].moment.as_flattened().iter().fold(0.0, |most: f64, m| most.max(m.abs()));
+                assert!(moment < 1e-12, "{dimension:?}: {moment}");
+            }
+            assert!(force.iter().all(|f| f.abs() < 1e-12 * size), "{dimension:?}: {force:?} of {size}");
+            assert!(torque.iter().all(|t| t.abs() < 1e-12 * size), "{dimension:?}: {torque:?} of {size}");
+            assert!((heat + power).abs() < 1e-12 * size, "{dimension:?}: {heat} {power}");
+        }
+    }
+
+    #[test]
+    fn a_closed_path_takes_no_work() {
+        let sprung = Sprung::new(Dimension::Two);
+        let (one, other) = (sprung.disturbed(0.3, 21), sprung.disturbed(0.3, 22));
+        let at = |t: f64| -> [Vec<Vector<f64>>; 2] {
+            let (s, c) = t.sin_cos();
+            let place =
+                |i: usize| [0, 1, 2].map(|a| sprung.cloud.x[i][a] * (2.0 - s - c) + c * one[i][a] + s * other[i][a]);
+            let speed = |i: usize| [0, 1, 2].map(|a| sprung.cloud.x[i][a] * (s - c) - s * one[i][a] + c * other[i][a]);
+            [(0..one.len()).map(place).collect(), (0..one.len()).map(speed).collect()]
+        };
+        let (mut work, mut size) = (0.0, 0.0f64);
+        let steps = 400;
+        for k in 0..steps {
+            let [x, v] = at(core::f64::consts::TAU * k as f64 / steps as f64);
+            let (sums, _) = sprung.sums(&x, &v);
+            let power: f64 = sums.iter().zip(&sprung.cloud.volume).map(|(s, volume)| volume * s.energy_rate).sum();
+            work += power;
+            size += power.abs();
+        }
+        assert!(size > 0.0 && work.abs() < 1e-6 * size, "{work} of {size}");
+    }
+
+    #[test]
+    fn springs_soften_with_plastic_strain_and_misfit() {
+        // E 200 GPa, Y 800 MPa at a plastic strain of 0.016: 800 MPa/(0.016 + 0.004) = 40 GPa, times 1.2.
+        let spring = Spring::new(1.2, 200e9, 800e6, 0.016f64, 1.0);
+        assert!((spring.stiffness / 48e9 - 1.0).abs() < 1e-12);
+        // b = 15/0.02: at a misfit of 0.02/15 sqrt(2) times softer.
+        assert!((spring.at((0.02f64 / 15.0).powi(2)) / 48e9 * 2.0f64.sqrt() - 1.0).abs() < 1e-12);
+        // Far beyond: Y/(15 eps_z).
+        assert!((spring.at(1.0) / (1.2 * 800e6 / 15.0) - 1.0).abs() < 1e-5);
         // Pressed to a quarter of its height, a quarter; wider on all sides, no more.
-        let of = |stretch| Spring::new(10.0, 200e9, 800e6, 0.016f64, stretch);
+        let of = |stretch| Spring::new(1.2, 200e9, 800e6, 0.016f64, stretch);
         assert_eq!(of(0.25), Spring { stiffness: 0.25 * spring.stiffness, ..spring });
         assert_eq!(of(1.2), spring);
-        // A melt: its flow stress is taken as twice the least bound, 2e-4 E, which after a strain of one is about the secant modulus.
+        // A melt has a flow stress of 2e-4 E.
         let melt = Spring::new(1.0, 200e9, 0.0f64, 1.0, 1.0);
         assert!((melt.stiffness / (40e6 / (1.0 + 2e-4)) - 1.0).abs() < 1e-12);
+        // What never yields does not soften, and a fluid has no springs.
+        let rubber = Spring::new(1.2, 2e6, f64::INFINITY, 0.0, 1.0);
+        assert_eq!((rubber.at(0.0), rubber.at(0.3)), (2.4e6, 2.4e6));
+        assert_eq!(Spring::new(1.2, 0.0, 0.0f64, 0.0, 1.0).at(0.3), 0.0);
     }
 
     #[test]
-    fn springs_of_what_never_yields_are_linear_and_a_melt_keeps_a_little() {
-        let spring = Spring::new(10.0, 2e6, f64::INFINITY, 0.0, 1.0);
-        assert_eq!(spring.stress(0.3), 6e6);
-        assert_eq!(Spring::new(10.0, 200e9, 0.0f64, 0.0, 1.0).bound, 20e6);
-        assert_eq!(Spring::new(10.0, 0.0, 0.0f64, 0.0, 1.0).stress(0.3), 0.0);
+    fn the_energy_by_hand() {
+        // Linear: (k/4) d eps_z^2.
+        let linear = Spring { stiffness: 100.0, softening: 0.0 };
+        assert_eq!(linear.energy(0.04, Dimension::Two), 2.0);
+        // b eps_z = sqrt(3), a root of 2: (3/2) 100 0.04/(1 + 2).
+        let soft = Spring { stiffness: 100.0f64, softening: 75.0 };
+        assert!((soft.energy(0.04, Dimension::Three) - 2.0).abs() < 1e-12);
     }
 
     #[test]
@@ -199,37 +464,34 @@ mod tests {
         let f = [[1.2, 0.5, 0.0], [0.0, 0.9, -0.3], [0.1, 0.0, 1.0]];
         let initial = [2.0, -1.0, 0.5];
         let x: Vector<f64> = core::array::from_fn(|a| (0..3).map(|b| f[a][b] * initial[b]).sum());
-        assert!(Misfit::of::<3>(&initial, &x, &[0.0; 3], &f, &f).error.abs() < 1e-15);
-        // Undeformed, moved from (2, 0) to (1.5, 0): (4 - 3) 1.5.
-        let near = Misfit::of::<2>(&[2.0, 0.0, 9.0], &[1.5, 0.0, 9.0], &[-4.0, 5.0, 9.0], &identity(), &identity());
-        assert_eq!(near, Misfit { initial2: 4.0, r2: 2.25, error: 1.5, v_dot_x: -6.0 });
-        // F_i stretches x by 2, F_j by 1; from (1, 1) to (1, 2): (3 - 2, 2 - 4) . (1, 2).
-        let f_i = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]];
-        let apart = Misfit::of::<2>(&[1.0, 1.0, 0.0], &[1.0, 2.0, 0.0], &[0.0; 3], &f_i, &identity());
-        assert_eq!((apart.initial2, apart.r2, apart.error), (2.0, 5.0, -3.0));
+        let none = Misfit::of::<3>(&initial, &x, &f, &f);
+        assert!(none.own.iter().chain(&none.other).all(|z| z.abs() < 1e-15));
+        // F_i stretches x by 2, F_j by 1; from (1, 1) to (1, 2). What is not computed in does not count.
+        let f_i = [[2.0, 0.0, 7.0], [0.0, 1.0, 7.0], [7.0; 3]];
+        let apart = Misfit::of::<2>(&[1.0, 1.0, 9.0], &[1.0, 2.0, 9.0], &f_i, &identity());
+        assert_eq!((apart.initial2, apart.own, apart.other), (2.0, [1.0, -1.0, 0.0], [0.0, -1.0, 0.0]));
+        // (10 (1, -1) + 30 (0, -1))/2.
+        assert_eq!(apart.push::<2>(10.0, 30.0), [5.0, -20.0, 0.0]);
+        // The weight is 0.5; the particle drifts apart with (2, 1): half of -(0.5 (10 - 20)) is heat.
+        let mut sums = SpringSums::zero();
+        sums.add::<2>(&apart, &[5.0, -20.0, 0.0], &[2.0, 1.0, 9.0], 0.5);
+        assert_eq!((sums.acceleration, sums.energy_rate, sums.misfit2), ([2.5, -10.0, 0.0], 2.5, 1.0));
+        assert_eq!(sums.moment, [[0.5, 0.5, 0.0], [-0.5, -0.5, 0.0], [0.0; 3]]);
     }
 
     #[test]
-    fn a_pair_that_is_too_close_is_pushed_apart_by_hand() {
-        // |X| = 2, |x| = 1.5, error 1.5: strain 1.5/(2 3) = 0.25, stress 400 (1/4)/(1 + 100/100) = 50;
-        // W = 0.5 4 0.125 = 0.25 and V_j = 6: 0.25 6 50/3 = 25.
-        let misfit = Misfit { initial2: 4.0, r2: 2.25, error: 1.5, v_dot_x: -6.0 };
-        let scale = PairScale { h: 2.0, inverse_h: 0.5, gradient: 0.125 };
-        let spring = Spring { stiffness: 400.0f64, bound: 100.0 };
-        let strength = misfit.strength(spring, scale, 0.5, 6.0);
-        assert!((strength - 25.0).abs() < 1e-12, "{strength}");
-        // It closes: the push takes its kinetic energy, 25 6, half of which is the particle's.
-        let mut sums = SpringSums { acceleration: [1.0, 0.0, 0.0], energy_rate: 0.0 };
-        sums.add::<2>(&[1.5, 0.0, 9.0], misfit.v_dot_x, 25.0);
-        assert_eq!(sums, SpringSums { acceleration: [38.5, 0.0, 0.0], energy_rate: 75.0 });
-        // Too far apart, it is drawn together.
-        assert!(Misfit { error: -1.5, ..misfit }.strength(spring, scale, 0.5, 6.0) < 0.0);
-        // The same in micrometres.
-        let small = Misfit { initial2: 4e-12, r2: 2.25e-12, error: 1.5e-12, ..misfit };
-        let scale = PairScale { h: 2e-6, inverse_h: 0.5e6, gradient: 0.125e12 };
-        assert!((small.strength(spring, scale, 0.5, 6.0) / 25e12 - 1.0).abs() < 1e-12);
-        // A particle and itself.
-        let none = Misfit { initial2: 0.0, r2: 0.0, error: 0.0, v_dot_x: 0.0 };
-        assert_eq!(none.strength(spring, scale, 0.5, 6.0), 0.0);
+    fn a_correction_is_a_fit_where_it_inverts_its_moment() {
+        let moment = [[0.5, 0.1, 0.0], [0.1, 0.4, 0.0], [0.0, 0.0, 0.3f64]];
+        assert!(determinant(&moment) > 0.0);
+        let inverse = gradient_correction(&moment, Dimension::Three, LARGEST_COMPONENT);
+        assert_eq!(is_fit(&moment, &inverse, Dimension::Three), 1.0);
+        // Left out because a component is too large.
+        let none = gradient_correction(&moment, Dimension::Three, 2.0);
+        assert_eq!((none, is_fit(&moment, &none, Dimension::Three)), (identity(), 0.0));
+        // One layer: inverted in its plane, whatever stands on the axis without neighbours.
+        let flat = [[0.5, 0.0, 0.0], [0.0, 0.25, 0.0], [0.0; 3]];
+        let in_plane = [[2.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(is_fit(&flat, &in_plane, Dimension::Three), 1.0);
+        assert_eq!(is_fit(&flat, &identity(), Dimension::Three), 0.0);
     }
 }

@@ -184,6 +184,18 @@ pub fn identity<T: Real>() -> Tensor<T> {
     [[i, o, o], [o, i, o], [o, o, i]]
 }
 
+/// `a + s b`.
+#[inline(always)]
+pub fn plus<T: Real>(a: &Tensor<T>, s: T, b: &Tensor<T>) -> Tensor<T> {
+    let mut sum = *a;
+    for i in 0..3 {
+        for j in 0..3 {
+            sum[i][j] += s * b[i][j];
+        }
+    }
+    sum
+}
+
 /// `a b`.
 #[inline(always)]
 pub fn multiply<T: Real>(a: &Tensor<T>, b: &Tensor<T>) -> Tensor<T> {

@@ -14,7 +14,7 @@
 //! limits and in the bulk viscosity.
 
 use crate::tensile_part::smallest_principal_value;
-use crate::tensor::{apply, determinant, dot, inverse, multiply, transpose};
+use crate::tensor::{apply, determinant, dot, inverse, multiply, plus, transpose};
 use crate::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
 /// Advances a deformation gradient by a step `dt` (s) with the rate `dF/dt` (1/s) and returns the velocity gradient
@@ -178,18 +178,6 @@ pub fn first_piola<T: Real>(stress: SymmetricTensor<T>, f: &Tensor<T>) -> Tensor
 #[inline(always)]
 pub fn young_modulus<T: Real>(bulk: T, shear: T) -> T {
     T::of(9.0) * bulk * shear / (T::of(3.0) * bulk + shear)
-}
-
-/// `a + s b`.
-#[inline(always)]
-fn plus<T: Real>(a: &Tensor<T>, s: T, b: &Tensor<T>) -> Tensor<T> {
-    let mut sum = *a;
-    for i in 0..3 {
-        for j in 0..3 {
-            sum[i][j] += s * b[i][j];
-        }
-    }
-    sum
 }
 
 #[cfg(test)]

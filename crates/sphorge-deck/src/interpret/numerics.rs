@@ -20,6 +20,8 @@ use sphorge_physics::step_control::StepChange;
 
 /// Exponents above give a force that is zero or infinite in all but name.
 const LARGEST_EXPONENT: u64 = 16;
+/// Strongest hourglass springs: their fastest vibration is 1.3 times as fast as that of the metal.
+const STRONGEST_HOURGLASS: f64 = 4.0;
 /// Stretches at which the reference configuration may be renewed: above those of elastic bodies.
 const RENEWAL_RANGE: std::ops::RangeInclusive<f64> = 1.1..=100.0;
 
@@ -221,8 +223,7 @@ fn adaptive_search(raw: &RawAdaptive, problems: &mut Problems) -> Option<Adaptiv
 
 fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> Option<Strategy> {
     let corrected = or_default!(raw.form, true, |f: &Choice<FormulationWord>| f.get(problems));
-    let hourglass =
-        or_default!(raw.hourglass, defaults::HOURGLASS, |h: &Given<Number>| h.within(Bound::NonNegative, problems));
+    let hourglass = or_default!(raw.hourglass, defaults::HOURGLASS, |h: &Given<Number>| hourglass(h, problems));
     let renewal = or_default!(raw.renewal, defaults::RENEWAL, |r: &Given<Number>| renewal(r, problems));
     let self_contact = or_default!(raw.self_contact, true, |s: &crate::value::Flag| s.get(problems));
     let unused = [
@@ -243,6 +244,19 @@ fn total_lagrangian_form(raw: &RawTotalLagrangian, problems: &mut Problems) -> O
     } else {
         Strategy::updated(Search::Initial)
     })
+}
+
+/// The strength of springs that the time step is made for.
+fn hourglass(given: &Given<Number>, problems: &mut Problems) -> Option<f64> {
+    let strength = given.within(Bound::NonNegative, problems)?;
+    if strength <= STRONGEST_HOURGLASS {
+        return Some(strength);
+    }
+    let message = format!("the strength of the hourglass springs must be between 0 and {STRONGEST_HOURGLASS}");
+    let fault = Fault::new("out-of-range", message, given.span(), format!("found the number {strength}"));
+    let help = "1.25 is right for bending; decks from the time when the default was 12 need a tenth of their number";
+    problems.push(fault.help(help));
+    None
 }
 
 /// A stretch, or none.

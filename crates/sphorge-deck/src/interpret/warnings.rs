@@ -11,6 +11,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
     let numbers = [
         (WarningKind::PlasticWork, &raw.plastic_work),
         (WarningKind::NegativeEnergy, &raw.negative_energy),
+        (WarningKind::HourglassWork, &raw.hourglass_work),
         (WarningKind::Hot, &raw.hot),
         (WarningKind::WallEnergy, &raw.wall_energy),
         (WarningKind::EnergyDrift, &raw.energy_drift),

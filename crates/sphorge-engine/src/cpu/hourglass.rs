@@ -7,13 +7,14 @@ use super::kinematics::{PairConstants, own_scale, scale_with};
 use super::records::kinematic::{self, H, V, WEIGHT, X};
 use super::records::{Records, hourglass as entry};
 use super::sweeps::dispatch_dimension;
+use crate::RunFailure;
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run, splat_record};
 use crate::model::{Formulation, Material};
 use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
-use sphorge_physics::{Dimension, Tensor, Vector};
+use sphorge_physics::{Dimension, Tensor, Vector, tensor};
 
 struct HourglassJob<'a, T, const D: usize> {
     kinematic: &'a [[T; kinematic::LEN]],
@@ -40,27 +41,20 @@ const BATCH: usize = 8;
 /// A SIMD vector of springs, between the passes over a row.
 #[derive(Clone, Copy)]
 struct Springs<L> {
-    /// `x_i - x_j`, m.
-    x: Vector<L>,
+    /// `v_i - v_j`, m/s.
+    v: Vector<L>,
     misfit: Misfit<L>,
+    push: Vector<L>,
     /// Smoothing length of the neighbour, m, and its volume.
     h: L,
     volume: L,
-    /// Of the neighbour.
-    spring: Spring<L>,
 }
 
 impl<L: Lanes> Springs<L> {
     #[inline(always)]
     fn zero() -> Self {
         let o = L::zero();
-        Self {
-            x: [o; 3],
-            misfit: Misfit { initial2: o, r2: o, error: o, v_dot_x: o },
-            h: o,
-            volume: o,
-            spring: Spring { stiffness: o, bound: o },
-        }
+        Self { v: [o; 3], misfit: Misfit::zero(), push: [o; 3], h: o, volume: o }
     }
 }
 
@@ -76,12 +70,6 @@ fn deformation<L: Lanes>(record: &[L; entry::LEN]) -> Tensor<L> {
     f
 }
 
-/// Springs of a record.
-#[inline(always)]
-fn spring<L: Lanes>(record: &[L; entry::LEN]) -> Spring<L> {
-    Spring { stiffness: record[entry::STIFFNESS], bound: record[entry::BOUND] }
-}
-
 /// Row `k` of a block, in two short passes, so that the processor works on many pairs at a time.
 #[inline(always)]
 fn hourglass_row<L: Lanes, const D: usize>(
@@ -92,7 +80,7 @@ fn hourglass_row<L: Lanes, const D: usize>(
     let own = job.first + k;
     let initial_i: [L; kinematic::LEN] = splat_record(&job.kinematic[own]);
     let record_i: [L; entry::LEN] = splat_record(&job.records[own]);
-    let (deformation_i, spring_i) = (deformation(&record_i), spring(&record_i));
+    let (deformation_i, stiffness_i) = (deformation(&record_i), record_i[entry::STIFFNESS]);
     let scale_i = own_scale::<L, D>(job.constants, job.kinematic[own][H]);
     let unit = L::splat(job.constants.unit);
     let kernel = job.constants.kernel;
@@ -101,26 +89,29 @@ fn hourglass_row<L: Lanes, const D: usize>(
         for (pair, indices) in springs.iter_mut().zip(indices.chunks_exact(L::WIDTH)) {
             let initial_j = L::gather(job.kinematic, indices);
             let record_j = L::gather(job.records, indices);
-            let (mut initial, mut v) = ([L::zero(); 3], [L::zero(); 3]);
+            let (mut initial, mut x) = ([L::zero(); 3], [L::zero(); 3]);
             for a in 0..D {
                 initial[a] = L::difference(initial_i[X + a], initial_j[X + a], unit);
-                pair.x[a] = L::difference(record_i[entry::X + a], record_j[entry::X + a], unit);
-                v[a] = initial_i[V + a] - initial_j[V + a];
+                x[a] = L::difference(record_i[entry::X + a], record_j[entry::X + a], unit);
+                pair.v[a] = initial_i[V + a] - initial_j[V + a];
             }
-            pair.misfit = Misfit::of::<D>(&initial, &pair.x, &v, &deformation_i, &deformation(&record_j));
+            pair.misfit = Misfit::of::<D>(&initial, &x, &deformation_i, &deformation(&record_j));
+            pair.push = pair.misfit.push::<D>(stiffness_i, record_j[entry::STIFFNESS]);
             (pair.h, pair.volume) = (initial_j[H], initial_j[WEIGHT]);
-            pair.spring = spring(&record_j);
         }
         for pair in &springs[..indices.len() / L::WIDTH] {
             let scale = scale_with::<L, D>(scale_i, job.constants, pair.h);
-            let (q, _) = scale.reduced_distance(pair.misfit.initial2);
-            let strength = pair.misfit.strength(spring_i.between(pair.spring), scale, kernel.w(q), pair.volume);
-            sums.add::<D>(&pair.x, pair.misfit.v_dot_x, strength);
+            let (q, inverse_q) = scale.reduced_distance(pair.misfit.initial2);
+            let weight = -scale.weighted(pair.volume).f(kernel.dw_over_q_by(q, inverse_q));
+            sums.add::<D>(&pair.misfit, &pair.push, &pair.v, weight);
         }
     }
-    let mut sum = SpringSums { energy_rate: sums.energy_rate.sum(), ..SpringSums::zero() };
+    let mut sum = SpringSums { energy_rate: sums.energy_rate.sum(), misfit2: sums.misfit2.sum(), ..SpringSums::zero() };
     for a in 0..D {
         sum.acceleration[a] = sums.acceleration[a].sum();
+        for b in 0..D {
+            sum.moment[a][b] = sums.moment[a][b].sum();
+        }
     }
     sum
 }
@@ -141,6 +132,12 @@ impl<T: PairScalar> SpringSweep<'_, T> {
             run(self.instructions, HourglassJob::<T, D> { kinematic, records, first, block, constants, sums });
         });
     }
+}
+
+/// Springs of particle `i`.
+fn spring(strength: f64, materials: &[Material], p: &Particles, i: usize) -> Spring<f64> {
+    let young = materials[p.material[i] as usize].young_modulus();
+    Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], p.yielded_stretch[i])
 }
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -165,12 +162,16 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 
     /// Adds the hourglass forces to acceleration and energy rate.
+    ///
+    /// In single precision the deformation gradient drifts from the fit to the neighbours, by some 1e-8, and springs
+    /// would turn the body. The moment that they have then is therefore given to the stress of the next force sum. It is
+    /// zero but for rounding, and varies so slowly that one step makes no difference.
     pub(super) fn resist_hourglass(&mut self, rows: Rows) {
-        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return };
-        if strength == 0.0 {
-            return;
+        match self.model.formulation {
+            Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => {}
+            _ => return,
         }
-        self.pack_hourglass(strength, rows);
+        self.pack_hourglass(rows);
         let inner = &self.inner;
         let list = &self.lists.list;
         let springs = SpringSweep {
@@ -179,13 +180,31 @@ impl<T: PairScalar> CpuEngine<T> {
             instructions: self.instructions,
             dimension: super::dimension(&self.model),
         };
-        let Particles { acceleration, energy_rate, mass, reference_volume, .. } = &mut self.particles;
+        let (records, per_dimension) = (&self.records.hourglass, 1.0 / springs.dimension.count() as f64);
+        let Particles {
+            acceleration,
+            energy_rate,
+            spring_misfit,
+            spring_moment,
+            mass,
+            reference_volume,
+            velocity_gradient,
+            deformation,
+            ..
+        } = &mut self.particles;
+        let (velocity_gradient, deformation) = (&*velocity_gradient, &*deformation);
         let (mass, volume, work) = (&*mass, &*reference_volume, &mut self.numerical_work.hourglass);
-        (acceleration.par_chunks_mut(BLOCK), energy_rate.par_chunks_mut(BLOCK), work.power.par_iter_mut())
+        (
+            acceleration.par_chunks_mut(BLOCK),
+            energy_rate.par_chunks_mut(BLOCK),
+            spring_misfit.par_chunks_mut(BLOCK),
+            spring_moment.par_chunks_mut(BLOCK),
+            work.power.par_iter_mut(),
+        )
             .into_par_iter()
             .enumerate()
             .filter(|(b, _)| inner.is_summed_in(*b, rows))
-            .for_each(|(b, (acceleration, energy_rate, power))| {
+            .for_each(|(b, (acceleration, energy_rate, misfit, moment, power))| {
                 let mut sums = [SpringSums::zero(); BLOCK];
                 springs.block(b, &list.blocks()[b], &mut sums);
                 *power = 0.0;
@@ -196,18 +215,56 @@ impl<T: PairScalar> CpuEngine<T> {
                         acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
                     }
                     energy_rate[k] += factor * sums[k].energy_rate.to_f64();
-                    *power += volume[i] * sums[k].energy_rate.to_f64();
+                    // The stress of the moment has worked in the momentum sum.
+                    let rate = tensor::multiply(&velocity_gradient[i], &deformation[i]);
+                    let turned = rate.as_flattened().iter().zip(moment[k].as_flattened()).map(|(f, m)| f * m);
+                    *power += volume[i] * (sums[k].energy_rate.to_f64() + turned.sum::<f64>());
+                    misfit[k] = per_dimension * sums[k].misfit2.to_f64();
+                    let half = 0.5 * records[i][entry::STIFFNESS].to_f64();
+                    moment[k] = sums[k].moment.map(|row| row.map(|m| half * m.to_f64()));
                 }
             });
     }
 
+    /// The stiffness of hourglass springs, which softens with the strain and with the misfit of the last force sum. Others
+    /// read it with the stress, so it must not change while rows are summed.
+    pub(super) fn soften_springs(&mut self) {
+        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return };
+        let mut stiffness = std::mem::take(&mut self.particles.spring_stiffness);
+        let (p, materials) = (&self.particles, &*self.model.materials);
+        let update = |(i, stiffness): (usize, &mut f64)| {
+            *stiffness = spring(strength, materials, p, i).at(p.spring_misfit[i]);
+        };
+        stiffness.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(update);
+        self.particles.spring_stiffness = stiffness;
+    }
+
+    /// Energy that the hourglass springs of all particles hold, J, at the misfit of the last force sum.
+    ///
+    /// # Errors
+    /// A rank is lost.
+    pub(super) fn energy_of_springs(&self) -> Result<f64, RunFailure> {
+        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return Ok(0.0) };
+        let (p, dimension, materials) = (&self.particles, super::dimension(&self.model), &*self.model.materials);
+        let mut held = [0.0];
+        let add = |held: &mut [f64]| {
+            for (i, misfit) in p.spring_misfit.iter().enumerate() {
+                held[0] += p.reference_volume[i] * spring(strength, materials, p, i).energy(*misfit, dimension);
+            }
+        };
+        match &self.domain {
+            None => add(&mut held),
+            Some(domain) => domain.ranks.sum_in_turn(&mut held, add)?,
+        }
+        Ok(held[0])
+    }
+
     /// Writes the data of particles and ghosts that the sum reads: velocities at which forces are evaluated, current
     /// positions, deformation gradients, springs; for particles with the first rows, for ghosts when they have arrived.
-    fn pack_hourglass(&mut self, strength: f64, rows: Rows) {
+    fn pack_hourglass(&mut self, rows: Rows) {
         if !(rows.is_first() || rows.is_last()) {
             return;
         }
-        let young: Vec<f64> = self.model.materials.iter().map(Material::young_modulus).collect();
         let count = self.particles.len();
         let frame = self.records.frame;
         let Records { kinematic, hourglass, .. } = &mut self.records;
@@ -223,15 +280,11 @@ impl<T: PairScalar> CpuEngine<T> {
                 for a in 0..3 {
                     record[V + a] = T::of_velocity(p.evaluated_velocity[i][a]);
                 }
-                let young = young[p.material[i] as usize];
-                let spring =
-                    Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], p.smallest_stretch[i]);
                 spring_record[..3].copy_from_slice(&frame.encode::<T>(&p.position[i]));
                 for c in 0..9 {
                     spring_record[entry::F + c] = T::of(p.deformation[i][c / 3][c % 3]);
                 }
-                spring_record[entry::STIFFNESS] = T::of(spring.stiffness);
-                spring_record[entry::BOUND] = T::of(spring.bound);
+                spring_record[entry::STIFFNESS] = T::of(p.spring_stiffness[i]);
             });
         }
     }

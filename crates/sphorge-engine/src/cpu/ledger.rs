@@ -35,6 +35,7 @@ impl<T: PairScalar> CpuEngine<T> {
             integration_energy: self.external.booked,
             mls_energy: self.step.mls_energy,
             hourglass_energy: self.numerical_work.hourglass.total(self.domain.as_ref())?,
+            hourglass_stored_energy: self.energy_of_springs()?,
             viscous_energy: self.numerical_work.viscous.total(self.domain.as_ref())?,
             artificial_stress_energy: self.numerical_work.artificial_stress.total(self.domain.as_ref())?,
             heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),

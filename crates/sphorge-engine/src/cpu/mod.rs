@@ -387,6 +387,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn stress(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
             self.update_stress();
+            self.soften_springs();
         }
         Ok(())
     }

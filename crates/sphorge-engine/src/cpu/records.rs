@@ -76,12 +76,11 @@ pub(super) mod extra {
 pub(super) const CORRECTED_LEN: usize = 9;
 const CORRECTED_AXES: [Axes; CORRECTED_LEN] = [(1, 1), (1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (4, 4)];
 
-/// Entries of an hourglass record: current position, deformation gradient, stiffness `alpha E`, largest stress.
+/// Entries of an hourglass record: current position, deformation gradient, stiffness.
 pub(super) mod hourglass {
     pub(crate) const X: usize = 0;
     pub(crate) const F: usize = 3;
     pub(crate) const STIFFNESS: usize = 12;
-    pub(crate) const BOUND: usize = 13;
     pub(crate) const LEN: usize = 16;
 }
 

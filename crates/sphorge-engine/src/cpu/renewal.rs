@@ -71,16 +71,19 @@ impl<T: PairScalar> CpuEngine<T> {
         self.ghosts.halo.wrap(&mut p.position);
         let of_now = (&p.body, &p.position, &p.mass, &p.density);
         let reference = (&mut p.reference_position, &mut p.reference_volume, &mut p.earlier_deformation);
-        let since = (&mut p.deformation, &mut p.smallest_stretch);
+        let springs = (&mut p.yielded_stretch, &mut p.spring_misfit, &mut p.spring_moment);
+        let since = (&mut p.deformation, &mut p.smallest_stretch, springs);
         let particles = (of_now.into_par_iter(), reference.into_par_iter(), since.into_par_iter()).into_par_iter();
         particles.with_min_len(BLOCK).for_each(
-            |((&body, position, mass, density), (reference, volume, earlier), (f, stretch))| {
+            |((&body, position, mass, density), (reference, volume, earlier), (f, stretch, springs))| {
                 if is_due[body as usize] {
                     *reference = *position;
                     *volume = mass / density;
                     *earlier = multiply(f, earlier);
                     *f = identity();
                     *stretch = 1.0;
+                    // Energy that the springs held is heat from now on.
+                    (*springs.0, *springs.1, *springs.2) = (1.0, 0.0, [[0.0; 3]; 3]);
                 }
             },
         );

@@ -7,6 +7,8 @@ pub enum WarningKind {
     PlasticWork,
     /// Internal energy below what heat can have left of it.
     NegativeEnergy,
+    /// Work of hourglass springs that they do not hold.
+    HourglassWork,
     /// A particle colder than absolute zero.
     Cold,
     /// A particle hotter than its energy allows.
@@ -66,9 +68,10 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'st
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
+        Self::HourglassWork,
         Self::Cold,
         Self::Hot,
         Self::WallEnergy,
@@ -99,7 +102,13 @@ impl WarningKind {
                 "negative-energy",
                 0.01,
                 "deficit of internal energy below the floor that heat can explain, over the energy supplied",
-                "lower `time.courant`, add artificial viscosity, or set `energy-split = \"own-stress\"`",
+                "lower `time.courant` if `integration_energy` in history.csv is as large, add artificial viscosity if `hourglass_energy` is, or set `energy-split = \"own-stress\"`",
+            ),
+            Self::HourglassWork => above(
+                "hourglass-work",
+                0.1,
+                "work of the hourglass springs that they do not hold, of either sign, over the energy supplied",
+                "use a smaller spacing: springs take from motion that varies from particle to particle; or lower `search.total-lagrangian.hourglass`",
             ),
             Self::Cold => WarningInfo {
                 unit: "K",

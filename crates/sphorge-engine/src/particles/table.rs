@@ -323,7 +323,15 @@ columns! {
     pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls and contacts, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
-        Internal("", "smallest principal stretch from the reference configuration"), Same[Stress], None;
+        Internal("", "smallest principal stretch from the reference configuration"), Unmirrored[], None;
+    // Zero where the gradient correction was left out: there are no springs then.
+    pub(crate) yielded_stretch: f64 = 1.0, Reference,
+        Internal("", "the smallest at which the particle has yielded since the reference configuration"), Unmirrored[], None;
+    pub(crate) spring_stiffness: f64 = 0.0, Reference, Internal("Pa", "stiffness of the hourglass springs"), Same[Stress], None;
+    pub(crate) spring_misfit: f64 = 0.0, Reference,
+        Internal("", "mean square of the strain that the hourglass springs resist, at the last force sum"), Unmirrored[], None;
+    pub(crate) spring_moment: Tensor<f64> = [[0.0; 3]; 3], Reference,
+        Internal("Pa", "first Piola-Kirchhoff stress of the moment of the hourglass springs, at the last force sum"), Unmirrored[], None;
     pub(crate) viscous_pressure: f64 = 0.0, Reference, Internal("Pa", "bulk viscosity of the last stress"), Unmirrored[], None;
     pub(crate) reference_normal: Vector<f64> = [0.0; 3], Faces,
         Internal("1/m", "outward normal of the surface in the reference configuration, zero inside"), Vector[Search], None;

@@ -51,7 +51,7 @@ pub(super) enum Group {
     /// Temperature, K, and its rest.
     Temperature,
     /// Data of a neighbour that forces read: scaled stress, scaled artificial stress, Pa, Balsara's switch, sound
-    /// speed, m/s; in the total Lagrangian form the tensor whose sum is the force, stiffness and bound of the hourglass
+    /// speed, m/s; in the total Lagrangian form the tensor whose sum is the force, and the stiffness of the hourglass
     /// springs, Pa.
     Packed,
     /// Mass, kg, smoothing length, m, coefficient of the artificial stress, spacing, m, sound speed at rest, m/s, Young's modulus, Pa, and
@@ -87,6 +87,9 @@ pub(super) enum Group {
     Deformation,
     /// Smallest principal stretch, bulk viscosity of the last stress, Pa, and whether a stretch is beyond a bound.
     Stretch,
+    /// Hourglass springs: the least stretch at which the particle has yielded, zero where there are no springs, and of the
+    /// last force sum the mean square of their misfit, and the stress of their moment, Pa.
+    Springs,
     /// First Piola-Kirchhoff stress of the forces of walls and of the contact, which act on faces, Pa.
     FaceStress,
     /// Particles that may be in contact: those of the surface if there is only self-contact of one body, all if there
@@ -220,6 +223,7 @@ impl Group {
             | Self::CorrectedStress
             | Self::Deformation
             | Self::Stretch
+            | Self::Springs
             | Self::FaceStress
             | Self::Outward
             | Self::Standing

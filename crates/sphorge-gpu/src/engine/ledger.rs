@@ -3,8 +3,8 @@
 use super::columns::Group;
 use super::kernels::contact;
 use super::kernels::ledger::{
-    ACCOUNTS, ANGULAR, ELASTIC, FORCE, INTERNAL, KINETIC, LedgerSums, MEETING, MOMENTUM, OF_ACCOUNTS, PLACE, PLASTIC,
-    SPEED, numbers,
+    ACCOUNTS, ANGULAR, ELASTIC, FORCE, HELD, INTERNAL, KINETIC, LedgerSums, MEETING, MOMENTUM, OF_ACCOUNTS, PLACE,
+    PLASTIC, SPEED, numbers,
 };
 use super::kernels::walls::SUMS;
 use super::made::SegmentSums;
@@ -137,6 +137,7 @@ impl<'a> Table<'a> {
             viscous_energy,
             artificial_stress_energy,
             hourglass_energy,
+            hourglass_stored_energy: self.of_all(HELD),
             mls_energy,
             contacts: pairs.into_iter().map(|pair| self.contact(pair)).collect(),
             motion_forces: (1..driven.len()).map(|motion| self.reaction(motion, driven[motion])).collect(),

@@ -259,7 +259,7 @@ pub(super) fn make_columns(
             (Group::Packed, 12) => 1.0,
             (Group::Contact, contact::LIMIT) => f64::from(f32::MAX),
             (Group::Reference, _) => reference(p, field, i),
-            (Group::Deformation, 0 | 4 | 8) | (Group::Stretch, 0) => 1.0,
+            (Group::Deformation, 0 | 4 | 8) | (Group::Stretch | Group::Springs, 0) => 1.0,
             _ => 0.0,
         };
         let mut numbers = fill(stride, fields, count, number);

@@ -3,7 +3,7 @@
 use crate::record::Recorded;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EQUATIONS_OF_STATE, EquationOfState};
 use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
-use sphorge_physics::hourglass::{Misfit, Spring};
+use sphorge_physics::hourglass::{Misfit, Spring, SpringSums, is_fit};
 use sphorge_physics::kernel::{Kernel, PairScale};
 use sphorge_physics::kick::{KickAccount, KickAxis, earlier};
 use sphorge_physics::moving_least_squares::Moments;
@@ -300,7 +300,8 @@ pub(super) fn laws() -> Vec<Law> {
         let m = tensor(x);
         let both = [Dimension::Two, Dimension::Three]
             .map(|dimension| gradient_correction::gradient_correction(&m, dimension, T::of(3.0)));
-        [flat(&both[0]), flat(&transpose(&both[1]))].concat()
+        let fit = [(Dimension::Two, 0), (Dimension::Three, 1)].map(|(dimension, k)| is_fit(&m, &both[k], dimension));
+        [flat(&both[0]), flat(&transpose(&both[1])), fit.to_vec()].concat()
     });
     law!(
         laws,
@@ -312,10 +313,14 @@ pub(super) fn laws() -> Vec<Law> {
             let f = [[T::one() + x[5], x[6], zero], [x[7], T::one(), zero], [zero, x[5], T::one()]];
             let initial = [x[0], x[1], x[2]];
             let now = [x[0] + x[3], x[1] * T::of(1.2), x[2] - x[3]];
-            let misfit = Misfit::of::<3>(&initial, &now, &[x[4], x[4], zero], &f, &f);
-            let spring = Spring::new(T::of(10.0), T::of(120e9), x[8], x[9], T::of(0.3));
-            let scale = PairScale::new::<3>(T::of(0.3), T::of(1.2e-3));
-            vec![misfit.strength(spring, scale, T::of(0.4), T::of(1e-9)), misfit.v_dot_x]
+            let misfit = Misfit::of::<3>(&initial, &now, &f, &transpose(&f));
+            let spring = Spring::new(T::of(1.2), T::of(120e9), x[8], x[9], T::of(0.3));
+            let stiffness = spring.at(misfit.initial2);
+            let mut sums = SpringSums::zero();
+            let push = misfit.push::<3>(stiffness, spring.stiffness);
+            sums.add::<3>(&misfit, &push, &[x[4], x[4], zero], T::of(2e5));
+            let held = spring.energy(sums.misfit2, Dimension::Three);
+            [&push[..], &sums.acceleration, &[sums.energy_rate, sums.misfit2, held], &flat(&sums.moment)].concat()
         }
     );
     law!(

@@ -167,8 +167,10 @@ fn row(model: &Model, sample: &HistorySample) -> Row {
     row.number("mls_energy", "J", mls, ledger.mls_energy);
     let booked = "energy added to the internal energy by the integrator so far to close the energy balance; second order in the time step";
     row.number("integration_energy", "J", booked, ledger.integration_energy);
-    let hourglass = "work against the hourglass springs so far, part of the internal energy: stored in the springs or turned into heat";
+    let hourglass = "work against the hourglass springs so far, part of the internal energy: what they hold and what they turned into heat";
     row.number("hourglass_energy", "J", hourglass, ledger.hourglass_energy);
+    let held = "energy that the hourglass springs hold, part of the work against them; it comes back";
+    row.number("hourglass_stored_energy", "J", held, ledger.hourglass_stored_energy);
     let viscous = "internal energy produced by artificial viscosity so far";
     row.number("viscous_energy", "J", viscous, ledger.viscous_energy);
     let repulsion = "work against the artificial stress so far, part of the internal energy; negative where it has driven particles apart";

@@ -206,6 +206,9 @@ pub struct EnergyRecord {
     /// Work against the hourglass springs, part of the internal energy.
     #[serde(default)]
     pub hourglass: f64,
+    /// What they hold of it at the end; the rest is heat.
+    #[serde(default)]
+    pub hourglass_stored: f64,
     /// What artificial viscosity turned into internal energy.
     #[serde(default)]
     pub viscous: f64,
@@ -363,7 +366,7 @@ fn no_imbalance() -> f64 {
 }
 
 /// Units of the numbers of a summary by their paths; `{per}` stands for what sums over particles are per.
-const UNITS: [(&str, &str); 60] = [
+const UNITS: [(&str, &str); 61] = [
     ("format", ""),
     ("failure.step", ""),
     ("failure.time", "s"),
@@ -405,6 +408,7 @@ const UNITS: [(&str, &str); 60] = [
     ("energy.external_work", "J{per}"),
     ("energy.integration", "J{per}"),
     ("energy.hourglass", "J{per}"),
+    ("energy.hourglass_stored", "J{per}"),
     ("energy.viscous", "J{per}"),
     ("energy.artificial_stress", "J{per}"),
     ("energy.relative_drift", ""),

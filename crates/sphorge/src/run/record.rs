@@ -49,6 +49,7 @@ pub(super) struct Recorder {
     external_work: f64,
     integration_energy: f64,
     hourglass_energy: f64,
+    hourglass_stored_energy: f64,
     viscous_energy: f64,
     artificial_stress_energy: f64,
     steps: StepSums,
@@ -119,6 +120,7 @@ impl Recorder {
             external_work: 0.0,
             integration_energy: 0.0,
             hourglass_energy: 0.0,
+            hourglass_stored_energy: 0.0,
             viscous_energy: 0.0,
             artificial_stress_energy: 0.0,
             steps: StepSums::default(),
@@ -274,6 +276,7 @@ impl Recorder {
         self.external_work = ledger.external_work;
         self.integration_energy = ledger.integration_energy;
         self.hourglass_energy = ledger.hourglass_energy;
+        self.hourglass_stored_energy = ledger.hourglass_stored_energy;
         self.viscous_energy = ledger.viscous_energy;
         self.artificial_stress_energy = ledger.artificial_stress_energy;
         self.steps_at_last_row = self.steps;
@@ -430,6 +433,7 @@ impl Recorder {
                 external_work: self.external_work,
                 integration: self.integration_energy,
                 hourglass: self.hourglass_energy,
+                hourglass_stored: self.hourglass_stored_energy,
                 viscous: self.viscous_energy,
                 artificial_stress: self.artificial_stress_energy,
                 relative_drift: self.conservation.last.energy,
@@ -481,6 +485,7 @@ impl Persist for Recorder {
         self.external_work.persist(&of("external_work"), archive)?;
         self.integration_energy.persist(&of("integration_energy"), archive)?;
         self.hourglass_energy.persist(&of("hourglass_energy"), archive)?;
+        self.hourglass_stored_energy.persist(&of("hourglass_stored_energy"), archive)?;
         self.viscous_energy.persist(&of("viscous_energy"), archive)?;
         self.artificial_stress_energy.persist(&of("artificial_stress_energy"), archive)?;
         self.steps.persist(&of("steps"), archive)?;

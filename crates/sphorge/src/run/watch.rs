@@ -253,6 +253,9 @@ impl Watch {
         let plastic = share(ledger.total.energies.plastic_work, supplied);
         self.hold(WarningKind::PlasticWork, plastic, Place::default(), clock);
 
+        let springs = ledger.hourglass_energy - ledger.hourglass_stored_energy;
+        self.hold(WarningKind::HourglassWork, share(springs, supplied).abs(), Place::default(), clock);
+
         let floors: Vec<f64> =
             (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * least_energy(model, body)).collect();
         let floor = floors.iter().sum::<f64>();

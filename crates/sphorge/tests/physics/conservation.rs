@@ -155,7 +155,7 @@ axis = "x"
 /// wrong time would leave an error of first order, one that is missing an error that stays.
 #[test]
 fn what_the_integrator_books_falls_with_the_third_power_of_the_step() {
-    for hourglass in ["0", "10"] {
+    for hourglass in ["0", "1.25"] {
         let search = format!("{{ total-lagrangian = {{ hourglass = {hourglass} }} }}");
         let run = |step: &str| {
             let mut simulation = simulation(ELASTIC_BAR, &[("search", &search), ("time.fixed-step", step)]);

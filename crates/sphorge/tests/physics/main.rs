@@ -5,6 +5,7 @@ mod audit;
 mod combinations;
 mod conservation;
 mod contact;
+mod elastic_modes;
 mod external_forces;
 mod failure;
 mod heat;

@@ -239,7 +239,7 @@ fn every_joule_has_a_name() {
     let driven = YIELDING_BAR.replace("velocity = [\"-40 m/s\", \"0 m/s\"]", "") + DRIVEN;
     let cases = [
         (YIELDING_BAR, total.to_vec()),
-        (YIELDING_BAR, [total[0], ("search", "{ total-lagrangian = { hourglass = 40 } }")].to_vec()),
+        (YIELDING_BAR, [total[0], ("search", "{ total-lagrangian = { hourglass = 4 } }")].to_vec()),
         (YIELDING_BAR, updated.to_vec()),
         (YIELDING_BAR, and(&[("numerics.pair-form", "density-weighted"), ("numerics.viscosity.balsara", "true")])),
         (YIELDING_BAR, and(&[("numerics.pair-form", "mixed"), ("numerics.energy-split", "symmetric")])),

@@ -19,11 +19,12 @@ use crate::neighbors::{BLOCK, PAD};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
+use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::total_lagrangian::{
     LARGEST_CORRECTION_APART, deform, density as density_of, force_tensor, smallest_stretch,
 };
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_mu};
-use sphorge_physics::{Dimension, SymmetricTensor, Tensor};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, tensor};
 
 pub(super) struct TotalLagrangian;
 
@@ -92,6 +93,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             density,
             deformation,
             smallest_stretch: stretch,
+            yielded_stretch,
+            plastic_strain_increment: flow,
             mu,
             mass,
             smoothing_length,
@@ -100,19 +103,21 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             ..
         } = &mut engine.particles;
         let inner = &engine.inner;
-        let (mass, volume, h, correction) = (&*mass, &*reference_volume, &*smoothing_length, &*correction);
+        let (mass, volume, h, correction, flow) =
+            (&*mass, &*reference_volume, &*smoothing_length, &*correction, &*flow);
         (
             velocity_gradient.par_chunks_mut(BLOCK),
             neighbors.par_chunks_mut(BLOCK),
             density.par_chunks_mut(BLOCK),
             deformation.par_chunks_mut(BLOCK),
             stretch.par_chunks_mut(BLOCK),
+            yielded_stretch.par_chunks_mut(BLOCK),
             mu.par_chunks_mut(BLOCK),
         )
             .into_par_iter()
             .enumerate()
             .filter(|(b, _)| inner.is_summed_in(*b, rows))
-            .for_each(|(b, (l, n, rho, f, stretch, mu))| {
+            .for_each(|(b, (l, n, rho, f, stretch, yielded, mu))| {
                 let mut sums = [GradientSum::zero(); BLOCK];
                 sweep.block(b, false, &mut sums);
                 for k in 0..l.len() {
@@ -125,6 +130,9 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                 }
                 run(instructions, SmallestStretches { deformation: f, stretch });
                 for k in 0..l.len() {
+                    if flow[b * BLOCK + k] > 0.0 {
+                        yielded[k] = stretch[k].min(yielded[k]);
+                    }
                     mu[k] = bulk_mu(&l[k], h[b * BLOCK + k] * stretch[k]);
                 }
             });
@@ -148,7 +156,8 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
         stress: SymmetricTensor<f64>,
         correction: &Tensor<f64>,
     ) -> Tensor<f64> {
-        force_tensor(stress, &particles.deformation[i], &particles.face_stress[i], correction)
+        let more = tensor::plus(&particles.face_stress[i], 1.0, &particles.spring_moment[i]);
+        force_tensor(stress, &particles.deformation[i], &more, correction)
     }
 
     fn add_forces(&self, engine: &mut CpuEngine<T>, rows: Rows) {
@@ -180,13 +189,14 @@ impl Job<f64> for SmallestStretches<'_> {
     }
 }
 
-/// The gradient correction of the reference configuration.
+/// The gradient correction of the reference configuration. Where it is left out, springs are too.
 fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
     let dimension: Dimension = crate::cpu::dimension(&engine.model);
     let sweep = GradientSweep::new(&engine.records, &engine.lists, &engine.constants, engine.instructions, dimension);
-    let Particles { correction, body, .. } = &mut engine.particles;
+    let Particles { correction, body, yielded_stretch, .. } = &mut engine.particles;
     let (body, has_come_apart) = (&*body, &engine.has_come_apart);
-    correction.par_chunks_mut(BLOCK).enumerate().for_each(|(b, correction)| {
+    let chunks = (correction.par_chunks_mut(BLOCK), yielded_stretch.par_chunks_mut(BLOCK));
+    chunks.into_par_iter().enumerate().for_each(|(b, (correction, yielded))| {
         let mut sums = [GradientSum::zero(); BLOCK];
         sweep.block(b, true, &mut sums);
         for (k, b_i) in correction.iter_mut().enumerate() {
@@ -194,6 +204,9 @@ fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
             let bound =
                 if has_come_apart[body[b * BLOCK + k] as usize] { LARGEST_CORRECTION_APART } else { LARGEST_COMPONENT };
             *b_i = gradient_correction(&moment, dimension, bound);
+            if is_fit(&moment, b_i, dimension) == 0.0 {
+                yielded[k] = 0.0;
+            }
         }
     });
 }

@@ -1,12 +1,13 @@
 //! The sums of the ledger, and where each is.
 
 use super::reference::References;
+use super::reference_forces::spring;
 use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
 use super::walls::{AtWall, Deformed, is_total_lagrangian, of_wall};
 use super::{conduction, contact, walls};
 use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
-use sphorge_engine::model::Model;
+use sphorge_engine::model::{Formulation, Model};
 use sphorge_physics::heat::elastic_energy;
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::{Real, Vector};
@@ -19,11 +20,12 @@ pub(in crate::engine) const ANGULAR: usize = 5;
 pub(in crate::engine) const PLACE: usize = 8;
 pub(in crate::engine) const FORCE: usize = 11;
 const MOTION: usize = 14;
-/// Internal and elastic energy and plastic work, J.
+/// Internal and elastic energy, plastic work, and energy that hourglass springs hold, J.
 pub(in crate::engine) const INTERNAL: usize = MOTION;
 pub(in crate::engine) const ELASTIC: usize = MOTION + 1;
 pub(in crate::engine) const PLASTIC: usize = MOTION + 2;
-const ENERGIES: usize = 3;
+pub(in crate::engine) const HELD: usize = MOTION + 3;
+const ENERGIES: usize = 4;
 /// The accounts, in their order.
 pub(in crate::engine) const ACCOUNTS: usize = MOTION + ENERGIES;
 pub(in crate::engine) const OF_ACCOUNTS: usize = 9;
@@ -89,7 +91,7 @@ pub(in crate::engine) fn ledger(
     count: usize,
 ) -> Result<(Vec<Recording>, Recording), KernelFault> {
     let of = LedgerSums::of(model);
-    let mut kernels = vec![motion(portions, count)?, energies(portions, count)?];
+    let mut kernels = vec![motion(portions, count)?, energies(model, portions, count)?];
     let pairs = |first: usize| Term { column: first, rest: Some(first + 1) };
     let mut add = |group: Group, terms: &[Term], first: usize| -> Result<(), KernelFault> {
         kernels.extend(of_columns(group, terms, (portions, first), count)?);
@@ -137,12 +139,17 @@ fn motion(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
 }
 
 /// What a particle holds: of its elastic energy the shear, and the volume by `p^2 / (2 rho c^2)`.
-fn energies(portions: Portions, count: usize) -> Result<Recording, KernelFault> {
+fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording, KernelFault> {
     recording("sum_energies", count, |bind, thread| {
         let lane = Lane::of(bind, portions, thread);
         let (energy, density) = (bind.read(Group::Energy), bind.read(Group::Density));
         let (deviator, pressures) = (bind.read(Group::Deviator), bind.read(Group::Pressure));
         let (plastic, constants) = (bind.read(Group::Plastic), bind.read(Group::Constants));
+        let strength = match model.formulation {
+            Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => Some(hourglass),
+            _ => None,
+        };
+        let springs = strength.map(|strength| (strength, bind.read(Group::Springs), bind.read(Group::Reference)));
         lane.sum::<ENERGIES>(bind, (INTERNAL, ENERGIES), |i| {
             let [m, pressure, sound_speed, shear_modulus] =
                 [constants.get(0, i), pressures.get(0, i), pressures.get(1, i), pressures.get(2, i)].map(Double::from);
@@ -150,8 +157,13 @@ fn energies(portions: Portions, count: usize) -> Result<Recording, KernelFault> 
             let deviator = in_pairs(deviator.symmetric(0, i));
             let bulk = pressure / (rho * sound_speed);
             let elastic = elastic_energy(deviator, shear_modulus, rho) + Double::of(0.5) * bulk * bulk;
-            let held = [Double::new(energy.double(0, 1, i)), elastic, Double::new(plastic.double(4, 5, i))];
-            held.map(|of| m * of)
+            let [internal, plastic_work] = [energy.double(0, 1, i), plastic.double(4, 5, i)].map(Double::new);
+            let held = springs.map_or_else(Double::zero, |(strength, springs, reference)| {
+                let spring = spring(strength, constants.get(5, i), plastic, springs, i);
+                let energy = spring.energy(springs.get(1, i), model.dimensions.into());
+                Double::new(reference.double(6, 7, i)) * Double::from(energy)
+            });
+            [m * internal, m * elastic, m * plastic_work, held]
         });
     })
 }

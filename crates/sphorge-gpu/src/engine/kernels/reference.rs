@@ -8,6 +8,7 @@ use crate::engine::step_numbers::DT;
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
+use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply};
 use sphorge_physics::total_lagrangian::{
@@ -91,6 +92,7 @@ pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording,
             (bind.read(Group::Place), bind.read(Group::Density), bind.read(Group::Constants));
         let (reference, stretch) = (bind.write(Group::Reference), bind.write(Group::Stretch));
         let (since, earlier) = (bind.write(Group::Deformation), bind.write(Group::Earlier));
+        let springs = bind.write(Group::Springs);
         let renew = || {
             for field in 0..6 {
                 reference.set(field, i, place.get(field, i));
@@ -109,6 +111,8 @@ pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording,
                 since.set(9 + k, i, Recorded::zero());
             }
             stretch.set(0, i, Recorded::one());
+            springs.set(0, i, Recorded::one());
+            springs.set_all(1, i, &[Recorded::zero(); 10]);
             NOTHING
         };
         Recorded::if_lt(Recorded::of(0.5), apart.is_due(i), renew, || NOTHING);
@@ -147,7 +151,7 @@ pub(in crate::engine) fn list<const D: usize>(
     })
 }
 
-/// The gradient correction of every particle.
+/// The gradient correction of every particle. Where it is left out, springs are too.
 pub(in crate::engine) fn correct<const D: usize>(
     model: &Model,
     references: References,
@@ -157,7 +161,7 @@ pub(in crate::engine) fn correct<const D: usize>(
     recording("correct_reference", count, |bind, i| {
         let apart = Apart::of(bind, model, references);
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
-        let correction = bind.write(Group::Correction);
+        let (correction, springs) = (bind.write(Group::Correction), bind.write(Group::Springs));
         let zero = [[Recorded::zero(); 3]; 3];
         let moment = over_list::<_, D>(bind, model, i, near, zero, |moment: [[Recorded; 3]; 3], pair, j| {
             let (q, inverse_q) = pair.scale.reduced_distance(pair.r2);
@@ -171,6 +175,7 @@ pub(in crate::engine) fn correct<const D: usize>(
             .map_or(usual, |apart| Recorded::select_lt(Recorded::of(0.5), apart.has_come_apart(i), of_pieces, usual));
         let b = gradient_correction(&moment, model.dimensions.into(), largest);
         correction.set_all(0, i, b.as_flattened());
+        springs.set(0, i, springs.get(0, i) * is_fit(&moment, &b, model.dimensions.into()));
     })
 }
 
@@ -187,6 +192,7 @@ pub(in crate::engine) fn deform<const D: usize>(
         let (gradient, of_density) = (bind.write(Group::Gradient), bind.write(Group::Density));
         let (deformation, stretch) = (bind.write(Group::Deformation), bind.write(Group::Stretch));
         let (rates, step) = (bind.write(Group::Rates), bind.read(Group::Step));
+        let (springs, plastic) = (bind.write(Group::Springs), bind.read(Group::Plastic));
         let apart = Apart::of(bind, model, references);
         let own = velocity.vector(0, i);
         let zero = [[Recorded::zero(); 3]; 3];
@@ -212,6 +218,8 @@ pub(in crate::engine) fn deform<const D: usize>(
         let rho = density(Double::from(near.1.get(0, i)), Double::new(near.0.double(6, 7, i)), &whole);
         of_density.set_all(0, i, &[rho.high, rho.low]);
         stretch.set(0, i, smallest);
+        let least = springs.get(0, i);
+        springs.set(0, i, Recorded::select_lt(Recorded::zero(), plastic.get(2, i), least.min(smallest), least));
         let too_far = |bound: f64| {
             let once = || stretched(&f, Recorded::of(bound));
             apart.map_or_else(once, |apart| {

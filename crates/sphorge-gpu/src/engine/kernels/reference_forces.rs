@@ -4,13 +4,25 @@
 use super::contact;
 use super::neighbors::{Pair, apart, over_list, places};
 use super::section::{Crossing, Through};
-use crate::engine::columns::{Fields, Group, Recording, recording};
+use crate::engine::columns::{Fields, Group, Reading, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
 use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momentum_factor};
+use sphorge_physics::tensor::{multiply, plus};
 use sphorge_physics::total_lagrangian::force_tensor;
-use sphorge_physics::{Real, Vector};
+use sphorge_physics::{Real, Tensor, Vector};
+
+/// Springs of a particle in a material of that Young's modulus, Pa.
+pub(super) fn spring(
+    strength: f64,
+    young: Recorded,
+    plastic: Reading,
+    springs: impl Fields,
+    i: Index,
+) -> Spring<Recorded> {
+    Spring::new(Recorded::of(strength), young, plastic.get(3, i), plastic.get(0, i), springs.get(0, i))
+}
 
 /// Data of a neighbour that forces read: the tensor whose sum is the force, and its spring.
 pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) -> Result<Recording, KernelFault> {
@@ -22,15 +34,14 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
             true => [[Recorded::zero(); 3]; 3],
             false => bind.read(Group::FaceStress).tensor(0, i),
         };
-        let tensor = force_tensor(packed.symmetric(0, i), &f, &face_stress, &correction.tensor(0, i));
+        let springs = (hourglass != 0.0).then(|| bind.read(Group::Springs));
+        let more = springs.map_or(face_stress, |of| plus(&face_stress, Recorded::one(), &of.tensor(2, i)));
+        let tensor = force_tensor(packed.symmetric(0, i), &f, &more, &correction.tensor(0, i));
         packed.set_all(0, i, tensor.as_flattened());
-        if hourglass != 0.0 {
-            let (plastic, stretch, constants) =
-                (bind.read(Group::Plastic), bind.read(Group::Stretch), bind.read(Group::Constants));
-            let (yield_stress, plastic_strain) = (plastic.get(3, i), plastic.get(0, i));
-            let strength = Recorded::of(hourglass);
-            let spring = Spring::new(strength, constants.get(5, i), yield_stress, plastic_strain, stretch.get(0, i));
-            packed.set_all(9, i, &[spring.stiffness, spring.bound]);
+        if let Some(springs) = springs {
+            let (plastic, constants) = (bind.read(Group::Plastic), bind.read(Group::Constants));
+            let spring = spring(hourglass, constants.get(5, i), plastic, springs, i);
+            packed.set(9, i, spring.at(springs.get(1, i)));
         }
     })
 }
@@ -87,6 +98,16 @@ pub(in crate::engine) fn forces<const D: usize>(
     })
 }
 
+/// Sums of the springs of a particle: force, power, misfit and moment.
+const SPRING_SUMS: usize = 14;
+
+fn unpacked(state: &[Recorded; SPRING_SUMS]) -> SpringSums<Recorded> {
+    let row = |a: usize| [state[5 + 3 * a], state[6 + 3 * a], state[7 + 3 * a]];
+    let moment: Tensor<Recorded> = [row(0), row(1), row(2)];
+    let acceleration = [state[0], state[1], state[2]];
+    SpringSums { acceleration, energy_rate: state[3], misfit2: state[4], moment }
+}
+
 /// Adds the springs to acceleration and energy rate, or to the force through a section.
 pub(in crate::engine) fn springs<const D: usize>(
     model: &Model,
@@ -98,39 +119,52 @@ pub(in crate::engine) fn springs<const D: usize>(
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let (packed, deformation) = (bind.read(Group::Packed), bind.read(Group::Deformation));
-        let spring = |of| Spring { stiffness: packed.get(9, of), bound: packed.get(10, of) };
         let (x_i, v_i): (_, Vector<Recorded>) = (places(place, i), evaluated.vector(0, i));
-        let (f_i, spring_i) = (deformation.tensor(0, i), spring(i));
+        let (f_i, stiffness) = (deformation.tensor(0, i), packed.get(9, i));
         let zero = Recorded::zero();
-        let add = |state: [Recorded; 4], pair: &Pair, j: Index| {
+        let kernel = numerics.kernel;
+        let add = |state: [Recorded; SPRING_SUMS], pair: &Pair, j: Index| {
             let image = &pair.image;
             let x = apart::<D>(image, &x_i, &places(place, j));
             let v_j = image.vector(evaluated.vector(0, j));
             let v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
-            let misfit = Misfit::of::<D>(&pair.x, &x, &v, &f_i, &image.tensor(&deformation.tensor(0, j)));
-            let (q, _) = pair.scale.reduced_distance(misfit.initial2);
-            let w = numerics.kernel.w(q);
-            let strength = misfit.strength(spring_i.between(spring(j)), pair.scale, w, near.0.get(6, j));
-            let mut sums = SpringSums { acceleration: [state[0], state[1], state[2]], energy_rate: state[3] };
-            sums.add::<D>(&x, misfit.v_dot_x, strength);
-            [sums.acceleration[0], sums.acceleration[1], sums.acceleration[2], sums.energy_rate]
+            let misfit = Misfit::of::<D>(&pair.x, &x, &f_i, &image.tensor(&deformation.tensor(0, j)));
+            let (q, inverse_q) = pair.scale.reduced_distance(misfit.initial2);
+            let weight = -pair.scale.weighted(near.0.get(6, j)).f(kernel.dw_over_q_by(q, inverse_q));
+            let mut sums = unpacked(&state);
+            sums.add::<D>(&misfit, &misfit.push::<D>(stiffness, packed.get(9, j)), &v, weight);
+            let mut state = [zero; SPRING_SUMS];
+            state[..3].copy_from_slice(&sums.acceleration);
+            (state[3], state[4]) = (sums.energy_rate, sums.misfit2);
+            state[5..].copy_from_slice(sums.moment.as_flattened());
+            state
         };
         let factor = momentum_factor(numerics.pair_form, near.1.get(0, i), near.0.get(6, i));
         if let Some(through) = through {
             let crossing = Crossing::of(bind, model, through, i, place);
             let sum = over_list::<_, D>(bind, model, i, near, [zero; 3], |sum: Vector<Recorded>, pair, j| {
-                crossing.add(sum, &pair.image, j, || add([zero; 4], pair, j), |sums| [sums[0], sums[1], sums[2]])
+                let of = || add([zero; SPRING_SUMS], pair, j);
+                crossing.add(sum, &pair.image, j, of, |sums| [sums[0], sums[1], sums[2]])
             });
             crossing.set(sum.map(|of| of * factor * near.1.get(0, i)), true);
             return;
         }
-        let sums = over_list::<_, D>(bind, model, i, near, [zero; 4], add);
+        let state = over_list::<_, D>(bind, model, i, near, [zero; SPRING_SUMS], add);
+        let sums = unpacked(&state);
         let (rates, energy) = (bind.write(Group::Rates), bind.write(Group::Energy));
+        let (springs, gradient) = (bind.write(Group::Springs), bind.read(Group::Gradient));
         for a in 0..3 {
-            rates.set(a, i, rates.get(a, i) + sums[a] * factor);
+            rates.set(a, i, rates.get(a, i) + sums.acceleration[a] * factor);
         }
-        let power = sums[3] * factor;
+        let power = sums.energy_rate * factor;
         energy.set(2, i, energy.get(2, i) + power);
-        energy.set(5, i, power);
+        // The stress of the moment has worked in the sum of the stress.
+        let rate = multiply(&gradient.tensor(0, i), &f_i);
+        let earlier = springs.tensor(2, i);
+        let turned = rate.as_flattened().iter().zip(earlier.as_flattened()).fold(zero, |sum, (f, m)| sum + *f * *m);
+        energy.set(5, i, power + turned * factor);
+        springs.set(1, i, sums.misfit2 * Recorded::of(1.0 / D as f64));
+        let half = stiffness * Recorded::of(0.5);
+        springs.set_all(2, i, sums.moment.map(|row| row.map(|m| half * m)).as_flattened());
     })
 }

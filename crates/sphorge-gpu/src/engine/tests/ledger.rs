@@ -49,6 +49,7 @@ fn numbers(engine: &GpuEngine, ledger: &Ledger) -> Vec<(String, f64, f64)> {
         ledger.viscous_energy,
         ledger.artificial_stress_energy,
         ledger.hourglass_energy,
+        ledger.hourglass_stored_energy,
         ledger.mls_energy,
     ];
     for (k, account) in accounts.into_iter().enumerate() {

@@ -5,9 +5,10 @@ use crate::engine::columns::Group;
 use crate::engine::kernels::walls::{AtWall, Deformed, of_wall};
 use crate::engine::kernels::{conduction, contact, walls};
 use crate::engine::snapshot::Group64;
-use sphorge_engine::model::Wall;
+use sphorge_engine::model::{Formulation, Wall};
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Particles, RunFailure, WallLedger};
 use sphorge_physics::heat::elastic_energy;
+use sphorge_physics::hourglass::Spring;
 use sphorge_physics::tensor::multiply;
 
 impl GpuEngine {
@@ -74,11 +75,24 @@ impl GpuEngine {
             viscous_energy,
             artificial_stress_energy,
             hourglass_energy,
+            hourglass_stored_energy: self.energy_of_springs_read(p)?,
             mls_energy,
             contacts,
             motion_forces: self.motion_forces_read(p),
             heat,
         })
+    }
+
+    /// Energy that the hourglass springs hold, J.
+    fn energy_of_springs_read(&self, p: &Particles) -> Result<f64, RunFailure> {
+        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return Ok(0.0) };
+        let (springs, reference) = (self.group(Group::Springs)?, self.group(Group::Reference)?);
+        let held = |i: usize| {
+            let young = self.model.materials[p.material[i] as usize].young_modulus();
+            let spring = Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], springs.at(0, i));
+            reference.double(6, 7, i) * spring.energy(springs.at(1, i), self.model.dimensions.into())
+        };
+        Ok((0..p.len()).map(held).sum())
     }
 
     /// Reaction of every prescribed motion on its particles, N: what the last step's accelerations lack.

@@ -48,6 +48,25 @@ fn plastic_work_is_held_against_all_that_was_supplied() {
 }
 
 #[test]
+fn springs_may_hold_what_they_like_but_not_keep_it() {
+    let model = testing::model(&["bar"]);
+    let springs = |work: f64, held: f64| Ledger {
+        hourglass_energy: work,
+        hourglass_stored_energy: held,
+        ..ledger(100.0 - work, work, 0.0, 0.0)
+    };
+    let mut watch = begun(&model);
+    watch.look_at_ledger(&model, &springs(60.0, 50.5), CLOCK);
+    assert_eq!(watch.count(), 0);
+    watch.look_at_ledger(&model, &springs(60.0, 48.0), CLOCK);
+    assert_eq!(found(&watch, &model), one("hourglass-work", 0.12));
+    // Energy out of nothing: they hold more than they have taken.
+    let mut watch = begun(&model);
+    watch.look_at_ledger(&model, &springs(10.0, 30.0), CLOCK);
+    assert_eq!(found(&watch, &model), one("hourglass-work", 0.2));
+}
+
+#[test]
 fn what_was_driven_from_the_start_supplies_what_it_moves_with() {
     let model = testing::model(&["bar"]);
     let mut watch = begun(&model);

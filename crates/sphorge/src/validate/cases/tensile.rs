@@ -112,7 +112,7 @@ fn variants(effort: Effort) -> Vec<Variant> {
         harder("no artificial stress", "skin", "10 mm").set("numerics.artificial-stress", "false"),
         harder("total Lagrangian", LAGRANGIAN, "10 mm"),
         harder("total Lagrangian", LAGRANGIAN, "5 mm"),
-        harder("weaker hourglass control", "{ total-lagrangian = { hourglass = 3 } }", "10 mm"),
+        harder("weaker hourglass control", "{ total-lagrangian = { hourglass = 0.3 } }", "10 mm"),
         harder("no hourglass control", "{ total-lagrangian = { hourglass = 0 } }", "10 mm"),
     ];
     at(PERFECT, "10 mm").into_iter().chain(at(FINE, "5 mm")).chain(hardening).collect()

@@ -111,6 +111,7 @@ fn of_ledgers(a: &Ledger, b: &Ledger) -> Vec<Difference> {
     // Each has the scale of its own: they are small beside the energies.
     for (of, a, b) in [
         ("energy of hourglass springs", a.hourglass_energy, b.hourglass_energy),
+        ("energy held by them", a.hourglass_stored_energy, b.hourglass_stored_energy),
         ("energy of viscosity", a.viscous_energy, b.viscous_energy),
         ("energy of artificial stress", a.artificial_stress_energy, b.artificial_stress_energy),
     ] {
