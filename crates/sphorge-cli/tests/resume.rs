@@ -80,7 +80,7 @@ fn story(place: &Place, run: &str) -> BTreeMap<String, Vec<u8>> {
     let mut story = BTreeMap::new();
     for file in files(&root) {
         let name = file.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
-        if name != ".sphorge-lock" && !name.starts_with("checkpoint-") {
+        if !name.starts_with(".sphorge-") && !name.starts_with("checkpoint-") {
             story.insert(name, fs::read(&file).unwrap());
         }
     }

@@ -42,6 +42,9 @@ pub(crate) struct ResumeArguments {
     device: Option<String>,
     #[command(flatten)]
     ranks: RankArguments,
+    /// Take the folder from a run that writes to it, or seems to; that one stops before its next file
+    #[arg(long)]
+    no_lock: bool,
     /// Exit with code 1 if a check finds the run broken
     #[arg(long)]
     strict: bool,
@@ -60,6 +63,7 @@ pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
         return ending;
     }
     let options = ResumeOptions {
+        by_force: arguments.no_lock,
         overrides: arguments.overrides,
         most_particles: memory::particle_limit(),
         threads: role.threads(arguments.threads),

@@ -48,6 +48,9 @@ pub(crate) struct RunArguments {
     /// Replace an existing run in the output folder
     #[arg(long)]
     overwrite: bool,
+    /// With `--overwrite`, take the folder from a run that writes to it, or seems to; that one stops before its next file
+    #[arg(long)]
+    no_lock: bool,
     /// Exit with code 1 if a check finds the run broken
     #[arg(long)]
     strict: bool,
@@ -78,6 +81,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let options = RunOptions {
         directory: directory.clone(),
         overwrite: arguments.overwrite,
+        by_force: arguments.no_lock,
         threads: role.threads(arguments.threads),
         checkpoints: arguments.checkpoints.plan()?,
     };

@@ -40,6 +40,7 @@ impl Observer for Told {
 /// Goes on to so many steps, or to the end, and saves the state then; returns what was told.
 fn go_on(kind: Arc<dyn EngineKind>, directory: &Path, steps: &str) -> Vec<String> {
     let options = ResumeOptions {
+        by_force: false,
         overrides: vec![("time.max-steps".to_owned(), steps.to_owned())],
         most_particles: 1e9,
         threads: Some(1),

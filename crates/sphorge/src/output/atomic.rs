@@ -1,8 +1,11 @@
 //! Files that are complete or absent: written beside their place, then renamed into it.
 
-use super::error::{AtPath, OutputError};
+use super::{
+    error::{AtPath, OutputError},
+    folder::Folder,
+};
 use std::{
-    io::{self, BufWriter, Seek, Write},
+    io::{self, Seek, Write},
     path::Path,
 };
 
@@ -31,42 +34,10 @@ pub(crate) fn write_file(
     durability: Durability,
     content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
 ) -> Result<(), OutputError> {
-    try_write(path, durability, content).writing(path)
-}
-
-fn try_write(
-    path: &Path,
-    durability: Durability,
-    content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
-) -> io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED_PREFIX).suffix(UNFINISHED_SUFFIX);
-    #[cfg(unix)]
-    {
-        // Results are as readable as any other file of the user, not private as temporary files are.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut writer = BufWriter::with_capacity(1 << 17, builder.tempfile_in(folder)?);
-    content(&mut writer)?;
-    let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
-    if durability == Durability::Disk {
-        file.as_file().sync_all()?;
-    }
-    file.persist(path).map_err(|e| e.error)?;
-    if durability == Durability::Disk {
-        sync_folder(folder);
-    }
-    Ok(())
-}
-
-/// Makes names in a folder durable, where the file system can: some network and user-space ones refuse.
-pub(super) fn sync_folder(folder: &Path) {
-    #[cfg(unix)]
-    let _ = std::fs::File::open(folder).and_then(|file| file.sync_all());
-    #[cfg(not(unix))]
-    let _ = folder;
+    let name = path.file_name().and_then(|name| name.to_str()).filter(|name| !name.contains('/'));
+    let name = name.ok_or_else(|| io::Error::other("its name is no text")).writing(path)?;
+    let folder = Folder::open(path.parent().unwrap_or(Path::new(""))).writing(path)?;
+    folder.write(name, durability, content).writing(path)
 }
 
 #[cfg(test)]

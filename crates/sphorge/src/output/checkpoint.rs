@@ -10,8 +10,9 @@
 
 use super::{
     RunDirectory,
-    atomic::{Durability, Sink, write_file},
-    checkpoint_parts::{PartSet, remove_parts_of_none},
+    atomic::{Durability, Sink},
+    checkpoint_parts::PartSet,
+    directory::name_of,
     error::{AtPath, OutputError},
     regular_file,
 };
@@ -50,6 +51,9 @@ pub(crate) struct About {
     pub(crate) step: u64,
     /// s.
     pub(crate) time: f64,
+    /// The run it is of, as the mark of its folder names it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) run: Option<String>,
     /// The deck of the folder it was written to, where that was still to become its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) changed_from: Option<String>,
@@ -70,7 +74,7 @@ impl About {
     pub(crate) fn new(engine: &str, deck_name: &str, step: u64, time: f64) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let (engine, deck_name) = (engine.to_owned(), deck_name.to_owned());
-        Self { format: FORMAT, version, engine, deck_name, step, time, changed_from: None, parts: None }
+        Self { format: FORMAT, version, engine, deck_name, step, time, run: None, changed_from: None, parts: None }
     }
 }
 
@@ -83,14 +87,15 @@ pub(crate) fn write_checkpoint(
     processes: usize,
     state: impl FnOnce(&mut dyn Archive) -> Result<(), ArchiveError>,
 ) -> Result<Option<PathBuf>, OutputError> {
-    let path = directory.path().join(format!("{PREFIX}{:012}{SUFFIX}", about.step));
-    let parts = if processes > 1 { Some(PartSet::create(directory.path(), about.step, processes)?) } else { None };
+    let name = format!("{PREFIX}{:012}{SUFFIX}", about.step);
+    let parts = if processes > 1 { Some(PartSet::create(directory, about.step, processes)?) } else { None };
+    let about = About { run: directory.run(), ..about.clone() };
     let about = match &parts {
-        Some(parts) => About { format: FORMAT_IN_PARTS, parts: Some(parts.record()), ..about.clone() },
-        None => about.clone(),
+        Some(parts) => About { format: FORMAT_IN_PARTS, parts: Some(parts.record()), ..about },
+        None => about,
     };
     let mut unsupported = false;
-    let written = write_file(&path, Durability::Disk, |out| {
+    let written = directory.write(&name, Durability::Disk, |out| {
         let mut writer = Writer::new(out);
         writer.parts = parts.as_ref().map(PartSet::request).transpose()?;
         writer.add(ABOUT, &serde_json::to_vec_pretty(&about)?);
@@ -109,15 +114,15 @@ pub(crate) fn write_checkpoint(
         return Ok(None);
     }
     written?;
-    Ok(Some(path))
+    Ok(Some(directory.path().join(name)))
 }
 
 /// Removes the checkpoints before the last two, and parts that are of none.
-pub(crate) fn remove_former_checkpoints(folder: &Path) -> Result<(), OutputError> {
-    for (_, former) in checkpoints(folder)?.into_iter().skip(KEPT) {
-        fs::remove_file(&former).writing(&former)?;
+pub(crate) fn remove_former_checkpoints(directory: &RunDirectory) -> Result<(), OutputError> {
+    for (_, former) in checkpoints(directory.path())?.into_iter().skip(KEPT) {
+        directory.remove(&name_of(&former))?;
     }
-    remove_parts_of_none(folder)
+    directory.remove_parts_of_none()
 }
 
 /// The parts of the checkpoint in a file; an error where it cannot be understood.
@@ -131,6 +136,11 @@ pub(super) fn parts_of(path: &Path) -> Result<Option<PartsRecord>, OutputError> 
 }
 
 impl Checkpoint {
+    /// Whether the run in a folder is another one, as far as both say which they are.
+    pub(crate) fn is_of_another_run(&self, directory: &RunDirectory) -> bool {
+        directory.has_mark() && self.about.run.is_some() && self.about.run != directory.run()
+    }
+
     /// Whether it is of the run in a folder with that deck.
     pub(crate) fn is_of(&self, deck: &str) -> bool {
         self.deck == deck || self.about.changed_from.as_deref() == Some(deck)
@@ -357,7 +367,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for step in [7, 90, 100_000] {
             written(folder.path(), step);
-            remove_former_checkpoints(folder.path()).unwrap();
+            remove_former_checkpoints(&RunDirectory::open(folder.path()).unwrap()).unwrap();
         }
         let kept = checkpoints(folder.path()).unwrap();
         assert_eq!(kept.iter().map(|(step, _)| *step).collect::<Vec<_>>(), [100_000, 90]);

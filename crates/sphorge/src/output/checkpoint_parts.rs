@@ -5,16 +5,18 @@
 //! name when all parts are on the disk.
 
 use super::{
-    atomic::{Durability, write_file},
+    RunDirectory,
+    atomic::Durability,
     checkpoint::{PREFIX, PartsRecord, Values, Writer, checkpoints, parts_of},
-    directory::name_of,
+    directory::Shared,
     error::{AtPath, OutputError},
+    folder::{Folder, Kind, random_name},
     numbered::{numbered, remove_numbered},
 };
 use crate::engine::persist::{Archive, ArchiveError, Parts};
 use serde::{Deserialize, Serialize};
 use std::{
-    fs, io,
+    io,
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -31,7 +33,10 @@ const MOST: usize = 1 << 20;
 /// The parts of one checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct PartSet {
-    folder: PathBuf,
+    /// Folder of the run.
+    run: Shared,
+    /// Folder of the parts in it.
+    folder: String,
     count: usize,
 }
 
@@ -45,19 +50,11 @@ struct AboutPart {
 
 impl PartSet {
     /// Makes a folder for so many parts of a checkpoint in the folder of a run.
-    pub(super) fn create(run: &Path, step: u64, count: usize) -> Result<Self, OutputError> {
-        let run = std::path::absolute(run).writing(run)?;
-        let prefix = format!("{PREFIX}{step:012}{PARTS}");
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix);
-        #[cfg(unix)]
-        {
-            // As readable as any other folder of the user.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o777));
-        }
-        let folder = builder.tempdir_in(&run).writing(&run)?.keep();
-        Ok(Self { folder, count })
+    pub(super) fn create(directory: &RunDirectory, step: u64, count: usize) -> Result<Self, OutputError> {
+        let name = format!("{PREFIX}{step:012}{PARTS}{}", random_name());
+        let (folder, run) = directory.share(&name)?;
+        folder.make_new(&name).writing(&directory.path().join(&name))?;
+        Ok(Self { run, folder: name, count })
     }
 
     /// The parts that a checkpoint names.
@@ -67,14 +64,15 @@ impl PartSet {
             return Err(format!("it names {count} parts in `{folder}`, which is not possible"));
         }
         let run = std::path::absolute(checkpoint).map_err(|error| error.to_string())?;
-        let parts = Self { folder: run.with_file_name(folder), count: *count };
+        let run = run.parent().unwrap_or(Path::new("")).to_owned();
+        let parts = Self { run: Shared::read_only(run), folder: folder.clone(), count: *count };
         parts.request().map_err(|error| error.to_string())?;
         Ok(parts)
     }
 
     /// How a checkpoint names them.
     pub(super) fn record(&self) -> PartsRecord {
-        PartsRecord { folder: name_of(&self.folder), count: self.count }
+        PartsRecord { folder: self.folder.clone(), count: self.count }
     }
 
     /// How other processes are told of them.
@@ -96,12 +94,13 @@ impl PartSet {
         number: usize,
         state: &mut dyn FnMut(&mut dyn Archive) -> Result<(), ArchiveError>,
     ) -> Result<(), OutputError> {
-        write_file(&self.path(number), Durability::Disk, |out| {
+        let written = self.run.open()?.write(&self.name(number), Durability::Disk, |out| {
             let mut writer = Writer::new(out);
             writer.add(ABOUT, &serde_json::to_vec_pretty(&self.about(number))?);
             state(&mut writer).map_err(io::Error::other)?;
             writer.finish()
-        })
+        });
+        written.writing(&self.path(number))
     }
 
     /// Opens the parts, but for the first one, that a process of so many is to read, each of them whole.
@@ -131,16 +130,21 @@ impl PartSet {
     }
 
     fn about(&self, number: usize) -> AboutPart {
-        AboutPart { folder: name_of(&self.folder), number, count: self.count }
+        AboutPart { folder: self.folder.clone(), number, count: self.count }
+    }
+
+    /// Name of a part in the folder of the run.
+    fn name(&self, number: usize) -> String {
+        format!("{}/{}", self.folder, numbered(number, EXTENSION))
     }
 
     fn path(&self, number: usize) -> PathBuf {
-        self.folder.join(numbered(number, EXTENSION))
+        self.run.path().join(self.name(number))
     }
 
     /// Removes the parts and their folder.
     pub(super) fn remove(&self) -> Result<(), OutputError> {
-        remove_numbered(&self.folder, EXTENSION).writing(&self.folder)
+        remove_parts(&self.run.open()?, &self.folder).writing(&self.run.path().join(&self.folder))
     }
 }
 
@@ -171,38 +175,32 @@ pub(super) fn is_parts_folder(name: &str) -> bool {
 }
 
 /// Folders of parts in the folder of a run.
-fn folders(run: &Path) -> io::Result<Vec<PathBuf>> {
-    let mut folders = Vec::new();
-    for entry in fs::read_dir(run)? {
-        let entry = entry?;
-        if entry.file_type()?.is_dir() && is_parts_folder(&name_of(&entry.path())) {
-            folders.push(entry.path());
-        }
-    }
-    Ok(folders)
+fn folders(run: &Folder) -> io::Result<Vec<String>> {
+    let folders = run.entries()?.into_iter().filter(|(name, kind)| *kind == Kind::Folder && is_parts_folder(name));
+    Ok(folders.map(|(name, _)| name).collect())
 }
 
-/// Removes all parts in the folder of a run.
-pub(super) fn remove_all_parts(run: &Path) -> io::Result<()> {
-    folders(run)?.iter().try_for_each(|folder| remove_numbered(folder, EXTENSION))
+/// Removes a folder of parts with the parts that are in it.
+pub(super) fn remove_parts(run: &Folder, name: &str) -> io::Result<()> {
+    remove_numbered(run, name, EXTENSION)
 }
 
 /// Removes parts that no checkpoint names, as one that was not completed or was written anew leaves them.
-pub(super) fn remove_parts_of_none(run: &Path) -> Result<(), OutputError> {
-    let all = folders(run).reading(run)?;
+pub(super) fn remove_parts_of_none(run: &Folder) -> Result<(), OutputError> {
+    let all = folders(run).reading(run.path())?;
     if all.is_empty() {
         return Ok(());
     }
     // A checkpoint that cannot be read may name any of its step.
     let mut named = Vec::new();
-    for (step, checkpoint) in checkpoints(run)? {
+    for (step, checkpoint) in checkpoints(run.path())? {
         named.push(match parts_of(&checkpoint) {
             Ok(record) => record.map_or_else(String::new, |record| record.folder),
             Err(_) => format!("{PREFIX}{step:012}{PARTS}"),
         });
     }
-    let is_named = |folder: &&PathBuf| named.iter().any(|name| !name.is_empty() && name_of(folder).starts_with(name));
+    let is_named = |folder: &&String| named.iter().any(|name| !name.is_empty() && folder.starts_with(name));
     all.iter()
         .filter(|folder| !is_named(folder))
-        .try_for_each(|folder| remove_numbered(folder, EXTENSION).writing(folder))
+        .try_for_each(|folder| remove_parts(run, folder).writing(&run.path().join(folder)))
 }

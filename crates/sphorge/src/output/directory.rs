@@ -1,17 +1,18 @@
 //! The folder of a run: names in it, making it, replacing it.
 
 use super::{
-    atomic::{UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
+    atomic::{Durability, Sink, UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
     checkpoint::is_checkpoint,
-    checkpoint_parts::remove_all_parts,
+    checkpoint_parts::{remove_parts, remove_parts_of_none},
     error::{AtPath, OutputError},
+    folder::{Folder, Kind},
+    lock::{LOCK, Lock, Refusal, is_locked_by_another},
+    mark::{MARK, Mark, Marked, add_picture},
     pieces::remove_pieces,
-    regular_file,
 };
-use crate::particles::FIELDS as FIELD_TABLE;
+use serde::{Deserialize, Serialize};
 use std::{
-    fs::{self, File, TryLockError},
-    io::{self, Write},
+    fs, io,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -31,23 +32,67 @@ use std::{
 /// | `checkpoint-*-parts-*/` | the parts of one that other processes have written |
 /// | `plots/*.png`, `plots/*.svg` | pictures, when asked for |
 ///
-/// Every file is written aside and renamed into place, so a reader sees a complete file or none.
+/// | `.sphorge-run` | names of all files above that this run has written: what `--overwrite` may remove |
+/// | `.sphorge-lock` | the process that writes to the folder |
+///
+/// Every file is written aside and renamed into place, so a reader sees a complete file or none. A run that writes does so relative to the folder that
+/// it has opened, and follows no link in it; before each file it looks whether the folder is still under its name, and still its own.
 #[derive(Clone, Debug)]
 pub struct RunDirectory {
     path: PathBuf,
-    /// Held by a run that writes to it, until the last copy of this is dropped.
-    #[expect(dead_code, reason = "held, not read")]
-    lock: Option<Arc<File>>,
+    /// Of a run that writes to it, until the last copy of this is dropped.
+    held: Option<Arc<Held>>,
 }
 
-/// Top-level files a run writes, the marks of a run folder first.
-const MARKS: [&str; 4] = ["fields.pvd", "history.csv", "history-columns.json", "summary.json"];
-const DECK: &str = "deck.toml";
-const FIELDS: &str = "fields";
+/// What a run that writes to its folder holds of it.
+#[derive(Debug)]
+struct Held {
+    folder: Folder,
+    mark: Mark,
+    lock: Lock,
+}
+
+impl Held {
+    /// Takes the lock of a folder.
+    fn take(
+        folder: Folder,
+        by_force: bool,
+        mark: impl FnOnce(&Folder) -> io::Result<Mark>,
+    ) -> Result<Self, OutputError> {
+        let path = folder.path().to_owned();
+        let lock = Lock::take(&folder, by_force).map_err(|refusal| match refusal {
+            Refusal::Held(owner) => OutputError::Locked { path: path.clone(), owner },
+            Refusal::Failed(source) => OutputError::Unwritable { path: path.clone(), source },
+        })?;
+        let mark = mark(&folder).map_err(|source| OutputError::Unwritable { path, source })?;
+        Ok(Self { folder, mark, lock })
+    }
+
+    /// Whether the folder is still the one that the run has begun to write to, and nobody else does.
+    fn check(&self) -> Result<(), OutputError> {
+        let reason = if !self.folder.is_in_place() {
+            "it was moved, removed or replaced"
+        } else if !self.lock.is_held() {
+            "its lock was removed, or taken by another run"
+        } else {
+            return Ok(());
+        };
+        Err(OutputError::Lost { path: self.folder.path().to_owned(), reason })
+    }
+}
+
+/// Files at the top of the folder, beside deck and checkpoints.
+pub(super) const FILES: [&str; 4] = [SERIES, HISTORY, COLUMNS, SUMMARY];
+pub(crate) const SERIES: &str = "fields.pvd";
+pub(crate) const HISTORY: &str = "history.csv";
+pub(super) const COLUMNS: &str = "history-columns.json";
+pub(crate) const DECK: &str = "deck.toml";
+pub(super) const SUMMARY: &str = "summary.json";
+pub(super) const FIELDS: &str = "fields";
 /// How frames end that are one file, and those that name pieces.
 const IN_ONE: &str = ".vtp";
 const IN_PIECES: &str = ".pvtp";
-const PLOTS: &str = "plots";
+pub(super) const PLOTS: &str = "plots";
 
 impl RunDirectory {
     /// Names an existing run folder for reading.
@@ -56,10 +101,15 @@ impl RunDirectory {
     /// [`OutputError::Read`] if there is no such folder.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         if fs::metadata(path).reading(path)?.is_dir() {
-            Ok(Self { path: path.to_owned(), lock: None })
+            Ok(Self { path: path.to_owned(), held: None })
         } else {
             Err(io::Error::new(io::ErrorKind::NotADirectory, "not a folder")).reading(path)
         }
+    }
+
+    /// Whether a folder has the mark that only a run writes.
+    pub(crate) fn is_run(path: &Path) -> bool {
+        Folder::open(path).is_ok_and(|folder| Marked::read(&folder).is_some())
     }
 
     /// Says whether [`RunDirectory::create`] would refuse, without touching anything. Worth asking before a model is
@@ -77,12 +127,18 @@ impl RunDirectory {
         }
     }
 
-    /// Makes the folder of a new run. With `overwrite`, the files of a former run in it are removed, and no others.
+    /// Makes the folder of a new run, still without a deck. With `overwrite`, the files of a former run in it are removed, and no others.
     ///
     /// # Errors
     /// [`OutputError::Exists`] if there is anything at `path` and `overwrite` is false; [`OutputError::NotARun`] if it is
-    /// neither empty nor the folder of a run; [`OutputError::Unwritable`] if it cannot be made or written to.
+    /// neither empty nor the folder of a run; [`OutputError::Locked`] if another run writes to it; [`OutputError::Unwritable`] if it
+    /// cannot be made or written to.
     pub fn create(path: &Path, overwrite: bool) -> Result<Self, OutputError> {
+        Self::begin(path, overwrite, false, None)
+    }
+
+    /// The same with its deck, which replaces that of a former run before anything of it is removed. `by_force` takes the lock from whoever has it.
+    pub(crate) fn begin(path: &Path, overwrite: bool, by_force: bool, deck: Option<&str>) -> Result<Self, OutputError> {
         Self::check(path, overwrite)?;
         let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
         if let Some(parent) = path.parent() {
@@ -96,39 +152,131 @@ impl RunDirectory {
             }
             Err(e) => return Err(unwritable(e)),
         }
-        // Before anything is removed: may we write here at all?
-        tempfile::Builder::new()
-            .prefix(UNFINISHED_PREFIX)
-            .suffix(UNFINISHED_SUFFIX)
-            .tempfile_in(path)
-            .map_err(unwritable)?;
-        let directory = Self { path: path.to_owned(), lock: Some(lock(path)?) };
-        directory.remove_former_run().map_err(unwritable)?;
-        fs::create_dir_all(directory.path.join(FIELDS)).map_err(unwritable)?;
+        let folder = Folder::open(path).map_err(unwritable)?;
+        // Before anything is changed: may we write here at all, and does nothing of it lead elsewhere?
+        drop(folder.unfinished().map_err(unwritable)?);
+        match folder.inside(FIELDS) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+            opened => drop(opened.map_err(|e| in_the_way(FIELDS, e)).map_err(unwritable)?),
+        }
+        let former = || Marked::read(&folder).map_or_else(Default::default, |marked| marked.names);
+        let held = Held::take(folder.clone(), by_force, |folder| {
+            // Killed from here on, the folder is that of the new run, and what the former one has left is still named.
+            let mut marked = Marked { names: former(), ..Marked::new() };
+            marked.names.insert(DECK.to_owned());
+            Mark::write(folder, marked)
+        })?;
+        let directory = Self { path: path.to_owned(), held: Some(Arc::new(held)) };
+        if let Some(deck) = deck {
+            directory.write(DECK, Durability::Disk, |out| out.write_all(deck.as_bytes()))?;
+        }
+        directory.remove_former_run(deck.is_some()).map_err(unwritable)?;
+        folder.make_inside(FIELDS).map_err(unwritable)?;
         Ok(directory)
     }
 
-    /// Opens the folder of a run that is to go on. Nothing is touched.
+    /// Opens the folder of a run that is to go on. Nothing of the run is touched. `by_force` takes the lock from whoever has it.
     ///
     /// # Errors
     /// [`OutputError::Read`] if there is no such folder, [`OutputError::Unwritable`] if it cannot be written to, [`OutputError::Locked`] if
     /// another run writes to it.
-    pub(crate) fn go_on(path: &Path) -> Result<Self, OutputError> {
-        Ok(Self { path: Self::open(path)?.path, lock: Some(lock(path)?) })
+    pub(crate) fn go_on(path: &Path, by_force: bool) -> Result<Self, OutputError> {
+        let Self { path, .. } = Self::open(path)?;
+        let unwritable = |source| OutputError::Unwritable { path: path.clone(), source };
+        let folder = Folder::open(&path).map_err(unwritable)?;
+        match folder.inside(FIELDS) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+            opened => drop(opened.map_err(|e| in_the_way(FIELDS, e)).map_err(unwritable)?),
+        }
+        let held = Held::take(folder, by_force, Mark::resumed)?;
+        Ok(Self { path, held: Some(Arc::new(held)) })
+    }
+
+    /// The folder, open, if it is still the one that the run writes to.
+    fn folder(&self) -> Result<Folder, OutputError> {
+        match &self.held {
+            Some(held) => held.check().map(|()| held.folder.clone()),
+            None => Folder::open(&self.path).writing(&self.path),
+        }
+    }
+
+    /// The folder, open, as the run has begun to write to it.
+    pub(crate) fn opened(&self) -> Result<Folder, OutputError> {
+        match &self.held {
+            Some(held) => Ok(held.folder.clone()),
+            None => Folder::open(&self.path).writing(&self.path),
+        }
+    }
+
+    /// Notes a name that a run gives to a file, or with `/` at its end to a folder of files, before it is there.
+    fn note_name(&self, name: &str) -> Result<(), OutputError> {
+        match &self.held {
+            Some(held) => held.mark.add(name).writing(&self.path.join(MARK)),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes a file of the run, named relative to its folder. Readers see the former one until the new one is complete.
+    ///
+    /// # Errors
+    /// [`OutputError::Lost`] if the folder is no longer the one that the run has begun to write to; [`OutputError::Write`].
+    pub(crate) fn write(
+        &self,
+        name: &str,
+        durability: Durability,
+        content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let folder = self.folder()?;
+        self.note_name(name)?;
+        folder.write(name, durability, content).writing(&self.path.join(name))
+    }
+
+    /// Removes a file of the run.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), OutputError> {
+        self.folder()?.remove_file(name).writing(&self.path.join(name))
+    }
+
+    /// Removes parts of checkpoints that no checkpoint names.
+    pub(super) fn remove_parts_of_none(&self) -> Result<(), OutputError> {
+        remove_parts_of_none(&self.folder()?)
+    }
+
+    /// A folder for files of several processes, and how other processes are told of it.
+    pub(super) fn share(&self, name: &str) -> Result<(Folder, Shared), OutputError> {
+        let folder = self.folder()?;
+        self.note_name(&format!("{name}/"))?;
+        let run = std::path::absolute(&self.path).writing(&self.path)?;
+        let session = self.held.as_ref().map(|held| held.lock.session().to_owned());
+        Ok((folder, Shared { run, session }))
+    }
+
+    /// What tells the run from all others; nothing of a folder that is only read.
+    pub(crate) fn run(&self) -> Option<String> {
+        self.held.as_ref().map(|held| held.mark.run())
+    }
+
+    /// Takes the run of a checkpoint for that of the folder, if its mark is lost.
+    pub(crate) fn adopt(&self, run: Option<&str>) {
+        if let (Some(held), Some(run)) = (&self.held, run) {
+            held.mark.adopt(run);
+        }
+    }
+
+    /// Whether the folder says which run it is of.
+    pub(crate) fn has_mark(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.mark.was_there())
     }
 
     /// Removes what the folder says of the end of its run, and what was left unfinished.
     pub(crate) fn clear_end(&self) -> Result<(), OutputError> {
-        let (summary, fields) = (self.summary(), self.path.join(FIELDS));
-        match fs::remove_file(&summary) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e).writing(&summary),
-            _ => {}
-        }
-        fs::create_dir_all(&fields).writing(&fields)?;
-        remove_matching(&self.path, is_unfinished).writing(&self.path)?;
-        remove_matching(&fields, is_unfinished).writing(&fields)?;
-        for folder in folders_of_pieces(&fields).writing(&fields)? {
-            remove_matching(&folder, is_unfinished).writing(&folder)?;
+        let (folder, fields) = (self.folder()?, self.path.join(FIELDS));
+        folder.remove_file(SUMMARY).writing(&self.summary())?;
+        folder.remove_matching(is_unfinished).writing(&self.path)?;
+        let inside = folder.make_inside(FIELDS).writing(&fields)?;
+        inside.remove_matching(is_unfinished).writing(&fields)?;
+        for name in folders_of_pieces(&inside).writing(&fields)? {
+            let pieces = inside.inside(&name).writing(&fields)?;
+            pieces.remove_matching(is_unfinished).writing(&fields.join(name))?;
         }
         Ok(())
     }
@@ -140,10 +288,27 @@ impl RunDirectory {
         })
     }
 
-    /// Removes frames from this number on.
+    /// Removes frames from this number on: their files first, so that none names pieces that there are no more.
     pub(crate) fn remove_frames(&self, from: usize) -> Result<(), OutputError> {
-        let fields = self.path.join(FIELDS);
-        remove_frames(&fields, |index| index >= from).writing(&fields)
+        let (folder, fields) = (self.folder()?, self.path.join(FIELDS));
+        let remove = || {
+            let is_removed = |name: &str| frame_of(name).is_some_and(|index| index >= from);
+            let inside = folder.make_inside(FIELDS)?;
+            inside.remove_matching(|name| is_frame(name) && is_removed(name))?;
+            let folders = folders_of_pieces(&inside)?.into_iter().filter(|name| is_removed(name));
+            folders.map(|name| format!("{FIELDS}/{name}")).try_for_each(|name| remove_pieces(&folder, &name))
+        };
+        remove().writing(&fields)
+    }
+
+    /// Notes that a picture in the folder of pictures is one of this run, so that it goes with it. `name` has no folder.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] if the folder of pictures is a symbolic link, which is not followed, or the mark of the run cannot be written to.
+    pub(crate) fn note_picture(&self, name: &str) -> Result<(), OutputError> {
+        let folder = Folder::open(&self.path).writing(&self.path)?;
+        folder.make_inside(PLOTS).writing(&self.plots())?;
+        add_picture(&folder, name).writing(&self.path.join(MARK))
     }
 
     /// The folder.
@@ -156,12 +321,16 @@ impl RunDirectory {
     }
     /// The ParaView collection.
     pub fn series(&self) -> PathBuf {
-        self.path.join("fields.pvd")
+        self.path.join(SERIES)
     }
     /// Frame `index`, one file or in pieces, relative to the folder, with `/` as in the collection.
     pub fn frame_name(index: usize, in_pieces: bool) -> String {
         let ending = if in_pieces { IN_PIECES } else { IN_ONE };
         format!("{FIELDS}/{index:06}{ending}")
+    }
+    /// Folder of the pieces of frame `index`, relative to the folder.
+    pub(super) fn piece_folder(index: usize) -> String {
+        format!("{FIELDS}/{index:06}")
     }
     /// Whether frame `index` was written in pieces.
     pub(crate) fn has_pieces(&self, index: usize) -> bool {
@@ -169,74 +338,104 @@ impl RunDirectory {
     }
     /// The history.
     pub fn history(&self) -> PathBuf {
-        self.path.join("history.csv")
+        self.path.join(HISTORY)
     }
     /// What the columns of the history are.
     pub fn history_columns(&self) -> PathBuf {
-        self.path.join("history-columns.json")
+        self.path.join(COLUMNS)
     }
     /// The summary.
     pub fn summary(&self) -> PathBuf {
-        self.path.join("summary.json")
+        self.path.join(SUMMARY)
     }
     /// Where pictures go unless told otherwise.
     pub fn plots(&self) -> PathBuf {
         self.path.join(PLOTS)
     }
 
-    /// Removes what a run and its plots write, the summary first: without it a folder does not claim to be finished.
-    fn remove_former_run(&self) -> io::Result<()> {
-        for name in MARKS.iter().rev().chain([&DECK]) {
-            match fs::remove_file(self.path.join(name)) {
-                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
-                _ => {}
+    /// Removes what a former run has written, the summary first: without it a folder does not claim to be finished.
+    fn remove_former_run(&self, keeps_deck: bool) -> io::Result<()> {
+        let Some(held) = &self.held else { return Ok(()) };
+        let Held { folder, mark, .. } = &**held;
+        let names = mark.names();
+        let has_plots = folder.inside(PLOTS).is_ok();
+        let is_removed = |name: &&String| match name.as_str() {
+            DECK => !keeps_deck,
+            // Pictures behind a link are not in this folder.
+            name => has_plots || !name.starts_with(PLOTS),
+        };
+        let summary_first = |name: &&String| **name != SUMMARY;
+        let mut removed: Vec<_> = names.iter().filter(is_removed).collect();
+        removed.sort_by_key(summary_first);
+        for name in &removed {
+            match name.strip_suffix('/') {
+                Some(pieces) if pieces.starts_with(FIELDS) => remove_pieces(folder, pieces)?,
+                Some(parts) => remove_parts(folder, parts)?,
+                None => folder.remove_file(name)?,
             }
         }
-        remove_matching(&self.path, |name| is_unfinished(name) || is_checkpoint(name))?;
-        remove_all_parts(&self.path)?;
-        remove_frames(&self.path.join(FIELDS), |_| true)?;
-        remove_matching(&self.path.join(FIELDS), is_unfinished)?;
-        remove_matching(&self.path.join(PLOTS), |name| is_picture(name) || is_unfinished(name))
+        folder.remove_matching(is_unfinished)?;
+        for inside in [FIELDS, PLOTS] {
+            if let Ok(inside) = folder.inside(inside) {
+                inside.remove_matching(is_unfinished)?;
+            }
+        }
+        if removed.is_empty() { Ok(()) } else { mark.forget(|name| name != DECK || !keeps_deck) }
     }
 }
 
-/// Who writes to the folder.
-const LOCK: &str = ".sphorge-lock";
+/// A folder that several processes of a run write to, as they are told of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Shared {
+    run: PathBuf,
+    session: Option<String>,
+}
 
-/// Takes the lock of a folder, which the system gives back when the process ends, however it does; its file names the process. File systems
-/// without locks go without.
-fn lock(path: &Path) -> Result<Arc<File>, OutputError> {
-    let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
-    let name = path.join(LOCK);
-    let file = File::options().read(true).write(true).create(true).truncate(false).open(&name).map_err(unwritable)?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            let owner = regular_file::read_to_string(&name).unwrap_or_default();
-            Err(OutputError::Locked { path: path.to_owned(), owner: owner.trim().to_owned() })
-        }
-        Ok(()) | Err(TryLockError::Error(_)) => {
-            let written = file.set_len(0).and_then(|()| writeln!(&file, "process {}", std::process::id()));
-            written.map(|()| Arc::new(file)).map_err(unwritable)
+impl Shared {
+    /// Of files that are only read.
+    pub(super) fn read_only(run: PathBuf) -> Self {
+        Self { run, session: None }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.run
+    }
+
+    /// Opens the folder, in which no other run may have begun since.
+    pub(super) fn open(&self) -> Result<Folder, OutputError> {
+        let folder = Folder::open(&self.run).writing(&self.run)?;
+        // A file system may show the lock to other machines late.
+        match &self.session {
+            Some(session) if is_locked_by_another(&folder, session) => {
+                Err(OutputError::Lost { path: self.run.clone(), reason: "another run has begun in it" })
+            }
+            _ => Ok(folder),
         }
     }
+}
+
+/// Says which name in a folder is in the way.
+fn in_the_way(name: &str, error: io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("`{name}` {error}"))
 }
 
 /// A folder that is empty or that a run wrote.
 fn is_run_or_empty(path: &Path) -> bool {
-    let Ok(mut entries) = fs::read_dir(path) else { return false };
-    entries.all(|entry| entry.is_ok_and(|entry| is_of_no_run_yet(&entry)))
-        || MARKS.iter().any(|name| path.join(name).is_file())
-        // A run that was killed before its first frame.
-        || (path.join(DECK).is_file() && path.join(FIELDS).is_dir())
+    let Ok(folder) = Folder::open(path) else { return false };
+    // As many entries as there are: of a name that is no text, too.
+    let Ok(count) = fs::read_dir(path).map(Iterator::count) else { return false };
+    let is_empty = || {
+        folder.entries().is_ok_and(|found| found.len() == count && found.iter().all(|e| is_of_no_run_yet(&folder, e)))
+    };
+    Marked::read(&folder).is_some() || is_empty()
 }
 
-/// What a run that was killed before its deck was written may leave.
-fn is_of_no_run_yet(entry: &fs::DirEntry) -> bool {
-    let is_empty = |folder: &Path| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-    match entry.file_name().to_str() {
-        Some(FIELDS) => is_empty(&entry.path()),
-        Some(name) => name == LOCK || is_unfinished(name),
-        None => false,
+/// What a run that was killed before it had its mark may leave.
+fn is_of_no_run_yet(folder: &Folder, (name, kind): &(String, Kind)) -> bool {
+    match (name.as_str(), kind) {
+        (FIELDS, Kind::Folder) => folder.inside(FIELDS).and_then(|fields| fields.entries()).is_ok_and(|e| e.is_empty()),
+        (name, Kind::File) => name == LOCK || is_unfinished(name),
+        _ => false,
     }
 }
 
@@ -246,30 +445,20 @@ fn frame_of(name: &str) -> Option<usize> {
     (stem.len() >= 6 && stem.bytes().all(|b| b.is_ascii_digit())).then(|| stem.parse().ok())?
 }
 
-/// Removes the frames of some numbers: their files first, so that none names pieces that there are no more.
-fn remove_frames(fields: &Path, are_removed: impl Fn(usize) -> bool) -> io::Result<()> {
-    let is_removed = |name: &str| frame_of(name).is_some_and(&are_removed);
-    remove_matching(fields, |name| name.ends_with("vtp") && is_removed(name))?;
-    for folder in folders_of_pieces(fields)?.into_iter().filter(|folder| is_removed(&name_of(folder))) {
-        remove_pieces(&folder)?;
-    }
-    Ok(())
+/// Whether a file in the folder of frames has the name of one.
+pub(super) fn is_frame(name: &str) -> bool {
+    (name.ends_with(IN_ONE) || name.ends_with(IN_PIECES)) && frame_of(name).is_some()
+}
+
+/// Whether a folder in the folder of frames has the name of one that holds pieces.
+pub(super) fn is_frame_folder(name: &str) -> bool {
+    !name.contains('.') && frame_of(name).is_some()
 }
 
 /// Folders that hold pieces of frames.
-fn folders_of_pieces(fields: &Path) -> io::Result<Vec<PathBuf>> {
-    let entries = match fs::read_dir(fields) {
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        other => other?,
-    };
-    let mut folders = Vec::new();
-    for entry in entries {
-        let entry = entry?;
-        if entry.file_type()?.is_dir() && frame_of(&name_of(&entry.path())).is_some() {
-            folders.push(entry.path());
-        }
-    }
-    Ok(folders)
+fn folders_of_pieces(fields: &Folder) -> io::Result<Vec<String>> {
+    let folders = fields.entries()?.into_iter().filter(|(name, kind)| *kind == Kind::Folder && is_frame_folder(name));
+    Ok(folders.map(|(name, _)| name).collect())
 }
 
 /// The last part of a path.
@@ -277,29 +466,8 @@ pub(super) fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A picture under a name that plotting gives: the field or the kind of history first.
-fn is_picture(name: &str) -> bool {
-    let ours = |prefix: &str| name.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(['.', '-']));
-    [".png", ".svg"].iter().any(|ending| name.ends_with(ending))
-        && (ours("history") || FIELD_TABLE.iter().any(|field| ours(field.name)))
-}
-
 pub(super) fn is_unfinished(name: &str) -> bool {
     name.starts_with(UNFINISHED_PREFIX) && name.ends_with(UNFINISHED_SUFFIX)
-}
-
-pub(super) fn remove_matching(folder: &Path, ours: impl Fn(&str) -> bool) -> io::Result<()> {
-    let entries = match fs::read_dir(folder) {
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
-        other => other?,
-    };
-    for entry in entries {
-        let entry = entry?;
-        if entry.file_name().to_str().is_some_and(&ours) && !entry.file_type()?.is_dir() {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -322,22 +490,112 @@ mod tests {
         assert_eq!(names(folder.path()), ["summary.json"]);
     }
 
+    /// Writes files as a run does.
+    fn write(run: &RunDirectory, names: &[&str]) {
+        for name in names {
+            run.write(name, Durability::Process, |out| out.write_all(b"ours")).unwrap();
+        }
+    }
+
+    /// A picture as `plot` writes it.
+    fn draw(run: &Path, name: &str) {
+        RunDirectory::open(run).unwrap().note_picture(name).unwrap();
+        fs::write(run.join("plots").join(name), "ours").unwrap();
+    }
+
     #[test]
-    fn overwriting_removes_the_former_run_and_nothing_else() {
+    fn overwriting_removes_what_the_former_run_wrote_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = &folder.path().join("run");
+        let run = RunDirectory::begin(root, false, false, Some("title = 1\n")).unwrap();
+        write(&run, &["summary.json", "fields.pvd", "fields/000003.vtp", "checkpoint-000000000012.zip"]);
+        let (opened, _) = run.share("fields/000004").unwrap();
+        opened.make_inside("fields/000004").unwrap();
+        fs::write(root.join("fields/000004/0001.vtp"), "ours").unwrap();
+        draw(root, "pressure-last.png");
+        drop(run);
+        // Names that a run could have given, and of those that it has given only these.
+        let foreign = [
+            "notes.txt",
+            "history.csv",
+            "fields/mine.vtp",
+            "fields/000005.vtp",
+            "fields/000004/notes.txt",
+            "checkpoint-000000000013.zip",
+            "plots/pressure-mine.png",
+        ];
+        for name in foreign {
+            fs::write(root.join(name), "mine").unwrap();
+        }
+        let run = RunDirectory::begin(root, true, false, Some("title = 2\n")).unwrap();
+        assert_eq!(fs::read_to_string(root.join("deck.toml")).unwrap(), "title = 2\n");
+        let kept = |inside: &str| names(&root.join(inside));
+        let top = [
+            ".sphorge-lock",
+            ".sphorge-run",
+            "checkpoint-000000000013.zip",
+            "deck.toml",
+            "fields",
+            "history.csv",
+            "notes.txt",
+        ];
+        assert_eq!(kept(""), [&top[..], &["plots"]].concat());
+        assert_eq!(kept("fields"), ["000004", "000005.vtp", "mine.vtp"]);
+        assert_eq!(
+            (kept("fields/000004"), kept("plots")),
+            (vec!["notes.txt".into()], vec!["pressure-mine.png".into()])
+        );
+        assert!(foreign.iter().all(|name| fs::read_to_string(root.join(name)).unwrap() == "mine"));
+        // The new run answers for its own files alone.
+        drop(run);
+        fs::write(root.join("summary.json"), "mine").unwrap();
+        drop(RunDirectory::create(root, true).unwrap());
+        assert!(root.join("summary.json").exists() && !root.join("deck.toml").exists());
+    }
+
+    #[test]
+    fn files_with_the_names_of_a_run_do_not_make_a_folder_one() {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path();
-        fs::create_dir(root.join("fields")).unwrap();
-        fs::create_dir(root.join("plots")).unwrap();
-        let ours =
-            ["summary.json", "deck.toml", "fields/000003.vtp", "plots/history-energy.svg", "plots/pressure-last.png"];
-        let foreign = ["notes.txt", "fields/mine.vtp", "fields/000003.txt", "plots/paper.png", "plots/sketch.svg"];
-        for name in ours.iter().chain(&foreign) {
-            fs::write(root.join(name), "x").unwrap();
+        for name in ["history.csv", "deck.toml", "summary.json", "fields.pvd"] {
+            fs::write(root.join(name), "the only copy").unwrap();
+            assert!(matches!(RunDirectory::create(root, true), Err(OutputError::NotARun { .. })), "{name}");
         }
-        RunDirectory::create(root, true).unwrap();
-        assert_eq!(names(root), [".sphorge-lock", "fields", "notes.txt", "plots"]);
-        assert_eq!(names(&root.join("fields")), ["000003.txt", "mine.vtp"]);
-        assert_eq!(names(&root.join("plots")), ["paper.png", "sketch.svg"]);
+        assert_eq!(names(root).len(), 4);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_behind_a_link_is_removed_or_written() {
+        use std::os::unix::fs::symlink;
+        for linked in ["fields", "plots"] {
+            let folder = tempfile::tempdir().unwrap();
+            let (root, own) = (folder.path().join("run"), folder.path().join("own"));
+            let run = RunDirectory::begin(&root, false, false, Some("former")).unwrap();
+            write(&run, &["fields/000001.vtp"]);
+            draw(&root, "pressure-last.png");
+            drop(run);
+            fs::rename(root.join(linked), &own).unwrap();
+            symlink(&own, root.join(linked)).unwrap();
+            let before = names(&own);
+            let made = RunDirectory::begin(&root, true, false, Some("new")).map(drop);
+            let resumed = RunDirectory::go_on(&root, false).map(drop);
+            let drawn = RunDirectory::open(&root).unwrap().note_picture("history.png");
+            match linked {
+                "fields" => {
+                    for refused in [made, resumed] {
+                        let Err(OutputError::Unwritable { source, .. }) = refused else { panic!("{refused:?}") };
+                        assert_eq!(source.to_string(), "`fields` is a symbolic link, which is not followed");
+                    }
+                    assert_eq!(fs::read_to_string(root.join("deck.toml")).unwrap(), "former");
+                }
+                _ => {
+                    made.unwrap();
+                    assert!(matches!(drawn, Err(OutputError::Write { .. })), "{drawn:?}");
+                }
+            }
+            assert_eq!(names(&own), before, "{linked}");
+        }
     }
 
     #[test]
@@ -349,6 +607,9 @@ mod tests {
             fs::write(root.join(name), "").unwrap();
         }
         drop(RunDirectory::create(root, true).unwrap());
+        fs::remove_file(root.join(".sphorge-run")).unwrap();
+        drop(RunDirectory::create(root, true).unwrap());
+        fs::remove_file(root.join(".sphorge-run")).unwrap();
         fs::write(root.join("fields/mine.vtp"), "").unwrap();
         assert!(matches!(RunDirectory::create(root, true), Err(OutputError::NotARun { .. })));
     }
@@ -358,14 +619,64 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path().join("run");
         let first = RunDirectory::create(&root, false).unwrap();
-        fs::write(root.join("summary.json"), "first").unwrap();
-        for refused in [RunDirectory::create(&root, true), RunDirectory::go_on(&root)] {
+        write(&first, &["summary.json"]);
+        for refused in [RunDirectory::create(&root, true), RunDirectory::go_on(&root, false)] {
             let Err(OutputError::Locked { owner, .. }) = refused else { panic!("{refused:?}") };
-            assert_eq!(owner, format!("process {}", std::process::id()));
+            assert!(owner.starts_with(&format!("process {} on ", std::process::id())), "{owner}");
         }
-        assert_eq!(fs::read_to_string(root.join("summary.json")).unwrap(), "first");
+        assert_eq!(fs::read_to_string(root.join("summary.json")).unwrap(), "ours");
         drop(first);
         RunDirectory::create(&root, true).unwrap();
+    }
+
+    /// Why a run does not write any more.
+    fn lost(run: &RunDirectory) -> &'static str {
+        match run.write("history.csv", Durability::Process, |out| out.write_all(b"former")) {
+            Err(OutputError::Lost { reason, .. }) => reason,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_run_whose_folder_is_moved_or_taken_writes_to_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let (root, moved) = (folder.path().join("run"), folder.path().join("moved"));
+        let former = RunDirectory::create(&root, false).unwrap();
+        write(&former, &["history.csv"]);
+        fs::rename(&root, &moved).unwrap();
+        assert!(lost(&former).contains("moved"));
+        let new = RunDirectory::create(&root, false).unwrap();
+        write(&new, &["history.csv"]);
+        assert!(lost(&former).contains("moved"));
+        assert_eq!(fs::read_to_string(root.join("history.csv")).unwrap(), "ours");
+        // Brought back, it goes on.
+        drop(new);
+        fs::remove_dir_all(&root).unwrap();
+        fs::rename(&moved, &root).unwrap();
+        write(&former, &["history.csv"]);
+        // Taken by force, or its lock removed.
+        let taken = RunDirectory::go_on(&root, true).unwrap();
+        assert!(lost(&former).contains("lock"));
+        write(&taken, &["history.csv"]);
+        fs::remove_file(root.join(".sphorge-lock")).unwrap();
+        assert!(lost(&taken).contains("lock"));
+        // Removed, and made anew.
+        let last = RunDirectory::create(&root, true).unwrap();
+        fs::remove_dir_all(&root).unwrap();
+        assert!(lost(&last).contains("removed"));
+        assert!(!root.exists());
+    }
+
+    #[test]
+    fn other_processes_of_a_run_do_not_write_to_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().join("run");
+        let former = RunDirectory::create(&root, false).unwrap();
+        let (_, shared) = former.share("fields/000001").unwrap();
+        shared.open().unwrap();
+        drop(former);
+        let _new = RunDirectory::create(&root, true).unwrap();
+        assert!(matches!(shared.open(), Err(OutputError::Lost { .. })));
     }
 
     #[test]
@@ -376,12 +687,17 @@ mod tests {
         for name in ["summary.json", "fields/000001.vtp", "fields/000002.vtp", "fields/000003.vtp", "fields/mine.vtp"] {
             fs::write(root.join(name), "x").unwrap();
         }
-        let directory = RunDirectory::go_on(root).unwrap();
+        let directory = RunDirectory::go_on(root, false).unwrap();
         assert!(directory.summary().exists() && !directory.has_checkpoint());
         directory.clear_end().unwrap();
         directory.remove_frames(2).unwrap();
         assert_eq!(names(&root.join("fields")), ["000001.vtp", "mine.vtp"]);
         assert_eq!(names(root), [".sphorge-lock", "fields"]);
+        // Its first file brings the mark that it has lost, with the files that it had.
+        write(&directory, &["history.csv"]);
+        drop(directory);
+        RunDirectory::create(root, true).unwrap();
+        assert_eq!(names(&root.join("fields")), ["mine.vtp"]);
     }
 
     #[test]

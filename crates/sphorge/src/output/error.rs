@@ -40,12 +40,32 @@ pub enum OutputError {
     },
     /// Another run writes to the folder. Nothing was touched.
     #[error("another run writes to {}: {owner}", path.display())]
-    #[diagnostic(code(sphorge::output::locked), help("wait until that run has ended, or choose another folder"))]
+    #[diagnostic(
+        code(sphorge::output::locked),
+        help(
+            "wait until that run has ended, or choose another folder; a run of another machine that was killed is recognised after a minute. If you \
+             know that it has ended, or want it to stop, pass `--no-lock`"
+        )
+    )]
     Locked {
         /// The folder.
         path: PathBuf,
         /// The process, as it calls itself.
         owner: String,
+    },
+    /// The folder is not the one any more that the run has begun to write to. Nothing was written to what is there now.
+    #[error("the run cannot write to its folder {} any more: {reason}", path.display())]
+    #[diagnostic(
+        code(sphorge::output::lost),
+        help(
+            "do not move or replace the folder of a run that is not finished, nor remove its `.sphorge-lock`; `sphorge resume` continues the run from its last checkpoint, wherever its folder is now"
+        )
+    )]
+    Lost {
+        /// The folder.
+        path: PathBuf,
+        /// What has happened to it.
+        reason: &'static str,
     },
     /// A file could not be written.
     #[error("cannot write {}", path.display())]

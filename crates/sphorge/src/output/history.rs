@@ -14,7 +14,8 @@
 
 use super::{
     RunDirectory,
-    atomic::{Durability, write_file},
+    atomic::Durability,
+    directory::{COLUMNS, HISTORY},
     error::OutputError,
     sync::Pacing,
 };
@@ -27,7 +28,6 @@ use crate::{
     particles::find_field,
 };
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
 
 /// What a column of the history holds.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -279,7 +279,7 @@ pub(crate) fn measure_unit(kind: &MeasureKind) -> &'static str {
 /// Writer of `history.csv`.
 #[derive(Debug)]
 pub(crate) struct History {
-    path: PathBuf,
+    directory: RunDirectory,
     text: Vec<u8>,
     written: usize,
     pacing: Pacing,
@@ -293,7 +293,7 @@ impl History {
         observed: &[HistoryColumn],
     ) -> Result<Self, OutputError> {
         let (mut history, columns) = Self::without_rows(directory, model, observed)?;
-        write_file(&directory.history_columns(), Durability::Disk, |out| {
+        directory.write(COLUMNS, Durability::Disk, |out| {
             serde_json::to_writer_pretty(&mut *out, &columns)?;
             out.write_all(b"\n")
         })?;
@@ -340,7 +340,7 @@ impl History {
             observed: (observed, &vec![None; observed.len()]),
         };
         let columns: Vec<HistoryColumn> = row(model, &sample).cells.into_iter().map(|(column, _)| column).collect();
-        let mut history = Self { path: directory.history(), text: Vec::new(), written: 0, pacing: Pacing::new() };
+        let mut history = Self { directory: directory.clone(), text: Vec::new(), written: 0, pacing: Pacing::new() };
         history.append(columns.iter().map(|column| column.name.clone()))?;
         Ok((history, columns))
     }
@@ -356,20 +356,15 @@ impl History {
         if self.written < self.text.len() { self.save() } else { Ok(()) }
     }
 
-    /// The file.
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
-    }
-
     fn append(&mut self, cells: impl Iterator<Item = String>) -> Result<(), OutputError> {
         let mut line = csv::Writer::from_writer(&mut self.text);
-        let failed = |e: std::io::Error| OutputError::Write { path: self.path.clone(), source: e };
+        let failed = |e: std::io::Error| OutputError::Write { path: self.directory.history(), source: e };
         line.write_record(cells.map(String::into_bytes)).map_err(|e| failed(std::io::Error::other(e)))?;
         line.flush().map_err(failed)
     }
 
     fn save(&mut self) -> Result<(), OutputError> {
-        self.pacing.run(|| write_file(&self.path, Durability::Process, |out| out.write_all(&self.text)))?;
+        self.pacing.run(|| self.directory.write(HISTORY, Durability::Process, |out| out.write_all(&self.text)))?;
         self.written = self.text.len();
         Ok(())
     }

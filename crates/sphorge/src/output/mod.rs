@@ -5,8 +5,11 @@ mod checkpoint;
 mod checkpoint_parts;
 mod directory;
 mod error;
+mod folder;
 mod history;
 mod history_read;
+mod lock;
+mod mark;
 mod numbered;
 mod pieces;
 pub(crate) mod regular_file;
@@ -31,12 +34,14 @@ pub use summary::{
 pub use vtp::{FrameBody, FrameHeader, FrameWriter, write_frame};
 pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 
-pub(crate) use atomic::{Durability, write_file};
+pub(crate) use atomic::{Durability, Sink, write_file};
 pub(crate) use checkpoint::{About, Checkpoint, checkpoints, remove_former_checkpoints, write_checkpoint};
 pub(crate) use checkpoint_parts::PartSet;
+pub(crate) use directory::{DECK, HISTORY, SERIES};
 pub(crate) use error::AtPath;
 pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use history_read::last_step;
+pub(crate) use mark::MARK;
 pub(crate) use pieces::{PieceRequest, write_pieces};
 pub(crate) use series::write_series;
 pub(crate) use sync::DiskSync;

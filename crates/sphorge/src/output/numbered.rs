@@ -1,7 +1,7 @@
 //! Folders of files that the processes of a run write side by side, each one of its own under its number.
 
-use super::directory::{is_unfinished, remove_matching};
-use std::{fs, io, path::Path};
+use super::{directory::is_unfinished, folder::Folder};
+use std::io;
 
 /// Name of the file of a process.
 pub(super) fn numbered(number: usize, extension: &str) -> String {
@@ -15,22 +15,24 @@ pub(super) fn is_numbered(name: &str, extension: &str) -> bool {
 }
 
 /// Removes a folder with the files of processes, whole or not, that are in it; what else is in it stays, and the folder with it.
-pub(super) fn remove_numbered(folder: &Path, extension: &str) -> io::Result<()> {
-    remove_matching(folder, |name| is_numbered(name, extension) || is_unfinished(name))?;
-    match fs::remove_dir(folder) {
-        Err(e) if !matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::DirectoryNotEmpty) => Err(e),
-        _ => Ok(()),
+pub(super) fn remove_numbered(run: &Folder, name: &str, extension: &str) -> io::Result<()> {
+    match run.inside(name) {
+        Ok(folder) => folder.remove_matching(|name| is_numbered(name, extension) || is_unfinished(name))?,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(e) => return Err(e),
     }
+    run.remove_if_empty(name)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn files_of_processes_go_and_others_stay_with_their_folder() {
         let run = tempfile::tempdir().unwrap();
-        let folder = run.path().join("parts");
+        let (folder, opened) = (run.path().join("parts"), Folder::open(run.path()).unwrap());
         assert!(is_numbered(&numbered(7, "zip"), "zip") && is_numbered(&numbered(12_345, "zip"), "zip"));
         let write = |names: &[&str]| {
             fs::create_dir_all(&folder).unwrap();
@@ -39,13 +41,13 @@ mod tests {
         let ours = ["0000.zip", "12345.zip"];
         let others = ["0000.vtp", "000.zip", "000x.zip", "0000zip", ".zip"];
         write(&[&ours[..], &others].concat());
-        remove_numbered(&folder, "zip").unwrap();
+        remove_numbered(&opened, "parts", "zip").unwrap();
         assert!(others.iter().all(|name| folder.join(name).exists()), "{others:?}");
         assert!(ours.iter().all(|name| !folder.join(name).exists()));
         others.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
         write(&ours);
-        remove_numbered(&folder, "zip").unwrap();
+        remove_numbered(&opened, "parts", "zip").unwrap();
         assert!(!folder.exists());
-        remove_numbered(&folder, "zip").unwrap();
+        remove_numbered(&opened, "parts", "zip").unwrap();
     }
 }

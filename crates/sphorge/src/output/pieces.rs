@@ -6,18 +6,17 @@
 
 use super::{
     FrameHeader, FrameWriter, RunDirectory,
-    atomic::{Durability, write_file},
+    atomic::Durability,
+    directory::Shared,
     error::{AtPath, OutputError},
+    folder::Folder,
     numbered::{numbered, remove_numbered},
     vtp::{array_element, unit_label, written_fields},
 };
 use crate::engine::{FieldSource, InPieces};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
-use std::{
-    fs, io,
-    path::{Path, PathBuf},
-};
+use std::io;
 
 /// Readers of a frame in pieces put its particles in order by this field.
 pub(super) const ORDER: &str = "id";
@@ -25,8 +24,10 @@ pub(super) const ORDER: &str = "id";
 /// What one process asks the others to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PieceRequest {
-    /// Folder of the pieces.
-    folder: PathBuf,
+    /// Folder of the run.
+    run: Shared,
+    /// Folder of the pieces in it.
+    folder: String,
     time: f64,
     step: u64,
 }
@@ -37,21 +38,24 @@ impl PieceRequest {
         serde_json::from_str(text).map_err(|error| error.to_string())
     }
 
-    /// Writes the particles of the process of this number; returns where to.
+    /// Writes the particles of the process of this number; returns where to, in the folder of the run.
     pub(crate) fn write(
         &self,
         model: &Model,
         number: usize,
         particles: &dyn FieldSource,
-    ) -> Result<PathBuf, OutputError> {
+    ) -> Result<(Folder, String), OutputError> {
+        let run = self.run.open()?;
+        let name = format!("{}/{}", self.folder, numbered(number, EXTENSION));
+        let path = run.path().join(&name);
         // Other processes may not see yet that it was made.
-        fs::create_dir_all(&self.folder).writing(&self.folder)?;
-        let path = self.folder.join(numbered(number, EXTENSION));
+        run.make_inside(&self.folder).writing(&path)?;
         let header = FrameHeader::new(model, self.time, self.step);
-        write_file(&path, Durability::Process, |mut out| {
+        let written = run.write(&name, Durability::Process, |mut out| {
             FrameWriter::new(model).write(&mut out, &header, particles, &with_order(&model.output.fields))
-        })?;
-        Ok(path)
+        });
+        written.writing(&path)?;
+        Ok((run, name))
     }
 }
 
@@ -64,7 +68,8 @@ fn with_order(fields: &[String]) -> Vec<String> {
     order.into_iter().chain(fields.iter().cloned()).collect()
 }
 
-/// Has all processes write their pieces of frame `index`, then names them in its file. Returns the files that this process has written.
+/// Has all processes write their pieces of frame `index`, then names them in its file. Returns the files that this process has written, in the folder
+/// of the run.
 ///
 /// # Errors
 /// The inner one: a file cannot be written.
@@ -74,65 +79,60 @@ pub(crate) fn write_pieces(
     model: &Model,
     (time, step): (f64, u64),
     processes: &dyn InPieces,
-) -> Result<Result<[PathBuf; 2], OutputError>, crate::engine::RunFailure> {
-    let file = directory.path().join(RunDirectory::frame_name(index, true));
-    let folder = file.with_extension("");
-    let request = match request(&folder, time, step) {
+) -> Result<Result<[String; 2], OutputError>, crate::engine::RunFailure> {
+    let file = RunDirectory::frame_name(index, true);
+    let name = RunDirectory::piece_folder(index);
+    let path = directory.path().join(&name);
+    let (folder, request) = match request(directory, &name, time, step) {
         Ok(request) => request,
         Err(error) => return Ok(Err(error)),
     };
     let text = match serde_json::to_string(&request) {
         Ok(text) => text,
-        Err(error) => return Ok(Err(io::Error::other(error)).writing(&folder)),
+        Err(error) => return Ok(Err(io::Error::other(error)).writing(&path)),
     };
     let mut own = Err(String::new());
     let mut write = |particles: &dyn FieldSource| {
-        own = request.write(model, 0, particles).map_err(|error| error.chain());
+        own = request.write(model, 0, particles).map(|(_, name)| name).map_err(|error| error.chain());
         own.clone().map(drop)
     };
     let written = processes.write(&text, &mut write)?;
-    let named = written.and(own).map_err(io::Error::other).writing(&folder).and_then(|piece| {
+    let named = written.and(own).map_err(io::Error::other).writing(&path).and_then(|piece| {
         let header = FrameHeader::new(model, time, step);
-        let text = FrameWriter::new(model).named_pieces(&header, &model.output.fields, &folder, processes.pieces());
-        let text = text.writing(&file)?;
-        write_file(&file, Durability::Process, |out| out.write_all(text.as_bytes()))?;
+        let text = FrameWriter::new(model).named_pieces(&header, &model.output.fields, index, processes.pieces());
+        let text = text.writing(&path)?;
+        directory.write(&file, Durability::Process, |out| out.write_all(text.as_bytes()))?;
         Ok([piece, file])
     });
     if named.is_err() {
         // All processes have ended what they wrote; a frame that is not named is of no use.
-        let _ = remove_pieces(&folder);
+        let _ = remove_pieces(&folder, &name);
     }
     Ok(named)
 }
 
-/// The request, with a folder that has no pieces of another number of processes.
-fn request(folder: &Path, time: f64, step: u64) -> Result<PieceRequest, OutputError> {
-    remove_pieces(folder).writing(folder)?;
-    fs::create_dir_all(folder).writing(folder)?;
-    let folder = std::path::absolute(folder).writing(folder)?;
-    Ok(PieceRequest { folder, time, step })
+/// The request, with a folder that has no pieces of another number of processes, and the folder of the run.
+fn request(directory: &RunDirectory, name: &str, time: f64, step: u64) -> Result<(Folder, PieceRequest), OutputError> {
+    let (folder, run) = directory.share(name)?;
+    let path = directory.path().join(name);
+    remove_pieces(&folder, name).writing(&path)?;
+    folder.make_inside(name).writing(&path)?;
+    Ok((folder, PieceRequest { run, folder: name.to_owned(), time, step }))
 }
 
 /// Removes a folder of pieces with the pieces that are in it.
-pub(super) fn remove_pieces(folder: &Path) -> io::Result<()> {
-    remove_numbered(folder, EXTENSION)
+pub(super) fn remove_pieces(run: &Folder, name: &str) -> io::Result<()> {
+    remove_numbered(run, name, EXTENSION)
 }
 
 impl FrameWriter {
     /// The text of the file that names so many pieces in a folder beside it.
-    fn named_pieces(
-        &self,
-        header: &FrameHeader,
-        fields: &[String],
-        folder: &Path,
-        pieces: usize,
-    ) -> io::Result<String> {
+    fn named_pieces(&self, header: &FrameHeader, fields: &[String], index: usize, pieces: usize) -> io::Result<String> {
         let fields = written_fields(&with_order(fields))?;
         let arrays: String =
             fields.iter().map(|field| format!("      {}", array_element("PDataArray", field, ""))).collect();
-        let folder = folder.file_name().unwrap_or_default().to_string_lossy();
         let pieces: String = (0..pieces)
-            .map(|piece| format!("    <Piece Source=\"{folder}/{}\"/>\n", numbered(piece, EXTENSION)))
+            .map(|piece| format!("    <Piece Source=\"{index:06}/{}\"/>\n", numbered(piece, EXTENSION)))
             .collect();
         Ok(format!(
             r#"<?xml version="1.0"?>

@@ -2,11 +2,12 @@
 
 use super::{
     RunDirectory,
-    atomic::{Durability, write_file},
+    atomic::Durability,
+    directory::SERIES,
     error::{AtPath, OutputError},
     regular_file, xml,
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A frame of a series.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +19,8 @@ pub struct SeriesEntry {
 }
 
 /// Writes the collection.
-pub(crate) fn write_series(path: &Path, entries: &[SeriesEntry]) -> Result<(), OutputError> {
-    write_file(path, Durability::Process, |out| {
+pub(crate) fn write_series(directory: &RunDirectory, entries: &[SeriesEntry]) -> Result<(), OutputError> {
+    directory.write(SERIES, Durability::Process, |out| {
         out.write_all(
             br#"<?xml version="1.0"?>
 <VTKFile type="Collection" version="1.0" byte_order="LittleEndian" header_type="UInt64">

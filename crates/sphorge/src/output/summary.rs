@@ -2,7 +2,8 @@
 
 use super::{
     RunDirectory,
-    atomic::{Durability, write_file},
+    atomic::Durability,
+    directory::SUMMARY,
     error::{AtPath, OutputError},
     history::per,
     regular_file,
@@ -461,7 +462,7 @@ impl Summary {
     }
 
     pub(crate) fn write(&self, run: &RunDirectory) -> Result<(), OutputError> {
-        write_file(&run.summary(), Durability::Disk, |out| {
+        run.write(SUMMARY, Durability::Disk, |out| {
             serde_json::to_writer_pretty(&mut *out, self)?;
             out.write_all(b"\n")
         })

@@ -1,13 +1,12 @@
 //! Forces files onto the disk now and then, so that a power cut costs seconds, not the run.
 
 use super::{
-    atomic::sync_folder,
     error::{AtPath, OutputError},
+    folder::Folder,
 };
 use std::{
-    collections::BTreeSet,
-    fs::File,
-    path::{Path, PathBuf},
+    collections::BTreeMap,
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
@@ -41,34 +40,42 @@ impl Pacing {
 /// Files written since the disk was last forced to take them.
 #[derive(Debug)]
 pub(crate) struct DiskSync {
-    pending: BTreeSet<PathBuf>,
+    pending: BTreeMap<PathBuf, (Folder, String)>,
     pacing: Pacing,
 }
 
 impl DiskSync {
     pub(crate) fn new() -> Self {
-        Self { pending: BTreeSet::new(), pacing: Pacing::new() }
+        Self { pending: BTreeMap::new(), pacing: Pacing::new() }
     }
 
-    /// A file has been written; this is a good moment to sync if it is time.
-    pub(crate) fn written(&mut self, path: &Path) -> Result<(), OutputError> {
-        self.pending.insert(path.to_owned());
+    /// A file in a folder has been written; this is a good moment to sync if it is time.
+    pub(crate) fn written(&mut self, folder: &Folder, name: &str) -> Result<(), OutputError> {
+        self.pending.insert(folder.path().join(name), (folder.clone(), name.to_owned()));
         if self.pacing.is_due() { self.sync() } else { Ok(()) }
     }
 
     /// Files that are no longer there need not come to the disk.
     pub(crate) fn forget_missing(&mut self) {
-        self.pending.retain(|path| path.exists());
+        self.pending.retain(|_, (folder, name)| folder.open_file(name).is_ok());
     }
 
     /// Everything written is on the disk when this returns.
     pub(crate) fn sync(&mut self) -> Result<(), OutputError> {
         let pending = std::mem::take(&mut self.pending);
         self.pacing.run(|| {
-            for path in &pending {
-                File::open(path).and_then(|file| file.sync_all()).writing(path)?;
+            let mut folders = BTreeMap::new();
+            for (path, (folder, name)) in &pending {
+                folder.open_file(name).and_then(|file| file.sync_all()).writing(path)?;
+                let inside = name.rsplit_once('/').map_or("", |(inside, _)| inside);
+                folders.insert(path.parent(), (folder, inside));
             }
-            pending.iter().filter_map(|path| path.parent()).collect::<BTreeSet<_>>().into_iter().for_each(sync_folder);
+            for (folder, inside) in folders.into_values() {
+                match inside {
+                    "" => folder.sync(),
+                    inside => drop(folder.inside(inside).map(|folder| folder.sync())),
+                }
+            }
             Ok(())
         })
     }

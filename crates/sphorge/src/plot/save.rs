@@ -7,7 +7,7 @@ use super::{
     pixels::{Pixels, encoder},
     svg::svg,
 };
-use crate::output::{Durability, OutputError, write_file};
+use crate::output::{Durability, OutputError, RunDirectory, write_file};
 use std::path::Path;
 
 impl Page {
@@ -22,10 +22,22 @@ impl Page {
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
     if let Some(parent) = path.parent() {
+        note_in_run(path, parent)?;
         std::fs::create_dir_all(parent)
             .map_err(|source| PlotError::Output(OutputError::Write { path: path.into(), source }))?;
     }
     Ok(write_file(path, Durability::Process, |out| out.write_all(bytes))?)
+}
+
+/// Notes a picture that goes to the folder of pictures of a run, which must not be a link.
+fn note_in_run(path: &Path, folder: &Path) -> Result<(), PlotError> {
+    let Some(run) = folder.parent().filter(|run| RunDirectory::is_run(run) && run.join("plots") == folder) else {
+        return Ok(());
+    };
+    match path.file_name().and_then(|name| name.to_str()) {
+        Some(name) => Ok(RunDirectory::open(run)?.note_picture(name)?),
+        None => Ok(()),
+    }
 }
 
 /// Writes pages of one size as an animated PNG that runs forever, each shown for `seconds`, the last one three times as long.

@@ -30,7 +30,7 @@ fn run(folder: &Path, dimensions: usize) -> RunDirectory {
         write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
         entries.push(SeriesEntry { time, file });
     }
-    write_series(&run.series(), &entries).unwrap();
+    write_series(&run, &entries).unwrap();
     run
 }
 
@@ -74,7 +74,7 @@ fn outliers_do_not_stretch_the_bar() {
     let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
     let file = RunDirectory::frame_name(0, false);
     write_frame_file(&run.path().join(&file), &header, &particles, &["plastic_strain".to_owned()]).unwrap();
-    write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+    write_series(&run, &[SeriesEntry { time: 0.0, file }]).unwrap();
     let to = folder.path().join("p.png");
     plot_field(&run, &FieldPicture { paper: HALF, ..FieldPicture::new("plastic_strain") }, &to).unwrap();
     // Half of the particles have the last colour, not the one at 1/50.
@@ -140,7 +140,7 @@ fn a_single_particle_without_size_is_drawn_or_refused_but_never_a_fault() {
         let header = FrameHeader { time: 0.0, step: 0, dimensions, body_spacing: vec![] };
         let file = RunDirectory::frame_name(0, false);
         write_frame_file(&run.path().join(&file), &header, &Particles::new(1), &["pressure".to_owned()]).unwrap();
-        write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+        write_series(&run, &[SeriesEntry { time: 0.0, file }]).unwrap();
         let picture = FieldPicture { paper: COARSE, ..FieldPicture::new("pressure") };
         plot_field(&run, &picture, &folder.path().join("p.png")).unwrap();
     }
@@ -251,7 +251,7 @@ fn measures_are_lines_on_the_particles() {
     let file = RunDirectory::frame_name(0, false);
     let fields = ["body".to_owned(), "pressure".to_owned()];
     write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
-    write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+    write_series(&run, &[SeriesEntry { time: 0.0, file }]).unwrap();
     let to = folder.path().join("p.png");
     let picture = FieldPicture { measures: true, size: Some((900, 400)), ..FieldPicture::new("pressure") };
     assert!(matches!(plot_field(&run, &picture, &to), Err(PlotError::Deck(_))));
@@ -307,7 +307,7 @@ fn a_field_that_is_one_or_zero_has_a_key_and_a_share() {
     let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3] };
     let file = RunDirectory::frame_name(0, false);
     write_frame_file(&run.path().join(&file), &header, &particles, &["adapted".to_owned()]).unwrap();
-    write_series(&run.series(), &[SeriesEntry { time: 0.0, file }]).unwrap();
+    write_series(&run, &[SeriesEntry { time: 0.0, file }]).unwrap();
     let picture = FieldPicture { paper: HALF, ..FieldPicture::new("adapted") };
     let scene = scene::Scene::read(&[("", &run)], &picture).unwrap();
     assert_eq!((scene.panels[0].mean, scene.flag), (0.25, Some(["kept", "searched"])));
@@ -360,7 +360,7 @@ fn quarter(folder: &Path) -> RunDirectory {
         write_frame_file(&run.path().join(&file), &header, &particles, &fields).unwrap();
         entries.push(SeriesEntry { time, file });
     }
-    write_series(&run.series(), &entries).unwrap();
+    write_series(&run, &entries).unwrap();
     fs::write(run.deck(), QUARTER).unwrap();
     run
 }

@@ -97,7 +97,7 @@ impl Keeper {
         // Rows and frames that it counts on come to the disk before it.
         let synced = state.recorder.flush();
         let written = synced.and_then(|()| self.write(state, None, observer));
-        written.and_then(|()| remove_former_checkpoints(state.recorder.directory().path()))
+        written.and_then(|()| remove_former_checkpoints(state.recorder.directory()))
     }
 
     /// Saves the state of a run whose deck has changed from `former`, before anything else in its folder does.

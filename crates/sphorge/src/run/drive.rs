@@ -10,7 +10,7 @@ use super::{
 use crate::{
     deck::Setup,
     engine::{EngineKind, FieldSource, Simulation},
-    output::{Durability, EndReason, FailureRecord, RunDirectory, Summary, write_file},
+    output::{EndReason, FailureRecord, RunDirectory, Summary},
 };
 use std::{
     path::PathBuf,
@@ -24,6 +24,8 @@ pub struct RunOptions {
     pub directory: PathBuf,
     /// Replace a former run in that folder.
     pub overwrite: bool,
+    /// Take the folder from a run that writes to it, or seems to: that one stops before its next file.
+    pub by_force: bool,
     /// Number of threads; all the machine has if not given.
     pub threads: Option<usize>,
     /// When it saves its state.
@@ -67,9 +69,8 @@ fn run(
     // Of many particles this takes a while. If it fails it does so again when the run begins, and is told as a failure of the run.
     let _ = simulation.next_step_estimate();
     observer.prepared();
-    let directory = RunDirectory::create(&options.directory, options.overwrite).map_err(RunError::Directory)?;
-    write_file(&directory.deck(), Durability::Disk, |out| out.write_all(text.as_bytes()))
-        .map_err(RunError::Directory)?;
+    let RunOptions { directory, overwrite, by_force, .. } = options;
+    let directory = RunDirectory::begin(directory, *overwrite, *by_force, Some(&text)).map_err(RunError::Directory)?;
     let path = directory.path().to_owned();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, text, 0.0);
     observer.started(&RunStart {

@@ -2,12 +2,11 @@
 
 use crate::{
     engine::FieldSource,
-    output::{AtPath, Durability, FrameHeader, FrameWriter, OutputError, write_file},
+    output::{AtPath, Durability, FrameHeader, FrameWriter, OutputError, RunDirectory, Sink},
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::{
     io,
-    path::{Path, PathBuf},
     sync::mpsc::{Receiver, channel},
 };
 
@@ -20,8 +19,14 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Writes it.
-    pub(super) fn write(&self, source: &dyn FieldSource, path: &Path) -> Result<(), OutputError> {
-        write_file(path, Durability::Process, |mut out| self.writer.write(&mut out, &self.header, source, &self.fields))
+    pub(super) fn write(
+        &self,
+        source: &dyn FieldSource,
+        directory: &RunDirectory,
+        name: &str,
+    ) -> Result<(), OutputError> {
+        let content = |mut out: &mut dyn Sink| self.writer.write(&mut out, &self.header, source, &self.fields);
+        directory.write(name, Durability::Process, content)
     }
 }
 
@@ -35,25 +40,38 @@ pub(super) fn frame_thread() -> Option<ThreadPool> {
 /// A frame that a thread of its own is writing.
 #[derive(Debug)]
 pub(super) struct FrameUnderWay {
-    path: PathBuf,
+    directory: RunDirectory,
+    name: String,
     written: Receiver<Result<(), OutputError>>,
 }
 
 impl FrameUnderWay {
     /// Begins to write a frame of what was copied of an engine, on a thread of [`frame_thread`].
-    pub(super) fn start(thread: &ThreadPool, frame: Frame, source: Box<dyn FieldSource + Send>, path: PathBuf) -> Self {
+    pub(super) fn start(
+        thread: &ThreadPool,
+        frame: Frame,
+        source: Box<dyn FieldSource + Send>,
+        directory: &RunDirectory,
+        name: String,
+    ) -> Self {
         let (sender, written) = channel();
-        let target = path.clone();
+        let (target, file) = (directory.clone(), name.clone());
         // Nobody waits any more where the run has ended otherwise.
-        thread.spawn(move || drop(sender.send(frame.write(&*source, &target))));
-        Self { path, written }
+        thread.spawn(move || {
+            let done = frame.write(&*source, &target, &file);
+            // The lock of the folder is given back when the last who has it ends, which is not this thread.
+            drop(target);
+            drop(sender.send(done));
+        });
+        Self { directory: directory.clone(), name, written }
     }
 
-    /// The file, when it is there.
-    pub(super) fn wait(self) -> Result<PathBuf, OutputError> {
+    /// The file, in the folder of the run, when it is there.
+    pub(super) fn wait(self) -> Result<String, OutputError> {
+        let path = self.directory.path().join(&self.name);
         match self.written.recv() {
-            Ok(done) => done.map(|()| self.path),
-            Err(_) => Err(io::Error::other("the thread that writes the frame has ended")).writing(&self.path),
+            Ok(done) => done.map(|()| self.name),
+            Err(_) => Err(io::Error::other("the thread that writes the frame has ended")).writing(&path),
         }
     }
 }

@@ -38,8 +38,8 @@ impl RankFiles for FilesOfRank {
     }
 
     fn write(&self, request: &str, rank: usize, model: &Model, particles: &dyn FieldSource) -> Result<(), String> {
-        let path = PieceRequest::read(request)?.write(model, rank, particles).map_err(|error| error.chain())?;
-        self.on_disk(|disk| disk.written(&path))
+        let (run, name) = PieceRequest::read(request)?.write(model, rank, particles).map_err(|error| error.chain())?;
+        self.on_disk(|disk| disk.written(&run, &name))
     }
 
     fn save(

@@ -18,12 +18,12 @@ use crate::{
     model::{Body, Model, Precision},
     observed::Observed,
     output::{
-        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, FrameWriter, History,
-        HistorySample, OutputError, RunDirectory, SeriesEntry, Status, Summary, WarningRecord, measure_unit,
-        write_pieces, write_series,
+        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, FrameWriter, HISTORY,
+        History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, Status, Summary, WarningRecord,
+        measure_unit, write_pieces, write_series,
     },
 };
-use std::{array, path::PathBuf, time::Instant};
+use std::{array, time::Instant};
 
 /// Everything that is written while a run goes on.
 pub(super) struct Recorder {
@@ -151,14 +151,14 @@ impl Recorder {
     /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was.
     pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
         if let Some(under_way) = self.under_way.take() {
-            let path = under_way.wait()?;
-            self.disk.written(&path)?;
+            let name = under_way.wait()?;
+            self.is_written(&name)?;
         }
         self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
         self.disk.forget_missing();
         if !self.frames.is_empty() {
-            write_series(&self.directory.series(), &self.frames)?;
+            write_series(&self.directory, &self.frames)?;
         }
         self.history.flush()
     }
@@ -302,7 +302,6 @@ impl Recorder {
         let written = match processes {
             Some(processes) => Vec::from(write_pieces(&self.directory, index, model, at, processes)??),
             None => {
-                let path = self.directory.path().join(&file);
                 let frame = Frame {
                     writer: self.frame_writer.clone(),
                     header: FrameHeader::new(model, at.0, at.1),
@@ -313,14 +312,14 @@ impl Recorder {
                     self.frame_thread = frame_thread();
                 }
                 if let Some((thread, source)) = self.frame_thread.as_ref().zip(detached) {
-                    self.under_way = Some(FrameUnderWay::start(thread, frame, source, path));
+                    self.under_way = Some(FrameUnderWay::start(thread, frame, source, &self.directory, file.clone()));
                     self.frames.push(SeriesEntry { time: engine.time(), file });
                     self.last_frame_step = Some(engine.steps());
                     self.seconds += start.elapsed().as_secs_f64();
                     return Ok(index);
                 }
-                frame.write(engine, &path)?;
-                vec![path]
+                frame.write(engine, &self.directory, &file)?;
+                vec![file.clone()]
             }
         };
         self.frames.push(SeriesEntry { time: engine.time(), file });
@@ -331,19 +330,23 @@ impl Recorder {
     }
 
     /// Writes the list of frames, then the rows so far.
-    fn frame_is_there(&mut self, written: &[PathBuf]) -> Result<(), OutputError> {
-        write_series(&self.directory.series(), &self.frames)?;
+    fn frame_is_there(&mut self, written: &[String]) -> Result<(), OutputError> {
+        write_series(&self.directory, &self.frames)?;
         self.history.flush()?;
-        written.iter().try_for_each(|path| self.disk.written(path))?;
-        self.disk.written(&self.directory.series())?;
-        self.disk.written(self.history.path())
+        written.iter().try_for_each(|name| self.is_written(name))?;
+        [SERIES, HISTORY, MARK].iter().try_for_each(|name| self.is_written(name))
+    }
+
+    /// Has a file that has been written brought to the disk soon.
+    fn is_written(&mut self, name: &str) -> Result<(), OutputError> {
+        self.disk.written(&self.directory.opened()?, name)
     }
 
     /// Waits for the frame that is being written while steps go on. One that could not be is none.
     pub(super) fn settle(&mut self) -> Result<(), OutputError> {
         let Some(under_way) = self.under_way.take() else { return Ok(()) };
         match under_way.wait() {
-            Ok(path) => self.frame_is_there(&[path]),
+            Ok(name) => self.frame_is_there(&[name]),
             Err(error) => {
                 self.frames.pop();
                 self.last_frame_step = None;
@@ -366,7 +369,7 @@ impl Recorder {
         let start = Instant::now();
         self.settle()?;
         self.history.flush()?;
-        self.disk.written(self.history.path())?;
+        self.is_written(HISTORY)?;
         self.disk.sync()?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())

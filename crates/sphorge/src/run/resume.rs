@@ -14,12 +14,11 @@ use crate::{
     model::TimeControl,
     number::plain_quantity,
     output::{
-        AtPath, Checkpoint, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
-        regular_file, write_file,
+        Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
+        regular_file,
     },
 };
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
@@ -31,6 +30,8 @@ pub struct ResumeOptions {
     pub overrides: Vec<(String, String)>,
     /// Most particles the deck may make.
     pub most_particles: f64,
+    /// Take the folder from a run that writes to it, or seems to: that one stops before its next file.
+    pub by_force: bool,
     /// Number of threads; all the machine has if not given.
     pub threads: Option<usize>,
     /// When it saves its state.
@@ -151,12 +152,16 @@ pub fn resume(
         .num_threads(threads.unwrap_or(0))
         .build()
         .map_err(|source| ResumeError::Run(RunError::Threads { threads, source }))?;
-    let directory = RunDirectory::go_on(path)?;
+    let directory = RunDirectory::go_on(path, options.by_force)?;
     let deck = regular_file::read_to_string(&directory.deck()).ok();
     let mut passed_over = Vec::new();
     for (_, file) in checkpoints(path)? {
         let why = match Checkpoint::open(&file) {
             Err(error) => error.to_string(),
+            // As a former run leaves it whose folder a new one was overwriting when it was killed.
+            Ok(checkpoint) if checkpoint.is_of_another_run(&directory) => {
+                format!("{} belongs to another run", file.display())
+            }
             Ok(checkpoint) if deck.as_ref().is_some_and(|deck| !checkpoint.is_of(deck)) => {
                 format!("{} belongs to a run of another deck", file.display())
             }
@@ -194,7 +199,7 @@ pub fn resume(
         if passed_over.len() < MOST_TOLD {
             observer.noted(&format!("{why}; it is skipped"));
         }
-        passed_over.push(file);
+        passed_over.extend(file.file_name().map(|name| name.to_string_lossy().into_owned()));
     }
     tell_others(passed_over.len(), observer);
     Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended: summary_of_end(&directory).is_some() })
@@ -238,7 +243,7 @@ struct Saved {
     checkpoint: Checkpoint,
     setup: Setup,
     /// Later checkpoints of no use.
-    passed_over: Vec<PathBuf>,
+    passed_over: Vec<String>,
 }
 
 /// Goes on from one checkpoint; why it is none of this program, if it is not.
@@ -305,6 +310,7 @@ fn go_on_from(
         state.align_output();
         keeper.save_changed(&mut state, deck.clone(), observer).map_err(output)?;
     }
+    directory.adopt(checkpoint.about.run.as_deref());
     // From here on the folder is that of the run that goes on.
     match state.recorder.missing_frames() {
         0 => {}
@@ -312,10 +318,10 @@ fn go_on_from(
     }
     state.recorder.rewrite().map_err(output)?;
     if deck != deck_text {
-        write_file(&directory.deck(), Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
+        directory.write(DECK, Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
     }
     for file in passed_over {
-        fs::remove_file(&file).writing(&file).map_err(output)?;
+        directory.remove(&file).map_err(output)?;
     }
     observer.started(&RunStart {
         directory: path.clone(),

@@ -67,6 +67,7 @@ fn run_variant(
     let resumed = match goes_on && earlier::is_of(&directory, &setup) {
         true => {
             let resume_options = ResumeOptions {
+                by_force: false,
                 overrides: Vec::new(),
                 most_particles: f64::INFINITY,
                 threads: options.threads,
@@ -82,8 +83,13 @@ fn run_variant(
         }
         false => None,
     };
-    let run_options =
-        RunOptions { directory: directory.clone(), overwrite: true, threads: options.threads, checkpoints };
+    let run_options = RunOptions {
+        directory: directory.clone(),
+        overwrite: true,
+        by_force: false,
+        threads: options.threads,
+        checkpoints,
+    };
     let outcome = match resumed.unwrap_or_else(|| execute(setup, ENGINES[0], &run_options, stop, watcher)) {
         Ok(summary) if summary.status == Status::Stopped => {
             return Err(ValidateError::Stopped { directory: options.directory.clone() });

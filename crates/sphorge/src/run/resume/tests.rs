@@ -7,7 +7,7 @@ use crate::{
     run::{RunOptions, execute},
 };
 use std::{
-    fs::File,
+    fs::{self, File},
     io::{Read, Write},
     sync::Arc,
 };
@@ -67,6 +67,7 @@ fn go_on_with(folder: &Path, overrides: &[(&str, &str)]) -> (Result<Summary, Res
     let options = ResumeOptions {
         overrides: overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect(),
         most_particles: 1e6,
+        by_force: false,
         threads: Some(1),
         checkpoints: CheckpointPlan::default(),
         engines: vec![Arc::new(Cpu)],

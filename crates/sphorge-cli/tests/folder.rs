@@ -1,0 +1,149 @@
+//! What becomes of the folder of a run, and of what else is in it, when it is moved, prepared by others or written to twice.
+#![cfg(unix)]
+
+mod common;
+
+use common::{Ended, Place, wait_for};
+use std::{
+    fs,
+    os::unix::fs::symlink,
+    process::{Child, Command},
+};
+
+/// The plate for longer than any test takes, with frames that come one after the other.
+const LONG: [&str; 2] = ["--set", "time.end=\"20 ms\""];
+
+fn start_long(place: &Place, run: &str) -> Child {
+    fs::write(place.path("long.toml"), common::DECK.replace("frames = 4", "frame-interval = \"0.2 us\"")).unwrap();
+    let child = place.command(&["run", "long.toml", "-o", run, "--threads", "1", LONG[0], LONG[1]]).spawn().unwrap();
+    let frame = format!("{run}/fields/000003.vtp");
+    wait_for("the fourth frame", || place.path(&frame).exists());
+    child
+}
+
+fn end(child: Child) -> Ended {
+    Ended::from(child.wait_with_output().unwrap())
+}
+
+#[test]
+fn a_lock_that_leads_elsewhere_is_not_followed() {
+    let place = Place::new();
+    place.run(&["run", "plate.toml", "-o", "run", "--checkpoint-at-end"]).expect_code(0);
+    fs::write(place.path("thesis.txt"), "my thesis").unwrap();
+    let lock = place.path("run/.sphorge-lock");
+    let further = ["resume", "run", "--set", "time.end=\"3 us\""];
+    for command in [&further[..], &["run", "plate.toml", "-o", "run", "--overwrite"]] {
+        for target in ["../thesis.txt", "../none.txt"] {
+            fs::remove_file(&lock).unwrap();
+            symlink(target, &lock).unwrap();
+            place.run(command).expect_code(2).expect_told(&["symbolic link", "not followed"]);
+        }
+        fs::remove_file(&lock).unwrap();
+        fs::hard_link(place.path("thesis.txt"), &lock).unwrap();
+        place.run(command).expect_code(2).expect_told(&["second name"]);
+    }
+    assert_eq!(fs::read_to_string(place.path("thesis.txt")).unwrap(), "my thesis");
+    assert!(!place.path("none.txt").exists());
+    fs::remove_file(&lock).unwrap();
+    place.run(&further).expect_code(0);
+}
+
+#[test]
+fn a_run_whose_folder_is_moved_stops_and_leaves_alone_what_is_there_now() {
+    let place = Place::new();
+    let child = start_long(&place, "run");
+    fs::rename(place.path("run"), place.path("moved")).unwrap();
+    place.run(&["run", "plate.toml", "-o", "run"]).expect_code(0);
+    let told = end(child).expect_code(1);
+    told.expect_told(&["cannot write to its folder run any more", "moved"]);
+    let names: Vec<_> = fs::read_dir(place.path("run/fields")).unwrap().collect();
+    assert_eq!(names.len(), 5);
+    assert_eq!(place.summary("run")["status"], "completed");
+    assert!(!place.path("moved/summary.json").exists());
+}
+
+#[test]
+fn a_folder_that_is_taken_by_force_stops_the_run_that_wrote_to_it() {
+    let place = Place::new();
+    let child = start_long(&place, "run");
+    let again = ["run", "plate.toml", "-o", "run", "--overwrite"];
+    place.run(&again).expect_code(2).expect_told(&["another run writes to run: process", "--no-lock"]);
+    place.run(&[&again[..], &["--no-lock"]].concat()).expect_code(0);
+    end(child).expect_code(1).expect_told(&["its lock was removed, or taken by another run"]);
+    let names: Vec<_> = fs::read_dir(place.path("run/fields")).unwrap().collect();
+    assert_eq!((names.len(), place.summary("run")["status"].as_str()), (5, Some("completed")));
+}
+
+#[test]
+fn the_deck_in_the_folder_of_its_run_is_never_lost() {
+    let place = Place::new();
+    place.run(&["run", "plate.toml", "-o", "run"]).expect_code(0);
+    let deck = fs::read_to_string(place.path("run/deck.toml")).unwrap();
+    for microseconds in (0..60).map(|k| 1500 * k) {
+        let command = ["run", "run/deck.toml", "-o", "run", "--overwrite", "--threads", "1"];
+        let mut child = place.command(&command).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_micros(microseconds));
+        let _ = child.kill();
+        child.wait().unwrap();
+        assert_eq!(fs::read_to_string(place.path("run/deck.toml")).unwrap(), deck, "after {microseconds} us");
+    }
+}
+
+#[test]
+fn a_file_with_the_name_of_one_of_a_run_is_not_removed() {
+    let place = Place::new();
+    fs::create_dir(place.path("mine")).unwrap();
+    for name in ["history.csv", "deck.toml", "pressure-last.png"] {
+        fs::write(place.path("mine").join(name), "mine").unwrap();
+    }
+    let refused = place.run(&["run", "plate.toml", "-o", "mine", "--overwrite"]).expect_code(2);
+    refused.expect_told(&["mine is not the folder of a run"]);
+    place.run(&["run", "plate.toml", "-o", "run"]).expect_code(0);
+    place.run(&["plot", "run", "--field", "pressure"]).expect_code(0);
+    let drawn = || fs::read_dir(place.path("run/plots")).unwrap().count();
+    assert_eq!(drawn(), 1);
+    fs::write(place.path("run/plots/pressure-mine.png"), "mine").unwrap();
+    place.run(&["run", "plate.toml", "-o", "run", "--overwrite"]).expect_code(0);
+    assert_eq!(drawn(), 1);
+    assert_eq!(fs::read_to_string(place.path("run/plots/pressure-mine.png")).unwrap(), "mine");
+}
+
+/// A driver of the system's locks that says of each call that there are none, as network file systems do.
+fn without_locks(place: &Place) -> Option<String> {
+    let source = place.path("none.c");
+    fs::write(
+        &source,
+        "#include <errno.h>\nint flock(int f, int o) { (void)f; (void)o; errno = ENOLCK; return -1; }\n",
+    )
+    .unwrap();
+    let library = place.path("none.so");
+    let compiled = Command::new("cc").args(["-shared", "-fPIC", "-o"]).args([&library, &source]).status();
+    compiled.is_ok_and(|status| status.success()).then(|| library.to_string_lossy().into_owned())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn two_runs_do_not_share_a_folder_on_a_file_system_without_locks() {
+    let place = Place::new();
+    let Some(library) = without_locks(&place) else {
+        println!("skipped: no C compiler");
+        return;
+    };
+    fs::write(place.path("long.toml"), common::DECK.replace("frames = 4", "frame-interval = \"0.2 us\"")).unwrap();
+    let start = |arguments: &[&str]| {
+        let mut command = place.command(arguments);
+        command.env("LD_PRELOAD", &library);
+        command
+    };
+    let long = ["run", "long.toml", "-o", "run", "--threads", "1", LONG[0], LONG[1]];
+    let mut first = start(&long).spawn().unwrap();
+    wait_for("the first frame", || place.path("run/fields/000000.vtp").exists());
+    let again = ["run", "plate.toml", "-o", "run", "--overwrite"];
+    let second = || Ended::from(start(&again).output().unwrap());
+    second().expect_code(2).expect_told(&["another run writes to run: process"]);
+    // One that was killed has ended, as the system tells.
+    first.kill().unwrap();
+    first.wait().unwrap();
+    second().expect_code(0);
+    second().expect_code(0);
+}
