@@ -25,6 +25,9 @@ mod need {
     pub(super) const HERE: u8 = 2;
 }
 
+/// Cells along an axis, at most, of a state that is loaded: particles of one run are never so many reaches apart.
+const MOST_CELLS: f64 = 1e12;
+
 /// Points in the order of their cells.
 #[derive(Debug, Default)]
 pub(super) struct CellPoints {
@@ -244,9 +247,13 @@ impl Persist for CellPoints {
         self.sorted_for.persist(&format!("{name}.sorted_for"), archive)?;
         if !archive.is_saving() && !self.sorted_at.is_empty() {
             // Cells of no size, or as many as reach to infinity, cannot be made.
-            require(self.sorted_for.is_finite() && self.sorted_for > 0.0, &format!("{name}.sorted_for"))?;
             let points = std::mem::take(&mut self.sorted_at);
             require(are_places(&points), &format!("{name}.sorted_at"))?;
+            let (low, high) = bounds(&points);
+            let extent = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+            let is_a_reach =
+                self.sorted_for.is_normal() && self.sorted_for > 0.0 && extent < MOST_CELLS * self.sorted_for;
+            require(is_a_reach, &format!("{name}.sorted_for"))?;
             self.sort(&points, self.sorted_for, self.sorted_when);
         }
         Ok(())

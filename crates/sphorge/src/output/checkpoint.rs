@@ -1,9 +1,12 @@
 //! Checkpoints: the whole state of a run in one file, from which it goes on to the same bits.
 //!
 //! A checkpoint is a ZIP file without compression. `checkpoint.json` says what it is, `deck.toml` is the deck as run, and every other
-//! entry is one value of [`crate::engine::persist`] under its name, in little-endian bytes. Entries have CRC-32 sums, and the directory
-//! of a ZIP file stands at its end, so that what is torn, cut short or changed is recognised before anything is loaded. Like every file
-//! of a run it is written aside and renamed into place.
+//! entry is one value of [`crate::engine::persist`] under its name, in little-endian bytes. The last entry is the SHA-256 sum of all others,
+//! and the directory of a ZIP file stands at its end, so that what is torn, cut short or changed is recognised before anything is loaded. Like
+//! every file of a run it is written aside and renamed into place.
+//!
+//! A sum tells of damage, and of changes by who does not know of it. Whoever writes the sum anew can change a checkpoint at will: values that no
+//! state can have are refused, others are used.
 //!
 //! Of a run on many processes it holds what the first one has, and names the files of the others ([`super::checkpoint_parts`]), which are there
 //! before it is.
@@ -15,9 +18,11 @@ use super::{
     directory::name_of,
     error::{AtPath, OutputError},
     regular_file,
+    sum::hexadecimal,
 };
 use crate::engine::persist::{Archive, ArchiveError, Parts};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::{
     fs::{self, File},
     io::{self, BufReader, Read, Write},
@@ -26,15 +31,17 @@ use std::{
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions, write::StreamWriter};
 
 /// Version of the format of checkpoints; that of the values in it is the program's.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 3;
 /// The same of those in parts.
-const FORMAT_IN_PARTS: u32 = 2;
+const FORMAT_IN_PARTS: u32 = 4;
 /// Checkpoints that are kept.
 const KEPT: usize = 2;
 
 const ABOUT: &str = "checkpoint.json";
 const DECK: &str = "deck.toml";
 const STATE: &str = "state/";
+/// The last entry: sum of all others, in hexadecimal digits.
+const SUM: &str = "sha256";
 pub(super) const PREFIX: &str = "checkpoint-";
 const SUFFIX: &str = ".zip";
 
@@ -174,13 +181,14 @@ pub(crate) fn is_checkpoint(name: &str) -> bool {
 /// Writes values into a file.
 pub(super) struct Writer<'a> {
     zip: ZipWriter<StreamWriter<&'a mut dyn Sink>>,
+    sum: Sha256,
     failure: Option<io::Error>,
     parts: Option<Parts>,
 }
 
 impl<'a> Writer<'a> {
     pub(super) fn new(out: &'a mut dyn Sink) -> Self {
-        Self { zip: ZipWriter::new_stream(out), failure: None, parts: None }
+        Self { zip: ZipWriter::new_stream(out), sum: Sha256::new(), failure: None, parts: None }
     }
 
     pub(super) fn add(&mut self, name: &str, bytes: &[u8]) {
@@ -188,12 +196,16 @@ impl<'a> Writer<'a> {
             let options = SimpleFileOptions::default()
                 .compression_method(CompressionMethod::Stored)
                 .large_file(bytes.len() as u64 >= u64::from(u32::MAX));
+            add_entry(&mut self.sum, name, bytes.len() as u64);
+            self.sum.update(bytes);
             let started = self.zip.start_file(name, options).map_err(io::Error::other);
             self.failure = started.and_then(|()| self.zip.write_all(bytes)).err();
         }
     }
 
-    pub(super) fn finish(self) -> io::Result<()> {
+    pub(super) fn finish(mut self) -> io::Result<()> {
+        let sum = hexadecimal(&self.sum.clone().finalize());
+        self.add(SUM, sum.as_bytes());
         match self.failure {
             Some(error) => Err(error),
             None => self.zip.finish().map(drop).map_err(io::Error::other),
@@ -216,6 +228,26 @@ impl Archive for Writer<'_> {
     }
 }
 
+/// Takes an entry into the sum, before its bytes: where it begins and ends is part of it.
+fn add_entry(sum: &mut Sha256, name: &str, length: u64) {
+    sum.update((name.len() as u64).to_le_bytes());
+    sum.update(name.as_bytes());
+    sum.update(length.to_le_bytes());
+}
+
+/// Takes what is written to it into a sum.
+struct Summed<'a>(&'a mut Sha256);
+
+impl Write for Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 /// A file of values that is whole.
 pub(super) struct Values(ZipArchive<BufReader<File>>);
 
@@ -227,11 +259,20 @@ impl Values {
         let file_bytes = file.get_ref().metadata().reading(path)?.len();
         let mut zip = ZipArchive::new(file).map_err(|error| damaged(&error))?;
         check_sizes(&mut zip, file_bytes).map_err(|reason| damaged(&reason))?;
+        let mut sum = Sha256::new();
         for index in 0..zip.len() {
             let mut entry = zip.by_index(index).map_err(|error| damaged(&error))?;
-            io::copy(&mut entry, &mut io::sink()).map_err(|error| damaged(&error))?;
+            let name = entry.name().map_err(|error| damaged(&error))?.into_owned();
+            if name != SUM {
+                add_entry(&mut sum, &name, entry.size());
+                io::copy(&mut entry, &mut Summed(&mut sum)).map_err(|error| damaged(&error))?;
+            }
         }
-        Ok(Self(zip))
+        match read(&mut zip, SUM) {
+            Ok(told) if told == hexadecimal(&sum.finalize()).as_bytes() => Ok(Self(zip)),
+            Ok(_) => Err(damaged(&"its SHA-256 sum is another")),
+            Err(_) => Err(damaged(&"it has no SHA-256 sum")),
+        }
     }
 
     /// The bytes of an entry.
@@ -461,7 +502,7 @@ mod tests {
         let about = About { format: FORMAT + 1, ..About::new("cpu", "bar", 3, 0.0) };
         let path = write_checkpoint(&directory, &about, "", 1, |_| Ok(())).unwrap().unwrap();
         let Err(OutputError::Damaged { reason, .. }) = Checkpoint::open(&path) else { panic!("it is opened") };
-        assert!(reason.contains("format is 2"), "{reason}");
+        assert!(reason.contains("format is 4"), "{reason}");
         let none = write_checkpoint(&directory, &About::new("cpu", "bar", 4, 0.0), "", 1, |_| {
             Err(ArchiveError::Unsupported("no state".into()))
         });

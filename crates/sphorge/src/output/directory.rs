@@ -9,10 +9,12 @@ use super::{
     lock::{LOCK, Lock, Refusal, is_locked_by_another},
     mark::{MARK, Mark, Marked, add_picture},
     pieces::remove_pieces,
+    sum::{Sum, sum_in, sum_of},
 };
 use serde::{Deserialize, Serialize};
 use std::{
-    fs, io,
+    fs,
+    io::{self, Read},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -229,6 +231,30 @@ impl RunDirectory {
         let folder = self.folder()?;
         self.note_name(name)?;
         folder.write(name, durability, content).writing(&self.path.join(name))
+    }
+
+    /// The same, and the sum by which the file is known again.
+    pub(crate) fn write_summed(
+        &self,
+        name: &str,
+        durability: Durability,
+        content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
+    ) -> Result<Sum, OutputError> {
+        let folder = self.folder()?;
+        self.note_name(name)?;
+        folder.write_and(name, durability, content, sum_of).writing(&self.path.join(name))
+    }
+
+    /// Whether a file is the one of this sum.
+    pub(crate) fn has(&self, name: &str, sum: &Sum) -> bool {
+        self.opened().is_ok_and(|folder| sum_in(&folder, name).is_ok_and(|found| found == *sum))
+    }
+
+    /// Whether a file begins with these bytes.
+    pub(crate) fn begins_with(&self, name: &str, bytes: &[u8]) -> bool {
+        let mut found = Vec::new();
+        let file = self.opened().and_then(|folder| folder.open_file(name).reading(&self.path.join(name)));
+        file.is_ok_and(|file| file.take(bytes.len() as u64).read_to_end(&mut found).is_ok()) && found == bytes
     }
 
     /// Removes a file of the run.

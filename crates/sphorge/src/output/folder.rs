@@ -188,11 +188,23 @@ impl Folder {
         durability: Durability,
         content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
     ) -> io::Result<()> {
+        self.write_and(name, durability, content, |_| Ok(()))
+    }
+
+    /// The same, with a look at the file before it takes its name.
+    pub(super) fn write_and<T>(
+        &self,
+        name: &str,
+        durability: Durability,
+        content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
+        look: impl FnOnce(&mut File) -> io::Result<T>,
+    ) -> io::Result<T> {
         let (folder, name) = self.place(name)?;
         let (mut unfinished, file) = folder.unfinished()?;
         let mut writer = BufWriter::with_capacity(1 << 17, file);
         content(&mut writer)?;
-        let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let mut file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let seen = look(&mut file)?;
         if durability == Durability::Disk {
             file.sync_all()?;
         }
@@ -201,7 +213,7 @@ impl Folder {
         if durability == Durability::Disk {
             folder.sync();
         }
-        Ok(())
+        Ok(seen)
     }
 
     /// A file of a name of its own, which goes with what is returned beside it.

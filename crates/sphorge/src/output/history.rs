@@ -16,7 +16,7 @@ use super::{
     RunDirectory,
     atomic::Durability,
     directory::{COLUMNS, HISTORY},
-    error::OutputError,
+    error::{AtPath, OutputError},
     sync::Pacing,
 };
 use crate::{
@@ -280,6 +280,7 @@ pub(crate) fn measure_unit(kind: &MeasureKind) -> &'static str {
 #[derive(Debug)]
 pub(crate) struct History {
     directory: RunDirectory,
+    columns: Vec<HistoryColumn>,
     text: Vec<u8>,
     written: usize,
     pacing: Pacing,
@@ -292,11 +293,8 @@ impl History {
         model: &Model,
         observed: &[HistoryColumn],
     ) -> Result<Self, OutputError> {
-        let (mut history, columns) = Self::without_rows(directory, model, observed)?;
-        directory.write(COLUMNS, Durability::Disk, |out| {
-            serde_json::to_writer_pretty(&mut *out, &columns)?;
-            out.write_all(b"\n")
-        })?;
+        let mut history = Self::without_rows(directory, model, observed)?;
+        history.write_columns()?;
         history.save()?;
         Ok(history)
     }
@@ -307,15 +305,11 @@ impl History {
         model: &Model,
         observed: &[HistoryColumn],
     ) -> Result<Self, OutputError> {
-        Ok(Self::without_rows(directory, model, observed)?.0)
+        Self::without_rows(directory, model, observed)
     }
 
-    /// The line of names, and the columns.
-    fn without_rows(
-        directory: &RunDirectory,
-        model: &Model,
-        observed: &[HistoryColumn],
-    ) -> Result<(Self, Vec<HistoryColumn>), OutputError> {
+    /// The line of names.
+    fn without_rows(directory: &RunDirectory, model: &Model, observed: &[HistoryColumn]) -> Result<Self, OutputError> {
         let ledger = Ledger {
             bodies: vec![Default::default(); model.bodies.len()],
             heat: HeatLedger { supplied: vec![0.0; model.thermal.boundaries.len()], exchanged: 0.0 },
@@ -340,9 +334,36 @@ impl History {
             observed: (observed, &vec![None; observed.len()]),
         };
         let columns: Vec<HistoryColumn> = row(model, &sample).cells.into_iter().map(|(column, _)| column).collect();
-        let mut history = Self { directory: directory.clone(), text: Vec::new(), written: 0, pacing: Pacing::new() };
-        history.append(columns.iter().map(|column| column.name.clone()))?;
-        Ok((history, columns))
+        let mut history =
+            Self { directory: directory.clone(), columns, text: Vec::new(), written: 0, pacing: Pacing::new() };
+        let names: Vec<String> = history.columns.iter().map(|column| column.name.clone()).collect();
+        history.append(names.into_iter())?;
+        Ok(history)
+    }
+
+    /// Writes what the columns are.
+    fn write_columns(&self) -> Result<(), OutputError> {
+        let text = self.columns_text()?;
+        self.directory.write(COLUMNS, Durability::Disk, |out| out.write_all(text.as_bytes()))
+    }
+
+    fn columns_text(&self) -> Result<String, OutputError> {
+        let text = serde_json::to_string_pretty(&self.columns).map_err(std::io::Error::other);
+        text.map(|text| text + "\n").writing(&self.directory.history_columns())
+    }
+
+    /// Writes anew what was saved, and the columns where they are others. Returns the names of files that were not what was written up to then.
+    pub(crate) fn rewrite(&mut self) -> Result<Vec<&'static str>, OutputError> {
+        let mut differing = Vec::new();
+        if !self.directory.begins_with(COLUMNS, self.columns_text()?.as_bytes()) {
+            differing.push(COLUMNS);
+            self.write_columns()?;
+        }
+        if !self.directory.begins_with(HISTORY, &self.text) {
+            differing.push(HISTORY);
+        }
+        self.save()?;
+        Ok(differing)
     }
 
     /// Adds a row.

@@ -14,6 +14,7 @@ mod numbered;
 mod pieces;
 pub(crate) mod regular_file;
 mod series;
+mod sum;
 mod summary;
 mod sync;
 #[cfg(test)]
@@ -43,7 +44,8 @@ pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};
 pub(crate) use history_read::last_step;
 pub(crate) use mark::MARK;
 pub(crate) use pieces::{PieceRequest, write_pieces};
-pub(crate) use series::write_series;
+pub(crate) use series::{series_text, write_series};
+pub(crate) use sum::Sum;
 pub(crate) use sync::DiskSync;
 pub(crate) use vtp::uncompressed_bytes;
 

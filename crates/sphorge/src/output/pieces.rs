@@ -11,6 +11,7 @@ use super::{
     error::{AtPath, OutputError},
     folder::Folder,
     numbered::{numbered, remove_numbered},
+    sum::Sum,
     vtp::{array_element, unit_label, written_fields},
 };
 use crate::engine::{FieldSource, InPieces};
@@ -69,7 +70,7 @@ fn with_order(fields: &[String]) -> Vec<String> {
 }
 
 /// Has all processes write their pieces of frame `index`, then names them in its file. Returns the files that this process has written, in the folder
-/// of the run.
+/// of the run, and the sum of the one that names the pieces.
 ///
 /// # Errors
 /// The inner one: a file cannot be written.
@@ -79,7 +80,7 @@ pub(crate) fn write_pieces(
     model: &Model,
     (time, step): (f64, u64),
     processes: &dyn InPieces,
-) -> Result<Result<[String; 2], OutputError>, crate::engine::RunFailure> {
+) -> Result<Result<([String; 2], Sum), OutputError>, crate::engine::RunFailure> {
     let file = RunDirectory::frame_name(index, true);
     let name = RunDirectory::piece_folder(index);
     let path = directory.path().join(&name);
@@ -101,8 +102,8 @@ pub(crate) fn write_pieces(
         let header = FrameHeader::new(model, time, step);
         let text = FrameWriter::new(model).named_pieces(&header, &model.output.fields, index, processes.pieces());
         let text = text.writing(&path)?;
-        directory.write(&file, Durability::Process, |out| out.write_all(text.as_bytes()))?;
-        Ok([piece, file])
+        let sum = directory.write_summed(&file, Durability::Process, |out| out.write_all(text.as_bytes()))?;
+        Ok(([piece, file], sum))
     });
     if named.is_err() {
         // All processes have ended what they wrote; a frame that is not named is of no use.

@@ -7,7 +7,7 @@ use super::{
     error::{AtPath, OutputError},
     regular_file, xml,
 };
-use std::path::PathBuf;
+use std::{fmt::Write, path::PathBuf};
 
 /// A frame of a series.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,17 +21,23 @@ pub struct SeriesEntry {
 /// Writes the collection.
 pub(crate) fn write_series(directory: &RunDirectory, entries: &[SeriesEntry]) -> Result<(), OutputError> {
     directory.write(SERIES, Durability::Process, |out| {
-        out.write_all(
-            br#"<?xml version="1.0"?>
-<VTKFile type="Collection" version="1.0" byte_order="LittleEndian" header_type="UInt64">
-  <Collection>
-"#,
-        )?;
-        for SeriesEntry { time, file } in entries {
-            writeln!(out, r#"    <DataSet timestep="{time:e}" part="0" file="{file}"/>"#)?;
-        }
+        out.write_all(series_text(entries).as_bytes())?;
         out.write_all(b"  </Collection>\n</VTKFile>\n")
     })
+}
+
+/// The collection up to the last of some entries.
+pub(crate) fn series_text(entries: &[SeriesEntry]) -> String {
+    let mut text = r#"<?xml version="1.0"?>
+<VTKFile type="Collection" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+  <Collection>
+"#
+    .to_owned();
+    for SeriesEntry { time, file } in entries {
+        // A text does not fail to grow.
+        let _ = writeln!(text, r#"    <DataSet timestep="{time:e}" part="0" file="{file}"/>"#);
+    }
+    text
 }
 
 /// The frames of a run in order of time, with their full paths.

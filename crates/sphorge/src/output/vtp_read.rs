@@ -105,6 +105,21 @@ impl FrameFile {
         Ok(frame)
     }
 
+    /// Whether all of a frame can be read. Of one that is known by the sum of its file, this says something only where that names pieces.
+    pub(crate) fn is_whole(path: &Path, is_known: bool) -> bool {
+        let is_in_pieces = path.extension().is_some_and(|ending| ending == "pvtp");
+        if is_known && !is_in_pieces {
+            return true;
+        }
+        let read = || -> Result<(), OutputError> {
+            let mut frame = Self::open(path)?;
+            frame.positions()?;
+            let names: Vec<String> = frame.arrays.iter().map(|array| array.name.clone()).collect();
+            names.iter().try_for_each(|name| frame.column(name).map(drop))
+        };
+        read().is_ok()
+    }
+
     /// Fields in the frame.
     pub fn arrays(&self) -> &[FrameArray] {
         &self.arrays

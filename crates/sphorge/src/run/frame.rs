@@ -2,7 +2,7 @@
 
 use crate::{
     engine::FieldSource,
-    output::{AtPath, Durability, FrameHeader, FrameWriter, OutputError, RunDirectory, Sink},
+    output::{AtPath, Durability, FrameHeader, FrameWriter, OutputError, RunDirectory, Sink, Sum},
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::{
@@ -18,15 +18,15 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Writes it.
+    /// Writes it; returns the sum of its file.
     pub(super) fn write(
         &self,
         source: &dyn FieldSource,
         directory: &RunDirectory,
         name: &str,
-    ) -> Result<(), OutputError> {
+    ) -> Result<Sum, OutputError> {
         let content = |mut out: &mut dyn Sink| self.writer.write(&mut out, &self.header, source, &self.fields);
-        directory.write(name, Durability::Process, content)
+        directory.write_summed(name, Durability::Process, content)
     }
 }
 
@@ -42,7 +42,7 @@ pub(super) fn frame_thread() -> Option<ThreadPool> {
 pub(super) struct FrameUnderWay {
     directory: RunDirectory,
     name: String,
-    written: Receiver<Result<(), OutputError>>,
+    written: Receiver<Result<Sum, OutputError>>,
 }
 
 impl FrameUnderWay {
@@ -66,11 +66,11 @@ impl FrameUnderWay {
         Self { directory: directory.clone(), name, written }
     }
 
-    /// The file, in the folder of the run, when it is there.
-    pub(super) fn wait(self) -> Result<String, OutputError> {
+    /// The file, in the folder of the run, and its sum, when it is there.
+    pub(super) fn wait(self) -> Result<(String, Sum), OutputError> {
         let path = self.directory.path().join(&self.name);
         match self.written.recv() {
-            Ok(done) => done.map(|()| self.name),
+            Ok(done) => done.map(|sum| (self.name, sum)),
             Err(_) => Err(io::Error::other("the thread that writes the frame has ended")).writing(&path),
         }
     }

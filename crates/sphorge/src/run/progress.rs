@@ -89,6 +89,9 @@ const REPORT_INTERVAL: f64 = 0.1;
 /// Seconds over which the speed is averaged for the time left.
 const MEMORY: f64 = 10.0;
 
+/// No run takes so many seconds: a thousand years.
+const LONGEST: f64 = 3e10;
+
 /// Turns counts into rates.
 #[derive(Debug)]
 pub(super) struct Pace {
@@ -117,6 +120,14 @@ impl Pace {
     /// The step of the last report.
     pub(super) fn last_step(&self) -> u64 {
         self.last_step
+    }
+
+    /// Whether its numbers can be those of a run.
+    pub(super) fn is_possible(&self) -> bool {
+        let seconds = [self.before, self.last_seconds, self.recent.1];
+        let shares = [self.last_fraction, self.recent.0];
+        seconds.iter().all(|seconds| (0.0..LONGEST).contains(seconds))
+            && shares.iter().all(|share| (0.0..=1.0 + 1e-9).contains(share))
     }
 
     pub(super) fn seconds(&self) -> f64 {

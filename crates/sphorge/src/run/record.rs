@@ -18,12 +18,13 @@ use crate::{
     model::{Body, Model, Precision},
     observed::Observed,
     output::{
-        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameHeader, FrameWriter, HISTORY,
-        History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, Status, Summary, WarningRecord,
-        measure_unit, write_pieces, write_series,
+        AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameFile, FrameHeader, FrameWriter,
+        HISTORY, History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, Status, Sum, Summary,
+        WarningRecord, measure_unit, series_text, write_pieces, write_series,
     },
 };
-use std::{array, time::Instant};
+use rayon::prelude::*;
+use std::{array, collections::BTreeMap, time::Instant};
 
 /// Everything that is written while a run goes on.
 pub(super) struct Recorder {
@@ -37,6 +38,8 @@ pub(super) struct Recorder {
     conservation: Conservation,
     watch: Watch,
     frames: Vec<SeriesEntry>,
+    /// Sums of their files, by their numbers.
+    sums: BTreeMap<usize, Sum>,
     last_frame_step: Option<u64>,
     /// The last frame, while it is being written.
     under_way: Option<FrameUnderWay>,
@@ -111,6 +114,7 @@ impl Recorder {
             conservation: Conservation::new(mirrored),
             watch: Watch::new(model),
             frames: Vec::new(),
+            sums: BTreeMap::new(),
             last_frame_step: None,
             under_way: None,
             frame_thread: None,
@@ -140,27 +144,69 @@ impl Recorder {
         &self.directory
     }
 
-    /// Frames that should be there and are not, or are empty.
-    pub(super) fn missing_frames(&self) -> usize {
-        let is_there = |entry: &&SeriesEntry| {
-            std::fs::metadata(self.directory.path().join(&entry.file)).is_ok_and(|file| file.len() > 0)
+    /// Files of frames that should be there and are not, or are not what was written.
+    pub(super) fn spoiled_frames(&self) -> Vec<&str> {
+        let (directory, sums) = (&self.directory, &self.sums);
+        let is_whole = |(index, entry): (usize, &SeriesEntry)| match sums.get(&index) {
+            Some(sum) if !directory.has(&entry.file, sum) => false,
+            // Of frames in pieces the sum is that of the file that names them.
+            known => FrameFile::is_whole(&directory.path().join(&entry.file), known.is_some()),
         };
-        self.frames.len() - self.frames.iter().filter(is_there).count()
+        let spoiled = self.frames.par_iter().enumerate().filter(|frame| !is_whole(*frame));
+        spoiled.map(|(_, entry)| entry.file.as_str()).collect()
     }
 
-    /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was.
-    pub(super) fn rewrite(&mut self) -> Result<(), OutputError> {
+    /// A number that no run can have at this time, after so many steps.
+    pub(super) fn impossible_number(&self, time: f64, steps: u64) -> Option<&'static str> {
+        let times: Vec<f64> = self.frames.iter().map(|frame| frame.time).collect();
+        let latest = time * (1.0 + 1e-9);
+        let sums = |sums: &StepSums| {
+            let most = sums.count as f64;
+            sums.count <= steps && (0.0..=most).contains(&sums.searched) && (0.0..1e30).contains(&sums.pairs)
+        };
+        let energies = [
+            self.energies.kinetic,
+            self.energies.internal,
+            self.energies.elastic,
+            self.energies.plastic_work,
+            self.external_work,
+            self.integration_energy,
+            self.hourglass_energy,
+            self.viscous_energy,
+            self.artificial_stress_energy,
+        ];
+        let is_past = |step: Option<u64>| step.is_none_or(|step| step <= steps);
+        let numbers = [
+            (times.is_sorted() && times.iter().all(|time| (0.0..=latest).contains(time)), "frame_times"),
+            (is_past(self.last_frame_step), "last_frame_step"),
+            (is_past(self.last_row_step), "last_row_step"),
+            (energies.iter().all(|energy| energy.is_finite()) && self.energies.kinetic >= 0.0, "energies"),
+            (sums(&self.steps) && sums(&self.steps_at_last_row), "steps"),
+            (self.step_size.0.is_finite() && self.step_size.0 >= 0.0, "step_size"),
+            (self.engine_bytes < 1 << 56, "engine_bytes"),
+            (self.seconds.is_finite() && self.seconds >= 0.0, "seconds"),
+        ];
+        numbers.into_iter().find(|(fits, _)| !fits).map(|(_, name)| name)
+    }
+
+    /// Brings the files to what has been loaded: rows, list of frames, no frames beyond and nothing of the end there was. Returns the names of files
+    /// that were not what had been written.
+    pub(super) fn rewrite(&mut self) -> Result<Vec<&'static str>, OutputError> {
         if let Some(under_way) = self.under_way.take() {
-            let name = under_way.wait()?;
+            let (name, _) = under_way.wait()?;
             self.is_written(&name)?;
         }
         self.directory.clear_end()?;
         self.directory.remove_frames(self.frames.len())?;
         self.disk.forget_missing();
+        let mut differing = self.history.rewrite()?;
         if !self.frames.is_empty() {
+            if !self.directory.begins_with(SERIES, series_text(&self.frames).as_bytes()) {
+                differing.push(SERIES);
+            }
             write_series(&self.directory, &self.frames)?;
         }
-        self.history.flush()
+        Ok(differing)
     }
 
     /// Notes the size of the first step before it is taken.
@@ -300,7 +346,11 @@ impl Recorder {
         let processes = engine.in_pieces().filter(|_| model.output.in_pieces);
         let file = RunDirectory::frame_name(index, processes.is_some());
         let written = match processes {
-            Some(processes) => Vec::from(write_pieces(&self.directory, index, model, at, processes)??),
+            Some(processes) => {
+                let (written, sum) = write_pieces(&self.directory, index, model, at, processes)??;
+                self.sums.insert(index, sum);
+                Vec::from(written)
+            }
             None => {
                 let frame = Frame {
                     writer: self.frame_writer.clone(),
@@ -318,7 +368,7 @@ impl Recorder {
                     self.seconds += start.elapsed().as_secs_f64();
                     return Ok(index);
                 }
-                frame.write(engine, &self.directory, &file)?;
+                self.sums.insert(index, frame.write(engine, &self.directory, &file)?);
                 vec![file.clone()]
             }
         };
@@ -346,7 +396,10 @@ impl Recorder {
     pub(super) fn settle(&mut self) -> Result<(), OutputError> {
         let Some(under_way) = self.under_way.take() else { return Ok(()) };
         match under_way.wait() {
-            Ok(name) => self.frame_is_there(&[name]),
+            Ok((name, sum)) => {
+                self.sums.insert(self.frames.len().saturating_sub(1), sum);
+                self.frame_is_there(&[name])
+            }
             Err(error) => {
                 self.frames.pop();
                 self.last_frame_step = None;
@@ -482,6 +535,14 @@ impl Persist for Recorder {
         };
         let entry = |(index, time)| SeriesEntry { time, file: RunDirectory::frame_name(index, in_pieces(index)) };
         self.frames = times.into_iter().enumerate().map(entry).collect();
+        let mut sums: Vec<(usize, Sum)> = self.sums.iter().map(|(index, sum)| (*index, *sum)).collect();
+        sums.persist(&of("frame_sums"), archive)?;
+        // A frame that was under way when a state was kept in memory has its sum by now.
+        self.sums.retain(|index, _| *index < self.frames.len());
+        for (index, sum) in sums {
+            self.sums.entry(index).or_insert(sum);
+        }
+        require(self.sums.keys().all(|index| *index < self.frames.len()), &of("frame_sums"))?;
         self.last_frame_step.persist(&of("last_frame_step"), archive)?;
         self.last_row_step.persist(&of("last_row_step"), archive)?;
         self.energies.persist(&of("energies"), archive)?;

@@ -153,17 +153,14 @@ pub fn resume(
         .build()
         .map_err(|source| ResumeError::Run(RunError::Threads { threads, source }))?;
     let directory = RunDirectory::go_on(path, options.by_force)?;
-    let deck = regular_file::read_to_string(&directory.deck()).ok();
     let mut passed_over = Vec::new();
+    let mut unusable = None;
     for (_, file) in checkpoints(path)? {
         let why = match Checkpoint::open(&file) {
             Err(error) => error.to_string(),
             // As a former run leaves it whose folder a new one was overwriting when it was killed.
             Ok(checkpoint) if checkpoint.is_of_another_run(&directory) => {
                 format!("{} belongs to another run", file.display())
-            }
-            Ok(checkpoint) if deck.as_ref().is_some_and(|deck| !checkpoint.is_of(deck)) => {
-                format!("{} belongs to a run of another deck", file.display())
             }
             Ok(checkpoint) => {
                 match options.engines.iter().find(|engine| engine.saved_as() == checkpoint.about.engine) {
@@ -184,13 +181,24 @@ pub fn resume(
                         ));
                         }
                         let name = checkpoint.about.deck_name.clone();
-                        let setup =
-                            load_text_within(&name, &checkpoint.deck, &options.overrides, options.most_particles)?;
-                        let saved =
-                            Saved { directory: directory.clone(), checkpoint, setup, passed_over: passed_over.clone() };
-                        match pool.install(|| go_on_from(saved, &**kind, options, stop, observer))? {
-                            Ok(summary) => return Ok(summary),
-                            Err(why) => format!("{}: {why}", file.display()),
+                        let load = |overrides: &[(String, String)]| {
+                            load_text_within(&name, &checkpoint.deck, overrides, options.most_particles)
+                        };
+                        match load(&[]) {
+                            Err(report) => {
+                                let why = format!("the deck in {} cannot be used: {report}", file.display());
+                                unusable.get_or_insert(report);
+                                why
+                            }
+                            Ok(own) => {
+                                let setup = if options.overrides.is_empty() { own } else { load(&options.overrides)? };
+                                let (directory, passed_over) = (directory.clone(), passed_over.clone());
+                                let saved = Saved { directory, checkpoint, setup, passed_over };
+                                match pool.install(|| go_on_from(saved, &**kind, options, stop, observer))? {
+                                    Ok(summary) => return Ok(summary),
+                                    Err(why) => format!("{}: {why}", file.display()),
+                                }
+                            }
                         }
                     }
                 }
@@ -202,6 +210,9 @@ pub fn resume(
         passed_over.extend(file.file_name().map(|name| name.to_string_lossy().into_owned()));
     }
     tell_others(passed_over.len(), observer);
+    if let Some(report) = unusable {
+        return Err(report.into());
+    }
     Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended: summary_of_end(&directory).is_some() })
 }
 
@@ -221,7 +232,10 @@ fn goes_beyond(end: &Summary, asked: &TimeControl, former_fraction: impl FnOnce(
     end.end_reason != EndReason::KineticEnergy || former_fraction().is_some_and(|former| fraction < former)
 }
 
-/// Checkpoints of no use that are told one by one.
+/// What stood in the place of the deck of a run, and is not it.
+const FOUND_DECK: &str = "deck-found.toml";
+
+/// Checkpoints of no use, and frames, that are told one by one.
 const MOST_TOLD: usize = 3;
 
 /// Tells how many more checkpoints of no use there are.
@@ -293,6 +307,9 @@ fn go_on_from(
     if let Some(field) = state.broken_field() {
         return Ok(Err(format!("its `{field}` has values that no particle can have")));
     }
+    if let Some(name) = state.impossible_number(deck_text == checkpoint.deck) {
+        return Ok(Err(format!("its `{name}` is not that of a run")));
+    }
     tell_others(passed_over.len(), observer);
     let repeated = match steps_done(&directory).saturating_sub(about.step) {
         0 => String::new(),
@@ -304,7 +321,8 @@ fn go_on_from(
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
-    let deck = regular_file::read_to_string(&directory.deck()).unwrap_or_default();
+    let found = regular_file::read(&directory.deck());
+    let deck = found.as_ref().map_or_else(|_| String::new(), |deck| String::from_utf8_lossy(deck).into_owned());
     if deck_text != checkpoint.deck {
         // Nothing in the folder changes if the run cannot be saved with its changed deck: no checkpoint would be of that.
         state.align_output();
@@ -312,11 +330,28 @@ fn go_on_from(
     }
     directory.adopt(checkpoint.about.run.as_deref());
     // From here on the folder is that of the run that goes on.
-    match state.recorder.missing_frames() {
-        0 => {}
-        missing => observer.noted(&format!("{missing} earlier frames are missing or empty")),
+    let spoiled = state.recorder.spoiled_frames();
+    if !spoiled.is_empty() {
+        let few = spoiled[..spoiled.len().min(MOST_TOLD)].join(", ");
+        let more = match spoiled.len().saturating_sub(MOST_TOLD) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        observer.noted(&format!("earlier frames are missing or damaged: {few}{more}"));
     }
-    state.recorder.rewrite().map_err(output)?;
+    for name in state.recorder.rewrite().map_err(output)? {
+        observer.noted(&format!("{name} was not what the run had written; it is written again"));
+    }
+    match found {
+        Ok(_) if checkpoint.is_of(&deck) => {}
+        Ok(bytes) => {
+            directory.write(FOUND_DECK, Durability::Disk, |out| out.write_all(&bytes)).map_err(output)?;
+            observer.noted(&format!(
+                "{DECK} is not the deck of the run; the one in the checkpoint is used, and {DECK} is kept as {FOUND_DECK}"
+            ));
+        }
+        Err(_) => observer.noted(&format!("{DECK} cannot be read; the one in the checkpoint is used")),
+    }
     if deck != deck_text {
         directory.write(DECK, Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
     }

@@ -35,6 +35,14 @@ impl Schedule {
         true
     }
 
+    /// Whether the next time is that of a run which is at `time`: ahead of it, by an interval at most.
+    pub(super) fn is_next_at(&self, time: f64) -> bool {
+        let mut aligned = *self;
+        aligned.align(time);
+        // Rounding may have put a time on either side of a multiple.
+        self.next.abs_diff(aligned.next) <= 1
+    }
+
     /// Makes the first multiple after a time the next one.
     pub(super) fn align(&mut self, time: f64) {
         self.next = (time / self.interval * (1.0 + 1e-11)) as u64 + 1;

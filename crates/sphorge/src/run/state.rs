@@ -15,6 +15,7 @@ use crate::{
     geometry::FilledMass,
     model::TimeControl,
     output::{EndReason, OutputError, RunDirectory},
+    particles::Column,
 };
 
 /// A run under way.
@@ -90,17 +91,48 @@ impl RunState {
         Ok(())
     }
 
-    /// A field in which some particle has no finite value, or a density that is not positive.
+    /// A field in which some particle has a value that none can have.
     pub(super) fn broken_field(&self) -> Option<&'static str> {
-        const FIELDS: [&str; 7] =
-            ["position", "velocity", "density", "energy", "temperature", "plastic_strain", "stress"];
-        FIELDS.into_iter().find(|field| match self.simulation.read(field) {
+        // Largest magnitudes: the speed of light and its square, and what is far beyond any matter.
+        const FIELDS: [(&str, f64); 8] = [
+            ("position", 1e30),
+            ("velocity", 3e8),
+            ("density", 1e9),
+            ("mass", 1e30),
+            ("energy", 9e16),
+            ("temperature", 1e12),
+            ("plastic_strain", 1e6),
+            ("stress", 1e24),
+        ];
+        let is_broken = |(field, most): &(&str, f64)| match self.simulation.read(field) {
             Ok(column) => (0..column.len()).any(|i| {
                 let size = column.magnitude(i);
-                !size.is_finite() || *field == "density" && size <= 0.0
+                // Not of a number, too.
+                !(size <= *most)
+                    || match (*field, &column) {
+                        ("density" | "mass", _) => size <= 0.0,
+                        ("plastic_strain", Column::Scalar(values)) => values[i] < 0.0,
+                        _ => false,
+                    }
             }),
             Err(_) => true,
-        })
+        };
+        FIELDS.iter().find(|field| is_broken(field)).map(|(field, _)| *field)
+    }
+
+    /// A number, beside those of particles, that no run can have at this time. Output times are those of the deck that was saved.
+    pub(super) fn impossible_number(&self, has_saved_output: bool) -> Option<&'static str> {
+        let (time, steps) = (self.simulation.time(), self.simulation.steps());
+        let energies = [self.initial_kinetic, self.kinetic];
+        let is_next = |schedule: &Schedule| !has_saved_output || schedule.is_next_at(time);
+        let numbers = [
+            (is_next(&self.frames), "run.frames.next"),
+            (is_next(&self.rows), "run.rows.next"),
+            (energies.iter().all(|energy| energy.is_finite() && *energy >= 0.0), "run.kinetic"),
+            (self.pace.is_possible(), "run.pace"),
+        ];
+        let wrong = numbers.into_iter().find(|(fits, _)| !fits).map(|(_, name)| name);
+        wrong.or_else(|| self.recorder.impossible_number(time, steps))
     }
 
     /// Takes output times from the model, whose intervals may be others than when the state was saved.

@@ -6,6 +6,7 @@ use crate::{
     engine::{Cpu, ENGINES},
     run::{RunOptions, execute},
 };
+use sha2::{Digest, Sha256};
 use std::{
     fs::{self, File},
     io::{Read, Write},
@@ -79,6 +80,11 @@ fn go_on_with(folder: &Path, overrides: &[(&str, &str)]) -> (Result<Summary, Res
 
 /// Writes a checkpoint anew with another value.
 fn forge(path: &Path, name: &str, change: impl Fn(&mut Vec<u8>)) {
+    forge_by(path, name, change, true);
+}
+
+/// The same, with the sum of all values or without.
+fn forge_by(path: &Path, name: &str, change: impl Fn(&mut Vec<u8>), with_sum: bool) {
     let mut former = ZipArchive::new(File::open(path).unwrap()).unwrap();
     let mut values = Vec::new();
     for index in 0..former.len() {
@@ -89,6 +95,20 @@ fn forge(path: &Path, name: &str, change: impl Fn(&mut Vec<u8>)) {
     }
     drop(former);
     change(&mut values.iter_mut().find(|(known, _)| known == name).unwrap_or_else(|| panic!("{name}")).1);
+    // Whoever forges values forges their sum, too.
+    let mut sum = Sha256::new();
+    for (name, bytes) in values.iter().filter(|(name, _)| name != "sha256") {
+        sum.update((name.len() as u64).to_le_bytes());
+        sum.update(name);
+        sum.update((bytes.len() as u64).to_le_bytes());
+        sum.update(bytes);
+    }
+    let told = values.iter_mut().find(|(name, _)| name == "sha256").unwrap();
+    let own = told.1.clone();
+    told.1 = sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect::<String>().into_bytes();
+    if !with_sum {
+        told.1 = own;
+    }
     let mut forged = ZipWriter::new(File::create(path).unwrap());
     for (name, bytes) in values {
         forged.start_file(name, SimpleFileOptions::default().compression_method(CompressionMethod::Stored)).unwrap();
@@ -132,7 +152,7 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
     let folder = tempfile::tempdir().unwrap();
     let run = run_in(folder.path());
     let set_first = |value: f64| move |bytes: &mut Vec<u8>| bytes[..8].copy_from_slice(&value.to_le_bytes());
-    let forgeries: [Change<'_>; 20] = [
+    let forgeries: [Change<'_>; 30] = [
         ("state/particles.position", Box::new(set_first(f64::NAN)), "particles.position"),
         // So far out that the cells between would be more than there are numbers.
         ("state/particles.position", Box::new(set_first(-1e300)), "particles.position"),
@@ -156,6 +176,17 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
         ("state/run.recorder.watch.hopeless_steps", Box::new(set_count(u64::MAX)), "watch.hopeless_steps"),
         ("state/run.pace.last_step", Box::new(set_count(13)), "run.pace.last_step"),
         ("state/run.frames.next", Box::new(set_count(0)), "run.frames.next"),
+        // Never again a frame, or a row.
+        ("state/run.frames.next", Box::new(set_count(MANY)), "run.frames.next"),
+        ("state/run.rows.next", Box::new(set_count(MANY)), "run.rows.next"),
+        ("state/run.kinetic", Box::new(set_first(f64::NAN)), "run.kinetic"),
+        ("state/run.pace.seconds", Box::new(set_first(-1.0)), "run.pace"),
+        ("state/run.recorder.seconds", Box::new(set_first(f64::INFINITY)), "`seconds`"),
+        ("state/run.recorder.external_work", Box::new(set_first(f64::NAN)), "`energies`"),
+        ("state/run.recorder.frame_times", Box::new(set_first(1e9)), "`frame_times`"),
+        ("state/run.recorder.steps.searched", Box::new(set_first(1e9)), "`steps`"),
+        ("state/particles.velocity", Box::new(set_first(4e8)), "`velocity` has values"),
+        ("state/particles.mass", Box::new(set_first(-1.0)), "`mass` has values"),
     ];
     are_passed_over(&run, &forgeries);
 }
@@ -164,8 +195,19 @@ fn forged_values_are_passed_over_for_the_checkpoint_before() {
 fn forged_lists_of_an_adaptive_search_are_passed_over() {
     let folder = tempfile::tempdir().unwrap();
     let run = run_with(folder.path(), &[("method", "\"updated-lagrangian\""), ("search", "\"adaptive\"")]);
-    let forgeries: [Change<'_>; 2] = [
+    let forgeries: [Change<'_>; 4] = [
         ("state/lists.list.rooms", Box::new(set_count(MANY)), "lists.list"),
+        // Cells of no size, or so many that there is no end to them.
+        (
+            "state/lists.searcher.sorted_for",
+            Box::new(|bytes| bytes.copy_from_slice(&5e-324f64.to_le_bytes())),
+            "sorted_for",
+        ),
+        (
+            "state/lists.searcher.sorted_for",
+            Box::new(|bytes| bytes.copy_from_slice(&1e-20f64.to_le_bytes())),
+            "sorted_for",
+        ),
         // The padding behind a row of two is not the particle itself.
         (
             "state/lists.list.indices",
@@ -174,6 +216,121 @@ fn forged_lists_of_an_adaptive_search_are_passed_over() {
         ),
     ];
     are_passed_over(&run, &forgeries);
+}
+
+#[test]
+fn what_is_changed_without_its_sum_is_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let (_, last) = checkpoints(&run).unwrap().swap_remove(0);
+    // The sum of a part alone is right: that of the values is another.
+    forge_by(&last, "state/particles.temperature", |bytes| bytes[3] ^= 1, false);
+    forget_end(&run);
+    let (ended, told) = go_on_in(&run);
+    assert_eq!(ended.unwrap().steps, 12);
+    assert!(told[0].contains("its SHA-256 sum is another") && told[0].ends_with("it is skipped"), "{told:?}");
+}
+
+#[test]
+fn a_deck_that_was_damaged_or_lost_is_that_of_the_checkpoint_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let deck = fs::read(run.join("deck.toml")).unwrap();
+    let mut damaged = deck.clone();
+    damaged[40] ^= 1;
+    for (found, note) in [
+        (
+            Some(&damaged[..]),
+            "deck.toml is not the deck of the run; the one in the checkpoint is used, and deck.toml is kept as deck-found.toml",
+        ),
+        (Some(b"\xff\xfe"), "deck.toml is not the deck of the run"),
+        (None, "deck.toml cannot be read; the one in the checkpoint is used"),
+    ] {
+        forget_end(&run);
+        match found {
+            Some(found) => fs::write(run.join("deck.toml"), found).unwrap(),
+            None => fs::remove_file(run.join("deck.toml")).unwrap(),
+        }
+        let (ended, told) = go_on_in(&run);
+        assert_eq!(ended.unwrap().steps, 12);
+        assert!(told.len() == 2 && told[1].contains(note), "{told:?}");
+        assert_eq!(fs::read(run.join("deck.toml")).unwrap(), deck);
+        if let Some(found) = found {
+            assert_eq!(fs::read(run.join("deck-found.toml")).unwrap(), found);
+        }
+    }
+}
+
+#[test]
+fn a_checkpoint_whose_deck_does_not_load_is_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let found = checkpoints(&run).unwrap();
+    forge(&found[0].1, "deck.toml", |deck| deck.truncate(60));
+    forget_end(&run);
+    let (ended, told) = go_on_in(&run);
+    assert_eq!(ended.unwrap().steps, 12);
+    assert!(told[0].contains("the deck in ") && told[0].contains(" cannot be used: "), "{told:?}");
+    assert!(told[1].starts_with(&format!("continuing from step {} ", found[1].0)), "{told:?}");
+    // Where there is none that loads, what is wrong with the deck is told.
+    for (_, file) in checkpoints(&run).unwrap() {
+        forge(&file, "deck.toml", |deck| deck.truncate(60));
+    }
+    forget_end(&run);
+    assert!(matches!(go_on_in(&run).0, Err(ResumeError::Deck(_))));
+}
+
+#[test]
+fn the_checkpoints_of_another_run_are_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    forget_end(&run);
+    // As a run leaves the folder that is killed just when it has begun to overwrite another one.
+    let mark = fs::read_to_string(run.join(".sphorge-run")).unwrap();
+    let (head, names) = mark.split_once('\n').unwrap();
+    let other = if head.ends_with('0') { '1' } else { '0' };
+    fs::write(run.join(".sphorge-run"), format!("{}{other}\n{names}", &head[..head.len() - 1])).unwrap();
+    let (ended, told) = go_on_in(&run);
+    assert!(matches!(ended, Err(ResumeError::NoCheckpoint { .. })), "{ended:?}");
+    assert!(told[0].contains("belongs to another run"), "{told:?}");
+    // Without a mark nobody knows better.
+    fs::remove_file(run.join(".sphorge-run")).unwrap();
+    assert_eq!(go_on_in(&run).0.unwrap().steps, 12);
+    assert_eq!(fs::read_to_string(run.join(".sphorge-run")).unwrap().lines().next(), Some(head));
+}
+
+#[test]
+fn files_that_were_damaged_are_named_and_written_again_where_they_can_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_with(folder.path(), &[("output.frames", "6")]);
+    let listed: Vec<PathBuf> = ["history.csv", "history-columns.json", "fields.pvd"].map(|name| run.join(name)).into();
+    let whole: Vec<_> = listed.iter().map(|path| fs::read(path).unwrap()).collect();
+    let (ended, told) = {
+        forget_end(&run);
+        go_on_in(&run)
+    };
+    assert_eq!((ended.unwrap().steps, told.len()), (12, 1), "{told:?}");
+    for (path, whole) in listed.iter().zip(&whole) {
+        let mut damaged = whole.clone();
+        damaged[whole.len() / 2] ^= 1;
+        fs::write(path, damaged).unwrap();
+    }
+    let frame = run.join("fields/000000.vtp");
+    let mut bytes = fs::read(&frame).unwrap();
+    let last = bytes.len() - 60;
+    bytes[last] ^= 1;
+    fs::write(&frame, bytes).unwrap();
+    forget_end(&run);
+    let (ended, told) = go_on_in(&run);
+    assert_eq!(ended.unwrap().steps, 12);
+    let all = told.join("\n");
+    assert!(all.contains("earlier frames are missing or damaged: fields/000000.vtp\n"), "{told:?}");
+    for name in ["history.csv", "history-columns.json", "fields.pvd"] {
+        assert!(all.contains(&format!("{name} was not what the run had written; it is written again")), "{told:?}");
+    }
+    for (path, whole) in listed.iter().zip(&whole) {
+        assert!(fs::read(path).unwrap() == *whole, "{path:?}");
+    }
 }
 
 #[test]
