@@ -1,7 +1,23 @@
 //! The command line as a whole; each command declares its own arguments in [`crate::commands`].
 
-use crate::{commands::*, failure::Ending};
+use crate::{commands::*, failure::Ending, terminal};
 use clap::{Parser, Subcommand};
+use sphorge::deck::moves_the_cursor;
+use std::process::ExitCode;
+
+/// Says what is wrong with the arguments, or the help that was asked for.
+pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
+    let is_plain = |text: &str| !text.contains(moves_the_cursor);
+    if std::env::args_os().all(|argument| argument.to_str().is_some_and(is_plain)) {
+        // In colours, where the terminal has them. There is nobody left to tell if that fails.
+        let _ = error.print();
+    } else {
+        // The message quotes what was given.
+        let text = error.render().to_string();
+        terminal::note(text.trim_end());
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+}
 
 /// The program `sphorge`.
 #[derive(Debug, Parser)]
@@ -54,6 +70,10 @@ pub(crate) enum Command {
 Example:
   sphorge schema > deck.schema.json")]
     Schema,
+    /// Print what makes a shell complete commands and options
+    Completions(completions::CompletionsArguments),
+    /// Print the manual page of the program or of a command
+    Man(man::ManArguments),
 }
 
 impl Command {
@@ -70,6 +90,8 @@ impl Command {
             Self::Devices(arguments) => devices::execute(arguments),
             Self::Bench(arguments) => bench::execute(arguments),
             Self::Schema => schema::execute(),
+            Self::Completions(arguments) => completions::execute(arguments),
+            Self::Man(arguments) => man::execute(arguments),
         }
     }
 }

@@ -26,7 +26,10 @@ static MEMORY: memory::OrEnd = memory::OrEnd;
 
 fn main() -> ExitCode {
     signals::meet_file_size_limits_as_errors();
-    let command = Arguments::parse().command;
+    let command = match Arguments::try_parse() {
+        Ok(arguments) => arguments.command,
+        Err(error) => return arguments::refuse(&error),
+    };
     // A fault of ours still ends with an exit code scripts know.
     let ending: Ending = std::panic::catch_unwind(|| command.execute()).unwrap_or_else(|_| {
         terminal::note("This is a bug in Sphorge, not in the deck. Please report it together with the deck.");

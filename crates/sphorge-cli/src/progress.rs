@@ -25,10 +25,18 @@ const LINE_INTERVAL: f64 = 60.0;
 #[derive(Clone)]
 pub(crate) struct Lines {
     bar: Option<ProgressBar>,
+    is_quiet: bool,
 }
 
 impl Lines {
+    /// Prints a line that a quiet run does without.
     pub(crate) fn print(&self, text: &str) {
+        if !self.is_quiet {
+            self.print_anyway(text);
+        }
+    }
+
+    fn print_anyway(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.suspend(|| terminal::note(text)),
             None => terminal::note(text),
@@ -47,8 +55,9 @@ pub(crate) struct ProgressDisplay {
 }
 
 impl ProgressDisplay {
-    pub(crate) fn new() -> Self {
-        let bar = io::stderr().is_terminal().then(|| {
+    /// One that is quiet shows warnings alone.
+    pub(crate) fn new(is_quiet: bool) -> Self {
+        let bar = (!is_quiet && io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr());
             match ProgressStyle::with_template("[{bar:30}] {percent:>3} %  {wide_msg}") {
                 Ok(style) => bar.with_style(style.progress_chars("=> ")),
@@ -56,7 +65,7 @@ impl ProgressDisplay {
             }
         });
         let sets_up = Arc::new(AtomicBool::new(true));
-        Self { lines: Lines { bar }, particles: 0, tenths: 0, last_line: 0.0, sets_up }
+        Self { lines: Lines { bar, is_quiet }, particles: 0, tenths: 0, last_line: 0.0, sets_up }
     }
 
     /// The flag that stops the run, which says so among the lines of its progress.
@@ -107,7 +116,7 @@ impl Observer for ProgressDisplay {
     }
 
     fn warned(&mut self, warning: &WarningRecord) {
-        self.lines.print(&format!("warning: {warning}"));
+        self.lines.print_anyway(&format!("warning: {warning}"));
     }
 
     fn progressed(&mut self, progress: &Progress) {
@@ -120,7 +129,7 @@ impl Observer for ProgressDisplay {
         let tenths = (progress.fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
         if tenths > self.tenths || progress.seconds - self.last_line >= LINE_INTERVAL {
             (self.tenths, self.last_line) = (tenths, progress.seconds);
-            terminal::note(&format!("{:>3.0} %  {state}", 100.0 * progress.fraction));
+            self.lines.print(&format!("{:>3.0} %  {state}", 100.0 * progress.fraction));
         }
     }
 }

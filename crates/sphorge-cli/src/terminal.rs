@@ -1,11 +1,17 @@
 //! Writing to the terminal without ever panicking: a reader that goes away (`sphorge materials | head -1`) is no error.
+//!
+//! No text that is not of this program reaches a terminal, a file or a pipe as it is: names of files and folders, titles, and what is told of damaged
+//! files may hold sequences that move the cursor, colour or hide what follows. They are written out.
 
 use crate::failure::Failure;
-use miette::{IntoDiagnostic, Report, WrapErr};
+use miette::{
+    Diagnostic, IntoDiagnostic, LabeledSpan, MietteHandlerOpts, Report, ReportHandler, Severity, SourceCode, WrapErr,
+};
 use sphorge::deck::moves_the_cursor;
 use std::{
-    borrow::Cow,
-    io::{self, IsTerminal, Write},
+    error::Error,
+    fmt,
+    io::{self, Write},
 };
 
 /// Prints text to standard output.
@@ -14,9 +20,7 @@ use std::{
 /// Anything but a closed pipe, such as a full disk behind a redirection.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    // Files and pipes get the text as it is.
-    let shown = if out.is_terminal() { Cow::Owned(plain(text)) } else { Cow::Borrowed(text) };
-    match out.write_all(shown.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(plain(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Failed(
             Err::<(), _>(error).into_diagnostic().wrap_err("cannot write to standard output").unwrap_err(),
         )),
@@ -31,45 +35,191 @@ pub(crate) fn note(line: &str) {
 
 /// Prints a diagnostic to standard error.
 pub(crate) fn report(report: &Report) {
-    let _ = write!(io::stderr(), "{}", plain(&format!("{report:?}")));
+    let _ = write!(io::stderr(), "{:?}", Shown(&Plain::of(report.as_ref())));
 }
 
-/// The text with a mark for every control character but the ends of lines and what sets colours: names of files, and what is told of
-/// damaged ones, may hold some that move the cursor.
-fn plain(text: &str) -> String {
+/// The text with everything written out that would do something to a terminal, but for ends of lines and tabs.
+pub(crate) fn plain(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(c) = rest.chars().next() {
-        let length = color_length(rest).unwrap_or(c.len_utf8());
-        let is_plain = length > c.len_utf8() || c == '\n' || !moves_the_cursor(c);
-        shown.push_str(if is_plain { &rest[..length] } else { "\u{fffd}" });
-        rest = &rest[length..];
+    for c in text.chars() {
+        if c != '\n' && c != '\t' && moves_the_cursor(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
     }
     shown
 }
 
-/// Bytes of the sequence that sets a colour or a style, if the text begins with one.
-fn color_length(text: &str) -> Option<usize> {
-    let numbers = text.strip_prefix("\u{1b}[")?;
-    let end = numbers.find(|c: char| !c.is_ascii_digit() && c != ';')?;
-    numbers[end..].starts_with('m').then_some(2 + end + 1)
+/// A diagnostic as miette shows it.
+struct Shown<'a>(&'a Plain<'a>);
+
+impl fmt::Debug for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        MietteHandlerOpts::new().build().debug(self.0, f)
+    }
 }
 
-/// A value as readable JSON.
+/// A diagnostic whose texts are plain: colours are added by who shows it.
+#[derive(Debug)]
+struct Plain<'a> {
+    of: &'a dyn Diagnostic,
+    message: String,
+    cause: Option<Cause>,
+    source: Option<Box<Plain<'a>>>,
+    related: Vec<Plain<'a>>,
+}
+
+/// What caused an error, in words.
+#[derive(Debug)]
+struct Cause {
+    message: String,
+    cause: Option<Box<Cause>>,
+}
+
+impl Cause {
+    fn of(error: &dyn Error) -> Self {
+        Self { message: plain(&error.to_string()), cause: error.source().map(|cause| Box::new(Self::of(cause))) }
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl Error for Cause {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.cause.as_ref().map(|cause| &**cause as _)
+    }
+}
+
+impl<'a> Plain<'a> {
+    fn of(diagnostic: &'a dyn Diagnostic) -> Self {
+        Self {
+            of: diagnostic,
+            message: plain(&diagnostic.to_string()),
+            cause: diagnostic.source().map(Cause::of),
+            source: diagnostic.diagnostic_source().map(|source| Box::new(Self::of(source))),
+            related: diagnostic.related().into_iter().flatten().map(Self::of).collect(),
+        }
+    }
+}
+
+impl fmt::Display for Plain<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl Error for Plain<'_> {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.cause.as_ref().map(|cause| cause as _)
+    }
+}
+
+impl Diagnostic for Plain<'_> {
+    fn code<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
+        self.of.code()
+    }
+    fn severity(&self) -> Option<Severity> {
+        self.of.severity()
+    }
+    fn help<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
+        self.of.help().map(|help| Box::new(plain(&help.to_string())) as _)
+    }
+    fn url<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
+        self.of.url()
+    }
+    /// Texts of users are plain there already: labels point into them.
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.of.source_code()
+    }
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let plain = |label: LabeledSpan| {
+            let text = label.label().map(plain);
+            let place = *label.inner();
+            if label.primary() {
+                LabeledSpan::new_primary_with_span(text, place)
+            } else {
+                LabeledSpan::new_with_span(text, place)
+            }
+        };
+        self.of.labels().map(|labels| Box::new(labels.map(plain)) as _)
+    }
+    fn related<'b>(&'b self) -> Option<Box<dyn Iterator<Item = &'b dyn Diagnostic> + 'b>> {
+        let related = self.related.iter().map(|related| related as &dyn Diagnostic);
+        (!self.related.is_empty()).then(|| Box::new(related) as _)
+    }
+    fn diagnostic_source(&self) -> Option<&dyn Diagnostic> {
+        self.source.as_ref().map(|source| &**source as _)
+    }
+}
+
+/// A value as readable JSON, with everything as an escape sequence that would do something to a terminal.
 ///
 /// # Errors
 /// It cannot be written as JSON.
 pub(crate) fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(value).into_diagnostic().wrap_err("cannot write JSON").map_err(Failure::Failed)
+    let text =
+        serde_json::to_string_pretty(value).into_diagnostic().wrap_err("cannot write JSON").map_err(Failure::Failed)?;
+    // Outside of strings there are ends of lines alone.
+    let escaped = |c: char| match c {
+        '\n' => "\n".to_owned(),
+        c if moves_the_cursor(c) => c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect(),
+        c => c.to_string(),
+    };
+    Ok(if text.chars().any(|c| c != '\n' && moves_the_cursor(c)) { text.chars().map(escaped).collect() } else { text })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::plain;
+    use super::*;
+
+    const FOREIGN: &str = "a\u{1b}[31mred\r\u{9b}2J\u{202e}é\tb\n";
 
     #[test]
-    fn colours_stay_and_what_moves_the_cursor_does_not() {
-        let text = "\u{1b}[1;31mred\u{1b}[0m\n\u{1b}[2J\r\u{7}\u{202e}é\u{1b}";
-        assert_eq!(plain(text), "\u{1b}[1;31mred\u{1b}[0m\n\u{fffd}[2J\u{fffd}\u{fffd}\u{fffd}é\u{fffd}");
+    fn what_moves_the_cursor_or_colours_is_written_out() {
+        assert_eq!(plain(FOREIGN), "a\\u{1b}[31mred\\r\\u{9b}2J\\u{202e}é\tb\n");
+    }
+
+    #[test]
+    fn every_text_of_a_diagnostic_is_plain_and_its_colours_stay() {
+        #[derive(Debug)]
+        struct Foreign;
+        impl fmt::Display for Foreign {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(FOREIGN)
+            }
+        }
+        impl Error for Foreign {}
+        let report = Err::<(), _>(Foreign).into_diagnostic().wrap_err(FOREIGN).unwrap_err();
+        let nested = miette::miette!(help = FOREIGN, labels = vec![LabeledSpan::at(0..1, FOREIGN)], "{FOREIGN}");
+        for report in [report, nested.with_source_code("abc")] {
+            let handler = |color| {
+                let options = MietteHandlerOpts::new().color(color).force_graphical(true).unicode(true).width(200);
+                let mut text = String::new();
+                struct By<'a>(miette::MietteHandler, &'a Report);
+                impl fmt::Debug for By<'_> {
+                    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                        self.0.debug(&Plain::of(self.1.as_ref()), f)
+                    }
+                }
+                text.push_str(&format!("{:?}", By(options.build(), &report)));
+                text
+            };
+            let text = handler(false);
+            assert!(!text.contains(['\u{1b}', '\r', '\u{9b}', '\u{202e}']), "{text:?}");
+            assert!(text.matches("\\u{1b}[31mred").count() >= 2, "{text}");
+            assert!(handler(true).contains('\u{1b}'));
+        }
+    }
+
+    #[test]
+    fn json_keeps_what_it_says() {
+        let text = json(&[FOREIGN]).unwrap();
+        assert!(!text.contains(|c| c != '\n' && moves_the_cursor(c)), "{text:?}");
+        assert_eq!(serde_json::from_str::<Vec<String>>(&text).unwrap(), [FOREIGN]);
     }
 }

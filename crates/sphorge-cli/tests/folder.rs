@@ -147,3 +147,53 @@ fn two_runs_do_not_share_a_folder_on_a_file_system_without_locks() {
     second().expect_code(0);
     second().expect_code(0);
 }
+
+#[test]
+fn two_runs_share_a_folder_by_no_name_of_it() {
+    let place = Place::new();
+    let child = start_long(&place, "run");
+    symlink("run", place.path("link")).unwrap();
+    fs::create_dir(place.path("beside")).unwrap();
+    let whole = place.path("run").to_string_lossy().into_owned();
+    for name in ["run", "./run", "run/", "run/.", "beside/../run", "link", "link/", &whole] {
+        let told = place.run(&["run", "plate.toml", "-o", name, "--overwrite"]).expect_code(2);
+        told.expect_told(&["another run writes to", "process"]);
+        place.run(&["resume", name]).expect_code(2).expect_told(&["another run writes to"]);
+    }
+    // Without its lock anybody may write to the folder: the run that had it does not any more.
+    fs::remove_file(place.path("run/.sphorge-lock")).unwrap();
+    place.run(&["run", "plate.toml", "-o", "link", "--overwrite"]).expect_code(0);
+    end(child).expect_code(1).expect_told(&["its lock was removed, or taken by another run"]);
+    assert_eq!(fs::read_dir(place.path("run/fields")).unwrap().count(), 5);
+}
+
+#[test]
+fn a_run_that_slept_while_its_folder_was_taken_writes_nothing_when_it_wakes() {
+    let place = Place::new();
+    let child = start_long(&place, "run");
+    let signal = |name: &str| {
+        Command::new("kill").args([name, child.id().to_string().as_str()]).status().unwrap();
+    };
+    signal("-STOP");
+    place.run(&["run", "plate.toml", "-o", "run", "--overwrite", "--no-lock"]).expect_code(0);
+    let left = common::files(&place.path("run")).len();
+    signal("-CONT");
+    end(child).expect_code(1).expect_told(&["cannot write to its folder"]);
+    assert_eq!(common::files(&place.path("run")).len(), left);
+}
+
+#[test]
+fn a_run_whose_folder_is_removed_and_begun_anew_leaves_the_new_one_alone() {
+    let place = Place::new();
+    let child = start_long(&place, "run");
+    fs::remove_dir_all(place.path("run")).or_else(|_| fs::remove_dir_all(place.path("run"))).unwrap();
+    place.run(&["run", "plate.toml", "-o", "run"]).expect_code(0);
+    end(child).expect_code(1);
+    assert_eq!(fs::read_dir(place.path("run/fields")).unwrap().count(), 5);
+    // The folder above is moved.
+    fs::create_dir(place.path("above")).unwrap();
+    let child = start_long(&place, "above/run");
+    fs::rename(place.path("above"), place.path("elsewhere")).unwrap();
+    end(child).expect_code(1).expect_told(&["moved"]);
+    assert!(!place.path("above").exists());
+}

@@ -257,3 +257,21 @@ fn a_run_that_would_not_end_is_stopped() {
     let settings = ["--set", "time.courant=1e-300", "--set", "time.max-steps=150", "-o", "few"];
     place.run(&[["run", "plate.toml"].as_slice(), &settings].concat()).expect_code(0);
 }
+
+#[test]
+fn a_run_whose_numbers_are_not_finite_fails_and_constants_of_no_matter_are_told() {
+    let place = Place::new();
+    let deck = common::DECK.replace("armco-iron", "odd");
+    let with = |constants: &str| {
+        let text = format!("{deck}\n[material.odd]\nbase = \"armco-iron\"\n{constants}\n");
+        fs::write(place.path("odd.toml"), text).unwrap();
+        place.run(&["run", "odd.toml", "--overwrite"])
+    };
+    let told = with("specific-heat = 1e-300").expect_code(1);
+    told.expect_told(&["specific heat of 1.000e-300 J/(kg K) is that of no matter", "`temperature` is not finite"]);
+    let summary = place.summary("out/odd");
+    assert_eq!((&summary["status"], &summary["failure"]["field"]), (&"failed".into(), &"temperature".into()));
+    assert!(summary["failure"]["particle"].is_u64(), "{summary}");
+    let hot = place.run(&["run", "plate.toml", "--set", "body.0.temperature=\"1e30 K\""]);
+    hot.expect_told(&["starts at 1.000e30 K, far above the boiling point of any metal"]);
+}

@@ -6,6 +6,7 @@
 mod advice;
 mod argument;
 mod choice;
+mod closeness;
 pub mod decks;
 mod declare;
 pub(crate) mod defaults;
@@ -39,7 +40,7 @@ pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};
 pub use schema::schema;
-pub use suggest::did_you_mean;
+pub use suggest::{did_you_mean, like as names_like};
 
 /// The words of the key `search`, one for each neighbour search.
 pub fn search_words() -> Vec<&'static str> {

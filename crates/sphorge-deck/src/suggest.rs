@@ -31,7 +31,7 @@ const MOST_NAMES: usize = 10;
 
 /// The names that may be meant by `word`, all of them equally like it: one that is like it as a whole, or those with parts like all of
 /// its own, in any order: `coper-ofhc` is `ofhc-copper`, and `copper` all coppers.
-pub(crate) fn like<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+pub fn like<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     if word.len() > LONGEST_WORD {
         return Vec::new();
     }

@@ -3,8 +3,10 @@
 pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod compare;
+pub(crate) mod completions;
 pub(crate) mod decks;
 pub(crate) mod devices;
+pub(crate) mod man;
 pub(crate) mod materials;
 pub(crate) mod plot;
 mod plot_quantities;

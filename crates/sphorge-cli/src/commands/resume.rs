@@ -1,6 +1,6 @@
 //! `sphorge resume`: goes on with a run from its last checkpoint.
 
-use super::run::{conclude, failure, parse_threads};
+use super::run::{ToldArguments, conclude, failure, parse_threads};
 use crate::{
     checkpoint_arguments::CheckpointArguments,
     deck_arguments::parse_override,
@@ -11,7 +11,7 @@ use crate::{
     rank_arguments::RankArguments,
 };
 use clap::Args;
-use sphorge::run::{ResumeError, ResumeOptions};
+use sphorge::run::{ResumeError, ResumeOptions, RunError};
 use std::path::PathBuf;
 
 /// Arguments of `resume`.
@@ -50,6 +50,8 @@ pub(crate) struct ResumeArguments {
     strict: bool,
     #[command(flatten)]
     checkpoints: CheckpointArguments,
+    #[command(flatten)]
+    told: ToldArguments,
 }
 
 pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
@@ -57,7 +59,7 @@ pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
     let Some(role) = arguments.ranks.join(arguments.threads, arguments.device.as_deref())? else {
         return Ok(Outcome::Done);
     };
-    let mut display = ProgressDisplay::new();
+    let mut display = ProgressDisplay::new(arguments.told.quiet);
     let stop = display.stop_flag()?;
     if let Err(ending) = role.launch((), &arguments.directory, &mut display, &stop) {
         return ending;
@@ -73,9 +75,12 @@ pub(crate) fn execute(arguments: ResumeArguments) -> Ending {
     let result = sphorge::run::resume(&arguments.directory, &options, stop.flag(), &mut display);
     stop.finish();
     drop(display);
+    if let Err(ResumeError::Run(RunError::Failed { summary, .. })) = &result {
+        arguments.told.print_json(summary)?;
+    }
     let summary = result.map_err(|error| match error {
         ResumeError::Run(error) => failure(error),
         error => Failure::BadInput(error.into()),
     })?;
-    conclude(&summary, &arguments.directory, arguments.strict)
+    conclude(&summary, &arguments.directory, arguments.strict, arguments.told)
 }

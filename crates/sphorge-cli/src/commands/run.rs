@@ -56,6 +56,26 @@ pub(crate) struct RunArguments {
     strict: bool,
     #[command(flatten)]
     checkpoints: CheckpointArguments,
+    #[command(flatten)]
+    told: ToldArguments,
+}
+
+/// What is told of a run.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct ToldArguments {
+    /// Print neither progress nor notes, nor the table at the end; warnings and errors are printed
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+    /// Print the summary as JSON, as in summary.json, in place of the table
+    #[arg(long)]
+    json: bool,
+}
+
+impl ToldArguments {
+    /// Prints the summary as JSON, if that was asked for.
+    pub(crate) fn print_json(self, summary: &Summary) -> Result<(), Failure> {
+        if self.json { terminal::print(&format!("{}\n", terminal::json(summary)?)) } else { Ok(()) }
+    }
 }
 
 /// A number of threads: at least one.
@@ -76,7 +96,7 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let directory = arguments.output.unwrap_or_else(|| Path::new("out").join(deck.name()));
     // Filling large bodies takes a while: say so before if the folder is in the way.
     RunDirectory::check(&directory, arguments.overwrite).map_err(|error| Failure::BadInput(error.into()))?;
-    let mut display = ProgressDisplay::new();
+    let mut display = ProgressDisplay::new(arguments.told.quiet);
     let stop = display.stop_flag()?;
     let options = RunOptions {
         directory: directory.clone(),
@@ -90,11 +110,16 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
         Ok(setup) => setup,
         Err(ending) => return ending,
     };
-    setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
+    if !arguments.told.quiet {
+        setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
+    }
     let result = sphorge::run::execute(setup, &*engine, &options, stop.flag(), &mut display);
     stop.finish();
     drop(display);
-    conclude(&result.map_err(failure)?, &directory, arguments.strict)
+    if let Err(RunError::Failed { summary, .. }) = &result {
+        arguments.told.print_json(summary)?;
+    }
+    conclude(&result.map_err(failure)?, &directory, arguments.strict, arguments.told)
 }
 
 /// What a run that could not be made or failed is for the user.
@@ -103,8 +128,11 @@ pub(crate) fn failure(error: RunError) -> Failure {
 }
 
 /// Tells how a run ended.
-pub(crate) fn conclude(summary: &Summary, directory: &Path, strict: bool) -> Ending {
-    terminal::print(&report(summary, directory))?;
+pub(crate) fn conclude(summary: &Summary, directory: &Path, strict: bool, told: ToldArguments) -> Ending {
+    told.print_json(summary)?;
+    if !told.json && !told.quiet {
+        terminal::print(&report(summary, directory))?;
+    }
     match summary.status {
         Status::Stopped => Ok(Outcome::Stopped),
         Status::CompletedWithWarnings if strict => {

@@ -11,7 +11,40 @@ const STATED_WITHIN: f64 = 0.03;
 
 /// One sentence for each thing that is probably not meant.
 pub(crate) fn advice(constants: &Constants, material: &Material) -> Vec<String> {
-    poisson_ratio(constants, material).into_iter().chain(temperature(material)).collect()
+    let told = poisson_ratio(constants, material).into_iter().chain(temperature(material));
+    told.chain(beyond_matter(constants, material)).collect()
+}
+
+/// Constants beyond those of any solid or liquid by a factor of ten and more, which are slips of a unit.
+fn beyond_matter(constants: &Constants, material: &Material) -> Vec<String> {
+    let sound_speed = material.equation_of_state.reference_sound_speed();
+    let heat = if material.heats() { material.specific_heat } else { 1000.0 };
+    let given = |value: f64, (least, most): (f64, f64)| value == 0.0 || (least..=most).contains(&value);
+    let values = [
+        ("density", material.density, (1.0, 3e5), "kg/m^3"),
+        ("shear modulus", material.shear_modulus, (1.0, 1e13), "Pa"),
+        ("speed of sound", sound_speed, (1.0, 1e5), "m/s"),
+        ("specific heat", heat, (10.0, 1e5), "J/(kg K)"),
+        ("conductivity", material.conductivity, (1e-4, 1e5), "W/(m K)"),
+        ("reference temperature", material.reference_temperature, (0.0, 1e5), "K"),
+    ];
+    let odd = values.into_iter().filter(|(_, value, range, _)| !given(*value, *range));
+    let mut told: Vec<String> = odd
+        .map(|(name, value, _, unit)| {
+            format!(
+                "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit",
+                material.name
+            )
+        })
+        .collect();
+    let stated = constants.elastic.completed().and_then(|elastic| elastic.poisson);
+    if let Some(nu) = stated.filter(|nu| *nu < 0.0) {
+        told.push(format!(
+            "material `{}`: its Poisson's ratio of {nu:.2} is negative, which no metal has: check the elastic constants",
+            material.name
+        ));
+    }
+    told
 }
 
 /// Poisson's ratio of waves: bulk modulus `rho_0 c_0^2` of the pressure law and shear modulus `G` come from different tables, and
@@ -56,7 +89,7 @@ fn temperature(material: &Material) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{build, entry};
+    use super::super::{build, entries, entry};
     use super::*;
 
     fn advice_of(constants: &Constants) -> Vec<String> {
@@ -87,6 +120,39 @@ mod tests {
         let mut rubber = iron;
         rubber.strength = entry("rubber-plate").unwrap().strength.clone();
         assert_eq!(advice_of(&rubber), Vec::<String>::new());
+    }
+
+    #[test]
+    fn constants_of_no_matter_are_told() {
+        let copper = entry("ofhc-copper").unwrap().clone();
+        let with = |change: &dyn Fn(&mut Constants)| {
+            let mut other = copper.clone();
+            change(&mut other);
+            advice_of(&other)
+        };
+        let told = with(&|c| c.specific_heat = Some(1e-300));
+        assert!(
+            told.len() == 1 && told[0].contains("specific heat of 1.000e-300 J/(kg K) is that of no matter"),
+            "{told:?}"
+        );
+        assert!(with(&|c| c.density = Some(1e20)).iter().any(|text| text.contains("density of 1.000e20 kg/m^3")));
+        assert_eq!(with(&|c| c.specific_heat = Some(100.0)), Vec::<String>::new());
+        let mut foam = copper.clone();
+        foam.elastic = Default::default();
+        foam.elastic.shear = Some(4e10);
+        foam.elastic.poisson = Some(-0.99);
+        assert!(
+            advice_of(&foam).iter().any(|text| text.contains("ratio of -0.99 is negative")),
+            "{:?}",
+            advice_of(&foam)
+        );
+        // No material of the catalogue is odd.
+        for (name, constants) in entries() {
+            // Some are of a part of the constants alone.
+            if let Ok(material) = build(name, constants) {
+                assert_eq!(beyond_matter(constants, &material), Vec::<String>::new(), "{name}");
+            }
+        }
     }
 
     #[test]

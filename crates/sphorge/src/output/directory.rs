@@ -492,6 +492,16 @@ pub(super) fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// Removes what was left unfinished in a folder and so many levels of folders in it.
+pub(crate) fn remove_unfinished(folder: &Folder, levels: usize) -> io::Result<()> {
+    folder.remove_matching(is_unfinished)?;
+    if levels == 0 {
+        return Ok(());
+    }
+    let inside = folder.entries()?.into_iter().filter(|(_, kind)| *kind == Kind::Folder);
+    inside.map(|(name, _)| name).try_for_each(|name| remove_unfinished(&folder.inside(&name)?, levels - 1))
+}
+
 pub(super) fn is_unfinished(name: &str) -> bool {
     name.starts_with(UNFINISHED_PREFIX) && name.ends_with(UNFINISHED_SUFFIX)
 }

@@ -124,6 +124,24 @@ impl OutputError {
         source.get_ref().is_some_and(|cause| cause.is::<RunFailure>())
     }
 
+    /// The failure of a particle that a file could not be written for, or the error as it is: an engine that is lost is another matter.
+    pub(crate) fn into_failure(self) -> Result<Box<RunFailure>, Self> {
+        let is_of_a_particle = |source: &io::Error| {
+            let failure = source.get_ref().and_then(|cause| cause.downcast_ref::<RunFailure>());
+            failure.is_some_and(|failure| failure.particle.is_some())
+        };
+        match self {
+            Self::Write { path, source } if is_of_a_particle(&source) => {
+                let cause = source.into_inner().map(|cause| cause.downcast::<RunFailure>());
+                match cause {
+                    Some(Ok(failure)) => Ok(failure),
+                    _ => Err(Self::Write { path, source: io::Error::other("the engine gave no value") }),
+                }
+            }
+            other => Err(other),
+        }
+    }
+
     pub(crate) fn damaged(path: &std::path::Path, reason: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), reason: reason.into() }
     }

@@ -124,7 +124,7 @@ impl Folder {
     }
 
     /// The same, to add to its end.
-    pub(super) fn open_to_append(&self, name: &str) -> io::Result<File> {
+    pub(crate) fn open_to_append(&self, name: &str) -> io::Result<File> {
         let file = self.open_as(name, OpenOptions::new().append(true))?;
         refuse_second_names(file)
     }

@@ -3,7 +3,7 @@
 use super::{
     HistoryColumn, RunDirectory,
     error::{AtPath, OutputError},
-    regular_file,
+    regular_file::{self, most},
 };
 
 /// A history in memory, column by column.
@@ -22,7 +22,7 @@ impl HistoryTable {
     /// [`OutputError::Read`] without a history, [`OutputError::Damaged`] for a line with too many or too few cells.
     pub fn read(run: &RunDirectory) -> Result<Self, OutputError> {
         let path = run.history();
-        let text = regular_file::read(&path).reading(&path)?;
+        let text = regular_file::read(&path, most::HISTORY).reading(&path)?;
         let mut reader = csv::Reader::from_reader(text.as_slice());
         let damaged = |e: csv::Error| OutputError::damaged(&path, e.to_string());
         let names: Vec<String> = reader.headers().map_err(damaged)?.iter().map(str::to_owned).collect();
@@ -49,7 +49,7 @@ impl HistoryTable {
 
 /// Descriptions of the columns; a history without them is still a history.
 fn known_columns(run: &RunDirectory) -> Vec<HistoryColumn> {
-    regular_file::read(&run.history_columns())
+    regular_file::read(&run.history_columns(), most::TEXT)
         .ok()
         .and_then(|text| serde_json::from_slice(&text).ok())
         .unwrap_or_default()
@@ -57,7 +57,7 @@ fn known_columns(run: &RunDirectory) -> Vec<HistoryColumn> {
 
 /// The step of the last row, without reading the rows before.
 pub(crate) fn last_step(run: &RunDirectory) -> Option<u64> {
-    let text = regular_file::read(&run.history()).ok()?;
+    let text = regular_file::read(&run.history(), most::HISTORY).ok()?;
     let lines = text.strip_suffix(b"\n")?;
     let last = lines.iter().rposition(|byte| *byte == b'\n')?;
     let first = lines.iter().position(|byte| *byte == b'\n')?;

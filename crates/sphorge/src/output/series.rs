@@ -5,7 +5,9 @@ use super::{
     atomic::Durability,
     directory::SERIES,
     error::{AtPath, OutputError},
-    regular_file, xml,
+    regular_file::{self, most},
+    sync::Pacing,
+    xml,
 };
 use std::{fmt::Write, path::PathBuf};
 
@@ -24,6 +26,37 @@ pub(crate) fn write_series(directory: &RunDirectory, entries: &[SeriesEntry]) ->
         out.write_all(series_text(entries).as_bytes())?;
         out.write_all(b"  </Collection>\n</VTKFile>\n")
     })
+}
+
+/// Keeps the collection of a run: it is replaced as a whole, like the history, so that with many frames it is when fifty times the duration of the
+/// last replacement has passed.
+#[derive(Debug)]
+pub(crate) struct SeriesWriter {
+    written: usize,
+    pacing: Pacing,
+}
+
+impl SeriesWriter {
+    pub(crate) fn new() -> Self {
+        Self { written: 0, pacing: Pacing::new() }
+    }
+
+    /// Frames have been added: this is a good moment to write, if it is time.
+    pub(crate) fn grown(&mut self, directory: &RunDirectory, entries: &[SeriesEntry]) -> Result<(), OutputError> {
+        if self.pacing.is_due() { self.write(directory, entries) } else { Ok(()) }
+    }
+
+    /// Brings all frames into the file.
+    pub(crate) fn flush(&mut self, directory: &RunDirectory, entries: &[SeriesEntry]) -> Result<(), OutputError> {
+        if self.written == entries.len() { Ok(()) } else { self.write(directory, entries) }
+    }
+
+    /// Writes it, whether it has changed or not.
+    pub(crate) fn write(&mut self, directory: &RunDirectory, entries: &[SeriesEntry]) -> Result<(), OutputError> {
+        self.pacing.run(|| write_series(directory, entries))?;
+        self.written = entries.len();
+        Ok(())
+    }
 }
 
 /// The collection up to the last of some entries.
@@ -46,7 +79,7 @@ pub(crate) fn series_text(entries: &[SeriesEntry]) -> String {
 /// [`OutputError::Read`] if the run has no collection, [`OutputError::Damaged`] if it cannot be understood or is empty.
 pub fn read_series(run: &RunDirectory) -> Result<Vec<(f64, PathBuf)>, OutputError> {
     let path = run.series();
-    let text = regular_file::read_to_string(&path).reading(&path)?;
+    let text = regular_file::read_to_string(&path, most::LIST).reading(&path)?;
     let document = xml::parse(&text).map_err(|reason| OutputError::damaged(&path, reason))?;
     let frames: Vec<_> = document
         .descendants()
@@ -58,4 +91,35 @@ pub fn read_series(run: &RunDirectory) -> Result<Vec<(f64, PathBuf)>, OutputErro
         .collect::<Option<_>>()
         .ok_or_else(|| OutputError::damaged(&path, "a frame without time or file"))?;
     if frames.is_empty() { Err(OutputError::damaged(&path, "it lists no frame")) } else { Ok(frames) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{thread, time::Duration};
+
+    #[test]
+    fn many_frames_are_not_each_a_replacement_of_the_list_and_none_is_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = RunDirectory::open(folder.path()).unwrap();
+        let entry = |k: usize| SeriesEntry { time: 1e-6 * k as f64, file: RunDirectory::frame_name(k, false) };
+        let mut entries = Vec::new();
+        let mut series = SeriesWriter::new();
+        // One that takes long.
+        series.pacing.run(|| thread::sleep(Duration::from_millis(40)));
+        let mut replaced = 0;
+        for k in 0..500 {
+            entries.push(entry(k));
+            series.grown(&run, &entries).unwrap();
+            replaced += usize::from(series.written == entries.len());
+        }
+        assert!(replaced < 250, "{replaced}");
+        series.flush(&run, &entries).unwrap();
+        assert_eq!(read_series(&run).unwrap().len(), 500);
+        // With time to spare each frame is listed at once.
+        series.pacing = Pacing::new();
+        entries.push(entry(500));
+        series.grown(&run, &entries).unwrap();
+        assert_eq!(read_series(&run).unwrap().len(), 501);
+    }
 }

@@ -6,7 +6,7 @@ use super::{
     directory::SUMMARY,
     error::{AtPath, OutputError},
     history::per,
-    regular_file,
+    regular_file::{self, most},
 };
 use crate::{
     engine::{Audit, StageSeconds, persist_fields},
@@ -452,7 +452,7 @@ impl Summary {
         if !path.exists() && run.deck().exists() {
             return Err(OutputError::NotEnded { path: run.path().to_owned() });
         }
-        let text = regular_file::read(&path).reading(&path)?;
+        let text = regular_file::read(&path, most::TEXT).reading(&path)?;
         let summary: Self = serde_json::from_slice(&text).map_err(|e| OutputError::damaged(&path, e.to_string()))?;
         if summary.format > Self::FORMAT {
             let (format, own) = (summary.format, Self::FORMAT);

@@ -11,7 +11,7 @@ use super::{
     atomic::Sink,
     vtp_data::{COMPRESSOR, write_compressed, write_raw},
 };
-use crate::engine::FieldSource;
+use crate::engine::{FieldSource, RunFailure};
 use crate::model::Model;
 use crate::particles::{Column, ColumnKind, FieldInfo, find_field};
 use std::fmt::Write as _;
@@ -128,12 +128,19 @@ impl FrameWriter {
             return Err(io::Error::other("positions are not vectors"));
         };
         add(out, &gathered(24 * count, positions.iter().flatten().map(|x| x.to_le_bytes())))?;
+        if let Some(particle) = positions.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+            return Err(io::Error::other(not_finite(header, "position", particle, particles)));
+        }
         drop(positions);
         add(out, &gathered(4 * count, (0..count).map(|i| (i as i32).to_le_bytes())))?;
         add(out, &gathered(4 * count, (1..=count).map(|i| (i as i32).to_le_bytes())))?;
         for field in &fields {
             // One field at a time: a copy of all would double the memory of a run.
-            add(out, &column_bytes(&read(field.name)?))?;
+            let column = read(field.name)?;
+            if let Some(particle) = first_not_finite(&column) {
+                return Err(io::Error::other(not_finite(header, field.name, particle, particles)));
+            }
+            add(out, &column_bytes(&column))?;
         }
         out.write_all(b"\n  </AppendedData>\n</VTKFile>\n")?;
         let end = out.stream_position()?;
@@ -277,6 +284,42 @@ fn strings(name: &str, words: impl Iterator<Item = String>) -> String {
     format!(
         "      <Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"ascii\">{values}</Array>\n"
     )
+}
+
+/// The first particle whose value is none that a frame can have: not a number, or beyond single precision.
+fn first_not_finite(column: &Column) -> Option<usize> {
+    let is_none = |x: f64| !(x as f32).is_finite();
+    match column {
+        Column::Scalar(c) => c.iter().position(|x| is_none(*x)),
+        Column::Integer(_) => None,
+        Column::Vector(c) => c.iter().position(|v| v.iter().any(|x| is_none(*x))),
+        Column::Symmetric(c) => c.iter().position(|s| s.to_array().into_iter().any(is_none)),
+        Column::Tensor(c) => c.iter().position(|t| t.iter().flatten().any(|x| is_none(*x))),
+    }
+}
+
+/// What ends a run that has come to such a value.
+fn not_finite(header: &FrameHeader, field: &'static str, index: usize, particles: &dyn FieldSource) -> RunFailure {
+    let number = |name: &str| match particles.read(name) {
+        Ok(Column::Integer(column)) => column.get(index).copied(),
+        _ => None,
+    };
+    let position = match particles.read("position") {
+        Ok(Column::Vector(column)) => column.get(index).copied(),
+        _ => None,
+    };
+    RunFailure {
+        step: header.step,
+        time: header.time,
+        field,
+        particle: number("id"),
+        body: number("body"),
+        position,
+        message: format!(
+            "`{field}` is not finite, or beyond what a frame can hold; check the constants of the material and the units of the deck"
+        ),
+        step_may_be_smaller: false,
+    }
 }
 
 fn column_bytes(column: &Column) -> Vec<u8> {

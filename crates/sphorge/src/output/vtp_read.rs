@@ -4,7 +4,7 @@ use super::{
     FrameBody, FrameHeader,
     error::{AtPath, OutputError},
     pieces::ORDER,
-    regular_file,
+    regular_file::{self, most},
     vtp_data::{self, COMPRESSOR},
     xml,
 };
@@ -187,7 +187,7 @@ impl FrameFile {
 /// The files that a `.pvtp` file names.
 fn named_pieces(path: &Path) -> Result<Vec<PathBuf>, OutputError> {
     let damaged = |reason: &str| OutputError::damaged(path, reason);
-    let text = regular_file::read_to_string(path).reading(path)?;
+    let text = regular_file::read_to_string(path, most::LIST).reading(path)?;
     let document = xml::parse(&text).map_err(|reason| damaged(&reason))?;
     if document.root_element().attribute("type") != Some("PPolyData") {
         return Err(damaged("it does not name pieces of polydata"));

@@ -21,10 +21,12 @@ pub enum PlotError {
     },
     /// The history does not have that column.
     #[error("the history has no column `{name}`")]
-    #[diagnostic(code(sphorge::plot::column), help("it has: {available}"))]
+    #[diagnostic(code(sphorge::plot::column), help("{near}it has: {available}"))]
     Column {
         /// What was asked for.
         name: String,
+        /// The columns that it may be a slip for, as a question.
+        near: String,
         /// What there is.
         available: String,
     },

@@ -5,7 +5,10 @@ use super::{
     chart::{Chart, Curve, TIME, page},
     title::{run_title, title_of},
 };
-use crate::output::{HistoryTable, MEASURE_MEANING, RunDirectory};
+use crate::{
+    deck::{did_you_mean, names_like},
+    output::{HistoryTable, MEASURE_MEANING, RunDirectory},
+};
 use std::path::Path;
 
 /// The standard pictures of a history.
@@ -211,7 +214,8 @@ pub fn plot_overlay(
 
 fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
     let available = table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
-    PlotError::Column { name: name.to_owned(), available }
+    let near = did_you_mean(names_like(name, table.columns.iter().map(|column| column.name.as_str())));
+    PlotError::Column { name: name.to_owned(), near, available }
 }
 
 /// A column over time.

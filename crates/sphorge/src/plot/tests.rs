@@ -213,6 +213,10 @@ fn usual_pictures_are_made_from_what_a_run_wrote() {
     let error =
         plot_columns(&run, &["potential_energy".into()], Paper::default(), &folder.path().join("c.png")).unwrap_err();
     assert!(matches!(error, PlotError::Column { .. }));
+    let slip =
+        plot_columns(&run, &["kinetic_enery".into()], Paper::default(), &folder.path().join("c.png")).unwrap_err();
+    let help = miette::Diagnostic::help(&slip).unwrap().to_string();
+    assert!(help.starts_with("did you mean `kinetic_energy`? it has: time, "), "{help}");
 }
 
 #[test]

@@ -103,8 +103,12 @@ impl From<RunFailure> for Trouble {
 }
 
 impl From<OutputError> for Trouble {
+    /// A file that the engine has given no value for is a failure of the solution, as far as it says so.
     fn from(error: OutputError) -> Self {
-        Self::Output(error)
+        match error.into_failure() {
+            Ok(failure) => Self::Engine(failure),
+            Err(error) => Self::Output(error),
+        }
     }
 }
 

@@ -19,8 +19,8 @@ use crate::{
     observed::Observed,
     output::{
         AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameFile, FrameHeader, FrameWriter,
-        HISTORY, History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, Status, Sum, Summary,
-        WarningRecord, measure_unit, series_text, write_pieces, write_series,
+        HISTORY, History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, SeriesWriter, Status,
+        Sum, Summary, WarningRecord, measure_unit, series_text, write_pieces,
     },
 };
 use rayon::prelude::*;
@@ -38,6 +38,7 @@ pub(super) struct Recorder {
     conservation: Conservation,
     watch: Watch,
     frames: Vec<SeriesEntry>,
+    series: SeriesWriter,
     /// Sums of their files, by their numbers.
     sums: BTreeMap<usize, Sum>,
     last_frame_step: Option<u64>,
@@ -114,6 +115,7 @@ impl Recorder {
             conservation: Conservation::new(mirrored),
             watch: Watch::new(model),
             frames: Vec::new(),
+            series: SeriesWriter::new(),
             sums: BTreeMap::new(),
             last_frame_step: None,
             under_way: None,
@@ -204,7 +206,7 @@ impl Recorder {
             if !self.directory.begins_with(SERIES, series_text(&self.frames).as_bytes()) {
                 differing.push(SERIES);
             }
-            write_series(&self.directory, &self.frames)?;
+            self.series.write(&self.directory, &self.frames)?;
         }
         Ok(differing)
     }
@@ -296,6 +298,22 @@ impl Recorder {
         ledger: &Ledger,
         source: &dyn ParticleSource,
     ) -> Result<(), Trouble> {
+        if let Some(field) = not_finite(ledger) {
+            let message = format!(
+                "the {field} of the run is not finite; check the constants of the materials and the units of the deck"
+            );
+            let (step, time) = (clock.step, clock.time);
+            return Err(Trouble::from(RunFailure {
+                step,
+                time,
+                field,
+                particle: None,
+                body: None,
+                position: None,
+                message,
+                step_may_be_smaller: false,
+            }));
+        }
         let drift = self.conservation.sample(ledger);
         self.watch.look(source, model, clock, (ledger, &self.conservation), false)?;
         self.measures.sample(model, clock.time, source)?;
@@ -381,7 +399,7 @@ impl Recorder {
 
     /// Writes the list of frames, then the rows so far.
     fn frame_is_there(&mut self, written: &[String]) -> Result<(), OutputError> {
-        write_series(&self.directory, &self.frames)?;
+        self.series.grown(&self.directory, &self.frames)?;
         self.history.flush()?;
         written.iter().try_for_each(|name| self.is_written(name))?;
         [SERIES, HISTORY, MARK].iter().try_for_each(|name| self.is_written(name))
@@ -423,6 +441,10 @@ impl Recorder {
         self.settle()?;
         self.history.flush()?;
         self.is_written(HISTORY)?;
+        if !self.frames.is_empty() {
+            self.series.flush(&self.directory, &self.frames)?;
+            self.is_written(SERIES)?;
+        }
         self.disk.sync()?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
@@ -506,6 +528,20 @@ impl Recorder {
         let written = summary.write(&self.directory);
         (summary, written)
     }
+}
+
+/// The first sum over all particles that is no number.
+fn not_finite(ledger: &Ledger) -> Option<&'static str> {
+    let energies = &ledger.total.energies;
+    let sums = [
+        (energies.kinetic, "kinetic energy"),
+        (energies.internal, "internal energy"),
+        (energies.elastic, "elastic energy"),
+        (energies.plastic_work, "plastic work"),
+        (ledger.external_work, "external work"),
+        (ledger.total.momentum.iter().sum(), "momentum"),
+    ];
+    sums.into_iter().find(|(sum, _)| !sum.is_finite()).map(|(_, name)| name)
 }
 
 impl Persist for StepSums {

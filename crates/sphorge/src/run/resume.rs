@@ -15,7 +15,7 @@ use crate::{
     number::plain_quantity,
     output::{
         Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
-        regular_file,
+        regular_file::{self, most},
     },
 };
 use std::{
@@ -280,7 +280,8 @@ fn go_on_from(
     }
     if let Some(summary) = summary_of_end(&directory) {
         let former_fraction = || {
-            let deck = regular_file::read_to_string(&directory.deck()).ok().filter(|deck| *deck != deck_text)?;
+            let deck =
+                regular_file::read_to_string(&directory.deck(), most::DECK).ok().filter(|deck| *deck != deck_text)?;
             let former = load_text_within(&checkpoint.about.deck_name, &deck, &[], options.most_particles).ok()?;
             former.model.time.stop_kinetic_fraction
         };
@@ -321,7 +322,7 @@ fn go_on_from(
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
-    let found = regular_file::read(&directory.deck());
+    let found = regular_file::read(&directory.deck(), most::DECK);
     let deck = found.as_ref().map_or_else(|_| String::new(), |deck| String::from_utf8_lossy(deck).into_owned());
     if deck_text != checkpoint.deck {
         // Nothing in the folder changes if the run cannot be saved with its changed deck: no checkpoint would be of that.

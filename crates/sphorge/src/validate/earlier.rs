@@ -3,7 +3,7 @@
 use super::{ValidateError, runs::Finished};
 use crate::{
     deck::Setup,
-    output::{HistoryTable, RunDirectory, Status, Summary},
+    output::{HistoryTable, RunDirectory, Status, Summary, most, read_regular_file},
 };
 use std::{
     env, fs,
@@ -46,15 +46,16 @@ pub(super) fn finished(folder: &Path, setup: &Setup) -> Option<Finished> {
 
 /// Whether the folder holds a run of this deck.
 pub(super) fn is_of(folder: &Path, setup: &Setup) -> bool {
-    RunDirectory::open(folder)
-        .is_ok_and(|directory| fs::read_to_string(directory.deck()).is_ok_and(|text| text == setup.deck_text))
+    RunDirectory::open(folder).is_ok_and(|directory| {
+        read_regular_file(&directory.deck(), most::DECK).is_ok_and(|text| text == setup.deck_text.as_bytes())
+    })
 }
 
 /// Refuses to go on with what another program left, of which `mark` tells.
 pub(super) fn check_program(mark: &Path) -> Result<(), ValidateError> {
-    let left = fs::read_to_string(mark).unwrap_or_default();
+    let left = read_regular_file(mark, most::TEXT).unwrap_or_default();
     match program() {
-        Some(own) if left.lines().any(|line| line == own) => Ok(()),
+        Some(own) if String::from_utf8_lossy(&left).lines().any(|line| line == own) => Ok(()),
         _ => Err(ValidateError::AnotherProgram { path: mark.parent().unwrap_or(mark).to_owned() }),
     }
 }

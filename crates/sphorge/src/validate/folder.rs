@@ -1,7 +1,9 @@
 //! The folder of a validation.
 
 use super::{Report, ValidateError, earlier};
-use crate::output::{Durability, OutputError, write_file};
+use crate::output::{
+    Durability, Folder as OpenedFolder, OutputError, most, read_regular_file, remove_unfinished, write_file,
+};
 use std::{
     fs,
     io::{self, Write},
@@ -14,6 +16,9 @@ const MARK: &str = "validation.txt";
 const MARKDOWN: &str = "report.md";
 const HTML: &str = "report.html";
 const JSON: &str = "report.json";
+
+/// Folders in folders of a validation: case, run, frames, pieces.
+const DEEPEST: usize = 4;
 
 /// A folder this validation may write to.
 #[derive(Clone, Debug)]
@@ -39,6 +44,8 @@ impl Folder {
             earlier::check_program(&mark)?;
         }
         let folder = Self { path: path.to_owned() };
+        // What a validation that was killed was about to write, itself or in its runs and pictures.
+        OpenedFolder::open(path).and_then(|opened| remove_unfinished(&opened, DEEPEST)).map_err(unwritable)?;
         // The old report does not belong to the runs that are about to replace the old ones.
         for name in [MARKDOWN, HTML, JSON] {
             match fs::remove_file(path.join(name)) {
@@ -68,14 +75,15 @@ impl Folder {
         }
         let path = self.path.join(MARK);
         let unwritable = |source| OutputError::Unwritable { path: path.clone(), source };
-        let mut mark = fs::OpenOptions::new().append(true).open(&path).map_err(unwritable)?;
+        let mut mark =
+            OpenedFolder::open(&self.path).and_then(|folder| folder.open_to_append(MARK)).map_err(unwritable)?;
         writeln!(mark, "{}", self.relative(run)).map_err(unwritable)
     }
 
     /// Whether this validation has begun the run in a folder.
     pub(super) fn has_begun(&self, run: &Path) -> bool {
-        let mark = fs::read_to_string(self.path.join(MARK)).unwrap_or_default();
-        mark.lines().any(|line| line == self.relative(run))
+        let mark = read_regular_file(&self.path.join(MARK), most::TEXT).unwrap_or_default();
+        String::from_utf8_lossy(&mark).lines().any(|line| line == self.relative(run))
     }
 
     /// Folder of a run.
@@ -100,7 +108,7 @@ impl Folder {
             write_file(&self.path.join(name), Durability::Disk, |out| out.write_all(text.as_bytes()))
         };
         text(MARKDOWN, report.markdown())?;
-        text(HTML, report.html(&|file| fs::read(self.path.join(file)).ok()))?;
+        text(HTML, report.html(&|file| read_regular_file(&self.path.join(file), most::PICTURE).ok()))?;
         write_file(&self.path.join(JSON), Durability::Disk, |out| {
             serde_json::to_writer_pretty(&mut *out, report)?;
             out.write_all(b"\n")
@@ -139,6 +147,27 @@ mod tests {
         fs::write(path.join("report.md"), "old").unwrap();
         Folder::claim(&path, false).unwrap();
         assert!(!path.join("report.md").exists());
+
+        // What was left unfinished goes, and nothing else does.
+        let left =
+            ["", "iron-plate", "iron-plate/skin/fields"].map(|inside| path.join(inside).join(".sphorge-12.unfinished"));
+        fs::create_dir_all(path.join("iron-plate/skin/fields")).unwrap();
+        for file in left.iter().chain([&path.join("iron-plate/.sphorge-notes"), &path.join("a.unfinished")]) {
+            fs::write(file, "").unwrap();
+        }
+        Folder::claim(&path, false).unwrap();
+        assert!(left.iter().all(|file| !file.exists()));
+        assert!(path.join("iron-plate/.sphorge-notes").exists() && path.join("a.unfinished").exists());
+        #[cfg(unix)]
+        {
+            let own = place.path().join("own.txt");
+            fs::write(&own, "mine").unwrap();
+            fs::remove_file(path.join(MARK)).unwrap();
+            std::os::unix::fs::symlink(&own, path.join(MARK)).unwrap();
+            let folder = Folder { path: path.clone() };
+            assert!(folder.note_begin(&path.join("iron-plate/skin")).is_err());
+            assert_eq!(fs::read_to_string(&own).unwrap(), "mine");
+        }
 
         let other = place.path().join("thesis");
         fs::create_dir(&other).unwrap();

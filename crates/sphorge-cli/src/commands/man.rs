@@ -1,0 +1,42 @@
+//! `sphorge man`: manual pages.
+
+use crate::{
+    arguments::Arguments,
+    failure::{Ending, Failure, Outcome},
+    terminal,
+};
+use clap::{Args, CommandFactory};
+use clap_mangen::Man;
+use miette::{IntoDiagnostic, WrapErr};
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  sphorge man > ~/.local/share/man/man1/sphorge.1
+  sphorge man run > ~/.local/share/man/man1/sphorge-run.1
+  sphorge man run | man -l -")]
+pub(crate) struct ManArguments {
+    /// A command, such as `run` [default: the program]
+    #[arg(value_name = "COMMAND")]
+    command: Option<String>,
+}
+
+pub(crate) fn execute(arguments: ManArguments) -> Ending {
+    let mut program = Arguments::command();
+    program.build();
+    let asked = match &arguments.command {
+        None => program,
+        Some(name) => {
+            let found = program.find_subcommand(name).cloned();
+            found.ok_or_else(|| {
+                Failure::bad_input(format!("there is no command `{name}`"), "`sphorge --help` lists the commands")
+            })?
+        }
+    };
+    let mut text = Vec::new();
+    let written = Man::new(asked).render(&mut text);
+    written.into_diagnostic().wrap_err("cannot write the page").map_err(Failure::Failed)?;
+    terminal::print(&String::from_utf8_lossy(&text))?;
+    Ok(Outcome::Done)
+}
