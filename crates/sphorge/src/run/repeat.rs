@@ -75,7 +75,8 @@ impl Steps for Watched<'_> {
         self.state.go_back(kept)
     }
     fn forget(&mut self) -> Result<(), Trouble> {
-        Ok(self.state.recorder.rewrite()?)
+        self.state.recorder.rewrite()?;
+        Ok(())
     }
     fn note(&mut self, note: &str) {
         self.observer.noted(note);
