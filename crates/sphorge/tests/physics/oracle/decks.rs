@@ -470,9 +470,17 @@ numerics = { precision = "double" }
 search = { total-lagrangian = { renewal = 1.1 } }
 time = { end = "20 us" }
 
+[material.metal]
+density = "8900 kg/m^3"
+young-modulus = "120 GPa"
+poisson-ratio = 0.34
+equation-of-state = "linear"
+strength = { bilinear = { yield-stress = "100 MPa", tangent-modulus = "300 MPa" } }
+specific-heat = "400 J/(kg K)"
+
 [[body]]
 name = "block"
-material = "ofhc-copper"
+material = "metal"
 shape = { box = { min = ["-5 mm", "0 mm"], max = ["5 mm", "7 mm"] } }
 velocity = ["0 m/s", "-300 m/s"]
 velocity-gradient = { rows = [["-3e5 1/s", "7e5 1/s"], ["-2e5 1/s", "3e5 1/s"]], centre = ["0 mm", "3 mm"] }
@@ -505,7 +513,7 @@ pub(super) const ROD: &[Case] = &[
     case("total lagrangian, periodic", CELL, &[TOTAL], 40),
     case("total lagrangian, renewed, two bodies", CORNERED, &[RENEWED], 40),
     case("total lagrangian, renewed, walls", WALLS, &[RENEWED], 40),
-    case("total lagrangian, renewed on a wall again and again", TUMBLING, &[], 52),
+    case("total lagrangian, renewed on a wall again and again", TUMBLING, &[], 45),
     case("total lagrangian, renewed, periodic", CELL, &[RENEWED, SHEARED], 60),
 ];
 
