@@ -108,7 +108,9 @@ impl<T: Real> Misfit<T> {
         Self { initial: [o; 3], initial2: o, own: [o; 3], other: [o; 3] }
     }
 
-    /// For a pair that was at `X_ij` (`initial`, m) and is at `x_ij` (m), along the `D` axes computed in.
+    /// For a pair that was at `X_ij` (`initial`, m) and is at `x_ij` (m), along the `D` axes computed in. With
+    /// displacement gradients `F - 1` in place of `F`, and `u_ij = x_ij - X_ij` in place of `x_ij`, it is the same to more
+    /// digits.
     #[inline(always)]
     pub fn of<const D: usize>(initial: &Vector<T>, x: &Vector<T>, f_i: &Tensor<T>, f_j: &Tensor<T>) -> Self {
         let mut misfit = Self { initial: *initial, ..Self::zero() };

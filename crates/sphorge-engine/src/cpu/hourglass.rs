@@ -58,16 +58,24 @@ impl<L: Lanes> Springs<L> {
     }
 }
 
-/// Deformation gradient of a record.
+/// Displacement gradient of a record.
 #[inline(always)]
-fn deformation<L: Lanes>(record: &[L; entry::LEN]) -> Tensor<L> {
-    let mut f = [[L::zero(); 3]; 3];
+fn displacement_gradient<L: Lanes>(record: &[L; entry::LEN]) -> Tensor<L> {
+    let mut h = [[L::zero(); 3]; 3];
     for a in 0..3 {
         for b in 0..3 {
-            f[a][b] = record[entry::F + 3 * a + b];
+            h[a][b] = record[entry::H + 3 * a + b];
         }
     }
-    f
+    h
+}
+
+/// `u_i - u_j` along an axis, m. Neighbours have moved by nearly the same, so that the difference of the numbers is
+/// exact or nearly so, and that of the rests is as small as what is left.
+#[inline(always)]
+fn relative_displacement<L: Lanes>(own: &[L; entry::LEN], other: &[L; entry::LEN], axis: usize) -> L {
+    let difference = |first: usize| own[first + axis] - other[first + axis];
+    difference(entry::U) + difference(entry::U_REST)
 }
 
 /// Row `k` of a block, in two short passes, so that the processor works on many pairs at a time.
@@ -80,7 +88,7 @@ fn hourglass_row<L: Lanes, const D: usize>(
     let own = job.first + k;
     let initial_i: [L; kinematic::LEN] = splat_record(&job.kinematic[own]);
     let record_i: [L; entry::LEN] = splat_record(&job.records[own]);
-    let (deformation_i, stiffness_i) = (deformation(&record_i), record_i[entry::STIFFNESS]);
+    let (gradient_i, stiffness_i) = (displacement_gradient(&record_i), record_i[entry::STIFFNESS]);
     let scale_i = own_scale::<L, D>(job.constants, job.kinematic[own][H]);
     let unit = L::splat(job.constants.unit);
     let kernel = job.constants.kernel;
@@ -89,13 +97,13 @@ fn hourglass_row<L: Lanes, const D: usize>(
         for (pair, indices) in springs.iter_mut().zip(indices.chunks_exact(L::WIDTH)) {
             let initial_j = L::gather(job.kinematic, indices);
             let record_j = L::gather(job.records, indices);
-            let (mut initial, mut x) = ([L::zero(); 3], [L::zero(); 3]);
+            let (mut initial, mut u) = ([L::zero(); 3], [L::zero(); 3]);
             for a in 0..D {
                 initial[a] = L::difference(initial_i[X + a], initial_j[X + a], unit);
-                x[a] = L::difference(record_i[entry::X + a], record_j[entry::X + a], unit);
+                u[a] = relative_displacement(&record_i, &record_j, a);
                 pair.v[a] = initial_i[V + a] - initial_j[V + a];
             }
-            pair.misfit = Misfit::of::<D>(&initial, &x, &deformation_i, &deformation(&record_j));
+            pair.misfit = Misfit::of::<D>(&initial, &u, &gradient_i, &displacement_gradient(&record_j));
             pair.push = pair.misfit.push::<D>(stiffness_i, record_j[entry::STIFFNESS]);
             (pair.h, pair.volume) = (initial_j[H], initial_j[WEIGHT]);
         }
@@ -259,14 +267,13 @@ impl<T: PairScalar> CpuEngine<T> {
         Ok(held[0])
     }
 
-    /// Writes the data of particles and ghosts that the sum reads: velocities at which forces are evaluated, current
-    /// positions, deformation gradients, springs; for particles with the first rows, for ghosts when they have arrived.
+    /// Writes the data of particles and ghosts that the sum reads: velocities at which forces are evaluated,
+    /// displacements and their gradients, springs; for particles with the first rows, for ghosts when they have arrived.
     fn pack_hourglass(&mut self, rows: Rows) {
         if !(rows.is_first() || rows.is_last()) {
             return;
         }
         let count = self.particles.len();
-        let frame = self.records.frame;
         let Records { kinematic, hourglass, .. } = &mut self.records;
         hourglass.resize(kinematic.len(), [T::zero(); entry::LEN]);
         let (own, ghost) = kinematic.split_at_mut(count);
@@ -279,10 +286,13 @@ impl<T: PairScalar> CpuEngine<T> {
             kinematic.par_iter_mut().zip(springs).enumerate().for_each(|(i, (record, spring_record))| {
                 for a in 0..3 {
                     record[V + a] = T::of_velocity(p.evaluated_velocity[i][a]);
+                    let displacement = p.position[i][a] - p.reference_position[i][a];
+                    [spring_record[entry::U + a], spring_record[entry::U_REST + a]] = T::of_displacement(displacement);
                 }
-                spring_record[..3].copy_from_slice(&frame.encode::<T>(&p.position[i]));
                 for c in 0..9 {
-                    spring_record[entry::F + c] = T::of(p.deformation[i][c / 3][c % 3]);
+                    let (a, b) = (c / 3, c % 3);
+                    let identity = if a == b { 1.0 } else { 0.0 };
+                    spring_record[entry::H + c] = T::of_displacement_gradient(p.deformation[i][a][b] - identity);
                 }
                 spring_record[entry::STIFFNESS] = T::of(p.spring_stiffness[i]);
             });

@@ -76,11 +76,18 @@ pub(super) mod extra {
 pub(super) const CORRECTED_LEN: usize = 9;
 const CORRECTED_AXES: [Axes; CORRECTED_LEN] = [(1, 1), (1, 2), (1, 4), (2, 1), (2, 2), (2, 4), (4, 1), (4, 2), (4, 4)];
 
-/// Entries of an hourglass record: current position, deformation gradient, stiffness.
+/// Entries of an hourglass record: displacement `u = x - X`, displacement gradient `H = F - 1`, stiffness.
+///
+/// Springs see `F_i X_ij - x_ij = H_i X_ij - u_ij`. What a body under its weight does to either side is a billionth of
+/// a spacing or less, of which positions and deformation gradients in single precision have nothing left, wherever
+/// their origin is. Displacements in two parts do, and depend neither on the size of the model nor on how far the body
+/// has moved.
 pub(super) mod hourglass {
-    pub(crate) const X: usize = 0;
-    pub(crate) const F: usize = 3;
-    pub(crate) const STIFFNESS: usize = 12;
+    pub(crate) const U: usize = 0;
+    /// What single precision rounds off the displacement.
+    pub(crate) const U_REST: usize = 3;
+    pub(crate) const H: usize = 6;
+    pub(crate) const STIFFNESS: usize = 15;
     pub(crate) const LEN: usize = 16;
 }
 

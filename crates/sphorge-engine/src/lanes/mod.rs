@@ -51,6 +51,28 @@ pub(crate) trait PairScalar: Scalar + Pod + Lanes<Element = Self> {
     /// single precision rounds of a sound speed.
     const STANDSTILL: f64;
 
+    /// Displacement (m) and displacement gradient below which a particle is where it was, for the same reason: a
+    /// trillionth of the smallest spacings that metal is computed with, and less than double precision rounds of one.
+    const UNMOVED: f64;
+    /// See [`PairScalar::UNMOVED`].
+    const UNSTRAINED: f64;
+
+    /// A displacement component (m) as a number and what is rounded off it.
+    #[inline(always)]
+    fn of_displacement(displacement: f64) -> [Self; 2] {
+        if displacement.abs() < Self::UNMOVED {
+            return [Self::zero(); 2];
+        }
+        let number = Self::of(displacement);
+        [number, Self::of(displacement - number.to_f64())]
+    }
+
+    /// A component of a displacement gradient in the precision of pair sums.
+    #[inline(always)]
+    fn of_displacement_gradient(component: f64) -> Self {
+        if component.abs() < Self::UNSTRAINED { Self::zero() } else { Self::of(component) }
+    }
+
     /// A velocity component (m/s) in the precision of pair sums.
     #[inline(always)]
     fn of_velocity(velocity: f64) -> Self {
@@ -194,6 +216,8 @@ fn compress_each<V: Copy + PartialEq>(mask: u32, values: &[V], own: Option<V>, o
 impl PairScalar for f64 {
     const RANGE: f64 = 1.0;
     const STANDSTILL: f64 = 0.0;
+    const UNMOVED: f64 = 0.0;
+    const UNSTRAINED: f64 = 0.0;
     #[cfg(target_arch = "x86_64")]
     type Avx512 = avx512::F64x8;
     #[cfg(target_arch = "x86_64")]
@@ -217,6 +241,8 @@ impl PairScalar for f32 {
     // Half the range of an `i32`: the difference of two coordinates still fits.
     const RANGE: f64 = (1u32 << 30) as f64;
     const STANDSTILL: f64 = 1e-12;
+    const UNMOVED: f64 = 1e-18;
+    const UNSTRAINED: f64 = 1e-16;
     #[cfg(target_arch = "x86_64")]
     type Avx512 = avx512::F32x16;
     #[cfg(target_arch = "x86_64")]

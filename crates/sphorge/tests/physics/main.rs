@@ -13,6 +13,7 @@ mod homogeneous;
 mod numerical_work;
 mod oracle;
 mod persist;
+mod precision;
 mod renewal;
 mod sections;
 mod self_contact;

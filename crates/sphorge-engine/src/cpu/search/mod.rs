@@ -178,10 +178,6 @@ impl<T: PairScalar> CpuEngine<T> {
         let frame = searcher.frame::<T>();
         self.keep_own_bodies();
         self.set_frame(frame);
-        if self.has_come_apart.contains(&true) {
-            // Bodies are not at the positions of their reference configurations.
-            self.frame_all()?;
-        }
         self.take_contacts();
         self.lists.displacement_at_search = self.lists.displacement;
         self.lists.smoothing_lengths_at_search = self.lists.smoothing_lengths;
@@ -249,22 +245,20 @@ impl<T: PairScalar> CpuEngine<T> {
         }
     }
 
-    /// The frame of the records around the current positions; lists may outlive it.
+    /// The frame of the records around the current positions; lists may outlive it. A reference configuration stays in
+    /// that of its search.
     fn follow_frame(&mut self) -> Result<(), RunFailure> {
-        if self.lists.displacement.is_within(self.lists.displacement_at_frame, self.largest_reach()) {
+        if self.formulation.is_initial()
+            || self.lists.displacement.is_within(self.lists.displacement_at_frame, self.largest_reach())
+        {
             return Ok(());
         }
         self.frame_all()
     }
 
-    /// Creates a frame around the current positions and those of the reference configuration.
+    /// Creates a frame around the current positions.
     fn frame_all(&mut self) -> Result<(), RunFailure> {
         let (mut low, mut high) = bounds(&self.particles.position);
-        if self.formulation.is_initial() {
-            let (other_low, other_high) = bounds(&self.particles.reference_position);
-            low = [0, 1, 2].map(|a| low[a].min(other_low[a]));
-            high = [0, 1, 2].map(|a| high[a].max(other_high[a]));
-        }
         if let Some(domain) = &self.domain {
             (low, high) = domain.bounds(low, high)?;
         }

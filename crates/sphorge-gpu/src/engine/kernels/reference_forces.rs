@@ -2,7 +2,8 @@
 //! springs.
 
 use super::contact;
-use super::neighbors::{Pair, apart, over_list, places};
+use super::neighbors::{Pair, over_list, places};
+use super::reference::less_identity;
 use super::section::{Crossing, Through};
 use crate::engine::columns::{Fields, Group, Reading, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
@@ -119,16 +120,22 @@ pub(in crate::engine) fn springs<const D: usize>(
         let near = (bind.read(Group::Reference), bind.read(Group::Constants));
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let (packed, deformation) = (bind.read(Group::Packed), bind.read(Group::Deformation));
-        let (x_i, v_i): (_, Vector<Recorded>) = (places(place, i), evaluated.vector(0, i));
-        let (f_i, stiffness) = (deformation.tensor(0, i), packed.get(9, i));
+        // Displacement and its rest: differences of places would be rounded to single precision of the distance.
+        let displacement = |k: Index| {
+            let (now, then) = (places(place, k), places(near.0, k));
+            [0, 1].map(|part| [0, 1, 2].map(|a| now[a][part] - then[a][part]))
+        };
+        let (u_i, v_i): (_, Vector<Recorded>) = (displacement(i), evaluated.vector(0, i));
+        let (h_i, stiffness) = (less_identity(deformation, i), packed.get(9, i));
         let zero = Recorded::zero();
         let kernel = numerics.kernel;
         let add = |state: [Recorded; SPRING_SUMS], pair: &Pair, j: Index| {
             let image = &pair.image;
-            let x = apart::<D>(image, &x_i, &places(place, j));
+            let u_j = displacement(j).map(|part| image.vector(part));
+            let u = [0, 1, 2].map(|a| (u_i[0][a] - u_j[0][a]) + (u_i[1][a] - u_j[1][a]));
             let v_j = image.vector(evaluated.vector(0, j));
             let v = [0, 1, 2].map(|a| v_i[a] - v_j[a]);
-            let misfit = Misfit::of::<D>(&pair.x, &x, &f_i, &image.tensor(&deformation.tensor(0, j)));
+            let misfit = Misfit::of::<D>(&pair.x, &u, &h_i, &image.tensor(&less_identity(deformation, j)));
             let (q, inverse_q) = pair.scale.reduced_distance(misfit.initial2);
             let weight = -pair.scale.weighted(near.0.get(6, j)).f(kernel.dw_over_q_by(q, inverse_q));
             let mut sums = unpacked(&state);
@@ -159,7 +166,7 @@ pub(in crate::engine) fn springs<const D: usize>(
         let power = sums.energy_rate * factor;
         energy.set(2, i, energy.get(2, i) + power);
         // The stress of the moment has worked in the sum of the stress.
-        let rate = multiply(&gradient.tensor(0, i), &f_i);
+        let rate = multiply(&gradient.tensor(0, i), &deformation.tensor(0, i));
         let earlier = springs.tensor(2, i);
         let turned = rate.as_flattened().iter().zip(earlier.as_flattened()).fold(zero, |sum, (f, m)| sum + *f * *m);
         energy.set(5, i, power + turned * factor);
