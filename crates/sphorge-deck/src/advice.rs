@@ -35,10 +35,41 @@ pub fn advice(model: &Model, particles: &Particles) -> Advice {
         }
     };
     notes.extend(unseen_faces(model));
-    notes.extend(rounded_positions(model, particles));
     let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
     let step_shrinks = is_total_lagrangian && hardest.is_some_and(|impact| impact.damage_number >= PLASTIC);
     Advice { method: method(model), notes, step_shrinks }
+}
+
+/// What makes the results of a method wrong for a deck, said by `sphorge run`, too.
+pub(crate) fn doubts(model: &Model, particles: &Particles) -> Vec<String> {
+    let rounded = rounded_positions(model, particles).into_iter();
+    rounded.chain(beyond_metals(model, particles)).chain(thrown_back(model, particles)).collect()
+}
+
+/// Speed of an impact over the sound speed from which on a fluid splashes.
+const SPLASHES: f64 = 0.01;
+
+/// Fluids that splash in a form that holds them together.
+fn thrown_back(model: &Model, particles: &Particles) -> Vec<String> {
+    if !matches!(model.formulation, Formulation::TotalLagrangian { .. }) || model.dimensions == Dimensions::One {
+        return Vec::new();
+    }
+    let sound_speed = |index: usize| {
+        let material = &model.materials[model.bodies[index].material];
+        material.equation_of_state.reference_sound_speed()
+    };
+    let splashes = |(index, impact): &(usize, Impact)| {
+        impact.damage_number.is_infinite() && impact.speed > SPLASHES * sound_speed(*index)
+    };
+    let impacts = impacts(model, particles).into_iter().enumerate().filter(splashes);
+    impacts
+        .map(|(_, Impact { body, speed, .. })| {
+            format!(
+                "body `{body}` has no strength and meets what it strikes at {speed:.0} m/s: it splashes. In the total Lagrangian form a fluid \
+                 is held together until it is stretched fourfold, and rebounds; choose `method = \"updated-lagrangian\"` for it"
+            )
+        })
+        .collect()
 }
 
 fn method(model: &Model) -> String {
@@ -120,7 +151,7 @@ const FASTEST: f64 = 10.0;
 const HOTTEST: f64 = 10_000.0;
 
 /// Bodies whose initial state is beyond what any law here is made for.
-pub(crate) fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
+fn beyond_metals(model: &Model, particles: &Particles) -> Vec<String> {
     let mut fastest = vec![0.0f64; model.bodies.len()];
     for (&body, v) in particles.body.iter().zip(&particles.velocity) {
         let squared: f64 = v.iter().map(|c| c * c).sum();
@@ -158,6 +189,12 @@ struct Impact {
 
 /// The hardest impact that the velocities at the start tell of: between bodies, on a wall or on a symmetry plane.
 fn hardest_impact(model: &Model, particles: &Particles) -> Option<Impact> {
+    let finite = impacts(model, particles).into_iter().filter(|impact| impact.damage_number.is_finite());
+    finite.max_by(|a, b| a.damage_number.total_cmp(&b.damage_number))
+}
+
+/// For each body the hardest impact that the velocities at the start tell of.
+fn impacts(model: &Model, particles: &Particles) -> Vec<Impact> {
     let mut momentum = vec![[0.0; 3]; model.bodies.len()];
     let mut mass = vec![0.0; model.bodies.len()];
     for ((body, m), v) in particles.body.iter().zip(&particles.mass).zip(&particles.velocity) {
@@ -192,8 +229,7 @@ fn hardest_impact(model: &Model, particles: &Particles) -> Option<Impact> {
             damage_number: material.density * speed * speed / yield_stress,
         }
     };
-    let impacts = model.bodies.iter().enumerate().map(impact);
-    impacts.filter(|i| i.damage_number.is_finite()).max_by(|a, b| a.damage_number.total_cmp(&b.damage_number))
+    model.bodies.iter().enumerate().map(impact).collect()
 }
 
 fn told(impact: &Impact) -> String {
@@ -309,12 +345,34 @@ mod tests {
                  [[body]]\nname = \"b\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }}, shift = [\"{shift}\", 0] }}\n"
             );
             let setup = load_text("far", &deck, &[]).unwrap();
-            advice(&setup.model, &setup.particles).notes
+            setup.notes
         };
         // 3e5 spacings over 2^31.
         assert!(far("300 m", "mixed").join("").contains("1e-4 of a spacing"), "{:?}", far("300 m", "mixed"));
         assert_eq!(far("300 m", "double"), [""; 0]);
         assert_eq!(far("100 m", "mixed"), [""; 0]);
+    }
+
+    #[test]
+    fn a_fluid_that_splashes_in_the_default_form_hears_of_the_one_that_lets_it() {
+        let bird = |changes: &[(&str, &str)]| {
+            let deck = "dimensions = \"plane-strain\"\nparticles = { spacing = \"2 mm\" }\ntime = { end = \"1 us\" }\n[material.fluid]\n\
+                        density = \"950 kg/m^3\"\nequation-of-state = { mie-gruneisen = { sound-speed = \"1483 m/s\", shock-slope = 1.75, \
+                        gruneisen = 0.0 } }\nstrength = \"none\"\n[[body]]\nname = \"bird\"\nmaterial = \"fluid\"\nshape = { box = { min = [0, 0], \
+                        max = [\"16 mm\", \"40 mm\"] } }\nvelocity = [0, \"-116 m/s\"]\n[[wall]]\nname = \"target\"\nplane = { point = [0, 0], normal = \
+                        [0, 1] }\n";
+            let changes: Vec<_> = changes.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
+            load_text("bird", deck, &changes).unwrap().notes
+        };
+        let told = bird(&[]);
+        assert!(
+            told.len() == 1 && told[0].contains("strikes at 116 m/s") && told[0].contains("updated-lagrangian"),
+            "{told:?}"
+        );
+        assert_eq!(bird(&[("method", "updated-lagrangian")]), [""; 0]);
+        // It flows, and does not splash; what flies away strikes nothing.
+        assert_eq!(bird(&[("body.bird.velocity.1", "-10 m/s")]), [""; 0]);
+        assert_eq!(bird(&[("body.bird.velocity.1", "116 m/s")]), [""; 0]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::fault::Problems;
 use super::interpret::{Interpreted, interpret};
 use super::raw::RawDeck;
 use super::report::DeckReport;
-use super::{advice::beyond_metals, closeness, keys, overrides, placement};
+use super::{advice, closeness, keys, overrides, placement};
 use sphorge_engine::{
     Particles,
     geometry::{self, FilledMass},
@@ -130,7 +130,7 @@ pub(super) fn read(
             problems.check()?;
             let masses = geometry::filled_masses(&model, &particles);
             notes.extend(placement::notes(&model, &particles, &masses));
-            notes.extend(beyond_metals(&model, &particles));
+            notes.extend(advice::doubts(&model, &particles));
             notes.extend(closeness::notes(&model, &particles));
             let deck_text = with_whole_paths(deck_text, &model)?;
             Ok(Setup { deck_text, model, particles, masses, notes, catalogue_notes })
