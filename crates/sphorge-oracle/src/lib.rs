@@ -4,7 +4,9 @@
 //! no shortcuts. What it says of a deck is what the equations say of it.
 
 use pairs::{Image, plus};
-use sphorge_engine::model::{Integrator, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource};
+use sphorge_engine::model::{
+    Integrator, Material, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource,
+};
 use sphorge_engine::persist::{Archive, ArchiveError};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported};
@@ -473,7 +475,7 @@ impl Engine for Oracle {
 }
 
 /// Elastic energy per mass: shear, and volume by `p^2 / (2 rho c^2)`.
-pub(crate) fn elastic_energy(p: &Particles, i: usize, shear_modulus: f64) -> f64 {
-    let shear = sphorge_physics::heat::elastic_energy(p.deviator[i], shear_modulus, p.density[i]);
+pub(crate) fn elastic_energy(material: &Material, p: &Particles, i: usize, shear_modulus: f64) -> f64 {
+    let shear = material.elastic_energy(p.deviator[i], shear_modulus, p.density[i]);
     shear + 0.5 * (p.pressure[i] / (p.density[i] * p.sound_speed[i])).powi(2)
 }

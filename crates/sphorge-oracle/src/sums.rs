@@ -6,6 +6,7 @@ use sphorge_engine::model::{Formulation, GradientCorrection, Integrator, Materia
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, gradient_correction};
 use sphorge_physics::hourglass::{Spring, is_fit};
+use sphorge_physics::hyperelastic::{minus_identity, neo_hookean_deviator};
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::moving_least_squares::Moments;
 use sphorge_physics::pair::{
@@ -53,7 +54,7 @@ impl Oracle {
             }
             // A liquid comes apart at a stretch of four.
             let (rho, cp, t0) = (self.p.density[i], m.specific_heat, m.reference_temperature);
-            let elastic = heat::elastic_energy(self.p.deviator[i], m.shear_modulus, rho);
+            let elastic = m.elastic_energy(self.p.deviator[i], m.shear_modulus, rho);
             let stored = (1.0 - m.taylor_quinney) * self.p.plastic_work[i];
             let cold = m.cold_energies().at(rho, self.integrity[i]);
             let of_energy = heat::temperature_from_energy(t0, self.p.energy[i], cold, elastic, stored, cp);
@@ -204,7 +205,12 @@ impl Oracle {
         (p.pressure[i], p.sound_speed[i]) = (state.pressure, state.sound_speed);
         // A particle of that integrity bears the stress of whole material times it.
         let of_whole = if before > 0.0 { p.deviator[i] * (1.0 / before) } else { SymmetricTensor::zero() };
-        let trial = trial_deviator(of_whole, &p.velocity_gradient[i], shear, dt);
+        let trial = if m.flow_law.is_hyperelastic() {
+            let f = multiply(&self.deformation[i], &self.earlier_deformation[i]);
+            neo_hookean_deviator(&minus_identity(&f), shear)
+        } else {
+            trial_deviator(of_whole, &p.velocity_gradient[i], shear, dt)
+        };
         let state = m.flow_state(p.plastic_strain[i], p.temperature[i], rho, state.pressure);
         let history = &mut self.history[i];
         if before == 0.0 {
@@ -240,7 +246,7 @@ impl Oracle {
             }
             TemperatureSource::Energy => {
                 let cold = m.cold_energies().at(rho, borne.integrity);
-                let elastic = borne.integrity * heat::elastic_energy(after.deviator, shear, rho);
+                let elastic = borne.integrity * m.elastic_energy(after.deviator, shear, rho);
                 let stored = (1.0 - beta) * p.plastic_work[i];
                 p.temperature[i] = heat::temperature_from_energy(t0, energy - artificial, cold, elastic, stored, cp);
             }

@@ -480,7 +480,7 @@ impl Oracle {
             sum.energies.kinetic += 0.5 * m * dot(v, v);
             sum.energies.internal += m * p.energy[i];
             let shear = self.shear_modulus(i, p.density[i], p.pressure[i]);
-            sum.energies.elastic += m * elastic_energy(p, i, shear);
+            sum.energies.elastic += m * elastic_energy(self.material(i), p, i, shear);
             sum.energies.plastic_work += m * p.plastic_work[i];
             sum.momentum_scale += m * dot(v, v).sqrt();
             for a in 0..3 {

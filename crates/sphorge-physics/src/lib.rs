@@ -25,6 +25,7 @@ pub mod gradient_correction;
 pub mod heat;
 pub mod history;
 pub mod hourglass;
+pub mod hyperelastic;
 pub mod integrity;
 pub mod kernel;
 pub mod kick;

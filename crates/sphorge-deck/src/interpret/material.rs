@@ -8,6 +8,7 @@ use crate::raw::RawMaterial;
 use crate::suggest::{did_you_mean, like};
 use crate::value::Word;
 use sphorge_engine::model::Material;
+use sphorge_physics::flow::FlowLaw;
 use std::{
     collections::{BTreeMap, HashMap},
     ops::Range,
@@ -182,6 +183,21 @@ impl<'a> Chosen<'a> {
                     .help("add `conductivity = \"80 W/(m K)\"` with the right value to a material")
                     .if_all_entries_are_read(),
             );
+        }
+    }
+
+    /// Reports materials with a law of the deformation gradient, which the updated Lagrangian form does not have.
+    pub(crate) fn refuse_hyperelastic(&self, problems: &mut Problems) {
+        for (name, material, at) in &self.chosen {
+            if let Some(law) = material.as_ref().map(|m| m.flow_law).filter(FlowLaw::is_hyperelastic) {
+                let message = format!(
+                    "`strength = \"{}\"` of material `{name}` needs the deformation gradient, which only the total Lagrangian form has",
+                    law.key()
+                );
+                let fault = Fault::new("not-together", message, at.clone(), "used here");
+                let help = "choose `method = \"total-lagrangian\"`, or `strength = \"elastic\"`";
+                problems.push(fault.help(help).if_all_entries_are_read());
+            }
         }
     }
 

@@ -276,6 +276,9 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     if numerics.as_ref().is_some_and(|n| n.temperature == sphorge_engine::model::TemperatureSource::Energy) {
         materials.need_specific_heat("`numerics.temperature = \"energy\"`", problems);
     }
+    if strategy.is_some_and(|strategy| strategy.formulation == Formulation::UpdatedLagrangian) {
+        materials.refuse_hyperelastic(problems);
+    }
     if !problems.is_empty() {
         return None;
     }

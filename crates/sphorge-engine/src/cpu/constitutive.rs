@@ -13,7 +13,7 @@ use sphorge_physics::eos::ColdEnergy;
 use sphorge_physics::integrity::smeared_width;
 use sphorge_physics::pair::{PairForm, momentum_weight};
 use sphorge_physics::return_mapping::{Returned, return_mapping_near};
-use sphorge_physics::{SymmetricTensor, heat, stress, viscosity};
+use sphorge_physics::{SymmetricTensor, Tensor, heat, stress, viscosity};
 
 /// Data that a plastic step of a block of particles reads and writes.
 struct FlowColumns<'a> {
@@ -69,6 +69,7 @@ impl<'a> FlowColumns<'a> {
             self.weaken(step, columns, particles.material);
         }
         let elastic = columns.take_elastic_step(step.instructions, step.materials, particles);
+        particles.set_hyperelastic(step.materials, columns);
         if step.spalls {
             self.open(step, columns, particles);
         }
@@ -271,7 +272,7 @@ impl<'a> FlowColumns<'a> {
                 self.temperature[k] += heat::temperature_rise_from_plastic_work(beta, plastic_work, density, cp);
             }
             TemperatureSource::Energy => {
-                let elastic = after * heat::elastic_energy(update.deviator, shear_modulus, density);
+                let elastic = after * material.elastic_energy(update.deviator, shear_modulus, density);
                 let cold = cold.at(density, after);
                 self.temperature[k] = material.temperature_of_energy(energy, cold, elastic, self.plastic_work[k]);
             }
@@ -325,6 +326,8 @@ impl<T: PairScalar> CpuEngine<T> {
             energy,
             energy_rate,
             velocity_gradient,
+            deformation,
+            earlier_deformation,
             smoothing_length,
             smallest_stretch: stretch,
             viscous_pressure,
@@ -358,6 +361,7 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         let (material, density, energy, energy_rate) = (&*material, &*density, &*energy, &*energy_rate);
         let (velocity_gradient, smoothing_length, mass) = (&*velocity_gradient, &*smoothing_length, &*mass);
+        let (deformation, earlier_deformation) = (&*deformation, &*earlier_deformation);
         let stretch = &*stretch;
         let (body, repulsion) = (&*body, &self.repulsion);
         let evaluated_velocity = &*evaluated_velocity;
@@ -427,6 +431,8 @@ impl<T: PairScalar> CpuEngine<T> {
                 deviator: s,
                 velocity_gradient: &velocity_gradient[particles.clone()],
                 smoothing_length: &smoothing_length[particles.clone()],
+                deformation: deformation.get(particles.clone()).unwrap_or_default(),
+                earlier_deformation: earlier_deformation.get(particles.clone()).unwrap_or_default(),
                 dt,
             };
             FlowColumns::new(flow).take_step(&step, columns, &inputs);
@@ -563,7 +569,17 @@ impl<T: PairScalar> CpuEngine<T> {
                     *here = *energy;
                 }
                 let smoothing_length = &smoothing_length[particles];
-                let inputs = ElasticInputs { material, deviator: s, velocity_gradient: l, smoothing_length, dt };
+                // Only forms without deformation gradients have this integrator.
+                let none: &[Tensor<f64>] = &[];
+                let inputs = ElasticInputs {
+                    material,
+                    deviator: s,
+                    velocity_gradient: l,
+                    smoothing_length,
+                    deformation: none,
+                    earlier_deformation: none,
+                    dt,
+                };
                 FlowColumns::new(flow).take_step(&step, columns, &inputs);
                 for (k, s) in s.iter_mut().enumerate() {
                     *s = columns.deviator_of(k);

@@ -3,7 +3,6 @@
 use super::{CpuEngine, constitutive::shear_modulus_of};
 use crate::lanes::PairScalar;
 use crate::{BodyLedger, Energies, Ledger, RunFailure};
-use sphorge_physics::heat;
 
 impl<T: PairScalar> CpuEngine<T> {
     /// Sums over bodies in particle order: independent of threads and ranks.
@@ -86,7 +85,7 @@ impl<T: PairScalar> CpuEngine<T> {
 
 /// Elastic energy per mass: shear, and volume by `p^2 / (2 rho c^2)` (exact for a linear pressure law).
 fn elastic_energy(material: &crate::model::Material, p: &crate::particles::Particles, i: usize) -> f64 {
-    let shear = heat::elastic_energy(p.deviator[i], shear_modulus_of(material, p, i), p.density[i]);
+    let shear = material.elastic_energy(p.deviator[i], shear_modulus_of(material, p, i), p.density[i]);
     let bulk = p.density[i] * p.sound_speed[i] * p.sound_speed[i];
     shear + 0.5 * p.pressure[i] * p.pressure[i] / (bulk * p.density[i])
 }

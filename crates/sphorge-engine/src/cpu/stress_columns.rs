@@ -4,6 +4,7 @@ use super::records::{extra, force};
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run};
 use crate::model::Material;
 use crate::neighbors::{BLOCK, PAD};
+use sphorge_physics::hyperelastic::{composed, minus_identity, neo_hookean_deviator};
 use sphorge_physics::pair::{PairForm, stress_scale};
 use sphorge_physics::return_mapping::elastic_margin;
 use sphorge_physics::viscosity::{ViscosityParameters, bulk_viscosity, bulk_viscous_power};
@@ -126,11 +127,30 @@ pub(super) struct ElasticInputs<'a> {
     pub(super) velocity_gradient: &'a [Tensor<f64>],
     /// m.
     pub(super) smoothing_length: &'a [f64],
+    /// Deformation gradients of the reference configuration and of the one before a renewal; empty where there is none.
+    pub(super) deformation: &'a [Tensor<f64>],
+    pub(super) earlier_deformation: &'a [Tensor<f64>],
     /// Length of the step, s.
     pub(super) dt: f64,
 }
 
 impl ElasticInputs<'_> {
+    /// Replaces the deviators of particles whose material has them from the deformation, not from a rate.
+    #[inline(always)]
+    pub(super) fn set_hyperelastic(&self, materials: &[Material], columns: &mut StressColumns) {
+        if !materials.iter().any(|material| material.flow_law.is_hyperelastic()) {
+            return;
+        }
+        for (k, (material, f)) in self.material.iter().zip(self.deformation).enumerate() {
+            if materials[*material as usize].flow_law.is_hyperelastic() {
+                let since = minus_identity(f);
+                let earlier = self.earlier_deformation.get(k).map(minus_identity);
+                let h = earlier.map_or(since, |earlier| composed(&since, &earlier));
+                columns.set_deviator(k, neo_hookean_deviator(&h, columns.shear_modulus[k]));
+            }
+        }
+    }
+
     /// Deviators and velocity gradients from particle `k` on; lanes beyond the last particle repeat it.
     #[inline(always)]
     fn lanes<L: Lanes<Element = f64>>(&self, k: usize) -> (SymmetricTensor<L>, Tensor<L>) {

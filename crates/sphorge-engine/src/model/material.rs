@@ -3,7 +3,8 @@
 use sphorge_physics::conduction::effusivity;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EquationOfState, PressureState};
 use sphorge_physics::flow::{FlowLaw, FlowState};
-use sphorge_physics::heat::{elastic_energy, melted, temperature_from_energy};
+use sphorge_physics::heat::{self, melted, temperature_from_energy};
+use sphorge_physics::hyperelastic::neo_hookean_energy_of_stress;
 use sphorge_physics::integrity::{Borne, Spall};
 use sphorge_physics::total_lagrangian::young_modulus;
 use sphorge_physics::{Real, SymmetricTensor, return_mapping::ReturnRule};
@@ -147,10 +148,22 @@ impl Material {
     /// Whether a particle of a temperature (K) and a state is liquid: see [`Self::liquid`].
     pub fn is_liquid(&self, temperature: f64, state: &EnergyState) -> bool {
         let EnergyState { energy, density, deviator, plastic_work, integrity } = *state;
-        let elastic = || elastic_energy(deviator, self.shear_modulus, density);
+        let elastic = || self.elastic_energy(deviator, self.shear_modulus, density);
         let cold = || self.cold_energies().at(density, integrity);
         let of_energy = || self.temperature_of_energy(energy, cold(), elastic(), plastic_work);
         self.liquid(temperature, of_energy) > 0.0
+    }
+
+    /// Specific elastic energy of shape change, J/kg, at a deviatoric stress, shear modulus (both Pa) and density
+    /// (kg/m³); zero without shear modulus.
+    #[inline(always)]
+    pub fn elastic_energy<T: Real>(&self, deviator: SymmetricTensor<T>, shear_modulus: T, density: T) -> T {
+        if self.flow_law.is_hyperelastic() {
+            let at_rest = T::of(self.density);
+            neo_hookean_energy_of_stress(deviator, at_rest / density, shear_modulus) / at_rest
+        } else {
+            heat::elastic_energy(deviator, shear_modulus, density)
+        }
     }
 
     /// Young's modulus at rest, Pa.

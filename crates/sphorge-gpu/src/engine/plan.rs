@@ -237,7 +237,7 @@ impl Plan {
         for k in 0..model.materials.len() {
             let threads = members(p, k).len();
             let of_material = |kernel| (threads > 0).then_some(Planned { kernel, threads: Threads::Of(threads) });
-            let stress = |of| stress::stress(model, k, stride, of);
+            let stress = |of| stress::stress(model, (k, references), stride, of);
             match model.numerics.integrator {
                 Integrator::Leapfrog => plan.stress.extend(of_material(stress(StressOf::Leapfrog)?)),
                 Integrator::PredictorCorrector => {

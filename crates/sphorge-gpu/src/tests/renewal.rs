@@ -120,6 +120,36 @@ fn what_passes_a_symmetry_plane_meets_the_images_of_the_processor() {
     compare(SPLASH, &[], 250e-6, 6, (1e-3, 1e-2));
 }
 
+/// A block of rubber thrown on a wall beside a plane of symmetry.
+const RUBBER: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+time = { end = "2 ms" }
+symmetry = [{ axis = "x" }]
+
+[material.rubber]
+density = "1100 kg/m^3"
+young-modulus = "17 MPa"
+poisson-ratio = 0.45
+strength = "neo-hookean"
+
+[[body]]
+name = "block"
+material = "rubber"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["8 mm", "20 mm"] } }
+velocity = ["0 m/s", "-30 m/s"]
+
+[[wall]]
+name = "target"
+plane = { point = ["0 mm", "0 mm"], normal = [0, 1] }
+"#;
+
+#[test]
+fn rubber_has_the_stress_and_energy_of_the_processor() {
+    compare(RUBBER, &[], 200e-6, 0, (1e-4, 3e-4));
+    compare(RUBBER, &[("search.total-lagrangian.renewal", "1.1")], 200e-6, 1, (1e-4, 3e-4));
+}
+
 #[test]
 fn what_comes_apart_keeps_the_energy_its_contact_held() {
     let text = closing(BLOCKS, &format!("{RUBS}\nsearch = {{ total-lagrangian = {{ renewal = 1.2 }} }}"));

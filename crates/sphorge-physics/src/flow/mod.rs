@@ -10,6 +10,7 @@ mod bilinear;
 mod elastic;
 mod johnson_cook;
 mod modified_johnson_cook;
+mod neo_hookean;
 mod none;
 mod perfectly_plastic;
 mod steinberg_guinan;
@@ -24,6 +25,7 @@ pub use bilinear::Bilinear;
 pub use elastic::Elastic;
 pub use johnson_cook::JohnsonCook;
 pub use modified_johnson_cook::ModifiedJohnsonCook;
+pub use neo_hookean::NeoHookean;
 pub use none::NoStrength;
 pub use perfectly_plastic::PerfectlyPlastic;
 pub use steinberg_guinan::SteinbergGuinan;
@@ -111,6 +113,8 @@ pub trait YieldLaw<T: Elementary>: Copy {
     const HAS_SHEAR: bool;
     /// Whether there is a finite yield stress.
     const YIELDS: bool;
+    /// Whether the deviator is a function of the deformation gradient; otherwise it is the integral of a rate.
+    const IS_HYPERELASTIC: bool = false;
     /// Whether the shear modulus is another than the material's in some state.
     const SHEAR_MODULUS_VARIES: bool = false;
     /// Whether yield stress or history can change in a step without plastic flow at a constant temperature, as with a yield
@@ -232,6 +236,12 @@ macro_rules! flow_laws {
                 match self { $($(#[$attribute])* Self::$law(_) => <$law<T> as YieldLaw<T>>::YIELDS,)* }
             }
 
+            /// Whether the deviator is a function of the deformation gradient; otherwise it is the integral of a rate.
+            #[inline(always)]
+            pub fn is_hyperelastic(&self) -> bool {
+                match self { $($(#[$attribute])* Self::$law(_) => <$law<T> as YieldLaw<T>>::IS_HYPERELASTIC,)* }
+            }
+
             /// Whether the material can bear shear at all.
             #[inline(always)]
             pub fn has_shear(&self) -> bool {
@@ -267,6 +277,7 @@ macro_rules! flow_laws {
 flow_laws! {
     NoStrength,
     Elastic,
+    NeoHookean,
     PerfectlyPlastic,
     Bilinear,
     JohnsonCook,

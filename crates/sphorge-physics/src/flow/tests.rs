@@ -156,6 +156,7 @@ fn every_law_takes_good_constants_keeps_them_in_single_precision_and_knows_where
         &[
             ("none", &[]),
             ("elastic", &[]),
+            ("neo-hookean", &[]),
             ("perfectly-plastic", &[90.0e6]),
             ("bilinear", &[350.0e6, 210.0e9, 2.0e9]),
             ("johnson-cook", &IRON),

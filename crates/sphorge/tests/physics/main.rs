@@ -10,6 +10,7 @@ mod external_forces;
 mod failure;
 mod heat;
 mod homogeneous;
+mod hyperelastic;
 mod numerical_work;
 mod oracle;
 mod persist;

@@ -150,13 +150,23 @@ fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording
             _ => None,
         };
         let springs = strength.map(|strength| (strength, bind.read(Group::Springs), bind.read(Group::Reference)));
+        let of_body = |b: usize| &model.materials[model.bodies[b].material];
+        let hyperelastic: Vec<usize> =
+            (0..model.bodies.len()).filter(|b| of_body(*b).flow_law.is_hyperelastic()).collect();
+        let bodies = (!hyperelastic.is_empty()).then(|| bind.indices(Group::Body));
         lane.sum::<ENERGIES>(bind, (INTERNAL, ENERGIES), |i| {
             let [m, pressure, sound_speed, shear_modulus] =
                 [constants.get(0, i), pressures.get(0, i), pressures.get(1, i), pressures.get(2, i)].map(Double::from);
             let rho = Double::new(density.double(0, 1, i));
             let deviator = in_pairs(deviator.symmetric(0, i));
             let bulk = pressure / (rho * sound_speed);
-            let elastic = elastic_energy(deviator, shear_modulus, rho) + Double::of(0.5) * bulk * bulk;
+            let mut shear = elastic_energy(deviator, shear_modulus, rho);
+            for (bodies, b) in bodies.iter().flat_map(|bodies| hyperelastic.iter().map(move |b| (bodies, *b))) {
+                let other = Double::from((bodies.at(i).number() - Recorded::of(b as f64)).abs());
+                let own = of_body(b).elastic_energy(deviator, shear_modulus, rho);
+                shear = Double::select_lt(other, Double::of(0.5), own, shear);
+            }
+            let elastic = shear + Double::of(0.5) * bulk * bulk;
             let [internal, plastic_work] = [energy.double(0, 1, i), plastic.double(4, 5, i)].map(Double::new);
             let held = springs.map_or_else(Double::zero, |(strength, springs, reference)| {
                 let spring = spring(strength, constants.get(5, i), plastic, springs, i);

@@ -9,6 +9,7 @@ use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::hourglass::is_fit;
+use sphorge_physics::hyperelastic::composed;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply};
 use sphorge_physics::total_lagrangian::{
@@ -76,11 +77,27 @@ impl Deformations {
         self.earlier.map(|earlier| earlier.tensor(0, i))
     }
 
+    /// `F - 1` since the start.
+    pub(super) fn displacement_gradient(self, i: Index) -> Tensor<Recorded> {
+        let since = less_identity(self.since, i);
+        self.earlier.map_or(since, |earlier| composed(&since, &less_identity(earlier, i)))
+    }
+
     /// Since the start.
     pub(super) fn whole(self, i: Index) -> Tensor<Recorded> {
         let f = self.since_reference(i);
         self.earlier(i).map_or(f, |earlier| multiply(&f, &earlier))
     }
+}
+
+/// `F - 1` of deformation gradients with their rests, with the digits that single precision does not have of `F`.
+pub(super) fn less_identity(deformation: Reading, i: Index) -> Tensor<Recorded> {
+    [0, 1, 2].map(|a| {
+        [0, 1, 2].map(|b| {
+            let [high, low] = deformation.double(3 * a + b, 9 + 3 * a + b, i);
+            if a == b { (high - Recorded::one()) + low } else { high + low }
+        })
+    })
 }
 
 /// Makes the current configuration of bodies that are due their reference: positions, volumes, and deformation

@@ -2,6 +2,7 @@
 
 use super::kick::ARTIFICIAL_WORK;
 use super::pairs::compressed;
+use super::reference::{Deformations, References};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Fields, Group, Recording, added, recording};
 use crate::engine::step_numbers::{DT, HALF};
@@ -11,7 +12,8 @@ use sphorge_engine::particles::HistoryVariables;
 use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::{FlowState, FlowStep};
-use sphorge_physics::heat::{elastic_energy, temperature_rise_from_plastic_work};
+use sphorge_physics::heat::temperature_rise_from_plastic_work;
+use sphorge_physics::hyperelastic::neo_hookean_deviator;
 use sphorge_physics::integrity::{Borne, smeared_width};
 use sphorge_physics::pair::{mean, stress_scale};
 use sphorge_physics::return_mapping::return_mapping_near;
@@ -48,7 +50,12 @@ impl StressOf {
 }
 
 /// A kernel over the particles of material `k`.
-pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: StressOf) -> Result<Recording, KernelFault> {
+pub(in crate::engine) fn stress(
+    model: &Model,
+    (k, references): (usize, References),
+    count: usize,
+    of: StressOf,
+) -> Result<Recording, KernelFault> {
     let material = &model.materials[k];
     let numerics = &model.numerics;
     let name = match of {
@@ -115,7 +122,11 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             }
             None => stored,
         };
-        let trial = trial_deviator(of_whole, &l, shear_modulus, dt);
+        let trial = if material.flow_law.is_hyperelastic() {
+            neo_hookean_deviator(&Deformations::of(bind, references).displacement_gradient(i), shear_modulus)
+        } else {
+            trial_deviator(of_whole, &l, shear_modulus, dt)
+        };
         let guess = plastic.get(2, i);
         let kept: Vec<[Recorded; 2]> = history
             .iter()
@@ -136,7 +147,7 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
             // That of an elastic law is infinite.
             let left = Recorded::select_lt(zero, borne.integrity, returned.yield_stress * borne.integrity, zero);
             returned.yield_stress = is_severed(zero, left);
-            // Of the elastic energy of a deviator that integrity has been taken from already.
+            // Of the deviator, which integrity has been taken from already, in the energy of whole material.
             elastic_share = Recorded::select_lt(zero, borne.integrity, one / borne.integrity, zero);
         }
         pressures.set_all(0, i, &[state.pressure, state.sound_speed, shear_modulus]);
@@ -174,7 +185,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                             heat -= half * energy.get(4, i);
                         }
                     }
-                    let elastic = elastic_share * elastic_energy(returned.deviator, shear_modulus, rho);
+                    let whole = returned.deviator * elastic_share;
+                    let elastic = borne.integrity * material.elastic_energy(whole, shear_modulus, rho);
                     let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
                     let warm = material.temperature_of_energy(heat, cold, elastic, plastic.get(4, i));
                     temperature.set_all(0, i, &[warm, Recorded::zero()]);
@@ -202,7 +214,8 @@ pub(in crate::engine) fn stress(model: &Model, k: usize, count: usize, of: Stres
                 && bound > LARGEST_STRETCH_OF_A_LIQUID
             {
                 let is_liquid = material.liquid(temperature.get(0, i), || {
-                    let elastic = elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
+                    let elastic =
+                        material.elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
                     let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
                     material.temperature_of_energy(e, cold, elastic, plastic.get(4, i))
                 });

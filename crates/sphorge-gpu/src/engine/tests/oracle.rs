@@ -7,7 +7,6 @@ use crate::engine::kernels::{conduction, contact, walls};
 use crate::engine::snapshot::Group64;
 use sphorge_engine::model::{Formulation, Wall};
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Particles, RunFailure, WallLedger};
-use sphorge_physics::heat::elastic_energy;
 use sphorge_physics::hourglass::Spring;
 use sphorge_physics::tensor::multiply;
 
@@ -54,7 +53,9 @@ impl GpuEngine {
         let mut bodies = vec![BodyLedger::default(); self.model.bodies.len()];
         for i in 0..p.len() {
             let bulk = p.pressure[i] / (p.density[i] * p.sound_speed[i]);
-            let elastic = elastic_energy(p.deviator[i], pressure.at(2, i), p.density[i]) + 0.5 * bulk * bulk;
+            let material = &self.model.materials[p.material[i] as usize];
+            let shear = material.elastic_energy(p.deviator[i], pressure.at(2, i), p.density[i]);
+            let elastic = shear + 0.5 * bulk * bulk;
             let driven = self.prescribed_acceleration(p.motion[i]);
             let acceleration = [0, 1, 2].map(|a| driven[a].unwrap_or(p.acceleration[i][a]));
             let specific = Energies { kinetic: 0.0, internal: p.energy[i], elastic, plastic_work: p.plastic_work[i] };

@@ -36,6 +36,7 @@ const SHEARED: (&str, &str) = ("body.block.velocity-profile.amplitude", r#"["800
 /// Thirty times.
 const SHEARED_FAST: (&str, &str) = ("body.block.velocity-profile.amplitude", r#"["2400 m/s", "0 m/s"]"#);
 const MELTED: (&str, &str) = ("body.block.temperature", "1900 K");
+const HYPERELASTIC: (&str, &str) = ("material.iron.strength", "neo-hookean");
 const RENEWED: (&str, &str) = ("search", "{ total-lagrangian = { renewal = 1.1 } }");
 
 /// Two blocks that strike each other off centre: the kernel sums.
@@ -277,6 +278,8 @@ pub(super) const BLOCKS: &[Case] = &[
     case("contact with friction", SLIDING, &[], 40),
     case("contact, predictor-corrector", SLIDING, &[PREDICTOR, OF_ENERGY], 40),
     case("contact, total lagrangian", SLIDING, &[TOTAL], 40),
+    case("contact, neo-Hookean", SLIDING, &[TOTAL, HYPERELASTIC, OF_ENERGY], 40),
+    case("contact, neo-Hookean, renewed", SLIDING, &[RENEWED, HYPERELASTIC], 40),
     case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
     case("contact, following smoothing lengths, skin", SLIDING, &[FOLLOW, ("search", "skin"), PREDICTOR], 40),
     case(
