@@ -134,6 +134,8 @@ fn compare(instructions: Instructions, mixed: bool, only_flow_heats: bool, form:
         material: &particles.iter().map(|p| p.material).collect::<Vec<_>>(),
         deviator: &particles.iter().map(|p| p.deviator).collect::<Vec<_>>(),
         velocity_gradient: &particles.iter().map(|p| p.l).collect::<Vec<_>>(),
+        deformation: &[],
+        earlier_deformation: &[],
         smoothing_length: &[1e-3; COUNT],
         dt: DT,
     };
@@ -279,6 +281,8 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
         material: &[1],
         deviator: &[SymmetricTensor::diagonal(2.0e6, -3.0e6, 1.0e6)],
         velocity_gradient: &[[[0.0, -2.0 / DT, 0.0], [2.0 / DT, 0.0, 0.0], [0.0; 3]]],
+        deformation: &[],
+        earlier_deformation: &[],
         smoothing_length: &[1e-3],
         dt: DT,
     };
@@ -293,6 +297,14 @@ fn a_body_that_spins_turns_its_stress_and_an_empty_block_is_none() {
     assert_eq!(flow, [[0.0], [0.0], [f64::INFINITY], [0.0], [300.0]]);
     assert!((tensor::determinant(&turned.to_tensor()) / -6.0e18 - 1.0).abs() < 1e-9);
 
-    let nothing = ElasticInputs { material: &[], deviator: &[], velocity_gradient: &[], smoothing_length: &[], dt: DT };
+    let nothing = ElasticInputs {
+        material: &[],
+        deviator: &[],
+        velocity_gradient: &[],
+        deformation: &[],
+        earlier_deformation: &[],
+        smoothing_length: &[],
+        dt: DT,
+    };
     assert_eq!(columns.take_elastic_step(step.instructions, &materials, &nothing), 0);
 }

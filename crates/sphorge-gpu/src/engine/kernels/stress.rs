@@ -214,8 +214,7 @@ pub(in crate::engine) fn stress(
                 && bound > LARGEST_STRETCH_OF_A_LIQUID
             {
                 let is_liquid = material.liquid(temperature.get(0, i), || {
-                    let elastic =
-                        material.elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
+                    let elastic = material.elastic_energy(returned.deviator, Recorded::of(material.shear_modulus), rho);
                     let cold = material.cold_energies::<Recorded>().at(rho, borne.integrity);
                     material.temperature_of_energy(e, cold, elastic, plastic.get(4, i))
                 });
