@@ -115,61 +115,68 @@ pub fn bench(options: &BenchOptions, observe: &mut (dyn FnMut(&str) + Send)) -> 
         observe("the bare loop");
     }
     let bare_loop = is_own.then(BareLoop::measure).flatten();
-    pool.install(|| {
-        let (mut rows, mut skipped) = (Vec::new(), Vec::new());
-        let asked = |case: &&BenchCase| options.cases.is_empty() || options.cases.iter().any(|name| name == case.deck);
-        for case in CASES.iter().filter(asked) {
-            for &precision in PRECISIONS {
-                for search in deck::search_words() {
-                    if !options.strategies.is_empty() && !options.strategies.iter().any(|word| word == search) {
-                        continue;
-                    }
-                    observe(&format!("{}, {precision}, {search}", case.deck));
-                    let own = [("numerics.precision", precision), ("search", search)]
-                        .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
-                    let overrides: Vec<_> = options.overrides.iter().cloned().chain(own).collect();
-                    let text = decks::find(case.deck).map_or("", |deck| deck.text);
-                    let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
-                    let dimensions = setup.model.dimensions;
-                    let mut skip = |why: String| {
-                        let [case, precision, search] = [case.deck, precision, search].map(str::to_owned);
-                        skipped.push(Skipped { case, precision, search, why });
-                    };
-                    if let Err(unsupported) = options.engine.supports(&setup.model) {
-                        skip(unsupported.what);
-                        continue;
-                    }
-                    let measured = measure(&*options.engine, setup.clone(), precision, search, options.seconds);
-                    let mut row = match measured {
-                        Ok(row) => row,
-                        // The others are measured all the same.
-                        Err(failure) => {
-                            skip(failure.to_string());
-                            continue;
-                        }
-                    };
-                    if let Some(clock) = &options.kernels {
-                        match clock.measure(setup, options.seconds) {
-                            Ok(measured) => (row.stage_shares, row.kernels) = measured,
-                            Err(failure) => skip(format!("its kernels: {failure}")),
-                        }
-                    }
-                    let bare = bare_loop.filter(|_| dimensions == crate::model::Dimensions::Three);
-                    row.share_of_bare_loop = bare.map(|bare| {
-                        row.pairs_per_second_per_core / (bare.particle_steps_per_second() * bare.mean_neighbors)
-                    });
-                    rows.push(row);
+    pool.install(|| measure_cases(options, bare_loop, observe))
+}
+
+/// Measures the cases beside a bare loop in the present thread pool.
+fn measure_cases(
+    options: &BenchOptions,
+    bare_loop: Option<BareLoop>,
+    observe: &mut (dyn FnMut(&str) + Send),
+) -> Result<BenchReport, BenchError> {
+    let (mut rows, mut skipped) = (Vec::new(), Vec::new());
+    let asked = |case: &&BenchCase| options.cases.is_empty() || options.cases.iter().any(|name| name == case.deck);
+    for case in CASES.iter().filter(asked) {
+        for &precision in PRECISIONS {
+            for search in deck::search_words() {
+                if !options.strategies.is_empty() && !options.strategies.iter().any(|word| word == search) {
+                    continue;
                 }
+                observe(&format!("{}, {precision}, {search}", case.deck));
+                let own = [("numerics.precision", precision), ("search", search)]
+                    .map(|(key, value)| (key.to_owned(), format!("\"{value}\"")));
+                let overrides: Vec<_> = options.overrides.iter().cloned().chain(own).collect();
+                let text = decks::find(case.deck).map_or("", |deck| deck.text);
+                let setup = deck::load_text(case.deck, text, &overrides).map_err(BenchError::Deck)?;
+                let dimensions = setup.model.dimensions;
+                let mut skip = |why: String| {
+                    let [case, precision, search] = [case.deck, precision, search].map(str::to_owned);
+                    skipped.push(Skipped { case, precision, search, why });
+                };
+                if let Err(unsupported) = options.engine.supports(&setup.model) {
+                    skip(unsupported.what);
+                    continue;
+                }
+                let measured = measure(&*options.engine, setup.clone(), precision, search, options.seconds);
+                let mut row = match measured {
+                    Ok(row) => row,
+                    // The others are measured all the same.
+                    Err(failure) => {
+                        skip(failure.to_string());
+                        continue;
+                    }
+                };
+                if let Some(clock) = &options.kernels {
+                    match clock.measure(setup, options.seconds) {
+                        Ok(measured) => (row.stage_shares, row.kernels) = measured,
+                        Err(failure) => skip(format!("its kernels: {failure}")),
+                    }
+                }
+                let bare = bare_loop.filter(|_| dimensions == crate::model::Dimensions::Three);
+                row.share_of_bare_loop = bare.map(|bare| {
+                    row.pairs_per_second_per_core / (bare.particle_steps_per_second() * bare.mean_neighbors)
+                });
+                rows.push(row);
             }
         }
-        Ok(BenchReport {
-            version: env!("CARGO_PKG_VERSION"),
-            machine: Machine::here(),
-            threads: rayon::current_num_threads(),
-            bare_loop,
-            rows,
-            skipped,
-        })
+    }
+    Ok(BenchReport {
+        version: env!("CARGO_PKG_VERSION"),
+        machine: Machine::here(),
+        threads: rayon::current_num_threads(),
+        bare_loop,
+        rows,
+        skipped,
     })
 }
 
