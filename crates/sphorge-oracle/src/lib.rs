@@ -93,9 +93,11 @@ pub(crate) struct Oracle {
     pub(crate) viscous_pressure: Vec<f64>,
     pub(crate) viscous_power: f64,
     pub(crate) hourglass_power: f64,
-    /// Least stretch at which a particle has yielded, zero without springs, and mean square of the misfit of its springs.
+    /// Least stretch at which a particle has yielded, zero without springs, and, of its springs, mean square of the misfit and stress of the
+    /// moment, Pa.
     pub(crate) yielded_stretch: Vec<f64>,
     pub(crate) spring_misfit: Vec<f64>,
+    pub(crate) spring_moment: Vec<Tensor<f64>>,
     pub(crate) heat_rate: Vec<f64>,
     pub(crate) ledger: Ledger,
     pub(crate) accounts: Accounts,
@@ -179,6 +181,7 @@ impl EngineKind for OracleKind {
             hourglass_power: 0.0,
             yielded_stretch: vec![1.0; n],
             spring_misfit: vec![0.0; n],
+            spring_moment: vec![[[0.0; 3]; 3]; n],
             heat_rate: vec![0.0; n],
             ledger: Ledger::default(),
             accounts: Accounts::new(&model, dimension),

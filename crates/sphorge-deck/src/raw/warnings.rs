@@ -13,7 +13,7 @@ tables! {
         plastic_work: Option<Given<Number>>, example 1.05, default 1.01;
         /// Largest deficit of internal energy below the floor that heat can explain, over the energy supplied; for the whole model and for each body.
         negative_energy: Option<Given<Number>>, example 0.02, default 0.01;
-        /// Largest work of the hourglass springs that they do not hold, of either sign, over the energy supplied.
+        /// Largest work of the hourglass springs that they do not hold, of either sign, beyond what the integrator booked, over the energy supplied.
         hourglass_work: Option<Given<Number>>, example 0.2, default 0.1;
         /// Lowest temperature.
         cold: Option<Given<Temperature>>, example "200 K", default "0 K";

