@@ -258,13 +258,15 @@ fn a_checkpoint_is_made_on_request_and_a_damaged_one_is_passed_over() {
     ]);
     same("resumed from the one before", &whole, &story(&place, "run"));
 
-    // Of another deck, and none at all.
-    fs::write(place.path("run/deck.toml"), STRIKE.replace("40 us", "41 us")).unwrap();
-    let refused = place.run(&["resume", "run"]).expect_code(2);
-    refused.expect_told(&[
-        "belongs to a run of another deck",
-        "there is no checkpoint in run from which the run can continue",
-    ]);
+    // With another deck in the folder the run is still that of its checkpoints.
+    let other = STRIKE.replace("40 us", "41 us");
+    fs::write(place.path("run/deck.toml"), &other).unwrap();
+    fs::remove_file(place.path("run/summary.json")).unwrap();
+    let told = place.run(&["resume", "run"]).expect_code(0);
+    told.expect_told(&["deck.toml is not the deck of the run", "kept as deck-found.toml"]);
+    assert_eq!(fs::read_to_string(place.path("run/deck-found.toml")).unwrap(), other);
+    fs::remove_file(place.path("run/deck-found.toml")).unwrap();
+    same("resumed with another deck in its folder", &whole, &story(&place, "run"));
     place.run(&["resume", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
 }
 

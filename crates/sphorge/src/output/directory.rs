@@ -210,6 +210,14 @@ impl RunDirectory {
         }
     }
 
+    /// Says that the folder is lost where that is why a file cannot be written: it may have been taken since it was looked at.
+    pub(crate) fn explain<T>(&self, written: Result<T, OutputError>) -> Result<T, OutputError> {
+        if let Some(held) = self.held.as_ref().filter(|_| matches!(written, Err(OutputError::Write { .. }))) {
+            held.check()?;
+        }
+        written
+    }
+
     /// Notes a name that a run gives to a file, or with `/` at its end to a folder of files, before it is there.
     fn note_name(&self, name: &str) -> Result<(), OutputError> {
         match &self.held {
@@ -230,7 +238,7 @@ impl RunDirectory {
     ) -> Result<(), OutputError> {
         let folder = self.folder()?;
         self.note_name(name)?;
-        folder.write(name, durability, content).writing(&self.path.join(name))
+        self.explain(folder.write(name, durability, content).writing(&self.path.join(name)))
     }
 
     /// The same, and the sum by which the file is known again.
@@ -242,7 +250,7 @@ impl RunDirectory {
     ) -> Result<Sum, OutputError> {
         let folder = self.folder()?;
         self.note_name(name)?;
-        folder.write_and(name, durability, content, sum_of).writing(&self.path.join(name))
+        self.explain(folder.write_and(name, durability, content, sum_of).writing(&self.path.join(name)))
     }
 
     /// Whether a file is the one of this sum.

@@ -407,7 +407,8 @@ impl Recorder {
 
     /// Has a file that has been written brought to the disk soon.
     fn is_written(&mut self, name: &str) -> Result<(), OutputError> {
-        self.disk.written(&self.directory.opened()?, name)
+        let written = self.disk.written(&self.directory.opened()?, name);
+        self.directory.explain(written)
     }
 
     /// Waits for the frame that is being written while steps go on. One that could not be is none.
@@ -445,7 +446,7 @@ impl Recorder {
             self.series.flush(&self.directory, &self.frames)?;
             self.is_written(SERIES)?;
         }
-        self.disk.sync()?;
+        self.directory.explain(self.disk.sync())?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
