@@ -20,6 +20,7 @@ pub mod conduction;
 pub mod contact;
 pub mod dimension;
 pub mod eos;
+pub mod facet;
 pub mod flow;
 pub mod gradient_correction;
 pub mod heat;

@@ -1,0 +1,804 @@
+//! Energy, force and moments of a pair of facets.
+
+use super::clip::{Line, Place, Vertex, along, clip, difference, polygon, turn};
+use super::{Facet, cross};
+use crate::tensor::{apply, dot};
+use crate::time_step::oscillator_limit;
+use crate::{Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
+
+/// What the contact needs of a body; a rigid one has the half depth zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetMaterial {
+    /// Half of the spacing at rest, m.
+    pub half_depth: f64,
+    /// Density at rest, kg/m^3.
+    pub density: f64,
+    /// Bulk modulus at rest, Pa.
+    pub bulk_modulus: f64,
+}
+
+/// Strength of the contact of facets, as in a deck.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetStrength {
+    /// `f`: pressure over that of the same closure of the half cells on both sides, by their bulk moduli.
+    pub stiffness: f64,
+    /// Share of the critical damping of the half cells.
+    pub damping: f64,
+    /// Coulomb's coefficient.
+    pub friction: f64,
+}
+
+/// The contact of facets of two bodies; the same for both orders.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacetPairLaw<T> {
+    /// `k`, pressure per closure, Pa/m.
+    pub stiffness: T,
+    /// `zeta sqrt(2) Z`, pressure per speed of approach, Pa s/m.
+    pub damping: T,
+    /// Coulomb's coefficient.
+    pub friction: T,
+    /// `k_t`, Pa/m.
+    pub tangential_stiffness: T,
+}
+
+/// `k_t` over `k`.
+const TANGENTIAL: f64 = 0.5;
+
+impl FacetPairLaw<f64> {
+    /// `k = f / (D_a/K_a + D_b/K_b)`; damping `zeta sqrt(2) Z` with the harmonic mean `Z` of `sqrt(rho K)`. Bit-identical in both orders.
+    pub fn new(a: &FacetMaterial, b: &FacetMaterial, strength: FacetStrength) -> Self {
+        let impedance = |c: &FacetMaterial| Real::sqrt(c.density * c.bulk_modulus);
+        let (z_a, z_b) = (impedance(a), impedance(b));
+        let yielding = a.half_depth / a.bulk_modulus + b.half_depth / b.bulk_modulus;
+        Self::of(yielding, 2.0 * z_a * z_b / (z_a + z_b), strength)
+    }
+
+    /// Against something rigid: twice as stiff and damped by twice the body's own impedance, as the limit of a rigid second body.
+    pub fn against_rigid(a: &FacetMaterial, strength: FacetStrength) -> Self {
+        let impedance = Real::sqrt(a.density * a.bulk_modulus);
+        Self::of(a.half_depth / a.bulk_modulus, 2.0 * impedance, strength)
+    }
+
+    fn of(yielding: f64, impedance: f64, strength: FacetStrength) -> Self {
+        let stiffness = strength.stiffness / yielding;
+        Self {
+            stiffness,
+            damping: strength.damping * core::f64::consts::SQRT_2 * impedance,
+            friction: strength.friction,
+            tangential_stiffness: if strength.friction > 0.0 { TANGENTIAL * stiffness } else { 0.0 },
+        }
+    }
+
+    /// In the numbers of another precision.
+    pub fn cast<T: Real>(self) -> FacetPairLaw<T> {
+        FacetPairLaw {
+            stiffness: T::of(self.stiffness),
+            damping: T::of(self.damping),
+            friction: T::of(self.friction),
+            tangential_stiffness: T::of(self.tangential_stiffness),
+        }
+    }
+}
+
+/// What the second facet of a pair is.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Partner {
+    /// A facet with edges: of a body, or rigid.
+    Facet,
+    /// A plane without end, [`Facet::foot_on_plane`] of the first facet.
+    Plane,
+}
+
+/// What the elastic part of the contact of a pair of facets is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacetPress<T> {
+    /// `U`, J (J/m in the plane); zero where the pair does not press.
+    pub energy: T,
+    /// Force on the owner of `a`, N (N/m); that on the owner of `b` is exactly the opposite.
+    pub force: Vector<T>,
+    /// Moment on the owner of `a`, N m (N): power `M:L` beyond `f.v`.
+    pub moment_a: Tensor<T>,
+    /// Moment on the owner of `b`.
+    pub moment_b: Tensor<T>,
+    /// Integral of the pressure over the common polygon, N (N/m), never negative: the normal force that friction is limited by.
+    pub normal_force: T,
+    /// Area over which the pair presses, m^2 (m), zero where it does not.
+    pub area: T,
+    /// `m`: unit vector from `b` to `a`.
+    pub normal: Vector<T>,
+    /// From the owner of `a` to the centre of pressure, m. It is half-way between both surfaces.
+    pub centre_a: Vector<T>,
+    /// From the owner of `b` to the same point, m.
+    pub centre_b: Vector<T>,
+    /// Largest derivative of the pressure by the closure, Pa/m, for the time step.
+    pub stiffness: T,
+}
+
+impl<T: Real> FacetPress<T> {
+    /// No contact.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let o = T::zero();
+        Self {
+            energy: o,
+            force: [o; 3],
+            moment_a: [[o; 3]; 3],
+            moment_b: [[o; 3]; 3],
+            normal_force: o,
+            area: o,
+            normal: [o; 3],
+            centre_a: [o; 3],
+            centre_b: [o; 3],
+            stiffness: o,
+        }
+    }
+
+    /// Velocity of the material of `a` at the centre of pressure relative to that of `b`, m/s, from the velocities (m/s) and velocity gradients
+    /// (1/s) of the owners.
+    #[inline]
+    pub fn velocity(&self, v_a: Vector<T>, l_a: &Tensor<T>, v_b: Vector<T>, l_b: &Tensor<T>) -> Vector<T> {
+        let (turn_a, turn_b) = (apply(l_a, self.centre_a), apply(l_b, self.centre_b));
+        [0, 1, 2].map(|i| (v_a[i] + turn_a[i]) - (v_b[i] + turn_b[i]))
+    }
+
+    /// Force of the damping on the owner of `a`, N, at the centre of pressure, and the power it turns to heat, W, never negative. `velocity` is that of
+    /// [`Self::velocity`]. Damping acts by `zeta sqrt(2) Z` times the speed of approach over the area, and never pulls by more than the pressure pushes.
+    #[inline]
+    pub fn damping(&self, law: &FacetPairLaw<T>, velocity: Vector<T>) -> (Vector<T>, T) {
+        let approach = -dot(velocity, self.normal);
+        let force = (law.damping * self.area * approach).max(-self.normal_force);
+        (self.normal.map(|m| force * m), force * approach)
+    }
+
+    /// Adds a force (N) on `a`, and the opposite one on `b`, at the centre of pressure.
+    #[inline]
+    pub fn add_at_centre(&mut self, force: Vector<T>) {
+        for i in 0..3 {
+            self.force[i] += force[i];
+            for j in 0..3 {
+                self.moment_a[i][j] += force[i] * self.centre_a[j];
+                self.moment_b[i][j] += -force[i] * self.centre_b[j];
+            }
+        }
+    }
+
+    /// Largest stable step, s, of the pair: `2/omega` with `omega^2 = k beta (A_a/m_a + A_b/m_b)` and the damping of the same mode. Areas over
+    /// masses of the owners in m^2/kg; zero for what is rigid.
+    #[inline]
+    pub fn step_limit(&self, law: &FacetPairLaw<T>, area_over_mass_a: T, area_over_mass_b: T) -> T {
+        let mobility = T::of(ARM) * (area_over_mass_a + area_over_mass_b);
+        oscillator_limit(self.stiffness * mobility, law.damping * mobility)
+    }
+}
+
+/// `beta`: largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle, in a half space of a cubic lattice.
+const ARM: f64 = 2.5;
+
+impl<T: Real> Numbers<T> for FacetPress<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { energy, force, moment_a, moment_b, normal_force, area, normal, centre_a, centre_b, stiffness } =
+            self;
+        visit(energy);
+        force.each(visit);
+        moment_a.each(visit);
+        moment_b.each(visit);
+        visit(normal_force);
+        visit(area);
+        normal.each(visit);
+        centre_a.each(visit);
+        centre_b.each(visit);
+        visit(stiffness);
+    }
+}
+
+/// Cosine between one normal and the opposite of the other up to which facets do not press each other, and the range over which they begin to.
+const FACING: (f64, f64) = (0.3, 0.4);
+
+/// `chi` and `chi'`.
+#[inline(always)]
+fn facing<T: Real>(cosine: T) -> (T, T) {
+    let (zero, one, range) = (T::zero(), T::one(), T::of(FACING.1));
+    let t = ((cosine - T::of(FACING.0)) / range).max(zero).min(one);
+    (t * t * (T::of(3.0) - t - t), T::of(6.0) * t * (one - t) / range)
+}
+
+/// Closure over `D` up to which the stiffness grows; from there on it stays.
+const STIFFEST: f64 = 0.8;
+
+/// `phi`, `phi'` and `phi''` of a closure over `D`: `phi = x^2/(2 (1 - x))`, from [`STIFFEST`] on continued with a constant second derivative.
+#[inline(always)]
+fn stiffening<T: Real>(x: T) -> [T; 3] {
+    let (one, half) = (T::one(), T::of(0.5));
+    let (x, beyond) = (x.max(T::zero()).min(T::of(STIFFEST)), (x - T::of(STIFFEST)).max(T::zero()));
+    let left = one / (one - x);
+    let [energy, pressure, stiffness] = [half * x * x * left, x * (one - half * x) * left * left, left * left * left];
+    [energy + beyond * (pressure + half * beyond * stiffness), pressure + beyond * stiffness, stiffness]
+}
+
+/// Share of the facet's area below which there is no common polygon.
+const NOTHING: f64 = 1e-12;
+
+/// A surface over the plane of projection.
+struct Surface<T> {
+    /// Place of the middle, and height there.
+    middle: Place<T>,
+    height: T,
+    /// Slope of the plane of the facet.
+    slope: Place<T>,
+    /// Vectors along the plane of the facet above the two axes of projection.
+    axes: [Vector<T>; 2],
+    /// Curvature by places.
+    curvature: [[T; 2]; 2],
+    /// Force per pressure: at the middle, and its gradient by place.
+    push: Vector<T>,
+    gradient: [Vector<T>; 2],
+}
+
+impl<T: Real> Surface<T> {
+    /// Of a facet whose middle is at `middle` (m from the origin of projection); `side` is 1 for the facet that `m` points to, else -1.
+    #[inline(always)]
+    fn new(facet: &Facet<T>, middle: Vector<T>, m: Vector<T>, t: &[Vector<T>; 2], side: T) -> Self {
+        let steep = T::one() / dot(facet.normal, m);
+        let slope = [0, 1].map(|i: usize| -dot(facet.normal, t[i]) * steep);
+        let axes = [0, 1].map(|i: usize| [0, 1, 2].map(|a: usize| t[i][a] + slope[i] * m[a]));
+        let bent = axes.map(|axis| facet.curvature.dot(axis));
+        let push = facet.normal.map(|n| side * steep * n);
+        // -dU = p (n/(n.m) (side + m.K r) - K r).u dA, with r above the place.
+        let gradient = [0, 1].map(|i: usize| {
+            let rise = side * dot(m, bent[i]);
+            [0, 1, 2].map(|a: usize| rise * push[a] - bent[i][a])
+        });
+        Self {
+            middle: [dot(middle, t[0]), dot(middle, t[1])],
+            height: dot(middle, m),
+            slope,
+            axes,
+            curvature: [0, 1].map(|i: usize| [0, 1].map(|j: usize| dot(axes[i], bent[j]))),
+            push,
+            gradient,
+        }
+    }
+
+    /// Height of the plane at a place.
+    #[inline(always)]
+    fn plane(&self, place: Place<T>) -> T {
+        self.height + along(self.slope, difference(place, self.middle))
+    }
+
+    /// The most by which the surface is before the plane over an outline.
+    #[inline(always)]
+    fn bulge(&self, outline: &[Place<T>; 4]) -> T {
+        let far = outline.map(|place| extent(difference(place, self.middle)));
+        let farthest = far[0].max(far[1]).max(far[2].max(far[3]));
+        let [[xx, xy], [yx, yy]] = self.curvature.map(|row| row.map(T::abs));
+        T::of(0.5) * (xx + xy + (yx + yy)) * farthest * farthest
+    }
+
+    /// By how much the surface is behind the plane at a place, and the gradient of that.
+    #[inline(always)]
+    fn behind(&self, place: Place<T>) -> (T, Place<T>) {
+        let r = difference(place, self.middle);
+        let gradient = [along(self.curvature[0], r), along(self.curvature[1], r)];
+        (T::of(0.5) * along(gradient, r), gradient)
+    }
+
+    /// Force and moment about the owner of a pressure with these moments, and of a force in the plane of projection with its moments there; `arm` from
+    /// the owner to the middle.
+    #[inline(always)]
+    fn act(
+        &self,
+        pressure: &Moments<T>,
+        edges: &EdgeMoments<T>,
+        t: &[Vector<T>; 2],
+        arm: Vector<T>,
+    ) -> (Vector<T>, Tensor<T>) {
+        let about = pressure.about(self.middle);
+        let mut force = [T::zero(); 3];
+        let mut moment = [[T::zero(); 3]; 3];
+        let pushes = |weight: T, first: Place<T>| {
+            [0, 1, 2]
+                .map(|a: usize| self.push[a] * weight + self.gradient[0][a] * first[0] + self.gradient[1][a] * first[1])
+        };
+        let body = pushes(about.sum, about.first);
+        let [xx, xy, yy] = about.second;
+        let firsts = [pushes(about.first[0], [xx, xy]), pushes(about.first[1], [xy, yy])];
+        for a in 0..3 {
+            force[a] = body[a] + (edges.force[0] * t[0][a] + edges.force[1] * t[1][a]);
+            for c in 0..2 {
+                // Moment of the edges about the middle, along axis c.
+                let edge = |i: usize| edges.moment[i][c] - edges.force[i] * self.middle[c];
+                let first = firsts[c][a] + (edge(0) * t[0][a] + edge(1) * t[1][a]);
+                for b in 0..3 {
+                    moment[a][b] += first * self.axes[c][b];
+                }
+            }
+            for b in 0..3 {
+                moment[a][b] += force[a] * arm[b];
+            }
+        }
+        (force, moment)
+    }
+}
+
+/// Integrals of a pressure over places.
+#[derive(Clone, Copy)]
+struct Moments<T> {
+    sum: T,
+    first: Place<T>,
+    /// xx, xy, yy.
+    second: [T; 3],
+}
+
+impl<T: Real> Moments<T> {
+    fn none() -> Self {
+        let o = T::zero();
+        Self { sum: o, first: [o; 2], second: [o; 3] }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, weight: T, place: Place<T>) {
+        let at = [weight * place[0], weight * place[1]];
+        self.sum += weight;
+        self.first[0] += at[0];
+        self.first[1] += at[1];
+        self.second[0] += at[0] * place[0];
+        self.second[1] += at[0] * place[1];
+        self.second[2] += at[1] * place[1];
+    }
+
+    /// The same with places from a point.
+    #[inline(always)]
+    fn about(&self, point: Place<T>) -> Self {
+        let first = [self.first[0] - self.sum * point[0], self.first[1] - self.sum * point[1]];
+        let second = [
+            self.second[0] - point[0] * (self.first[0] + first[0]),
+            self.second[1] - point[0] * self.first[1] - point[1] * first[0],
+            self.second[2] - point[1] * (self.first[1] + first[1]),
+        ];
+        Self { sum: self.sum, first, second }
+    }
+}
+
+/// Sum of forces in the plane of projection, and of their dyads with their places.
+#[derive(Clone, Copy)]
+struct EdgeMoments<T> {
+    force: Place<T>,
+    moment: [Place<T>; 2],
+}
+
+impl<T: Real> EdgeMoments<T> {
+    fn none() -> Self {
+        let o = T::zero();
+        Self { force: [o; 2], moment: [[o; 2]; 2] }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, force: Place<T>, place: Place<T>) {
+        for i in 0..2 {
+            self.force[i] += force[i];
+            (0..2).for_each(|j| self.moment[i][j] += force[i] * place[j]);
+        }
+    }
+}
+
+/// Slots of the common polygon: four corners, one more for each edge of the other facet, one for the line where both planes meet.
+const SLOTS: usize = 9;
+
+/// Slots that are enough for most pairs.
+const FEW: usize = 5;
+
+/// What a pair of facets stores, and the exact derivative of it. For a given pair of owners always call it in the same order: in the other one
+/// the result differs in the last bits, and coincident edges belong to `a`.
+#[inline]
+pub fn press<T: Elementary>(a: &Facet<T>, b: &Facet<T>, partner: Partner, law: &FacetPairLaw<T>) -> FacetPress<T> {
+    let zero = T::zero();
+    let cosine = -dot(a.normal, b.normal);
+    let apart = [0, 1, 2].map(|i: usize| b.normal[i] - a.normal[i]);
+    let between = [0, 1, 2].map(|i: usize| b.owner[i] - a.owner[i]);
+    // Facets that face each other, owners in order.
+    T::if_lt(
+        T::of(FACING.0),
+        cosine,
+        || T::if_lt(zero, -dot(between, apart), || press_facing(a, b, partner, law, between, cosine), FacetPress::none),
+        FacetPress::none,
+    )
+}
+
+#[inline(always)]
+fn press_facing<T: Elementary>(
+    a: &Facet<T>,
+    b: &Facet<T>,
+    partner: Partner,
+    law: &FacetPairLaw<T>,
+    between: Vector<T>,
+    cosine: T,
+) -> FacetPress<T> {
+    let apart = [0, 1, 2].map(|i: usize| b.normal[i] - a.normal[i]);
+    let opening = dot(apart, apart).sqrt();
+    let m = apart.map(|c| c / opening);
+    // The first axis is along the first edge of a: in the plane of a plane problem.
+    let edge = [0, 1, 2].map(|i: usize| a.corners[1][i] - a.corners[0][i]);
+    let rise = dot(edge, m);
+    let level = [0, 1, 2].map(|i: usize| edge[i] - rise * m[i]);
+    let length = dot(level, level).sqrt();
+    let first = level.map(|c| c / length);
+    let t = [first, cross(m, first)];
+    // Places from the middle of a.
+    let to_b = [0, 1, 2].map(|i: usize| between[i] - a.middle[i]);
+    let from_a = |arm: Vector<T>| [0, 1, 2].map(|i: usize| arm[i] - a.middle[i]);
+    let from_b = |arm: Vector<T>| [0, 1, 2].map(|i: usize| arm[i] + to_b[i]);
+    let project = |p: Vector<T>| [dot(p, t[0]), dot(p, t[1])];
+    let surface_a = Surface::new(a, [T::zero(); 3], m, &t, T::one());
+    let surface_b = Surface::new(b, from_b(b.middle), m, &t, -T::one());
+    // Seen along m the corners of a run clockwise.
+    let outline_a = [3, 2, 1, 0].map(|k: usize| project(from_a(a.corners[k])));
+    let outline_b = b.corners.map(|arm| project(from_b(arm)));
+    let surfaces = Surfaces { a: surface_a, b: surface_b, partner };
+    let press = || surfaces.clip_and_press(outline_a, outline_b, (a, b), between, law, (m, opening, &t), cosine);
+    T::if_lt(surfaces.clearance(&outline_a, &outline_b), T::zero(), press, FacetPress::none)
+}
+
+/// Cut by the edge of the other facet that starts at a vertex.
+#[inline(always)]
+fn clipped<T: Elementary, const N: usize, const M: usize>(
+    polygon: [Vertex<T>; N],
+    cutter: &Vertex<T>,
+) -> [Vertex<T>; M] {
+    let outside = core::array::from_fn(|k| turn(difference(polygon[k].place, cutter.place), cutter.edge.tangent));
+    // Coincident edges within rounding.
+    let size = (0..N).fold(T::zero(), |most, k| most.max(extent(polygon[k].place)));
+    clip(polygon, outside, T::epsilon().sqrt() * size, cutter.edge)
+}
+
+#[inline(always)]
+fn extent<T: Real>(place: Place<T>) -> T {
+    place[0].abs().max(place[1].abs())
+}
+
+/// Sum of the absolute components.
+#[inline(always)]
+fn bent<T: Real>(curvature: &SymmetricTensor<T>) -> T {
+    curvature.to_array().iter().fold(T::zero(), |sum, c| sum + c.abs())
+}
+
+struct Surfaces<T> {
+    a: Surface<T>,
+    b: Surface<T>,
+    partner: Partner,
+}
+
+/// The quadrature at a place.
+struct At<T> {
+    energy: T,
+    pressure: T,
+    stiffness: T,
+    closed: T,
+    /// Gradient of the gap by place.
+    gradient: Place<T>,
+    /// Derivative of the energy by `D`.
+    by_depth: T,
+}
+
+impl<T: Elementary> Surfaces<T> {
+    #[inline(always)]
+    fn at(&self, place: Place<T>, law: &FacetPairLaw<T>, depth: T) -> At<T> {
+        let (behind_a, slope_a) = self.a.behind(place);
+        let (behind_b, slope_b) = self.b.behind(place);
+        let gap = (self.a.plane(place) - self.b.plane(place)) + (behind_a + behind_b);
+        let closure = (-gap).max(T::zero());
+        let [energy, pressure, stiffness] = stiffening(closure / depth);
+        let [energy, pressure] = [law.stiffness * depth * depth * energy, law.stiffness * depth * pressure];
+        let gradient = [0, 1].map(|i: usize| (self.a.slope[i] - self.b.slope[i]) + (slope_a[i] + slope_b[i]));
+        At {
+            energy,
+            pressure,
+            stiffness: law.stiffness * stiffness,
+            closed: T::select_lt(T::zero(), closure, T::one(), T::zero()),
+            gradient,
+            by_depth: (energy + energy - pressure * closure) / depth,
+        }
+    }
+
+    /// Not positive if the outlines may have something in common where the surfaces meet, else positive: how far they are beside each other, or how far above `b`
+    /// the lowest part of `a` is at least.
+    #[inline(always)]
+    fn clearance(&self, outline_a: &[Place<T>; 4], outline_b: &[Place<T>; 4]) -> T {
+        let gaps = outline_a.map(|place| self.gap(place));
+        let lowest = gaps[0].min(gaps[1]).min(gaps[2].min(gaps[3])) - self.a.bulge(outline_a) - self.b.bulge(outline_a);
+        match self.partner {
+            Partner::Plane => lowest,
+            Partner::Facet => (0..2).fold(lowest, |most, i| {
+                let ends = |outline: &[Place<T>; 4]| {
+                    let [p, q, r, s] = outline.map(|place| place[i]);
+                    (p.min(q).min(r.min(s)), p.max(q).max(r.max(s)))
+                };
+                let ((low_a, high_a), (low_b, high_b)) = (ends(outline_a), ends(outline_b));
+                most.max(low_a - high_b).max(low_b - high_a)
+            }),
+        }
+    }
+
+    /// Gap between the planes at a place.
+    #[inline(always)]
+    fn gap(&self, place: Place<T>) -> T {
+        self.a.plane(place) - self.b.plane(place)
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what was found out about the pair on the way here")]
+    fn clip_and_press(
+        &self,
+        outline_a: [Place<T>; 4],
+        outline_b: [Place<T>; 4],
+        (a, b): (&Facet<T>, &Facet<T>),
+        between: Vector<T>,
+        law: &FacetPairLaw<T>,
+        (m, opening, t): (Vector<T>, T, &[Vector<T>; 2]),
+        cosine: T,
+    ) -> FacetPress<T> {
+        let whole = polygon(outline_a, T::one());
+        let common: [Vertex<T>; SLOTS - 1] = match self.partner {
+            Partner::Plane => core::array::from_fn(|k| whole[k.min(3)]),
+            Partner::Facet => {
+                let cutters = polygon(outline_b, -T::one());
+                let five: [Vertex<T>; 5] = clipped(whole, &cutters[0]);
+                let six: [Vertex<T>; 6] = clipped(five, &cutters[1]);
+                let seven: [Vertex<T>; 7] = clipped(six, &cutters[2]);
+                clipped(seven, &cutters[3])
+            }
+        };
+        // Plane facets press where their gap is negative, which is a straight line.
+        let fall = difference(self.a.slope, self.b.slope);
+        let steepest = along(fall, fall).sqrt();
+        let unit = |c: T| T::select_lt(T::zero(), steepest, c / steepest, T::zero());
+        let meeting = Line { tangent: [unit(-fall[1]), unit(fall[0])], owner: T::zero() };
+        let bent = bent(&a.curvature) + bent(&b.curvature);
+        let outside = common.map(|v| T::select_lt(T::zero(), bent, -T::one(), self.gap(v.place)));
+        let pressed: [Vertex<T>; SLOTS] = clip(common, outside, T::zero(), meeting);
+        // Most polygons need few slots.
+        let few: [Vertex<T>; FEW] = core::array::from_fn(|k| pressed[k]);
+        T::if_lt(
+            T::zero(),
+            (FEW..SLOTS).fold(T::zero(), |most, k| most.max(pressed[k].distance(&few[FEW - 1]))),
+            || self.press(&pressed, steepest, (a, b), between, law, (m, opening, t), cosine),
+            || self.press(&few, steepest, (a, b), between, law, (m, opening, t), cosine),
+        )
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what was found out about the pair on the way here")]
+    fn press<const N: usize>(
+        &self,
+        polygon: &[Vertex<T>; N],
+        steepest: T,
+        (a, b): (&Facet<T>, &Facet<T>),
+        between: Vector<T>,
+        law: &FacetPairLaw<T>,
+        (m, opening, t): (Vector<T>, T, &[Vector<T>; 2]),
+        cosine: T,
+    ) -> FacetPress<T> {
+        let reference = polygon[0].place;
+        let (mut area, mut centre) = (T::zero(), [T::zero(); 2]);
+        let half = T::of(0.5);
+        let next = |k: usize| (k + 1) % N;
+        for k in 0..N {
+            let (p, q) = (difference(polygon[k].place, reference), difference(polygon[next(k)].place, reference));
+            let twice = turn(p, q);
+            area += half * twice;
+            (0..2).for_each(|i| centre[i] += twice * (p[i] + q[i]));
+        }
+        T::if_lt(
+            T::of(NOTHING) * a.area,
+            area,
+            || {
+                let centre = [0, 1].map(|i: usize| centre[i] / (T::of(6.0) * area));
+                self.press_over(polygon, steepest, (area, centre), (a, b), between, law, (m, opening, t), cosine)
+            },
+            FacetPress::none,
+        )
+    }
+
+    /// Energy by triangles from the centre of area to the edges, with the middles of their sides; its derivative by the vertices, by what moves them
+    /// and by what moves the surfaces.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what was found out about the pair on the way here")]
+    fn press_over<const N: usize>(
+        &self,
+        polygon: &[Vertex<T>; N],
+        steepest: T,
+        (area, centre): (T, Place<T>),
+        (a, b): (&Facet<T>, &Facet<T>),
+        between: Vector<T>,
+        law: &FacetPairLaw<T>,
+        (m, opening, t): (Vector<T>, T, &[Vector<T>; 2]),
+        cosine: T,
+    ) -> FacetPress<T> {
+        let (zero, half, third) = (T::zero(), T::of(0.5), T::of(1.0 / 3.0));
+        let next = |k: usize| (k + 1) % N;
+        let before = |k: usize| (k + N - 1) % N;
+        let depth = a.depth + b.depth;
+        let reference = polygon[0].place;
+        let centre_place = [0, 1].map(|i: usize| reference[i] + centre[i]);
+        // From the centre to the vertices, and triangles over the edges.
+        let rays: [Place<T>; N] = core::array::from_fn(|k| difference(polygon[k].place, centre_place));
+        let triangles: [T; N] = core::array::from_fn(|k| half * turn(rays[k], rays[next(k)]));
+        let middle = |p: Place<T>, q: Place<T>| [half * (p[0] + q[0]), half * (p[1] + q[1])];
+        let mut pressure = Moments::none();
+        let mut by_vertex = [[zero; 2]; N];
+        let mut by_centre = [zero; 2];
+        let (mut energy, mut closed, mut by_depth, mut stiffness) = (zero, zero, zero, zero);
+        let mut density = [zero; N];
+        for k in 0..N {
+            let own = polygon[k].place;
+            let side = middle(own, polygon[next(k)].place);
+            let ray = middle(own, centre_place);
+            for (place, weight, on_side) in
+                [(side, third * triangles[k], true), (ray, third * (triangles[before(k)] + triangles[k]), false)]
+            {
+                let at = self.at(place, law, depth);
+                energy += weight * at.energy;
+                closed += weight * at.closed;
+                by_depth += weight * at.by_depth;
+                stiffness = stiffness.max(T::select_lt(zero, weight * at.closed, at.stiffness, zero));
+                let force = weight * at.pressure;
+                pressure.add(force, place);
+                for i in 0..2 {
+                    let share = -half * force * at.gradient[i];
+                    by_vertex[k][i] += share;
+                    if on_side {
+                        by_vertex[next(k)][i] += share;
+                    } else {
+                        by_centre[i] += share;
+                    }
+                }
+                let mean = third * at.energy;
+                density[k] += mean;
+                if !on_side {
+                    density[before(k)] += mean;
+                }
+            }
+        }
+        for k in 0..N {
+            let (p, q) = (rays[k], rays[next(k)]);
+            let weight = half * density[k];
+            let (by_p, by_q) = ([weight * q[1], -weight * q[0]], [-weight * p[1], weight * p[0]]);
+            for i in 0..2 {
+                by_vertex[k][i] += by_p[i];
+                by_vertex[next(k)][i] += by_q[i];
+                by_centre[i] += -(by_p[i] + by_q[i]);
+            }
+        }
+        // The centre moves with the vertices.
+        let fixed = half * along(centre, by_centre);
+        for k in 0..N {
+            let (p, q) = (difference(polygon[k].place, reference), difference(polygon[next(k)].place, reference));
+            let twice = turn(p, q) / (T::of(6.0) * area);
+            let sum = [p[0] + q[0], p[1] + q[1]];
+            let weight = (along(by_centre, sum) * T::of(1.0 / 6.0) - fixed) / area;
+            let (by_p, by_q) = ([weight * q[1], -weight * q[0]], [-weight * p[1], weight * p[0]]);
+            for i in 0..2 {
+                let shared = twice * by_centre[i];
+                by_vertex[k][i] += by_p[i] + shared;
+                by_vertex[next(k)][i] += by_q[i] + shared;
+            }
+        }
+        let mut edges = [EdgeMoments::none(); 2];
+        let mut moved = pressure;
+        vertices(polygon, steepest, by_vertex, a.area, &mut moved, &mut edges);
+        T::if_lt(
+            zero,
+            energy,
+            || {
+                let (chi, by_cosine) = facing(cosine);
+                let (force, about_a) = self.a.act(&moved, &edges[0], t, a.middle);
+                let (_, about_b) = self.b.act(&moved, &edges[1], t, b.middle);
+                let force = force.map(|f| chi * f);
+                let [mut moment_a, mut moment_b] =
+                    [about_a, about_b].map(|moment| moment.map(|row| row.map(|c| chi * c)));
+                // m follows both normals: what is left of the torque of the forces turns it. The force on b is the opposite of that on a.
+                let (of_a, of_b, of_both) = (torque(&moment_a), torque(&moment_b), cross(between, force));
+                let left = [0, 1, 2].map(|i: usize| of_a[i] + of_b[i] - of_both[i]);
+                let turned = cross(left, m).map(|c| c / opening);
+                let facing = by_cosine * energy;
+                let by_normal_a = [0, 1, 2].map(|i: usize| -turned[i] - facing * b.normal[i]);
+                let by_normal_b = [0, 1, 2].map(|i: usize| turned[i] - facing * a.normal[i]);
+                add_of_normal(&mut moment_a, a, by_normal_a, chi * by_depth);
+                add_of_normal(&mut moment_b, b, by_normal_b, chi * by_depth);
+                let place = [0, 1].map(|i: usize| pressure.first[i] / pressure.sum);
+                let high =
+                    (self.a.plane(place) + self.a.behind(place).0) + (self.b.plane(place) - self.b.behind(place).0);
+                let point = [0, 1, 2].map(|i: usize| half * high * m[i] + (place[0] * t[0][i] + place[1] * t[1][i]));
+                let centre_a = [0, 1, 2].map(|i: usize| a.middle[i] + point[i]);
+                FacetPress {
+                    energy: chi * energy,
+                    force,
+                    moment_a,
+                    moment_b,
+                    normal_force: chi * pressure.sum,
+                    area: chi * closed,
+                    normal: m,
+                    centre_a,
+                    centre_b: [0, 1, 2].map(|i: usize| centre_a[i] - between[i]),
+                    stiffness: chi * stiffness,
+                }
+            },
+            FacetPress::none,
+        )
+    }
+}
+
+/// Hands the derivative of the energy by the vertices to the lines that meet there. A line moves along its outward normal `nu` by `nu.u` with the velocity
+/// `u` of its facet; that along which the planes meet, by the rate of the gap over its slope, as if the pressure were larger there.
+#[inline(always)]
+fn vertices<T: Elementary, const N: usize>(
+    polygon: &[Vertex<T>; N],
+    steepest: T,
+    mut derivative: [Place<T>; N],
+    size: T,
+    moved: &mut Moments<T>,
+    edges: &mut [EdgeMoments<T>; 2],
+) {
+    let (zero, one, half) = (T::zero(), T::one(), T::of(0.5));
+    let next = |k: usize| (k + 1) % N;
+    let rounding = T::epsilon() * T::epsilon() * size;
+    let same: [T; N] = core::array::from_fn(|k| {
+        let way = difference(polygon[next(k)].place, polygon[k].place);
+        T::select_lt(rounding, along(way, way), zero, one)
+    });
+    // What meets in one place meets in its last slot. Twice round, since it may be at the end of the slots and at the start.
+    let mut incoming: [Line<T>; N] = core::array::from_fn(|k| polygon[(k + N - 1) % N].edge);
+    for step in 0..2 * N {
+        let (k, n) = (step % N, next(step % N));
+        let merge = |then: T, otherwise: T| T::select_lt(half, same[k], then, otherwise);
+        for i in 0..2 {
+            derivative[n][i] += merge(derivative[k][i], zero);
+            derivative[k][i] = merge(zero, derivative[k][i]);
+            incoming[n].tangent[i] = merge(incoming[k].tangent[i], incoming[n].tangent[i]);
+        }
+        incoming[n].owner = merge(incoming[k].owner, incoming[n].owner);
+    }
+    for k in 0..N {
+        let (before, after, by) = (incoming[k], polygon[k].edge, derivative[k]);
+        let sine = turn(before.tangent, after.tangent);
+        let outward = |line: &Line<T>| [line.tangent[1], -line.tangent[0]];
+        // Of lines that are one, the first takes all.
+        let parallel = T::of(PARALLEL);
+        let of_first =
+            T::select_lt(parallel, sine.abs(), -along(by, after.tangent) / sine, along(by, outward(&before)));
+        let of_second = T::select_lt(parallel, sine.abs(), along(by, before.tangent) / sine, zero);
+        for (weight, line) in [(of_first, &before), (of_second, &after)] {
+            let nu = outward(line);
+            let force = [-weight * nu[0], -weight * nu[1]];
+            let belongs = |side: T| T::select_lt(half, side * line.owner, one, zero);
+            for (facet, side) in [one, -one].into_iter().enumerate() {
+                let share = belongs(side);
+                edges[facet].add([share * force[0], share * force[1]], polygon[k].place);
+            }
+            let none = T::select_lt(line.owner.abs(), half, one, zero);
+            moved.add(T::select_lt(zero, none * steepest, weight / steepest, zero), polygon[k].place);
+        }
+    }
+}
+
+/// Sine of the angle between lines below which they are one.
+const PARALLEL: f64 = 1e-12;
+
+/// Torque of a moment, `sum y x f` of `sum f (x) y`.
+#[inline(always)]
+fn torque<T: Real>(moment: &Tensor<T>) -> Vector<T> {
+    [moment[2][1] - moment[1][2], moment[0][2] - moment[2][0], moment[1][0] - moment[0][1]]
+}
+
+/// Adds the moment of a derivative by the unit normal, `dn = -(I - n n) L^T n`, and of one by the depth, `dD = D n.L n`.
+#[inline(always)]
+fn add_of_normal<T: Real>(moment: &mut Tensor<T>, facet: &Facet<T>, by_normal: Vector<T>, by_depth: T) {
+    let n = facet.normal;
+    let along = dot(by_normal, n);
+    let thinner = by_depth * facet.depth;
+    for i in 0..3 {
+        for j in 0..3 {
+            moment[i][j] += n[i] * ((by_normal[j] - along * n[j]) - thinner * n[j]);
+        }
+    }
+}
