@@ -7,6 +7,7 @@ mod box_tree;
 mod contact_laws;
 mod cpu;
 mod engine;
+mod facet_laws;
 mod failure;
 pub mod geometry;
 pub mod halo;

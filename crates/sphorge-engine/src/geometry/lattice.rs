@@ -10,6 +10,7 @@
 //! (hexagonal close-packed, layers across the third axis). Its pitch is such that a particle stands for as much area or
 //! volume as in a square or cubic one.
 
+use super::cell::Cell;
 use super::shape::{about_axis, arc_radius, dot, radius_at, subtract};
 use crate::model::{Arrangement, Dimensions, Lattice, LatticePlacement, Solid};
 
@@ -26,6 +27,8 @@ struct Line {
     pitch: f64,
     /// Ends at faces rather than at a round surface.
     between_faces: bool,
+    /// Distance of the faces from the middle, m, if it ends at some.
+    half_length: f64,
 }
 
 impl Line {
@@ -35,7 +38,12 @@ impl Line {
             LatticePlacement::CellCentres => cells,
             LatticePlacement::OnFaces => cells + 1,
         };
-        Self { count, pitch, between_faces: true }
+        let beyond = match placement {
+            LatticePlacement::CellCentres => 0.0,
+            // Particles on a face reach half a pitch beyond it.
+            LatticePlacement::OnFaces => 0.5 * pitch,
+        };
+        Self { count, pitch, between_faces: true, half_length: 0.5 * length + beyond }
     }
 
     /// Sites within `radius` of the middle.
@@ -45,15 +53,22 @@ impl Line {
             LatticePlacement::CellCentres => 2 * (reach + 0.5).floor() as i64,
             LatticePlacement::OnFaces => 2 * reach.floor() as i64 + 1,
         };
-        Self { count, pitch, between_faces: false }
+        Self { count, pitch, between_faces: false, half_length: 0.0 }
     }
 
     fn one() -> Self {
-        Self { count: 1, pitch: 1.0, between_faces: false }
+        Self { count: 1, pitch: 1.0, between_faces: false, half_length: 0.0 }
     }
 
     fn site(&self, k: i64) -> f64 {
         (k as f64 - (self.count as f64 - 1.0) / 2.0) * self.pitch
+    }
+
+    /// Distances of site `k`, `offset` (m) from the middle, from the faces below and above, m, if it is next to them.
+    fn ends(&self, k: i64, offset: f64) -> [Option<f64>; 2] {
+        let is_last = |last: i64| self.between_faces && k == last;
+        let (low, high) = (self.half_length + offset, self.half_length - offset);
+        [is_last(0).then_some(low), is_last(self.count - 1).then_some(high)]
     }
 
     /// Steps from the middle site.
@@ -210,8 +225,8 @@ impl<'a> Grid<'a> {
     }
 
     /// Calls `visit` with every site that could be in a box that goes from `low` to `high` along the axes of the solid's
-    /// frame, and whether it belongs to the solid.
-    pub(super) fn for_each_site(&self, corners: &[[f64; 3]], mut visit: impl FnMut([f64; 3], bool)) {
+    /// frame, whether it belongs to the solid, and its cell.
+    pub(super) fn for_each_site(&self, corners: &[[f64; 3]], mut visit: impl FnMut([f64; 3], bool, Cell)) {
         let [x, y, z]: [(i64, i64); 3] = std::array::from_fn(|a| {
             let along = corners.iter().map(|&c| dot(subtract(c, self.centre), self.frame[a]));
             let (low, high) = along.fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
@@ -222,7 +237,10 @@ impl<'a> Grid<'a> {
                 for i in x.0..x.1 {
                     let offset = self.offset([i, j, k]);
                     let point = self.point(offset);
-                    visit(point, self.keeps([i, j, k], offset, point));
+                    let index = [i, j, k];
+                    let ends = std::array::from_fn(|a| self.lines[a].ends(index[a], offset[a]));
+                    let cell = Cell::Brick { frame: self.frame, pitch: self.lines.map(|line| line.pitch), ends };
+                    visit(point, self.keeps(index, offset, point), cell);
                 }
             }
         }
@@ -274,7 +292,7 @@ mod tests {
     fn of(solid: &Solid, dimensions: Dimensions, spacing: f64, lattice: Lattice) -> Vec<[f64; 3]> {
         let mut all = Vec::new();
         Grid::new(solid, dimensions, spacing, lattice)
-            .for_each_site(&[], |site, kept| all.extend(kept.then_some(site)));
+            .for_each_site(&[], |site, kept, _| all.extend(kept.then_some(site)));
         all
     }
 

@@ -5,6 +5,7 @@
 //! difference.
 
 use super::{
+    cell::Cell,
     lattice::{Grid, ROUNDING},
     rings,
 };
@@ -24,6 +25,11 @@ pub(super) struct Pattern {
 const LEAST_KEPT: f64 = 0.02;
 
 impl Transform {
+    /// The axes of the solid in space.
+    fn axes(&self) -> [[f64; 3]; 3] {
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| self.turn(axis))
+    }
+
     /// This one after `first`.
     fn after(&self, first: &Self) -> Self {
         let rotation = std::array::from_fn(|a| {
@@ -56,6 +62,11 @@ pub fn rings_fill(shape: &Shape, dimensions: Dimensions) -> bool {
 impl Pattern {
     /// Calls `visit` with place in space and volume (area, length) of every particle of a shape.
     pub(super) fn for_each_site(&self, shape: &Shape, mut visit: impl FnMut([f64; 3], f64)) {
+        self.for_each_cell(shape, |place, volume, _| visit(place, volume));
+    }
+
+    /// The same with its cell in space. Particles from a file have cubes of their volume.
+    pub(super) fn for_each_cell(&self, shape: &Shape, mut visit: impl FnMut([f64; 3], f64, Cell)) {
         let cell = self.spacing.powi(self.dimensions.count() as i32);
         if let Solid::Cloud { particles, .. } = &shape.solid {
             for particle in particles.iter() {
@@ -64,16 +75,18 @@ impl Pattern {
                     CloudShare::Volume(volume) => volume,
                     CloudShare::Mass(mass) => mass / self.density,
                 };
-                visit(shape.transform.apply(particle.position), volume);
+                let edge = volume.powf(1.0 / self.dimensions.count() as f64);
+                let cube = Cell::cube(shape.transform.axes(), edge);
+                visit(shape.transform.apply(particle.position), volume, cube);
             }
             return;
         }
         let (solid, transform) = owner(shape);
         if self.lattice.arrangement == Arrangement::Rings && rings::can_fill(solid, self.dimensions) {
-            rings::for_each_site(solid, self.spacing, |site, volume| {
+            rings::for_each_cell(solid, self.spacing, |site, volume, cell| {
                 let place = transform.apply(site);
                 if self.keeps(shape, place, true) {
-                    visit(place, volume);
+                    visit(place, volume, cell.placed(&transform));
                 }
             });
             return;
@@ -88,10 +101,10 @@ impl Pattern {
             }
             _ => Vec::new(),
         };
-        grid.for_each_site(&corners, |site, own| {
+        grid.for_each_site(&corners, |site, own, of_site| {
             let place = transform.apply(site);
             if self.keeps(shape, place, own) {
-                visit(place, cell);
+                visit(place, cell, of_site.placed(&transform));
             }
         });
     }

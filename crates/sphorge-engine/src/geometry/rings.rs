@@ -12,6 +12,7 @@
 //! there particles stay in the middle, since measures and contacts take faces to be half a width beyond the outermost.
 
 use super::{
+    cell::Cell,
     lattice::frame,
     shape::{dot, subtract},
 };
@@ -37,12 +38,15 @@ pub(super) fn sites(solid: &Solid, spacing: f64) -> f64 {
     }
 }
 
-/// Calls `visit` with place and volume (area in the plane) of every particle of a solid that rings can fill.
-pub(super) fn for_each_site(solid: &Solid, spacing: f64, mut visit: impl FnMut([f64; 3], f64)) {
+/// Calls `visit` with place, volume (area in the plane) and cell of every particle of a solid that rings can fill.
+pub(super) fn for_each_cell(solid: &Solid, spacing: f64, mut visit: impl FnMut([f64; 3], f64, Cell)) {
     match solid {
         Solid::Ball { centre, radius, inner_radius } => {
-            for_each_of_section(*inner_radius, *radius, spacing, |x, y, area| {
-                visit([centre[0] + x, centre[1] + y, 0.0], area)
+            let frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            for_each_of_section(*inner_radius, *radius, spacing, |sector| {
+                let (x, y) = (sector.radius * sector.cos, sector.radius * sector.sin);
+                let centre = [centre[0], centre[1], 0.0];
+                visit([centre[0] + x, centre[1] + y, 0.0], sector.area, sector.cell(centre, &frame, 0.5))
             });
         }
         Solid::Cylinder { from, to, radius, inner_radius } => {
@@ -53,8 +57,11 @@ pub(super) fn for_each_site(solid: &Solid, spacing: f64, mut visit: impl FnMut([
             let thickness = length / slices;
             for slice in 0..slices as u64 {
                 let z = (slice as f64 + 0.5) * thickness;
-                for_each_of_section(*inner_radius, *radius, spacing, |x, y, area| {
-                    visit(std::array::from_fn(|k| from[k] + x * u[k] + y * v[k] + z * w[k]), area * thickness);
+                let centre = std::array::from_fn(|k| from[k] + z * w[k]);
+                for_each_of_section(*inner_radius, *radius, spacing, |sector| {
+                    let (x, y) = (sector.radius * sector.cos, sector.radius * sector.sin);
+                    let place = std::array::from_fn(|k| from[k] + x * u[k] + y * v[k] + z * w[k]);
+                    visit(place, sector.area * thickness, sector.cell(centre, &[u, v, w], 0.5 * thickness));
                 });
             }
         }
@@ -62,7 +69,27 @@ pub(super) fn for_each_site(solid: &Solid, spacing: f64, mut visit: impl FnMut([
     }
 }
 
-fn for_each_of_section(inner: f64, outer: f64, spacing: f64, mut visit: impl FnMut(f64, f64, f64)) {
+/// A particle of a section.
+struct Sector {
+    radius: f64,
+    cos: f64,
+    sin: f64,
+    area: f64,
+    radii: [f64; 2],
+    half_angle: f64,
+}
+
+impl Sector {
+    /// Its cell in a slice about a point of the axis, given the axes of the section.
+    fn cell(&self, centre: [f64; 3], [u, v, w]: &[[f64; 3]; 3], half_thickness: f64) -> Cell {
+        let out = std::array::from_fn(|k| self.cos * u[k] + self.sin * v[k]);
+        let along = std::array::from_fn(|k| self.cos * v[k] - self.sin * u[k]);
+        let Self { radius, radii, half_angle, .. } = *self;
+        Cell::Sector { centre, frame: [out, along, *w], radius, radii, half_angle, half_thickness }
+    }
+}
+
+fn for_each_of_section(inner: f64, outer: f64, spacing: f64, mut visit: impl FnMut(Sector)) {
     let rings = ((outer - inner) / spacing).round().max(1.0);
     let width = (outer - inner) / rings;
     for ring in 0..rings as u64 {
@@ -72,7 +99,11 @@ fn for_each_of_section(inner: f64, outer: f64, spacing: f64, mut visit: impl FnM
         let r = if inner == 0.0 && ring == 0 { centroid(width, count) } else { middle };
         for k in 0..count as u64 {
             let (sin, cos) = (TAU * (k as f64 + 0.5) / count).sin_cos();
-            visit(r * cos, r * sin, area / count);
+            let radii = [
+                inner + ring as f64 * width,
+                if ring as f64 + 1.0 == rings { outer } else { inner + (ring as f64 + 1.0) * width },
+            ];
+            visit(Sector { radius: r, cos, sin, area: area / count, radii, half_angle: 0.5 * TAU / count });
         }
     }
 }
@@ -90,7 +121,7 @@ mod tests {
 
     fn all_sites(solid: &Solid, spacing: f64) -> Vec<([f64; 3], f64)> {
         let mut all = Vec::new();
-        for_each_site(solid, spacing, |site, volume| all.push((site, volume)));
+        for_each_cell(solid, spacing, |site, volume, _| all.push((site, volume)));
         all
     }
 

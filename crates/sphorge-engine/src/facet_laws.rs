@@ -1,0 +1,57 @@
+//! The laws of the contact of bodies at their facets. Bodies are of few kinds, and a law belongs to two kinds.
+
+use crate::geometry::facet_thickness;
+use crate::model::{Body, Model};
+use sphorge_physics::contact::ContactStrength;
+use sphorge_physics::facet::{FacetMaterial, FacetPairLaw, FacetStrength};
+
+/// The laws of the pairs of bodies, by kinds of bodies.
+#[derive(Clone, Debug)]
+pub(crate) struct FacetLaws {
+    kinds: Vec<usize>,
+    count: usize,
+    laws: Vec<FacetPairLaw<f64>>,
+    /// Whether bodies rub each other.
+    pub(crate) has_friction: bool,
+}
+
+impl FacetLaws {
+    pub(crate) fn new(model: &Model, strength: ContactStrength) -> Self {
+        let ContactStrength { stiffness, damping, friction } = strength;
+        let strength = FacetStrength { stiffness, damping, friction };
+        let mut examples: Vec<FacetMaterial> = Vec::new();
+        let kind = |body: &Body| {
+            let material = &model.materials[body.material];
+            let speed = material.equation_of_state.reference_sound_speed();
+            let of = FacetMaterial {
+                half_depth: 0.5 * body.spacing,
+                density: material.density,
+                bulk_modulus: material.density * speed * speed,
+            };
+            examples.iter().position(|known| *known == of).unwrap_or_else(|| {
+                examples.push(of);
+                examples.len() - 1
+            })
+        };
+        let kinds: Vec<usize> = model.bodies.iter().map(kind).collect();
+        // Facets are as thick along axes that are not there; forces are per unit of thickness.
+        let thickness = facet_thickness(model).powi(3 - model.dimensions.count() as i32);
+        let law = |a: &FacetMaterial, b: &FacetMaterial| {
+            let law = FacetPairLaw::new(a, b, strength);
+            FacetPairLaw {
+                stiffness: law.stiffness / thickness,
+                damping: law.damping / thickness,
+                tangential_stiffness: law.tangential_stiffness / thickness,
+                ..law
+            }
+        };
+        let count = examples.len();
+        let laws = (0..count * count).map(|k| law(&examples[k / count], &examples[k % count])).collect();
+        Self { kinds, count, laws, has_friction: friction > 0.0 }
+    }
+
+    /// Of the facets of two bodies, in either order.
+    pub(crate) fn of(&self, a: usize, b: usize) -> &FacetPairLaw<f64> {
+        &self.laws[self.kinds[a] * self.count + self.kinds[b]]
+    }
+}

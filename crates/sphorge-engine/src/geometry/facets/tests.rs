@@ -1,0 +1,220 @@
+use super::*;
+use crate::model::{Arrangement, Lattice, Operation, Transform};
+use std::f64::consts::PI;
+
+fn shape(solid: Solid) -> Shape {
+    Shape { solid, transform: Transform::default() }
+}
+
+fn composed(operation: Operation, parts: Vec<Shape>) -> Shape {
+    shape(Solid::Composed { operation, parts: parts.into() })
+}
+
+fn ball(radius: f64) -> Shape {
+    shape(Solid::Ball { centre: [0.0; 3], radius, inner_radius: 0.0 })
+}
+
+fn cuboid(min: [f64; 3], max: [f64; 3]) -> Shape {
+    shape(Solid::Box { min, max })
+}
+
+const PLANES: [SymmetryPlane; 2] =
+    [SymmetryPlane { axis: 0, position: 0.0, side: 1.0 }, SymmetryPlane { axis: 1, position: 0.0, side: 1.0 }];
+
+/// Facets of a shape filled at a spacing of one, with their places in space.
+fn facets(
+    shape: &Shape,
+    dimensions: Dimensions,
+    arrangement: Arrangement,
+    symmetry: &[SymmetryPlane],
+) -> Vec<ReferenceFacet<f64>> {
+    let lattice = Lattice { arrangement, placement: LatticePlacement::CellCentres };
+    let pattern = Pattern { dimensions, spacing: 1.0, density: 1.0, lattice };
+    let near = Near { space: Space { dimensions, symmetry, periodic: &[None; 3] }, pattern, shape, thickness: 1.0 };
+    let mut all = ReferenceFacets {
+        starts: vec![0],
+        facets: Vec::new(),
+        frames: Vec::new(),
+        first: Vec::new(),
+        edge: vec![1.0],
+        dimensions: dimensions.count(),
+        thickness: 1.0,
+    };
+    all.add_body(&near);
+    let mut placed = Vec::new();
+    let mut id = 0;
+    pattern.for_each_site(shape, |site, _| {
+        placed.extend(all.of(id).iter().map(|CellFacet { facet, .. }| ReferenceFacet {
+            corners: facet.corners.map(|corner| std::array::from_fn(|k| corner[k] + site[k])),
+            middle: std::array::from_fn(|k| facet.middle[k] + site[k]),
+            ..*facet
+        }));
+        id += 1;
+    });
+    placed
+}
+
+fn total(facets: &[ReferenceFacet<f64>]) -> f64 {
+    facets.iter().map(ReferenceFacet::area).sum()
+}
+
+fn trace(facet: &ReferenceFacet<f64>) -> f64 {
+    facet.curvature.xx + facet.curvature.yy + facet.curvature.zz
+}
+
+fn is_flat(facet: &ReferenceFacet<f64>) -> bool {
+    facet.curvature == SymmetricTensor::zero()
+}
+
+#[test]
+fn faces_of_a_box_lie_where_the_deck_says() {
+    // 10.3 by 4.6 spacings are 10 by 5 cells; the lattice is 0.15 short at either end of one edge and 0.2 over at those of the other.
+    let all = facets(&cuboid([1.0, 2.0, 0.0], [11.3, 6.6, 0.0]), Dimensions::PlaneStrain, Arrangement::Square, &[]);
+    assert_eq!(all.len(), 2 * (10 + 5));
+    assert!((total(&all) - 2.0 * (10.3 + 4.6)).abs() < 1e-12);
+    for facet in &all {
+        let axis = usize::from(facet.normal[0] == 0.0);
+        let face = [[1.0, 2.0], [11.3, 6.6]][usize::from(facet.normal[axis] > 0.0)][axis];
+        assert!(facet.corners[..2].iter().chain([&facet.middle]).all(|p| (p[axis] - face).abs() < 1e-12), "{facet:?}");
+    }
+    let all = facets(&cuboid([0.0; 3], [3.2, 4.0, 2.9]), Dimensions::Three, Arrangement::Square, &[]);
+    assert_eq!(all.len(), 2 * (12 + 12 + 9));
+    assert!((total(&all) - 2.0 * (3.2 * 4.0 + 4.0 * 2.9 + 2.9 * 3.2)).abs() < 1e-12);
+    let line = facets(&cuboid([0.0; 3], [5.3, 0.0, 0.0]), Dimensions::One, Arrangement::Square, &[]);
+    let ends: Vec<_> = line.iter().map(|facet| (facet.middle[0], facet.normal[0])).collect();
+    assert!(ends.len() == 2 && ends[0] == (0.0, -1.0) && (ends[1].0 - 5.3).abs() < 1e-12, "{ends:?}");
+}
+
+#[test]
+fn a_ball_of_cubes_is_round() {
+    for (radius, tolerance) in [(5.0, 0.015), (10.0, 0.004)] {
+        let all = facets(&ball(radius), Dimensions::Three, Arrangement::Square, &[]);
+        let share = total(&all) / (4.0 * PI * radius * radius);
+        assert!((share - 1.0).abs() < tolerance, "{share}");
+        for facet in &all {
+            // The tangent plane at the middle, with the corners half a spacing to either side of it.
+            assert!((dot(facet.middle, facet.normal) - radius).abs() < 1e-9, "{facet:?}");
+            assert!(facet.corners.iter().all(|p| (dot(*p, facet.normal) - radius).abs() < 1e-9), "{facet:?}");
+            assert!((trace(facet) - 2.0 / radius).abs() < 1e-12);
+        }
+    }
+    // An eighth beside planes has no facets in them, and those beside them belong to the sphere.
+    let eighth = composed(Operation::Intersection, vec![ball(10.0), cuboid([0.0; 3], [20.0; 3])]);
+    let third = SymmetryPlane { axis: 2, position: 0.0, side: 1.0 };
+    let all = facets(&eighth, Dimensions::Three, Arrangement::Square, &[PLANES[0], PLANES[1], third]);
+    let share = total(&all) / (0.5 * PI * 100.0);
+    assert!((share - 1.0).abs() < 0.004, "{share}");
+    assert!(all.iter().all(|facet| (dot(facet.middle, facet.normal) - 10.0).abs() < 1e-9));
+}
+
+#[test]
+fn rings_are_round_inside_and_outside() {
+    let ring = shape(Solid::Ball { centre: [0.0; 3], radius: 6.0, inner_radius: 3.0 });
+    let all = facets(&ring, Dimensions::PlaneStrain, Arrangement::Rings, &[]);
+    let (inside, outside): (Vec<_>, Vec<_>) =
+        all.iter().copied().partition(|facet: &ReferenceFacet<f64>| dot(facet.middle, facet.normal) < 0.0);
+    assert_eq!(inside.len() + outside.len(), all.len());
+    for (facets, radius, sign) in [(inside, 3.0, -1.0), (outside, 6.0, 1.0)] {
+        for facet in facets {
+            let above = |p: &Vector<f64>| dot(*p, facet.normal) - sign * radius;
+            assert!(facet.corners.iter().chain([&facet.middle]).all(|p| above(p).abs() < 1e-12));
+            assert!((trace(&facet) - sign / radius).abs() < 1e-12, "{facet:?}");
+        }
+    }
+    // A quarter beside planes, and a quarter alone, which has two more sides.
+    let quarter = composed(Operation::Intersection, vec![ring, cuboid([0.0; 3], [9.0; 3])]);
+    let beside = facets(&quarter, Dimensions::PlaneStrain, Arrangement::Rings, &PLANES);
+    assert_eq!(4 * beside.len(), all.len());
+    let alone = facets(&quarter, Dimensions::PlaneStrain, Arrangement::Rings, &[]);
+    assert_eq!(alone.len(), beside.len() + 2 * 3);
+    let flat: f64 = alone.iter().filter(|f| is_flat(f)).map(ReferenceFacet::area).sum();
+    assert!((flat - 6.0).abs() < 1e-9, "{flat}");
+}
+
+#[test]
+fn a_tube_of_slices_has_flat_ends_and_round_sides() {
+    let tube = shape(Solid::Cylinder { from: [0.0; 3], to: [3.0, 4.0, 0.0], radius: 4.0, inner_radius: 2.0 });
+    for arrangement in [Arrangement::Rings, Arrangement::Square] {
+        let all = facets(&tube, Dimensions::Three, arrangement, &[]);
+        let along = |f: &ReferenceFacet<f64>| (0.6 * f.normal[0] + 0.8 * f.normal[1]).abs();
+        let (ends, sides): (Vec<_>, Vec<_>) = all.iter().copied().partition(|f| along(f) > 0.5);
+        assert!(ends.iter().all(|f| (along(f) - 1.0).abs() < 1e-12 && is_flat(f)));
+        assert!(sides.iter().all(|f| along(f) < 1e-12));
+        let of = |some: Vec<ReferenceFacet<f64>>| some.iter().map(ReferenceFacet::area).sum::<f64>();
+        let (ends, sides) = (of(ends) / (2.0 * PI * 12.0), of(sides) / (2.0 * PI * 6.0 * 5.0));
+        assert!((ends - 1.0).abs() < 0.03 && (sides - 1.0).abs() < 0.02, "{arrangement:?}: {ends} {sides}");
+    }
+}
+
+#[test]
+fn slices_of_rings_leave_no_gaps_at_their_ends() {
+    let rod = shape(Solid::Cylinder { from: [0.0; 3], to: [0.0, 0.0, 3.0], radius: 6.0, inner_radius: 0.0 });
+    let all = facets(&rod, Dimensions::Three, Arrangement::Rings, &[]);
+    let end: Vec<_> = all.iter().filter(|f| f.normal[2] > 0.5).collect();
+    // A quarter beside planes has a quarter of them, at the axis too.
+    for arrangement in [Arrangement::Rings, Arrangement::Square] {
+        let cut = cuboid([0.0; 3], [9.0, 9.0, 3.0]);
+        let quarter = composed(Operation::Intersection, vec![rod.clone(), cut]);
+        let beside = facets(&quarter, Dimensions::Three, arrangement, &PLANES);
+        let whole = facets(&rod, Dimensions::Three, arrangement, &[]);
+        assert_eq!(4 * beside.len(), whole.len());
+        assert!((4.0 * total(&beside) / total(&whole) - 1.0).abs() < 1e-9, "{arrangement:?}");
+    }
+    // Each ring has its area, also the four sectors about the axis.
+    for ring in 0..6 {
+        let (inner, outer) = (f64::from(ring), f64::from(ring + 1));
+        let of_ring = end.iter().filter(|f| {
+            let r = f.middle[0].hypot(f.middle[1]);
+            inner < r && r < outer
+        });
+        let share = of_ring.map(|f| f.area()).sum::<f64>() / (PI * (outer * outer - inner * inner));
+        // Straight edges of the outermost do not go beyond the shape.
+        let most = if ring == 5 { 0.02 } else { 0.01 };
+        assert!((share - 1.0).abs() < most, "ring {ring}: {share}");
+    }
+}
+
+#[test]
+fn a_hole_in_a_plate_bends_inwards() {
+    let disc = shape(Solid::Ball { centre: [8.0, 8.0, 0.0], radius: 4.0, inner_radius: 0.0 });
+    let plate = composed(Operation::Difference, vec![cuboid([0.0; 3], [16.0, 16.0, 0.0]), disc]);
+    let all = facets(&plate, Dimensions::PlaneStrain, Arrangement::Square, &[]);
+    let (round, flat): (Vec<_>, Vec<_>) = all.iter().copied().partition(|f| !is_flat(f));
+    assert!((flat.iter().map(ReferenceFacet::area).sum::<f64>() - 64.0).abs() < 1e-9);
+    let share = round.iter().map(ReferenceFacet::area).sum::<f64>() / (8.0 * PI);
+    assert!((share - 1.0).abs() < 0.01, "{share}");
+    assert!(round.iter().all(|f| (trace(f) + 0.25).abs() < 1e-12));
+}
+
+#[test]
+fn rows_of_a_hexagonal_lattice_leave_no_gaps_in_a_face() {
+    let all = facets(&cuboid([0.0; 3], [20.0, 12.0, 0.0]), Dimensions::PlaneStrain, Arrangement::Hexagonal, &[]);
+    let share = total(&all) / 64.0;
+    assert!((share - 1.0).abs() < 0.02, "{share}");
+}
+
+#[test]
+fn faces_inside_a_body_are_those_of_cubes_that_fill_it() {
+    let along = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let turned = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]];
+    let cases = [(Dimensions::One, 2, along), (Dimensions::PlaneStrain, 4, turned), (Dimensions::Three, 6, turned)];
+    for (dimensions, faces, frame) in cases {
+        let all = ReferenceFacets {
+            starts: vec![0],
+            facets: Vec::new(),
+            frames: vec![Frames::Common(frame)],
+            first: vec![0],
+            edge: vec![2.0],
+            dimensions: dimensions.count(),
+            thickness: 2.0,
+        };
+        assert_eq!(all.faces(), faces);
+        for face in 0..faces {
+            let CellFacet { side, facet } = all.inner(0, 0, face);
+            assert_eq!(usize::from(side), face);
+            assert!((facet.area() - 4.0).abs() < 1e-12 && (facet.depth - 1.0).abs() < 1e-12, "{facet:?}");
+            let across = all.across(0, 0, face);
+            assert!((0..3).all(|k| (across[k] - 2.0 * facet.normal[k]).abs() < 1e-12));
+        }
+    }
+}
