@@ -127,6 +127,7 @@ pub(super) fn read(
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
             placement::check_tracers(&model, &particles, &places, &mut problems);
+            notes.extend(placement::check_pressed(&model, &particles, &places, &mut problems));
             problems.check()?;
             let masses = geometry::filled_masses(&model, &particles);
             notes.extend(placement::notes(&model, &particles, &masses));

@@ -4,10 +4,10 @@ use super::fault::{Fault, Problems};
 use super::interpret::SourceSpans;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{
-    BoundingPlane, FillError, FilledMass, MASS_TOLERANCE, MAX_PARTICLES, bytes_per_particle, fitting_spacings,
-    misplaced_layers, rings_fill,
+    BoundingPlane, FillError, FilledMass, LARGEST_CLOSURE, MASS_TOLERANCE, MAX_PARTICLES, PressedBodies,
+    bytes_per_particle, fitting_spacings, misplaced_layers, pressed_at_start, rings_fill,
 };
-use sphorge_engine::model::{Arrangement, LatticePlacement, Model};
+use sphorge_engine::model::{Arrangement, Dimensions, LatticePlacement, Model, Solid};
 
 /// A length for people.
 fn millimetres(length: f64) -> String {
@@ -35,6 +35,40 @@ pub(crate) fn check_tracers(model: &Model, particles: &Particles, places: &Sourc
             problems.push(Fault::new("stray-tracer", message, at.clone(), label).help(help));
         }
     }
+}
+
+/// Bodies that press each other before anything moves: refused where they are deeper in each other than
+/// [`LARGEST_CLOSURE`], else told. Particles from files have no surface that one could expect to touch: they are told.
+pub(crate) fn check_pressed(
+    model: &Model,
+    particles: &Particles,
+    places: &SourceSpans,
+    problems: &mut Problems,
+) -> Vec<String> {
+    let name = |body: usize| &model.bodies[body].name;
+    let mut notes = Vec::new();
+    for pressed in pressed_at_start(model, particles) {
+        let PressedBodies { first, second, place, depth, normal, energy, force, .. } = pressed;
+        let size = force.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let per = if model.dimensions == Dimensions::Three { "" } else { "/m" };
+        let overlap = format!("{} deep in each other at {}", millimetres(depth), point(place, model));
+        let held =
+            format!("the contact holds {energy:.3e} J{per} and pushes with {size:.3e} N{per} before anything moves");
+        let way = point(normal.map(|c| depth * c), model);
+        let cure =
+            format!("move `{}` by {way}, or choose spacings that fill both up to their common face", name(first));
+        let is_cloud = |body: usize| matches!(model.bodies[body].shape.solid, Solid::Cloud { .. });
+        if pressed.share() > LARGEST_CLOSURE && !is_cloud(first) && !is_cloud(second) {
+            let message = format!("bodies `{}` and `{}` press each other at the start", name(first), name(second));
+            let fault = Fault::new("pressed", message, places.bodies[second].clone(), "this body")
+                .also(places.bodies[first].clone(), format!("{overlap}: {held}"))
+                .help(cure);
+            problems.push(fault);
+        } else {
+            notes.push(format!("bodies `{}` and `{}` are {overlap}: {held}; {cure}", name(first), name(second)));
+        }
+    }
+    notes
 }
 
 /// Bodies that are told of one by one.

@@ -175,6 +175,9 @@ pub struct ContactLedger {
     pub friction_work: f64,
     /// Work damping turned to heat since the start, J.
     pub damping_work: f64,
+    /// Work against the contact since the start that it neither holds more of than at the start nor turned to heat, J: the error of the
+    /// integration in time.
+    pub integration_energy: f64,
 }
 
 /// What a wall has done since the start. Its force and its heat stay with the particles.
@@ -275,7 +278,7 @@ impl Ledger {
     /// Kinetic, internal and stored contact energy, J: what external work and heat alone change.
     pub fn total_energy(&self) -> f64 {
         let Energies { kinetic, internal, .. } = self.total.energies;
-        kinetic + internal + self.contacts.iter().map(|c| c.stored_energy).sum::<f64>()
+        kinetic + internal + self.contacts.iter().map(|c| c.stored_energy + c.integration_energy).sum::<f64>()
     }
 }
 

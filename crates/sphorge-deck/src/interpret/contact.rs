@@ -30,7 +30,10 @@ pub(crate) fn contact(
             exactly_one(vec![("penalty", table.penalty.as_ref())], "a contact", at.clone(), problems)?
         }
     };
-    let (stiffness, damping, friction) = defaults::BODY_CONTACT;
+    let (stiffness, damping, friction) = match formulation {
+        Some(Formulation::TotalLagrangian { .. }) => defaults::FACET_CONTACT,
+        Some(Formulation::UpdatedLagrangian) | None => defaults::BODY_CONTACT,
+    };
     let stiffness = table.stiffness.as_ref().map_or(Some(stiffness), |s| s.positive(problems));
     let damping = table.damping.as_ref().map_or(Some(damping), |d| d.within(Bound::Between(0.0, 1.0), problems));
     let friction = table.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));

@@ -9,6 +9,7 @@ use super::CpuEngine;
 use super::contact_search::ContactSearch;
 use super::domain::{Domain, Share};
 use super::faces::WholeDeformation;
+use super::facets::{CellSlips, FacetContacts, FacetPoints, face_stress as stress_of_faces};
 use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
 use crate::halo::{Halo, Image};
@@ -28,6 +29,8 @@ pub(super) struct BodyContacts {
     pub(super) foreign: ForeignList,
     /// A separate search, if the neighbour list is not that of the current positions.
     pub(super) search: Option<ContactSearch>,
+    /// Where bodies meet at the facets of their particles.
+    pub(super) facets: Option<FacetContacts>,
     table: ContactLaws,
     /// Sums of each block.
     partial: Vec<BlockSums>,
@@ -43,13 +46,15 @@ pub(super) struct BodyContacts {
 
 /// Sums over the pairs of two bodies, the first with the lower index.
 #[derive(Clone, Copy, Debug, Default)]
-struct PairSums {
+pub(super) struct PairSums {
     /// Force on the first, N.
-    force: Vector<f64>,
-    /// Powers, W.
-    stored: f64,
-    friction: f64,
-    damped: f64,
+    pub(super) force: Vector<f64>,
+    /// Powers, W: what the pairs take up, of facets with friction and damping.
+    pub(super) stored: f64,
+    pub(super) friction: f64,
+    pub(super) damped: f64,
+    /// What facets hold, J.
+    pub(super) energy: f64,
 }
 
 impl PairSums {
@@ -57,27 +62,28 @@ impl PairSums {
         self.stored += part.stored;
         self.friction += part.friction;
         self.damped += part.damped;
+        self.energy += part.energy;
         for k in 0..3 {
             self.force[k] += part.force[k];
         }
     }
 
-    fn to_array(self) -> [f64; 6] {
+    fn to_array(self) -> [f64; 7] {
         let [x, y, z] = self.force;
-        [x, y, z, self.stored, self.friction, self.damped]
+        [x, y, z, self.stored, self.friction, self.damped, self.energy]
     }
 
-    fn from_array([x, y, z, stored, friction, damped]: [f64; 6]) -> Self {
-        Self { force: [x, y, z], stored, friction, damped }
+    fn from_array([x, y, z, stored, friction, damped, energy]: [f64; 7]) -> Self {
+        Self { force: [x, y, z], stored, friction, damped, energy }
     }
 }
 
 /// Sums of a block over the pairs of bodies that meet in it, by their index: few of the many pairs of many bodies.
 #[derive(Clone, Debug, Default)]
-struct BlockSums(Vec<(usize, PairSums)>);
+pub(super) struct BlockSums(Vec<(usize, PairSums)>);
 
 impl BlockSums {
-    fn of(&mut self, place: usize) -> &mut PairSums {
+    pub(super) fn of(&mut self, place: usize) -> &mut PairSums {
         let known = self.0.iter().position(|sum| sum.0 == place);
         let at = known.unwrap_or_else(|| {
             self.0.push((place, PairSums::default()));
@@ -92,6 +98,8 @@ struct Works {
     stored: f64,
     friction: f64,
     damped: f64,
+    /// What facets held at the start, J.
+    initial: f64,
 }
 
 /// Differences of the contact positions from the positions, and their rates.
@@ -195,7 +203,9 @@ impl BodyContacts {
             return None;
         }
         let table = ContactLaws::new(model, strength);
+        let facets = model.has_faces().then(|| FacetContacts::new(model, strength));
         Some(Self {
+            facets,
             foreign: ForeignList::default(),
             search: halo.map(|halo| ContactSearch::new(model, halo, table.smoothing_length.clone())),
             table,
@@ -259,11 +269,23 @@ impl BodyContacts {
         let Some(works) = self.works.get_mut(self.table.place(body, body)) else {
             return Ok(());
         };
-        let held = std::mem::take(&mut works.stored);
+        let held = match self.facets {
+            // What facets hold is the sum of the last evaluation.
+            Some(_) => self.now[self.table.place(body, body)].energy,
+            None => std::mem::take(&mut works.stored),
+        };
         works.damped += held;
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
-        let pressed =
-            |i: usize| if reference_normal[i] == [0.0; 3] { 0.0 } else { share_of_released(contact_overlap[i]) };
+        let is_met = |i: usize| {
+            let rows = self.foreign.blocks().get(i / BLOCK).into_iter().flat_map(|block| block.rows());
+            rows.map(|(own, _)| own).any(|own| own == i)
+        };
+        let has_facets = self.facets.is_some();
+        let pressed = |i: usize| match (has_facets, reference_normal[i] == [0.0; 3]) {
+            (true, _) => f64::from(u8::from(is_met(i))),
+            (false, true) => 0.0,
+            (false, false) => share_of_released(contact_overlap[i]),
+        };
         let sum = |part: &dyn Fn(usize) -> f64| -> Result<f64, RunFailure> {
             let of = |i: usize| if bodies[i] as usize == body { mass[i] * part(i) } else { 0.0 };
             let add = |sums: &mut [f64]| (0..mass.len()).for_each(|i| sums[0] += of(i));
@@ -301,6 +323,9 @@ impl BodyContacts {
         ghosts: &Particles,
         dt: f64,
     ) -> Vector<f64> {
+        if let Some(facets) = &self.facets {
+            return facets.force(i, j, own, ghosts, &self.table);
+        }
         let points = Points {
             places: Places::at(places, own, ghosts),
             mass: WithGhosts::new(&own.mass, &ghosts.mass),
@@ -320,11 +345,20 @@ impl BodyContacts {
 
     /// Energy and forces of every pair of bodies.
     pub(super) fn ledger(&self) -> Vec<ContactLedger> {
-        let of = |(now, works): (&PairSums, &Works)| ContactLedger {
-            force: now.force.map(|f| 0.0 - f),
-            stored_energy: works.stored,
-            friction_work: works.friction,
-            damping_work: works.damped,
+        let has_facets = self.facets.is_some();
+        let of = |(now, works): (&PairSums, &Works)| {
+            let taken_up = works.stored - works.friction - works.damped;
+            let (stored_energy, integration_energy) = match has_facets {
+                true => (now.energy, taken_up - (now.energy - works.initial)),
+                false => (works.stored, 0.0),
+            };
+            ContactLedger {
+                force: now.force.map(|f| 0.0 - f),
+                stored_energy,
+                friction_work: works.friction,
+                damping_work: works.damped,
+                integration_energy,
+            }
         };
         self.now.iter().zip(&self.works).map(of).collect()
     }
@@ -335,6 +369,7 @@ impl BodyContacts {
         let pushes: usize = self.pushes.iter().map(Vec::capacity).sum();
         let sums: usize = self.partial.iter().map(|block| block.0.capacity()).sum();
         search
+            + self.facets.as_ref().map_or(0, FacetContacts::bytes)
             + self.foreign.bytes()
             + pushes * size_of::<(usize, Push)>()
             + sums * size_of::<(usize, PairSums)>()
@@ -348,7 +383,11 @@ impl BodyContacts {
     /// A rank is lost.
     pub(super) fn complete(&mut self, particles: &Particles, share: Option<&Share>) -> Result<(), RunFailure> {
         let Some(search) = &mut self.search else { return Ok(()) };
-        search.complete(particles, share, &mut self.foreign)
+        search.complete(particles, share, &mut self.foreign)?;
+        if let Some(facets) = &mut self.facets {
+            facets.adopt(&self.foreign, particles, &search.ghosts);
+        }
+        Ok(())
     }
 
     /// The ghosts in its pairs, if they are not those of the neighbour list.
@@ -368,7 +407,7 @@ impl BodyContacts {
         match share {
             None => own.for_each(|(place, part)| self.now[*place].add(part)),
             Some(share) => {
-                let own: Vec<(usize, [f64; 6])> = own.map(|(place, part)| (*place, part.to_array())).collect();
+                let own: Vec<(usize, [f64; 7])> = own.map(|(place, part)| (*place, part.to_array())).collect();
                 for (place, part) in share.ranks.gather_all(&own)? {
                     self.now[place].add(&PairSums::from_array(part));
                 }
@@ -381,6 +420,10 @@ impl BodyContacts {
 impl<T: PairScalar> CpuEngine<T> {
     /// First pass: the overlap of every particle that has neighbours in other bodies.
     pub(super) fn overlap_bodies(&mut self) {
+        if self.contacts.as_ref().is_some_and(|contacts| contacts.facets.is_some()) {
+            self.slip_facets();
+            return;
+        }
         let Some(contacts) = &self.contacts else { return };
         let table = &contacts.table;
         let mut overlaps = std::mem::take(&mut self.particles.contact_overlap);
@@ -422,6 +465,31 @@ impl<T: PairScalar> CpuEngine<T> {
         (p.contact_overlap, p.contact_direction, p.contact_weight) = (overlaps, directions, weights);
     }
 
+    /// First pass of facets: where they are, and their slips.
+    fn slip_facets(&mut self) {
+        let Some(contacts) = &mut self.contacts else { return };
+        let BodyContacts { foreign, search, facets, .. } = contacts;
+        let Some(facets) = facets else { return };
+        let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
+        facets.follow(&self.particles, ghosts);
+        if !facets.laws.has_friction {
+            return;
+        }
+        let points = FacetPoints::new(&self.particles, ghosts);
+        let dt = self.step.dt;
+        let mut slips = std::mem::take(&mut facets.slips);
+        slips.par_iter_mut().zip(foreign.blocks()).for_each(|(slips, block)| {
+            slips.clear();
+            slips.extend(block.rows().map(|(i, row)| (i, facets.slips(i, row, &points, dt))));
+        });
+        let p = &mut self.particles;
+        for &(i, CellSlips { slip, rubbed }) in slips.iter().flatten() {
+            [p.slip_of_low_faces[i], p.slip_of_high_faces[i]] = slip;
+            [p.rubbed_at_low_faces[i], p.rubbed_at_high_faces[i]] = rubbed;
+        }
+        facets.slips = slips;
+    }
+
     /// Second pass: computes the forces between bodies and their heat. A force on a face has a moment about the
     /// particle, which enters as a stress of it, so that the work is done at the face.
     ///
@@ -429,7 +497,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// A rank is lost.
     pub(super) fn push_bodies(&mut self) -> Result<(), RunFailure> {
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
-        let BodyContacts { foreign, search, table, partial, limits, pushes, .. } = contacts;
+        let BodyContacts { foreign, search, facets, table, partial, limits, pushes, .. } = contacts;
         let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
         let mut friction_heat = std::mem::take(&mut self.particles.friction_heat);
         let mut face_stress = std::mem::take(&mut self.particles.face_stress);
@@ -445,6 +513,7 @@ impl<T: PairScalar> CpuEngine<T> {
         };
         let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
         let (table, dt) = (&*table, self.step.dt);
+        let at_facets = facets.as_ref().map(|facets| (facets, FacetPoints::new(p, ghosts)));
         let update = |block: &ForeignBlock,
                       (sums, limit): (&mut BlockSums, &mut f64),
                       (pushes, friction_heat): (&mut Vec<(usize, Push)>, &mut [f64]),
@@ -453,18 +522,29 @@ impl<T: PairScalar> CpuEngine<T> {
             *limit = f64::INFINITY;
             pushes.clear();
             for (i, row) in block.rows() {
+                let mut add_stress = |stress: Tensor<f64>| {
+                    if let Some(own) = face_stress.get_mut(i % BLOCK) {
+                        for (own, row) in own.iter_mut().zip(stress) {
+                            (0..3).for_each(|a| own[a] += row[a]);
+                        }
+                    }
+                };
+                if let Some((facets, points)) = &at_facets {
+                    let (push, moment) = facets.push(i, row, points, p.mass[i], table, sums);
+                    friction_heat[i % BLOCK] += push.friction / p.mass[i];
+                    *limit = limit.min(push.limit);
+                    add_stress(stress_of_faces(&moment, &p.deformation[i], p.reference_volume[i]));
+                    pushes.push((i, push));
+                    continue;
+                }
                 let mut push = table.row(i, row, &points, dt, sums);
                 friction_heat[i % BLOCK] += push.friction / p.mass[i];
                 *limit = limit.min(push.limit);
                 let face = || FaceShift::new(&whole.at(i), p.face_arm[i]);
-                if let (Some(stress), Some(face)) =
-                    (face_stress.get_mut(i % BLOCK), points.places.shift.and_then(|_| face()))
-                {
+                if let Some(face) = points.places.shift.and_then(|_| face()) {
                     push.heat += dot(push.force, p.contact_shift_rate[i]);
                     let moment = face.stress(&p.deformation[i], push.force);
-                    for (own, row) in stress.iter_mut().zip(moment) {
-                        (0..3).for_each(|a| own[a] += row[a] / p.reference_volume[i]);
-                    }
+                    add_stress(moment.map(|row| row.map(|c| c / p.reference_volume[i])));
                 }
                 pushes.push((i, push));
             }
@@ -481,6 +561,9 @@ impl<T: PairScalar> CpuEngine<T> {
                 .for_each(|(block, sums, pushes, stress)| update(block, sums, pushes, stress));
         }
         contacts.close(self.domain.as_deref())?;
+        if self.step.count == 0 {
+            contacts.works.iter_mut().zip(&contacts.now).for_each(|(works, now)| works.initial = now.energy);
+        }
         (self.particles.friction_heat, self.particles.face_stress) = (friction_heat, face_stress);
         Ok(())
     }
@@ -501,15 +584,15 @@ impl<T: PairScalar> CpuEngine<T> {
 
 /// Sums of one particle.
 #[derive(Clone, Copy, Debug, Default)]
-struct Push {
-    force: Vector<f64>,
+pub(super) struct Push {
+    pub(super) force: Vector<f64>,
     /// Power that becomes heat of the particle in all its pairs, W, including the difference in power due to the stress
     /// of its face.
-    heat: f64,
+    pub(super) heat: f64,
     /// Friction's part of it, W.
-    friction: f64,
+    pub(super) friction: f64,
     approach: f64,
-    limit: f64,
+    pub(super) limit: f64,
 }
 
 impl ContactLaws {
@@ -563,8 +646,8 @@ impl ContactLaws {
     }
 }
 
-crate::persist_fields!(PairSums { force, stored, friction, damped });
-crate::persist_fields!(Works { stored, friction, damped });
+crate::persist_fields!(PairSums { force, stored, friction, damped, energy });
+crate::persist_fields!(Works { stored, friction, damped, initial });
 
 impl BodyContacts {
     /// Saves or loads the data of the `count` particles of this rank. Pairs follow from the neighbour list, except

@@ -7,6 +7,8 @@
 use super::CpuEngine;
 use super::common_points::CommonPoints;
 use super::domain::Share;
+use super::faces::WholeDeformation;
+use super::facets::FacetContacts;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::search::closed_in_beyond;
 use super::self_contact::Surfaces;
@@ -18,11 +20,14 @@ use crate::neighbors::{BLOCK, DisplacementBound, ForeignList, NeighborList, Reac
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, Persist, persist_pieces_or_none, require};
 use rayon::prelude::*;
-use sphorge_physics::{Vector, tensor::dot};
+use sphorge_physics::{Tensor, Vector, tensor::dot};
 use std::ops::Range;
 
 /// Skin of the search, in reaches of the contact.
 const SKIN: f64 = 0.2;
+
+/// How much farther than its facets a particle is searched around, in spacings.
+const MARGIN: f64 = 0.25;
 
 /// Current surroundings of the particles.
 pub(super) struct ContactSearch {
@@ -49,6 +54,8 @@ pub(super) struct ContactSearch {
     /// Positions of the particles at the last search, m, and their shifts to the contact positions, if there are any.
     searched_at: Vec<Vector<f64>>,
     shifts: Vec<Vector<f64>>,
+    /// Distances of their farthest corners of facets at the last search, m, where bodies meet at facets.
+    reaches: Vec<f64>,
     /// Value of the displacement bound at the last search.
     displacement: DisplacementBound,
     is_made: bool,
@@ -72,6 +79,7 @@ impl ContactSearch {
             searcher: Searcher::default(),
             searched_at: Vec::new(),
             shifts: Vec::new(),
+            reaches: Vec::new(),
             displacement: DisplacementBound::default(),
             is_made: false,
         }
@@ -81,18 +89,27 @@ impl ContactSearch {
     fn is_due(
         &self,
         particles: &Particles,
+        facets: Option<&FacetContacts>,
         share: Option<&Share>,
         displacement: DisplacementBound,
     ) -> Result<bool, RunFailure> {
         if !self.is_made {
             return Ok(true);
         }
-        let smallest = self.smoothing_length_of.iter().copied().fold(f64::INFINITY, f64::min);
+        let smallest = |of_bodies: &[f64]| of_bodies.iter().copied().fold(f64::INFINITY, f64::min);
         // The change of the shifts uses up a part of the skin of a particle; the skin of a pair is the mean of both.
         // Particles are in the state of the last evaluation.
-        let change = self.largest_change_of_shift(particles);
+        let change = match facets {
+            Some(facets) => self.largest_growth(particles, facets),
+            None => self.largest_change_of_shift(particles),
+        };
         let change = share.map_or(Ok(change), |share| share.largest(change))?;
-        let half = smallest * (0.5 * SKIN * self.support - change);
+        let skin = 0.5 * SKIN * self.support * smallest(&self.smoothing_length_of);
+        let half = match facets {
+            Some(_) if self.conducts => (MARGIN * smallest(&self.spacing_of) - change).min(skin),
+            Some(_) => MARGIN * smallest(&self.spacing_of) - change,
+            None => skin - change * smallest(&self.smoothing_length_of),
+        };
         if half <= 0.0 {
             return Ok(true);
         }
@@ -113,6 +130,15 @@ impl ContactSearch {
         columns.map(squared).reduce(|| 0.0, f64::max).sqrt()
     }
 
+    /// Largest growth of the reach of a particle's facets since the last search, m.
+    fn largest_growth(&self, particles: &Particles, facets: &FacetContacts) -> f64 {
+        let whole = whole_deformation(particles);
+        let growth = |(i, then): (usize, &f64)| {
+            if *then > 0.0 { facets.reach(particles.cell(i), &whole.at(i)) - then } else { 0.0 }
+        };
+        self.reaches.par_iter().with_min_len(BLOCK).enumerate().map(growth).reduce(|| 0.0, f64::max)
+    }
+
     /// Makes the next search due, after particles have been exchanged.
     pub(super) fn forget(&mut self) {
         self.is_made = false;
@@ -129,17 +155,31 @@ impl ContactSearch {
         displacement: DisplacementBound,
         instructions: Instructions,
         has_come_apart: &[bool],
+        facets: Option<&FacetContacts>,
         foreign: &mut ForeignList,
     ) -> Result<(), RunFailure> {
-        let factor = self.support * (1.0 + SKIN);
-        let largest = self.smoothing_length_of.iter().copied().fold(0.0, f64::max);
+        let factor = self.factor();
+        let largest = |of_bodies: &[f64]| of_bodies.iter().copied().fold(0.0, f64::max);
         // The contact positions of stretched material are farther out than the particles.
-        let farthest = largest_length(&particles.contact_shift);
+        let farthest = match facets {
+            Some(facets) => {
+                let whole = whole_deformation(particles);
+                let all = (0..particles.len()).into_par_iter().with_min_len(BLOCK);
+                all.map(|i| facets.reach(particles.cell(i), &whole.at(i))).collect_into_vec(&mut self.reaches);
+                self.reaches.iter().copied().fold(0.0, f64::max)
+            }
+            None => largest_length(&particles.contact_shift),
+        };
         let farthest = share.map_or(Ok(farthest), |share| share.largest(farthest))?;
-        let ghost_reach = factor * largest + farthest;
+        let of_kernels = factor * largest(&self.smoothing_length_of) + farthest;
+        let ghost_reach = match facets {
+            Some(_) if self.conducts => of_kernels.max(2.0 * (farthest + MARGIN * largest(&self.spacing_of))),
+            Some(_) => 2.0 * (farthest + MARGIN * largest(&self.spacing_of)),
+            None => of_kernels,
+        };
         let rows = match share {
-            None => self.place(particles, ghost_reach),
-            Some(share) => self.place_among_ranks(particles, share, ghost_reach)?,
+            None => self.place(particles, facets, ghost_reach),
+            Some(share) => self.place_among_ranks(particles, facets, share, ghost_reach)?,
         };
         let reach = Reach::new(&self.smoothing_length, factor);
         self.searcher.search_rows(&self.points, rows.clone(), &reach, displacement, instructions, &mut self.list);
@@ -163,7 +203,7 @@ impl ContactSearch {
             let (x, other) = (reference.at(i), reference.at(j));
             let apart: Vector<f64> = [0, 1, 2].map(|a| x[a] - other[a]);
             dot(apart, apart) >= (self.support * self.smoothing_length_of[of]).powi(2)
-                && surfaces.may_press(i, j, apart, self.spacing_of[of])
+                && (facets.is_some() || surfaces.may_press(i, j, apart, self.spacing_of[of]))
         });
         if let Some(share) = share {
             self.keep_met(particles, share, foreign)?;
@@ -177,18 +217,19 @@ impl ContactSearch {
 
     /// Sets the contact positions of the members, including ghosts of all particles within `reach` (m) of where they
     /// are needed. Returns those whose rows are searched.
-    fn place(&mut self, particles: &Particles, reach: f64) -> Range<usize> {
+    fn place(&mut self, particles: &Particles, facets: Option<&FacetContacts>, reach: f64) -> Range<usize> {
         if self.ghosts.halo.rebuild(&particles.position, reach) {
             self.searcher.forget();
         }
         // Faces are as they were at the last evaluation.
         self.exchange_all(particles);
-        let own = self.find_members(particles);
+        let own = self.find_members(particles, facets);
         let (members, ghosts) = (std::mem::take(&mut self.members), std::mem::take(&mut self.ghosts.columns));
         let (position, body) =
             (WithGhosts::new(&particles.position, &ghosts.position), WithGhosts::new(&particles.body, &ghosts.body));
         let shift = WithGhosts::new(&particles.contact_shift, &ghosts.contact_shift);
-        self.place_members(&members, |i| (position.at(i), shift.at(i), body.at(i)));
+        let reach = Reaches::new(facets, particles, &ghosts);
+        self.place_members(&members, |i| (position.at(i), shift.at(i), body.at(i), reach.of(i)));
         (self.members, self.ghosts.columns) = (members, ghosts);
         0..own
     }
@@ -197,13 +238,18 @@ impl ContactSearch {
     fn place_among_ranks(
         &mut self,
         particles: &Particles,
+        facets: Option<&FacetContacts>,
         share: &Share,
         reach: f64,
     ) -> Result<Range<usize>, RunFailure> {
         let is_one_body = self.smoothing_length_of.len() == 1;
-        let is_searched = |i: usize| !is_one_body || particles.reference_normal[i] != [0.0; 3];
+        let reach_of = |i: usize| match facets {
+            Some(_) if self.reaches[i] > 0.0 || self.conducts => self.reaches[i],
+            None if !is_one_body || particles.reference_normal[i] != [0.0; 3] => 0.0,
+            _ => UNSEARCHED,
+        };
         let own: Vec<Point> = (0..particles.len())
-            .map(|i| ((particles.position[i], particles.contact_shift[i]), (particles.body[i], is_searched(i))))
+            .map(|i| ((particles.position[i], particles.contact_shift[i]), (particles.body[i], reach_of(i))))
             .collect();
         let mut all = share.gather(&own)?;
         let positions: Vec<Vector<f64>> = all.iter().map(|point| point.0.0).collect();
@@ -211,10 +257,10 @@ impl ContactSearch {
             self.searcher.forget();
         }
         self.common.extend(&mut all, |image: &Image, ((x, shift), of)| ((image.position(&x), image.vector(shift)), of));
-        let members: Vec<u32> = (0..all.len() as u32).filter(|&i| all[i as usize].1.1).collect();
+        let members: Vec<u32> = (0..all.len() as u32).filter(|&i| all[i as usize].1.1 != UNSEARCHED).collect();
         self.place_members(&members, |i| {
-            let ((x, shift), (body, _)) = all[i];
-            (x, shift, body)
+            let ((x, shift), (body, reach)) = all[i];
+            (x, shift, body, facets.map(|_| reach))
         });
         let before = |place: usize| members.partition_point(|&member| (member as usize) < place);
         let rows = before(share.own().start)..before(share.own().end);
@@ -222,16 +268,24 @@ impl ContactSearch {
         Ok(rows)
     }
 
-    /// Sets the contact positions of members; `of` returns position (m), shift (m) and body.
-    fn place_members(&mut self, members: &[u32], of: impl Fn(usize) -> (Vector<f64>, Vector<f64>, u32)) {
+    /// Sets the contact positions of members; `of` returns position (m), shift (m), body and the reach of facets (m), if
+    /// bodies meet there.
+    fn place_members(&mut self, members: &[u32], of: impl Fn(usize) -> (Vector<f64>, Vector<f64>, u32, Option<f64>)) {
         self.points.clear();
         self.smoothing_length.clear();
         for &i in members {
-            let (x, shift, body) = of(i as usize);
+            let (x, shift, body, reach) = of(i as usize);
             self.points.push([0, 1, 2].map(|a| x[a] + shift[a]));
             // Heat is exchanged between positions, which are nearer to each other than the contact positions.
             let beyond = if self.conducts { 2.0 / self.support * dot(shift, shift).sqrt() } else { 0.0 };
-            self.smoothing_length.push(self.smoothing_length_of[body as usize] + beyond);
+            let of_kernel = self.smoothing_length_of[body as usize] + beyond;
+            // The reach of a pair is the mean of these times the factor.
+            let of_facets = |reach: f64| 2.0 * (reach + MARGIN * self.spacing_of[body as usize]) / self.factor();
+            self.smoothing_length.push(match reach {
+                None => of_kernel,
+                Some(reach) if self.conducts => of_facets(reach).max(of_kernel),
+                Some(reach) => of_facets(reach),
+            });
         }
     }
 
@@ -261,11 +315,24 @@ impl ContactSearch {
         self.ghosts.exchange(&[FieldSet::Search, FieldSet::Contact], particles);
     }
 
+    /// Distance within which two particles with smoothing lengths of one are found.
+    fn factor(&self) -> f64 {
+        self.support * (1.0 + SKIN)
+    }
+
     /// Finds the members that are searched; returns how many of them are particles.
-    fn find_members(&mut self, particles: &Particles) -> usize {
+    fn find_members(&mut self, particles: &Particles, facets: Option<&FacetContacts>) -> usize {
+        let id = WithGhosts::new(&particles.id, &self.ghosts.columns.id);
+        let open = WithGhosts::new(&particles.open_faces, &self.ghosts.columns.open_faces);
         let normal = WithGhosts::new(&particles.reference_normal, &self.ghosts.columns.reference_normal);
         let is_one_body = self.smoothing_length_of.len() == 1;
-        let is_member = |i: &u32| !is_one_body || normal.at(*i as usize) != [0.0; 3];
+        let conducts = self.conducts;
+        let is_member = |i: &u32| match facets {
+            Some(facets) => {
+                conducts || open.at(*i as usize) != 0 || !facets.reference.of(id.at(*i as usize)).is_empty()
+            }
+            None => !is_one_body || normal.at(*i as usize) != [0.0; 3],
+        };
         let (count, all) = (particles.len() as u32, (particles.len() + self.ghosts.count()) as u32);
         self.members.clear();
         self.members.extend((0..count).filter(is_member));
@@ -283,11 +350,52 @@ impl ContactSearch {
             + self.common.bytes()
             + 36 * self.points.capacity()
             + 24 * (self.searched_at.capacity() + self.shifts.capacity())
+            + 8 * self.reaches.capacity()
     }
 }
 
-/// A particle as ranks exchange it: position and shift, m; body, and whether it is searched.
-type Point = ((Vector<f64>, Vector<f64>), (u32, bool));
+/// A particle as ranks exchange it: position and shift, m; body, and the reach of its facets, m, or [`UNSEARCHED`].
+type Point = ((Vector<f64>, Vector<f64>), (u32, f64));
+
+/// In place of a reach, for a particle that is not searched.
+const UNSEARCHED: f64 = -1.0;
+
+/// Deformation of particles since the start.
+fn whole_deformation(particles: &Particles) -> WholeDeformation<'_> {
+    WholeDeformation { since: &particles.deformation, earlier: &particles.earlier_deformation }
+}
+
+/// Reaches of the facets of particles and ghosts, if bodies meet there.
+struct Reaches<'a> {
+    facets: Option<&'a FacetContacts>,
+    cell: [WithGhosts<'a, u32>; 3],
+    since: WithGhosts<'a, Tensor<f64>>,
+    earlier: Option<WithGhosts<'a, Tensor<f64>>>,
+}
+
+impl<'a> Reaches<'a> {
+    fn new(facets: Option<&'a FacetContacts>, own: &'a Particles, ghosts: &'a Particles) -> Self {
+        let earlier = || WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
+        Self {
+            facets,
+            cell: [
+                WithGhosts::new(&own.body, &ghosts.body),
+                WithGhosts::new(&own.id, &ghosts.id),
+                WithGhosts::new(&own.open_faces, &ghosts.open_faces),
+            ],
+            since: WithGhosts::new(&own.deformation, &ghosts.deformation),
+            earlier: (!own.earlier_deformation.is_empty()).then(earlier),
+        }
+    }
+
+    /// Of a particle or ghost, m.
+    fn of(&self, i: usize) -> Option<f64> {
+        let f = self.since.at(i);
+        let f = self.earlier.map_or(f, |earlier| WholeDeformation::product(&f, &earlier.at(i)));
+        let [body, id, open] = self.cell.map(|column| column.at(i));
+        self.facets.map(|facets| facets.reach((body, id, open), &f))
+    }
+}
 
 /// Length of the longest vector.
 fn largest_length(vectors: &[Vector<f64>]) -> f64 {
@@ -301,11 +409,15 @@ impl<T: PairScalar> CpuEngine<T> {
         let (displacement, share) = (self.lists.displacement, self.domain.as_deref());
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
         let Some(search) = &mut contacts.search else { return Ok(()) };
-        if !search.is_due(&self.particles, share, displacement)? {
+        if !search.is_due(&self.particles, contacts.facets.as_ref(), share, displacement)? {
             return Ok(());
         }
         let (apart, foreign) = (&self.has_come_apart, &mut contacts.foreign);
-        search.search(&self.particles, share, displacement, self.instructions, apart, foreign)?;
+        let facets = contacts.facets.as_ref();
+        search.search(&self.particles, share, displacement, self.instructions, apart, facets, foreign)?;
+        if let Some(facets) = &mut contacts.facets {
+            facets.adopt(foreign, &self.particles, &search.ghosts);
+        }
         // Particles that lose their neighbours in other bodies no longer overlap.
         let p = &mut self.particles;
         p.contact_overlap.fill(0.0);
@@ -333,6 +445,7 @@ impl ContactSearch {
         self.searcher.persist(&of("searcher"), archive)?;
         persist_pieces_or_none(&mut self.searched_at, count, &of("searched_at"), archive)?;
         persist_pieces_or_none(&mut self.shifts, count, &of("shifts"), archive)?;
+        persist_pieces_or_none(&mut self.reaches, count, &of("reaches"), archive)?;
         self.displacement.persist(&of("displacement"), archive)?;
         self.is_made.persist(&of("is_made"), archive)?;
         if archive.is_saving() {

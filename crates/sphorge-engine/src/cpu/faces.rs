@@ -23,13 +23,32 @@ impl<T: PairScalar> CpuEngine<T> {
             return;
         }
         self.find_normals();
-        if !self.has_come_apart.contains(&true) {
+        if self.has_come_apart.contains(&true) {
+            self.open_faces();
+        } else {
             self.ghosts.exchange(&[FieldSet::Search], &self.particles);
             self.find_depths();
         }
         if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
             search.forget();
         }
+    }
+
+    /// Finds the faces of cells that are exposed since their bodies came apart.
+    fn open_faces(&mut self) {
+        let Some(facets) = self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref()) else { return };
+        let (list, points, apart) = (&self.lists.list, &self.lists.points, &self.has_come_apart);
+        let mut open = std::mem::take(&mut self.particles.open_faces);
+        let p = &self.particles;
+        let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
+        open.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, open)| {
+            if apart[p.body[i] as usize] {
+                let from_here = |&j: &u32| [0, 1, 2].map(|a| points[j as usize][a] - points[i][a]);
+                let cell = (p.body[i], p.id[i], *open);
+                *open = facets.open_faces(cell, &whole.at(i), list.row(i).iter().map(from_here));
+            }
+        });
+        self.particles.open_faces = open;
     }
 
     fn find_normals(&mut self) {
@@ -109,6 +128,11 @@ pub(super) struct WholeDeformation<'a> {
 impl WholeDeformation<'_> {
     pub(super) fn at(&self, i: usize) -> Tensor<f64> {
         let f = self.since[i];
-        self.earlier.get(i).map_or(f, |earlier| multiply(&f, earlier))
+        self.earlier.get(i).map_or(f, |earlier| Self::product(&f, earlier))
+    }
+
+    /// A deformation after an earlier one.
+    pub(super) fn product(since: &Tensor<f64>, earlier: &Tensor<f64>) -> Tensor<f64> {
+        multiply(since, earlier)
     }
 }

@@ -11,6 +11,7 @@ mod domain;
 mod exchange;
 mod external;
 mod faces;
+mod facets;
 mod forces;
 mod formulation;
 mod ghosts;

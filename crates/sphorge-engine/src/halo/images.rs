@@ -23,6 +23,12 @@ impl Image {
         (self.source, [self.sign, self.shift].map(|of_axes| of_axes.map(f64::to_bits)))
     }
 
+    /// +1, or -1 along axes it is mirrored on.
+    #[inline(always)]
+    pub(crate) fn sign(&self) -> Vector<f64> {
+        self.sign
+    }
+
     /// Position of the image when its source is at `p`, m.
     #[inline(always)]
     pub(crate) fn position(&self, p: &Vector<f64>) -> Vector<f64> {

@@ -11,3 +11,10 @@ pub enum BodyContact {
     /// Sides of a contact that pushes and never pulls; they take no part in each other's kernel sums.
     Penalty(ContactStrength),
 }
+
+impl BodyContact {
+    /// Whether bodies rub each other.
+    pub fn has_friction(&self) -> bool {
+        matches!(self, Self::Penalty(strength) if strength.friction > 0.0)
+    }
+}

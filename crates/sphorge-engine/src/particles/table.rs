@@ -30,6 +30,8 @@ pub enum Owner {
     Faces,
     /// Friction between bodies or at walls.
     Friction,
+    /// Friction between bodies that meet at facets.
+    FacetFriction,
     /// Artificial stress where temperature is that of the energy.
     ArtificialEnergy,
     /// The reference configuration of the total Lagrangian form.
@@ -232,7 +234,7 @@ const UNDEFORMED: Tensor<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.
 
 columns! {
     // name: type = initial value, owner, access(unit, meaning), mirror[sets], check
-    pub id: u32 = 0, State, Written("", "number given at creation"), Unmirrored[], None;
+    pub id: u32 = 0, State, Written("", "number given at creation"), Same[Search], None;
     pub body: u32 = 0, State, Written("", "index of the body"), Same[Search], None;
     pub material: u32 = 0, State, OnRequest("", "index of the material"), Same[Search], None;
     // Bit k: region k.
@@ -254,7 +256,7 @@ columns! {
     pub sound_speed: f64 = 0.0, State, OnRequest("m/s", "bulk sound speed"), Unmirrored[], None;
     pub deviator: SymmetricTensor<f64> = UNSTRESSED, State, OnRequest("Pa", "stress deviator"), Symmetric[Audit], Finite;
     // L_ab = dv_a/dx_b.
-    pub velocity_gradient: Tensor<f64> = [[0.0; 3]; 3], State, OnRequest("1/s", "velocity gradient"), Unmirrored[], None;
+    pub velocity_gradient: Tensor<f64> = [[0.0; 3]; 3], State, OnRequest("1/s", "velocity gradient"), Tensor[Contact], None;
     pub plastic_strain: f64 = 0.0, State, Written("", "accumulated equivalent plastic strain"), Same[Stress], None;
     pub plastic_strain_increment: f64 = 0.0, State, OnRequest("", "plastic strain added in the last step"),
         Unmirrored[], None;
@@ -342,10 +344,28 @@ columns! {
         Internal("m", "from the position to the point at which the contact places the particle"), Vector[Contact], None;
     pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
     pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
-        Internal("", "deformation gradient of the reference configuration"), Unmirrored[], None;
+        Internal("", "deformation gradient of the reference configuration"), Tensor[Contact], None;
+
+    // Bit k: face k of the cell.
+    pub(crate) open_faces: u32 = 0, Faces,
+        Internal("", "faces of the cell that are exposed since the body came apart"), Same[Search], None;
+    // A row for each axis of the cell: along the first edge of the facet and square to it, m, and the stiffness, N/m.
+    pub(crate) slip_of_low_faces: Tensor<f64> = [[0.0; 3]; 3], FacetFriction,
+        Internal("m", "tangential springs of the facets on the low sides of the cell"), Tensor[Overlaps], None;
+    pub(crate) slip_of_high_faces: Tensor<f64> = [[0.0; 3]; 3], FacetFriction,
+        Internal("m", "tangential springs of the facets on the high sides of the cell"), Tensor[Overlaps], None;
+    pub(crate) rubbed_at_low_faces: Vector<f64> = [0.0; 3], FacetFriction,
+        Internal("m^2/s", "power of friction over the stiffness of these springs, by axis of the cell"), Vector[Overlaps], None;
+    pub(crate) rubbed_at_high_faces: Vector<f64> = [0.0; 3], FacetFriction,
+        Internal("m^2/s", "the same for the high sides"), Vector[Overlaps], None;
 }
 
 impl Particles {
+    /// Body and number of a particle, and the faces of its cell that are exposed since its body came apart.
+    pub(crate) fn cell(&self, i: usize) -> (u32, u32, u32) {
+        (self.body[i], self.id[i], self.open_faces[i])
+    }
+
     /// Index and distance, m, of the particle nearest to a point, of one body if given; of several as near the one with the least id.
     pub fn nearest(&self, point: Vector<f64>, body: Option<usize>) -> Option<(usize, f64)> {
         self.nearest_squared(point, body).map(|(i, squared)| (i, squared.sqrt()))

@@ -102,6 +102,7 @@ impl<'a> Table<'a> {
             stored_energy: work(0),
             friction_work: work(1),
             damping_work: work(2),
+            integration_energy: 0.0,
         }
     }
 

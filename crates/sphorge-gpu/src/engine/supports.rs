@@ -5,11 +5,18 @@ use sphorge_engine::model::{Model, Precision};
 
 /// Whether the engine can run a model.
 pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
-    let asked = [(
-        model.numerics.precision == Precision::Double,
-        "pair sums in double precision: cards compute pairs in single precision, with compensated sums over the steps",
-        "leave `numerics.precision` out, or run it with `--engine cpu`",
-    )];
+    let asked = [
+        (
+            model.numerics.precision == Precision::Double,
+            "pair sums in double precision: cards compute pairs in single precision, with compensated sums over the steps",
+            "leave `numerics.precision` out, or run it with `--engine cpu`",
+        ),
+        (
+            model.has_faces(),
+            "the contact of bodies at their facets, which the total Lagrangian form has",
+            "run it with `--engine cpu`, or with `method = \"updated-lagrangian\"`",
+        ),
+    ];
     match asked.into_iter().find(|(asked, ..)| *asked) {
         Some((_, what, help)) => Err(Unsupported { what: what.to_owned(), help: help.to_owned() }),
         None => Ok(()),

@@ -7,6 +7,7 @@ mod conservation;
 mod contact;
 mod elastic_modes;
 mod external_forces;
+mod facets;
 mod failure;
 mod heat;
 mod homogeneous;

@@ -45,7 +45,13 @@ impl GpuEngine {
             };
             let [stored_energy, friction_work, damping_work] = contact::WORKS.map(|(field, _)| work(field));
             // On the second.
-            ContactLedger { force: [0, 1, 2].map(|axis| 0.0 - force(axis)), stored_energy, friction_work, damping_work }
+            ContactLedger {
+                force: [0, 1, 2].map(|axis| 0.0 - force(axis)),
+                stored_energy,
+                friction_work,
+                damping_work,
+                integration_energy: 0.0,
+            }
         };
         let contacts =
             meetings.iter().flat_map(|of| self.model.contact_pairs().into_iter().map(move |pair| (of, pair)));

@@ -1,0 +1,507 @@
+//! Contact of bodies of the total Lagrangian form at the facets of their particles: where the facets are, and what the
+//! pairs of them do ([`sphorge_physics::facet`]).
+//!
+//! Facets are found in the initial configuration ([`crate::geometry::ReferenceFacets`]) and follow with the whole
+//! deformation since the start. Pairs of particles whose facets may meet are found by the contact search; each
+//! particle sums over its own row, and the pair is evaluated in the same order from both sides, so that forces are
+//! opposite to the bit.
+
+use super::contact::{BlockSums, Push};
+use super::faces::WholeDeformation;
+use super::ghosts::{Ghosts, WithGhosts};
+use crate::ContactLaws;
+use crate::facet_laws::FacetLaws;
+use crate::geometry::{CellFacet, ReferenceFacets, reversed};
+use crate::model::Model;
+use crate::neighbors::ForeignList;
+use crate::particles::Particles;
+use rayon::prelude::*;
+use sphorge_physics::contact::ContactStrength;
+use sphorge_physics::facet::{
+    Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force,
+    moment_of_torn, press, slip_after, stress_of_moment,
+};
+use sphorge_physics::tensor::{apply, dot};
+use sphorge_physics::time_step::oscillator_limit;
+use sphorge_physics::{SymmetricTensor, Tensor, Vector};
+
+/// Cosine between normals below which facets can press each other.
+const FACING: f64 = -0.3;
+
+/// Distance from where the next particle was, over that of it, within which a neighbour covers a face.
+const COVERED: f64 = 0.7;
+
+/// Largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle.
+const MOBILITY: f64 = 2.5;
+
+/// Share of the contact's stability limit that counts as that of the step, before Courant's number: half of the limit at
+/// the usual number of 0.3, at which impacts keep their energy within half a per cent.
+const MARGIN: f64 = 1.5;
+
+/// Where a facet comes from.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    /// Particle or ghost.
+    point: u32,
+    /// Place among the facets of the initial configuration, or beyond them the number of a face inside the body.
+    place: u32,
+    body: u32,
+    id: u32,
+    /// Signs of the image that the point is.
+    sign: Vector<f64>,
+}
+
+impl Source {
+    /// The facet in the initial configuration.
+    fn facet(&self, reference: &ReferenceFacets) -> CellFacet {
+        match (self.place as usize).checked_sub(reference.len()) {
+            None => *reference.at(self.place as usize),
+            Some(face) => reference.inner(self.body as usize, self.id, face),
+        }
+    }
+
+    /// Axis and side of its face of the cell.
+    fn face(&self, reference: &ReferenceFacets) -> (usize, usize) {
+        let face = match (self.place as usize).checked_sub(reference.len()) {
+            None => usize::from(reference.at(self.place as usize).side),
+            Some(face) => face,
+        };
+        (face / 2, face % 2)
+    }
+
+    fn is_reversed(&self) -> bool {
+        self.sign[0] * self.sign[1] * self.sign[2] < 0.0
+    }
+}
+
+/// The facets of the particles and ghosts that may meet.
+pub(super) struct FacetContacts {
+    pub(super) reference: ReferenceFacets,
+    pub(super) laws: FacetLaws,
+    sources: Vec<Source>,
+    /// Of each particle and ghost the first of its facets among those that may meet.
+    first: Vec<u32>,
+    now: Vec<Facet<f64>>,
+    /// Distance from the middle within which a facet is, m.
+    radius: Vec<f64>,
+    /// Stretch along its normal.
+    stretch: Vec<f64>,
+    /// The first part of the face of the cell that a facet is a part of: the slip is that of the face.
+    lead: Vec<u32>,
+    /// Slips of particles that have pairs, block by block.
+    pub(super) slips: Vec<Vec<(usize, CellSlips)>>,
+}
+
+/// What the contact reads of particles and ghosts.
+#[derive(Clone, Copy)]
+pub(super) struct FacetPoints<'a> {
+    id: WithGhosts<'a, u32>,
+    body: WithGhosts<'a, u32>,
+    velocity: WithGhosts<'a, Vector<f64>>,
+    gradient: WithGhosts<'a, Tensor<f64>>,
+    slip: [WithGhosts<'a, Tensor<f64>>; 2],
+    rubbed: [WithGhosts<'a, Vector<f64>>; 2],
+}
+
+impl<'a> FacetPoints<'a> {
+    pub(super) fn new(own: &'a Particles, ghosts: &'a Particles) -> Self {
+        Self {
+            id: WithGhosts::new(&own.id, &ghosts.id),
+            body: WithGhosts::new(&own.body, &ghosts.body),
+            velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
+            gradient: WithGhosts::new(&own.velocity_gradient, &ghosts.velocity_gradient),
+            slip: [
+                WithGhosts::new(&own.slip_of_low_faces, &ghosts.slip_of_low_faces),
+                WithGhosts::new(&own.slip_of_high_faces, &ghosts.slip_of_high_faces),
+            ],
+            rubbed: [
+                WithGhosts::new(&own.rubbed_at_low_faces, &ghosts.rubbed_at_low_faces),
+                WithGhosts::new(&own.rubbed_at_high_faces, &ghosts.rubbed_at_high_faces),
+            ],
+        }
+    }
+}
+
+/// Slip of the six faces of a cell, and the power of their friction over their stiffness, m²/s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellSlips {
+    pub(super) slip: [Tensor<f64>; 2],
+    pub(super) rubbed: [Vector<f64>; 2],
+}
+
+/// A facet seen from the pair it is in.
+#[derive(Clone, Copy)]
+struct Side<'a> {
+    index: usize,
+    point: usize,
+    facet: &'a Facet<f64>,
+}
+
+/// A pair that presses, from the side of the row.
+struct Met<'a> {
+    own: Side<'a>,
+    other: Side<'a>,
+    press: FacetPress<f64>,
+    /// Whether the own facet is the first of the pair.
+    is_first: bool,
+    law: &'a FacetPairLaw<f64>,
+    bodies: (usize, usize),
+    /// Velocity of the first at the centre of pressure relative to the second, m/s.
+    velocity: Vector<f64>,
+}
+
+impl FacetContacts {
+    pub(super) fn new(model: &Model, strength: ContactStrength) -> Self {
+        Self {
+            reference: ReferenceFacets::new(model),
+            laws: FacetLaws::new(model, strength),
+            sources: Vec::new(),
+            first: Vec::new(),
+            now: Vec::new(),
+            radius: Vec::new(),
+            stretch: Vec::new(),
+            lead: Vec::new(),
+            slips: Vec::new(),
+        }
+    }
+
+    /// A bound of the distance of the corners of the facets of a particle, m, the same for all its images; zero
+    /// without any.
+    pub(super) fn reach(&self, (body, id, open): (u32, u32, u32), f: &Tensor<f64>) -> f64 {
+        let sizes = f.map(|row| row.map(f64::abs));
+        let inner =
+            (0..6).filter(|face| open >> face & 1 == 1).map(|face| self.reference.inner(body as usize, id, face).facet);
+        let corners =
+            self.reference.of(id).iter().map(|facet| facet.facet).chain(inner).flat_map(|facet| facet.corners);
+        let squared = corners.map(|corner| {
+            let arm = apply(&sizes, corner.map(f64::abs));
+            dot(arm, arm)
+        });
+        squared.fold(0.0, f64::max).sqrt()
+    }
+
+    /// Takes over the pairs that were just found.
+    pub(super) fn adopt(&mut self, foreign: &ForeignList, particles: &Particles, ghosts: &Ghosts) {
+        let count = particles.len();
+        let images = ghosts.halo.images();
+        let others = ghosts.count() - images.len();
+        let sign = |point: usize| match point.checked_sub(count + others) {
+            Some(image) => images[image].sign(),
+            None => [1.0; 3],
+        };
+        let id = WithGhosts::new(&particles.id, &ghosts.columns.id);
+        let body = WithGhosts::new(&particles.body, &ghosts.columns.body);
+        let open = WithGhosts::new(&particles.open_faces, &ghosts.columns.open_faces);
+        self.first.clear();
+        self.first.resize(count + ghosts.count() + 1, 0);
+        for (own, row) in foreign.blocks().iter().flat_map(|block| block.rows()) {
+            self.first[own] = 1;
+            row.iter().for_each(|&j| self.first[j as usize] = 1);
+        }
+        if self.laws.has_friction {
+            self.slips.resize_with(foreign.blocks().len(), Vec::new);
+            for (slips, block) in self.slips.iter_mut().zip(foreign.blocks()) {
+                slips.clear();
+                slips.reserve(block.rows().count());
+            }
+        }
+        self.sources.clear();
+        for point in 0..count + ghosts.count() {
+            let is_used = self.first[point] == 1;
+            self.first[point] = self.sources.len() as u32;
+            if is_used {
+                let (body, id, open) = (body.at(point), id.at(point), open.at(point));
+                let inner = (0..6).filter(|face| open >> face & 1 == 1).map(|face| self.reference.len() + face);
+                let source =
+                    |place: usize| Source { point: point as u32, place: place as u32, body, id, sign: sign(point) };
+                self.sources.extend(self.reference.range(id).chain(inner).map(source));
+            }
+        }
+        if let Some(last) = self.first.last_mut() {
+            *last = self.sources.len() as u32;
+        }
+        self.lead.clear();
+        for index in 0..self.sources.len() {
+            let (point, face) = (self.sources[index].point, self.sources[index].face(&self.reference));
+            let before = index.checked_sub(1).map(|k| (self.sources[k].point, self.sources[k].face(&self.reference)));
+            let lead = if before == Some((point, face)) { self.lead[index - 1] } else { index as u32 };
+            self.lead.push(lead);
+        }
+        let none = Facet {
+            owner: [0.0; 3],
+            corners: [[0.0; 3]; 4],
+            middle: [0.0; 3],
+            normal: [0.0; 3],
+            curvature: SymmetricTensor::zero(),
+            depth: 0.0,
+            area: 0.0,
+        };
+        self.now.clear();
+        self.now.resize(self.sources.len(), none);
+        self.radius.clear();
+        self.radius.resize(self.sources.len(), 0.0);
+        self.stretch.clear();
+        self.stretch.resize(self.sources.len(), 1.0);
+    }
+
+    /// Moves the facets to where they are now.
+    pub(super) fn follow(&mut self, own: &Particles, ghosts: &Particles) {
+        let position = WithGhosts::new(&own.position, &ghosts.position);
+        let since = WithGhosts::new(&own.deformation, &ghosts.deformation);
+        let earlier = WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
+        let is_renewed = !own.earlier_deformation.is_empty();
+        let reference = &self.reference;
+        let facets = (&mut self.now, &mut self.radius, &mut self.stretch, &self.sources).into_par_iter();
+        facets.with_min_len(64).for_each(|(now, radius, stretch, source)| {
+            let point = source.point as usize;
+            let f = since.at(point);
+            let f = if is_renewed { WholeDeformation::product(&f, &earlier.at(point)) } else { f };
+            let facet = source.facet(reference).facet;
+            let facet = if source.sign == [1.0; 3] { facet } else { mirrored(&facet, source) };
+            (*now, *stretch) = Facet::now(position.at(point), &f, &facet).held(facet.depth);
+            let to_corner = |corner: &Vector<f64>| {
+                let way: Vector<f64> = std::array::from_fn(|k| corner[k] - now.middle[k]);
+                dot(way, way)
+            };
+            *radius = now.corners.iter().map(to_corner).fold(0.0, f64::max).sqrt();
+        });
+    }
+
+    fn facets_of(&self, point: usize) -> std::ops::Range<usize> {
+        self.first[point] as usize..self.first[point + 1] as usize
+    }
+
+    fn side(&self, index: usize) -> Side<'_> {
+        Side { index, point: self.sources[index].point as usize, facet: &self.now[index] }
+    }
+
+    /// Calls `visit` with every pair of the particle's facets with those of its row that presses.
+    fn each<'a>(&'a self, i: usize, row: &[u32], points: &FacetPoints<'_>, mut visit: impl FnMut(Met<'a>)) {
+        for own in self.facets_of(i) {
+            let own = self.side(own);
+            for &j in row {
+                let j = j as usize;
+                for other in self.facets_of(j) {
+                    let other = self.side(other);
+                    if dot(own.facet.normal, other.facet.normal) >= FACING || !self.may_meet(own, other) {
+                        continue;
+                    }
+                    // The same order from both sides.
+                    let number = |side: Side<'_>| (points.id.at(side.point), self.sources[side.index].place);
+                    let is_first = number(own) <= number(other);
+                    let (a, b) = if is_first { (own, other) } else { (other, own) };
+                    let bodies = (points.body.at(i) as usize, points.body.at(j) as usize);
+                    let law = self.laws.of(bodies.0, bodies.1);
+                    let press = press(a.facet, b.facet, Partner::Facet, law);
+                    if press.energy > 0.0 {
+                        let motion = |side: Side<'_>| (points.velocity.at(side.point), points.gradient.at(side.point));
+                        let ((v_a, l_a), (v_b, l_b)) = (motion(a), motion(b));
+                        let velocity = press.velocity(v_a, &l_a, v_b, &l_b);
+                        visit(Met { own, other, press, is_first, law, bodies, velocity });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether facets are near enough to touch, seen along any direction.
+    fn may_meet(&self, a: Side<'_>, b: Side<'_>) -> bool {
+        let at = |side: Side<'_>, k: usize| side.facet.owner[k] + side.facet.middle[k];
+        let squared: f64 = (0..3).map(|k| (at(a, k) - at(b, k)).powi(2)).sum();
+        // Closures reach as far as the owners are below their faces.
+        let reach = self.radius[a.index] + self.radius[b.index] + a.facet.depth.abs() + b.facet.depth.abs();
+        squared < reach * reach
+    }
+
+    /// Slip of a facet in space, and what it rubs.
+    fn slip_of(&self, side: Side<'_>, points: &FacetPoints<'_>) -> (FacetSlip<f64>, f64) {
+        let source = &self.sources[side.index];
+        let (sign, (axis, high)) = (source.sign, source.face(&self.reference));
+        let slip = points.slip[high].at(side.point)[axis];
+        let rubbed = points.rubbed[high].at(side.point)[axis];
+        // Ghosts got them mirrored like tensors and vectors in space, which they are not.
+        let turn = |k: usize| sign[axis] * sign[k];
+        let mut slip = FacetSlip { slip: [turn(0) * slip[0], turn(1) * slip[1]], stiffness: turn(2) * slip[2] };
+        if source.is_reversed() {
+            // The first edge of a mirrored facet goes the other way.
+            slip.slip[0] = -slip.slip[0];
+        }
+        (slip, sign[axis] * rubbed)
+    }
+
+    /// First pass, with friction: slips of the particle's facets after a step `dt`, s.
+    pub(super) fn slips(&self, i: usize, row: &[u32], points: &FacetPoints<'_>, dt: f64) -> CellSlips {
+        let mut drives = [SlipDrive::none(); 6];
+        self.each(i, row, points, |met| {
+            let share = FrictionShare::of(&met.press, met.law, met.velocity, false);
+            let share = if met.is_first { share } else { share.turned() };
+            let (axis, high) = self.sources[met.own.index].face(&self.reference);
+            drives[2 * axis + high].add(&share);
+        });
+        let mut slips = CellSlips { slip: [[[0.0; 3]; 3]; 2], rubbed: [[0.0; 3]; 2] };
+        for index in self.facets_of(i).filter(|&index| self.lead[index] as usize == index) {
+            let side = self.side(index);
+            let (before, _) = self.slip_of(side, points);
+            let (axis, high) = self.sources[index].face(&self.reference);
+            let (after, heat) = slip_after(&before, side.facet, &drives[2 * axis + high], dt);
+            slips.slip[high][axis] = [after.slip[0], after.slip[1], after.stiffness];
+            slips.rubbed[high][axis] =
+                if dt > 0.0 && after.stiffness > 0.0 { heat / (dt * after.stiffness) } else { 0.0 };
+        }
+        slips
+    }
+
+    /// Second pass: what the pairs of a particle do to it, with the moment of their forces about it, N m.
+    pub(super) fn push(
+        &self,
+        i: usize,
+        row: &[u32],
+        points: &FacetPoints<'_>,
+        mass: f64,
+        table: &ContactLaws,
+        sums: &mut BlockSums,
+    ) -> (Push, Tensor<f64>) {
+        let mut push = Push::default();
+        let mut moment = [[0.0; 3]; 3];
+        let (mut stiffness, mut damping) = (0.0, 0.0);
+        let (v, l) = (points.velocity.at(i), points.gradient.at(i));
+        self.each(i, row, points, |mut met| {
+            let energy = met.press.energy;
+            let sign = if met.is_first { 1.0 } else { -1.0 };
+            let stretch = self.stretch[met.own.index];
+            if stretch > 1.0 {
+                let force = met.press.force.map(|c| sign * c);
+                let torn = moment_of_torn(met.own.facet, stretch, force);
+                for k in 0..3 {
+                    for c in 0..3 {
+                        moment[k][c] += torn[k][c];
+                        sums.of(table.place(met.bodies.0, met.bodies.1)).stored -= torn[k][c] * l[k][c];
+                    }
+                }
+            }
+            let (force, damped) = met.press.damping(met.law, met.velocity);
+            let mut pull = [0.0; 3];
+            let mut rubbed = 0.0;
+            if self.laws.has_friction {
+                let (own, other) = (self.slip_of(met.own, points), self.slip_of(met.other, points));
+                let (a, b) = if met.is_first { (met.own, met.other) } else { (met.other, met.own) };
+                let (of_a, of_b) = if met.is_first { (own, other) } else { (other, own) };
+                let vector =
+                    |side: Side<'_>, slip: &FacetSlip<f64>| slip.vector(&self.now[self.lead[side.index] as usize]);
+                pull = friction_force(&met.press, met.law, vector(a, &of_a.0), vector(b, &of_b.0), false);
+                let share = FrictionShare::of(&met.press, met.law, met.velocity, false).stiffness;
+                rubbed = share * (own.1 + other.1);
+            }
+            let at_centre: Vector<f64> = std::array::from_fn(|k| force[k] + pull[k]);
+            met.press.add_at_centre(at_centre);
+            let of_own = if met.is_first { &met.press.moment_a } else { &met.press.moment_b };
+            let mut power = 0.0;
+            let (a, b) = met.bodies;
+            let sum = sums.of(table.place(a, b));
+            for k in 0..3 {
+                let force = sign * met.press.force[k];
+                push.force[k] += force;
+                power += force * v[k];
+                if a < b {
+                    sum.force[k] += force;
+                }
+                for c in 0..3 {
+                    moment[k][c] += of_own[k][c];
+                    power += of_own[k][c] * l[k][c];
+                }
+            }
+            let friction = table.friction_share(a, b) * rubbed;
+            push.heat += 0.5 * damped + friction;
+            push.friction += friction;
+            // The other half comes from the row of the other particle.
+            sum.energy += 0.5 * energy;
+            sum.stored -= power;
+            sum.friction += friction;
+            sum.damped += 0.5 * damped;
+            let mobility = MOBILITY * met.press.area / mass;
+            stiffness += mobility * met.press.stiffness;
+            damping += mobility * met.law.damping;
+        });
+        if self.laws.has_friction {
+            let body = points.body.at(i) as usize;
+            for index in self.facets_of(i).filter(|&index| self.lead[index] as usize == index) {
+                let stored = self.slip_of(self.side(index), points).0.energy();
+                if stored > 0.0 {
+                    // What its springs hold is no one pair's; it counts to the pair of bodies that it touches last.
+                    let partner = row.last().map_or(body, |&j| points.body.at(j as usize) as usize);
+                    sums.of(table.place(body, partner)).energy += stored;
+                }
+            }
+        }
+        for k in 0..3 {
+            push.heat += dot(moment[k], l[k]);
+        }
+        // Twice the sum accounts for neighbours that oscillate against the particle.
+        push.limit = MARGIN * oscillator_limit(2.0 * stiffness, 2.0 * damping);
+        (push, moment)
+    }
+
+    /// Force of a particle or ghost `j` on a particle, N.
+    pub(super) fn force(
+        &self,
+        i: usize,
+        j: u32,
+        own: &Particles,
+        ghosts: &Particles,
+        table: &ContactLaws,
+    ) -> Vector<f64> {
+        let points = FacetPoints::new(own, ghosts);
+        self.push(i, &[j], &points, own.mass[i], table, &mut BlockSums::default()).0.force
+    }
+
+    /// Faces of the cell of a particle of a body that has come apart that are exposed now, with those that are since
+    /// earlier: no neighbour is where the next particle was. `neighbours` are at these places from it, m.
+    pub(super) fn open_faces(
+        &self,
+        (body, id, open): (u32, u32, u32),
+        f: &Tensor<f64>,
+        neighbours: impl Iterator<Item = Vector<f64>> + Clone,
+    ) -> u32 {
+        let known = open | self.reference.exposed(id);
+        let is_open = |face: &usize| {
+            let at_rest = self.reference.across(body as usize, id, *face);
+            let across = apply(f, at_rest);
+            let reach = COVERED * dot(at_rest, at_rest).max(dot(across, across)).sqrt();
+            !neighbours.clone().any(|x| {
+                let apart: Vector<f64> = std::array::from_fn(|k| x[k] - across[k]);
+                dot(apart, apart) < reach * reach
+            })
+        };
+        let found = (0..self.reference.faces()).filter(|face| known >> face & 1 == 0).filter(is_open);
+        found.fold(open, |faces, face| faces | 1 << face)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.reference.bytes()
+            + 4 * (self.first.capacity() + self.lead.capacity())
+            + self.sources.capacity() * size_of::<Source>()
+            + self.now.capacity() * size_of::<Facet<f64>>()
+            + self.radius.capacity() * size_of::<f64>()
+            + self.slips.iter().map(Vec::capacity).sum::<usize>() * size_of::<(usize, CellSlips)>()
+    }
+}
+
+/// The facet of an image.
+fn mirrored(facet: &ReferenceFacet<f64>, source: &Source) -> ReferenceFacet<f64> {
+    let sign = source.sign;
+    let turned = |v: Vector<f64>| -> Vector<f64> { std::array::from_fn(|k| sign[k] * v[k]) };
+    let corners = facet.corners.map(turned);
+    let mirror = [[sign[0], 0.0, 0.0], [0.0, sign[1], 0.0], [0.0, 0.0, sign[2]]];
+    ReferenceFacet {
+        corners: if source.is_reversed() { reversed(corners) } else { corners },
+        middle: turned(facet.middle),
+        normal: turned(facet.normal),
+        curvature: facet.curvature.congruence(&mirror),
+        depth: facet.depth,
+    }
+}
+
+/// First Piola-Kirchhoff stress, Pa, whose sum leaves a particle without the work of a moment (N m) of forces on its facets.
+pub(super) fn face_stress(moment: &Tensor<f64>, f: &Tensor<f64>, volume: f64) -> Tensor<f64> {
+    stress_of_moment(moment, f).map(|row| row.map(|c| -c / volume))
+}

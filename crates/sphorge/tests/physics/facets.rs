@@ -1,0 +1,200 @@
+//! Contact at the facets of particles: where bodies touch, how they rest, slide and bounce.
+
+use super::setup::{run_steps, run_to, simulation};
+use sphorge::engine::Simulation;
+
+/// Two elastic blocks of steel that share a face; the springs against hourglass modes are not what is tested.
+const BLOCKS: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+search = { total-lagrangian = { hourglass = 0 } }
+time = { end = "1 ms" }
+
+[material.steel]
+density = "7850 kg/m^3"
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "upper"
+material = "steel"
+shape = { box = { min = ["-6 mm", "0 mm"], max = ["6 mm", "6 mm"] } }
+
+[[body]]
+name = "lower"
+material = "steel"
+shape = { box = { min = ["-10 mm", "-6 mm"], max = ["10 mm", "0 mm"] } }
+"#;
+
+/// Largest speed of any particle, m/s.
+fn fastest(simulation: &Simulation) -> f64 {
+    simulation.particles().unwrap().velocity.iter().flatten().fold(0.0, |most, c| f64::max(most, c.abs()))
+}
+
+/// What the contact of bodies `a` and `b` of two holds, J/m.
+fn held(simulation: &Simulation, pair: usize) -> f64 {
+    simulation.ledger().unwrap().contacts[pair].stored_energy
+}
+
+#[test]
+fn what_touches_at_the_start_stays_at_rest() {
+    // Lattices in line, shifted, finer, coarser, and edges that are no multiples of their spacing.
+    let cases: [&[(&str, &str)]; 6] = [
+        &[],
+        &[("body.upper.shape.shift", "[\"0.3 mm\", 0]")],
+        &[("body.upper.spacing", "0.8 mm")],
+        &[("body.upper.spacing", "0.25 mm")],
+        &[("body.lower.spacing", "0.7 mm")],
+        &[
+            ("body.lower.shape.rotate", "{ angle = \"90 deg\", about = [\"0 mm\", \"0 mm\"] }"),
+            ("body.upper.shape.shift", "[\"6 mm\", 0]"),
+        ],
+    ];
+    for overrides in &cases[..5] {
+        let mut simulation = simulation(BLOCKS, overrides);
+        run_steps(&mut simulation, 300);
+        // A millionth of the sound speed would be 5 mm/s.
+        let fastest = fastest(&simulation);
+        assert!(fastest < 1e-9, "{overrides:?}: {fastest}");
+        assert!(held(&simulation, 1) < 1e-12, "{overrides:?}: {}", held(&simulation, 1));
+    }
+}
+
+/// A ring in a bore, a ball in a socket: round bodies that touch all around.
+#[test]
+fn a_rod_rests_in_its_sleeve() {
+    let rod = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm", lattice = "rings" }
+search = { total-lagrangian = { hourglass = 0 } }
+time = { end = "1 ms" }
+
+[[body]]
+name = "rod"
+material = "ofhc-copper"
+shape = { circle = { centre = ["0 mm", "0 mm"], radius = "10 mm" } }
+
+[[body]]
+name = "sleeve"
+material = "ofhc-copper"
+spacing = "0.8 mm"
+shape = { circle = { centre = ["0 mm", "0 mm"], radius = "14 mm", inner-radius = "10 mm" } }
+"#;
+    let mut simulation = simulation(rod, &[]);
+    run_steps(&mut simulation, 300);
+    let fastest = fastest(&simulation);
+    assert!(fastest < 4e-3, "a millionth of the sound speed: {fastest}");
+}
+
+#[test]
+fn blocks_bounce_with_their_energy_and_their_spin() {
+    // A corner first, off centre, with spacings of one to four: couples, edges and slopes all act.
+    for (spacing, turn) in [("1 mm", "17 deg"), ("0.25 mm", "17 deg"), ("0.5 mm", "0 deg")] {
+        let overrides = [
+            ("body.upper.spacing", spacing),
+            ("body.upper.shape.shift", "[\"1.3 mm\", \"2 mm\"]"),
+            ("body.upper.shape.rotate", &format!("{{ angle = \"{turn}\", about = [\"0 mm\", \"0 mm\"] }}")),
+            ("body.upper.velocity", "[\"0 m/s\", \"-20 m/s\"]"),
+            ("contact", "{ penalty = { damping = 0.0 } }"),
+            ("numerics.viscosity", "false"),
+        ];
+        let mut simulation = simulation(BLOCKS, &overrides);
+        simulation.next_step_estimate().unwrap();
+        let first = simulation.ledger().unwrap();
+        let kinetic = first.total.energies.kinetic;
+        let (mut most, mut drift, mut turned) = (0.0f64, 0.0f64, 0.0f64);
+        while simulation.time() < 300e-6 {
+            simulation.step(Some(300e-6)).unwrap();
+            let now = simulation.ledger().unwrap();
+            most = most.max(now.contacts[1].stored_energy / kinetic);
+            drift = drift.max((now.total.angular_momentum[2] - first.total.angular_momentum[2]).abs());
+            turned = turned.max((now.bodies[0].angular_momentum[2] - first.bodies[0].angular_momentum[2]).abs());
+        }
+        let now = simulation.ledger().unwrap();
+        let energies = now.total.energies;
+        let after = (energies.kinetic + energies.elastic) / kinetic;
+        assert!(most > 0.01 && now.contacts[1].force == [0.0; 3], "{spacing}, {turn}: they met and parted, {most}");
+        assert!((0.98..1.005).contains(&after), "{spacing}, {turn}: {after}");
+        assert!(drift < 1e-11 * turned, "{spacing}, {turn}: {drift} of {turned}");
+    }
+}
+
+/// A block on a slope of 30 degrees, 4.905 and 8.496 m/s² along and across.
+fn on_slope(friction: &str, steps_until: f64) -> (Simulation, f64) {
+    let gravity = "[\"4905 m/s^2\", \"-8495.709 m/s^2\"]";
+    let overrides = [
+        ("gravity", gravity),
+        ("contact", &format!("{{ penalty = {{ friction = {friction} }} }}")),
+        ("numerics.precision", "double"),
+        ("region.base.body", "lower"),
+    ];
+    let text = format!(
+        "{BLOCKS}\n[[region]]\nname = \"base\"\nbody = \"lower\"\n[[motion]]\nregion = \"base\"\nvelocity = [\"0 m/s\", \"0 m/s\"]\n"
+    );
+    let mut simulation = simulation(&text, &overrides[..3]);
+    run_to(&mut simulation, steps_until);
+    let ledger = simulation.ledger().unwrap();
+    let speed = ledger.bodies[0].momentum[0] / ledger.bodies[0].mass;
+    (simulation, speed)
+}
+
+#[test]
+fn a_block_slides_down_a_slope_by_the_law_of_coulomb_and_sticks_below_its_angle() {
+    let end = 200e-6;
+    let (simulation, speed) = on_slope("0.3", end);
+    // The block is let go without weight on the slope; the load is there after a few of its oscillations.
+    let expected = (4905.0 - 0.3 * 8495.709) * end;
+    assert!((speed / expected - 1.0).abs() < 0.02, "{speed} of {expected}");
+    let ledger = simulation.ledger().unwrap();
+    // Heat is what the weight does on the way less what became motion.
+    let contact = ledger.contacts[1];
+    let mass = ledger.bodies[0].mass;
+    let expected = 0.3 * mass * 8495.709 * 0.5 * speed * end;
+    assert!((contact.friction_work / expected - 1.0).abs() < 0.03, "{contact:?} of {expected}");
+    let (_, stuck) = on_slope("0.7", end);
+    assert!(stuck.abs() < 0.02 * 4905.0 * end, "{stuck}");
+}
+
+#[test]
+fn a_block_slides_over_a_lattice_without_bumps() {
+    // Pressed by its weight, over seven spacings of the other body, whose lattice is not in line with its own.
+    let overrides = [
+        ("body.upper.spacing", "0.8 mm"),
+        ("body.upper.velocity", "[\"100 m/s\", 0]"),
+        ("body.lower.shape.box.min.0", "-40 mm"),
+        ("body.lower.shape.box.max.0", "40 mm"),
+        ("gravity", "[0, \"-1e5 m/s^2\"]"),
+        ("numerics.precision", "double"),
+        ("contact", "{ penalty = { damping = 1.0 } }"),
+    ];
+    let text = format!(
+        "{BLOCKS}\n[[region]]\nname = \"base\"\nbody = \"lower\"\n[[motion]]\nregion = \"base\"\nvelocity = [\"0 m/s\", \"0 m/s\"]\n"
+    );
+    let mut simulation = simulation(&text, &overrides);
+    run_to(&mut simulation, 70e-6);
+    let ledger = simulation.ledger().unwrap();
+    let slowed = 100.0 - ledger.bodies[0].momentum[0] / ledger.bodies[0].mass;
+    // A friction of a thousandth would take away 7e-3 m/s.
+    assert!(slowed.abs() < 7e-3, "{slowed}");
+}
+
+#[test]
+fn bodies_deep_in_each_other_at_the_start_are_refused_and_little_overlap_is_told() {
+    let load = |shift: &str| {
+        let overrides = [("body.upper.shape.shift".to_owned(), format!("[0, \"{shift}\"]"))];
+        sphorge::deck::load_text("test", BLOCKS, &overrides)
+    };
+    assert!(load("0 mm").unwrap().notes.iter().all(|note| !note.contains("deep in each other")));
+    // 12 mm of a face 0.05 mm deep: k = 2 K/(1 mm), U = k d²/2 (1 + d/D) a little more.
+    let notes = load("-0.05 mm").unwrap().notes;
+    let note = notes.iter().find(|note| note.contains("deep in each other")).unwrap();
+    let energy: f64 = note.split("holds ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let bulk = 210e9 / (3.0 * (1.0 - 0.6));
+    let plane = 0.5 * 2.0 * bulk / 1e-3 * 0.05e-3f64.powi(2) * 12e-3;
+    assert!((energy / plane - 1.0).abs() < 0.06, "{energy} of {plane}: {note}");
+    assert!(note.contains("`upper`") && note.contains("0.05"), "{note}");
+    let report = format!("{:?}", load("-0.2 mm").err().unwrap());
+    assert!(report.contains("press each other"), "{report}");
+}
