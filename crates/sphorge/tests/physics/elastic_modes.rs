@@ -260,7 +260,7 @@ fn a_free_elastic_body_never_has_more_energy_than_it_was_given() {
         }
         let ledger = simulation.ledger().unwrap();
         assert!(most < 1.001 * first, "{shape}: {most:.4e} of {first:.4e}");
-        assert!(held > 0.01 * first, "{shape}: springs held {held:.1e} of {first:.1e}");
+        assert!(held > 0.003 * first, "{shape}: springs held {held:.1e} of {first:.1e}");
         // Nothing yields: what the springs have taken is what they hold, but for the error of works at predicted velocities.
         let (lost, booked) = (ledger.hourglass_energy - ledger.hourglass_stored_energy, ledger.integration_energy);
         assert!(lost.abs() < booked.abs() + 1e-3 * first, "{shape}: {lost:.1e} of {first:.1e}, {booked:.1e} booked");

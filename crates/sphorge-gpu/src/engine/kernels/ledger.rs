@@ -1,7 +1,6 @@
 //! The sums of the ledger, and where each is.
 
 use super::reference::References;
-use super::reference_forces::spring;
 use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
 use super::walls::{AtWall, Deformed, is_total_lagrangian, of_wall};
 use super::{conduction, contact, walls};
@@ -9,6 +8,7 @@ use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model};
 use sphorge_physics::heat::elastic_energy;
+use sphorge_physics::hourglass::Spring;
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::{Real, Vector};
 
@@ -169,9 +169,11 @@ fn energies(model: &Model, portions: Portions, count: usize) -> Result<Recording
             let elastic = shear + Double::of(0.5) * bulk * bulk;
             let [internal, plastic_work] = [energy.double(0, 1, i), plastic.double(4, 5, i)].map(Double::new);
             let held = springs.map_or_else(Double::zero, |(strength, springs, reference)| {
-                let spring = spring(strength, constants.get(5, i), plastic, springs, i);
-                let energy = spring.energy(springs.get(1, i), model.dimensions.into());
-                Double::new(reference.double(6, 7, i)) * Double::from(energy)
+                let [young, yield_stress, stretch, misfit] =
+                    [constants.get(5, i), plastic.get(3, i), springs.get(0, i), springs.get(1, i)].map(Double::from);
+                let plastic_strain = Double::new(plastic.double(0, 1, i));
+                let spring = Spring::new(Double::of(strength), young, yield_stress, plastic_strain, stretch);
+                Double::new(reference.double(6, 7, i)) * spring.energy(misfit, model.dimensions.into())
             });
             [m * internal, m * elastic, m * plastic_work, held]
         });

@@ -5,7 +5,7 @@ use super::contact;
 use super::neighbors::{Pair, over_list, places};
 use super::reference::less_identity;
 use super::section::{Crossing, Through};
-use crate::engine::columns::{Fields, Group, Reading, Recording, recording};
+use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::record::{Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
@@ -13,17 +13,6 @@ use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momen
 use sphorge_physics::tensor::{multiply, plus};
 use sphorge_physics::total_lagrangian::force_tensor;
 use sphorge_physics::{Real, Tensor, Vector};
-
-/// Springs of a particle in a material of that Young's modulus, Pa.
-pub(super) fn spring(
-    strength: f64,
-    young: Recorded,
-    plastic: Reading,
-    springs: impl Fields,
-    i: Index,
-) -> Spring<Recorded> {
-    Spring::new(Recorded::of(strength), young, plastic.get(3, i), plastic.get(0, i), springs.get(0, i))
-}
 
 /// Data of a neighbour that forces read: the tensor whose sum is the force, and its spring.
 pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) -> Result<Recording, KernelFault> {
@@ -41,7 +30,9 @@ pub(in crate::engine) fn pull_back(model: &Model, hourglass: f64, count: usize) 
         packed.set_all(0, i, tensor.as_flattened());
         if let Some(springs) = springs {
             let (plastic, constants) = (bind.read(Group::Plastic), bind.read(Group::Constants));
-            let spring = spring(hourglass, constants.get(5, i), plastic, springs, i);
+            let (yield_stress, plastic_strain) = (plastic.get(3, i), plastic.get(0, i));
+            let (strength, stretch) = (Recorded::of(hourglass), springs.get(0, i));
+            let spring = Spring::new(strength, constants.get(5, i), yield_stress, plastic_strain, stretch);
             packed.set(9, i, spring.at(springs.get(1, i)));
         }
     })

@@ -93,10 +93,11 @@ impl GpuEngine {
     /// Energy that the hourglass springs hold, J.
     fn energy_of_springs_read(&self, p: &Particles) -> Result<f64, RunFailure> {
         let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return Ok(0.0) };
-        let (springs, reference) = (self.group(Group::Springs)?, self.group(Group::Reference)?);
+        let (springs, reference, constants) =
+            (self.group(Group::Springs)?, self.group(Group::Reference)?, self.group(Group::Constants)?);
         let held = |i: usize| {
-            let young = self.model.materials[p.material[i] as usize].young_modulus();
-            let spring = Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], springs.at(0, i));
+            let spring =
+                Spring::new(strength, constants.at(5, i), p.yield_stress[i], p.plastic_strain[i], springs.at(0, i));
             reference.double(6, 7, i) * spring.energy(springs.at(1, i), self.model.dimensions.into())
         };
         Ok((0..p.len()).map(held).sum())
