@@ -44,9 +44,10 @@ use crate::{Dimension, Elementary, Real, Tensor, Vector};
 /// Flow stress at least, for metal without strength such as a melt, as a share of Young's modulus.
 const LEAST: f64 = 2e-4;
 
-/// How much of the misfit counts as strain, `c`. Plastic hinges lock without, and with much more columns of particles
-/// separate in stripes.
-const COUNTED: f64 = 10.0;
+/// How much of the misfit counts as strain, `c`. Plastic hinges lock without. A foot that finite elements press to a
+/// largest strain of 0.878 has 0.957, 0.962, 0.973 with 10, 11, 15, and the foot of a plate of iron with 12 particles across
+/// is 2.2, 1.9, 1.2 % narrower than theirs.
+const COUNTED: f64 = 11.0;
 
 /// Largest deviation of `M B M` from `M`, relative to `M`, that is rounding.
 const INEXACT: f64 = 1e-3;
@@ -434,10 +435,10 @@ mod tests {
         // E 200 GPa, Y 800 MPa at a plastic strain of 0.016: 800 MPa/(0.016 + 0.004) = 40 GPa, times 1.2.
         let spring = Spring::new(1.2, 200e9, 800e6, 0.016f64, 1.0);
         assert!((spring.stiffness / 48e9 - 1.0).abs() < 1e-12);
-        // b = 10/0.02: at a misfit of 0.002 sqrt(2) times softer.
-        assert!((spring.at(4e-6) / 48e9 * 2.0f64.sqrt() - 1.0).abs() < 1e-12);
-        // Far beyond: Y/(10 eps_z).
-        assert!((spring.at(1.0) / (1.2 * 80e6) - 1.0).abs() < 1e-5);
+        // b = 11/0.02: at a misfit of 0.02/11 sqrt(2) times softer.
+        assert!((spring.at((0.02f64 / 11.0).powi(2)) / 48e9 * 2.0f64.sqrt() - 1.0).abs() < 1e-12);
+        // Far beyond: Y/(11 eps_z).
+        assert!((spring.at(1.0) / (1.2 * 800e6 / 11.0) - 1.0).abs() < 1e-5);
         // Pressed to a quarter of its height, a quarter; wider on all sides, no more.
         let of = |stretch| Spring::new(1.2, 200e9, 800e6, 0.016f64, stretch);
         assert_eq!(of(0.25), Spring { stiffness: 0.25 * spring.stiffness, ..spring });
