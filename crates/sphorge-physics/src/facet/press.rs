@@ -4,7 +4,7 @@ use super::clip::{Line, Place, Vertex, along, clip, difference, polygon, turn};
 use super::{Facet, cross};
 use crate::tensor::{apply, dot};
 use crate::time_step::oscillator_limit;
-use crate::{Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
+use crate::{Dimension, Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
 
 /// What the contact needs of a body; a rigid one has the half depth zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,8 +102,11 @@ pub struct FacetPress<T> {
     pub moment_b: Tensor<T>,
     /// Integral of the pressure over the common polygon, N (N/m), never negative: the normal force that friction is limited by.
     pub normal_force: T,
-    /// Area over which the pair presses, m^2 (m), zero where it does not.
+    /// Area over which the pair presses, m^2 (m), zero where it does not; it grows over a millionth of the distance of the owners at touch.
     pub area: T,
+    /// The same with less weight where the closure is less than a thousandth of the distance of the owners at touch: the area of
+    /// damping, which so does not jump at touch.
+    pub damped_area: T,
     /// `m`: unit vector from `b` to `a`.
     pub normal: Vector<T>,
     /// From the owner of `a` to the centre of pressure, m. It is half-way between both surfaces.
@@ -126,10 +129,29 @@ impl<T: Real> FacetPress<T> {
             moment_b: [[o; 3]; 3],
             normal_force: o,
             area: o,
+            damped_area: o,
             normal: [o; 3],
             centre_a: [o; 3],
             centre_b: [o; 3],
             stiffness: o,
+        }
+    }
+
+    /// The same in a space of so many dimensions: along the others forces of strips are zero but for rounding, and nothing moves.
+    #[inline]
+    pub fn within(self, dimension: Dimension) -> Self {
+        let zero = T::zero();
+        let vector = |v: Vector<T>| [0, 1, 2].map(|i: usize| if i < dimension.count() { v[i] } else { zero });
+        let tensor =
+            |t: Tensor<T>| [0, 1, 2].map(|i: usize| if i < dimension.count() { vector(t[i]) } else { [zero; 3] });
+        Self {
+            force: vector(self.force),
+            moment_a: tensor(self.moment_a),
+            moment_b: tensor(self.moment_b),
+            normal: vector(self.normal),
+            centre_a: vector(self.centre_a),
+            centre_b: vector(self.centre_b),
+            ..self
         }
     }
 
@@ -146,7 +168,7 @@ impl<T: Real> FacetPress<T> {
     #[inline]
     pub fn damping(&self, law: &FacetPairLaw<T>, velocity: Vector<T>) -> (Vector<T>, T) {
         let approach = -dot(velocity, self.normal);
-        let force = (law.damping * self.area * approach).max(-self.normal_force);
+        let force = (law.damping * self.damped_area * approach).max(-self.normal_force);
         (self.normal.map(|m| force * m), force * approach)
     }
 
@@ -177,14 +199,26 @@ const ARM: f64 = 2.5;
 impl<T: Real> Numbers<T> for FacetPress<T> {
     #[inline(always)]
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
-        let Self { energy, force, moment_a, moment_b, normal_force, area, normal, centre_a, centre_b, stiffness } =
-            self;
+        let Self {
+            energy,
+            force,
+            moment_a,
+            moment_b,
+            normal_force,
+            area,
+            damped_area,
+            normal,
+            centre_a,
+            centre_b,
+            stiffness,
+        } = self;
         visit(energy);
         force.each(visit);
         moment_a.each(visit);
         moment_b.each(visit);
         visit(normal_force);
         visit(area);
+        visit(damped_area);
         normal.each(visit);
         centre_a.each(visit);
         centre_b.each(visit);
@@ -215,6 +249,12 @@ fn stiffening<T: Real>(x: T) -> [T; 3] {
     let [energy, pressure, stiffness] = [half * x * x * left, x * (one - half * x) * left * left, left * left * left];
     [energy + beyond * (pressure + half * beyond * stiffness), pressure + beyond * stiffness, stiffness]
 }
+
+/// Closure over `D` over which damping sets in.
+const ONSET: f64 = 1e-3;
+
+/// Closure over `D` over which a place comes to be in contact, so that the area does not jump either.
+const TOUCH: f64 = 1e-6;
 
 /// Share of the facet's area below which there is no common polygon.
 const NOTHING: f64 = 1e-12;
@@ -474,6 +514,8 @@ struct At<T> {
     pressure: T,
     stiffness: T,
     closed: T,
+    /// Share of the damping.
+    damped: T,
     /// Gradient of the gap by place.
     gradient: Place<T>,
     /// Derivative of the energy by `D`.
@@ -494,7 +536,8 @@ impl<T: Elementary> Surfaces<T> {
             energy,
             pressure,
             stiffness: law.stiffness * stiffness,
-            closed: T::select_lt(T::zero(), closure, T::one(), T::zero()),
+            closed: (closure / (T::of(TOUCH) * depth)).min(T::one()),
+            damped: (closure / (T::of(ONSET) * depth)).min(T::one()),
             gradient,
             by_depth: (energy + energy - pressure * closure) / depth,
         }
@@ -627,7 +670,8 @@ impl<T: Elementary> Surfaces<T> {
         let mut pressure = Moments::none();
         let mut by_vertex = [[zero; 2]; N];
         let mut by_centre = [zero; 2];
-        let (mut energy, mut closed, mut by_depth, mut stiffness) = (zero, zero, zero, zero);
+        let (mut energy, mut closed, mut damped) = (zero, zero, zero);
+        let (mut by_depth, mut stiffness) = (zero, zero);
         let mut density = [zero; N];
         for k in 0..N {
             let own = polygon[k].place;
@@ -639,6 +683,7 @@ impl<T: Elementary> Surfaces<T> {
                 let at = self.at(place, law, depth);
                 energy += weight * at.energy;
                 closed += weight * at.closed;
+                damped += weight * at.damped;
                 by_depth += weight * at.by_depth;
                 stiffness = stiffness.max(T::select_lt(zero, weight * at.closed, at.stiffness, zero));
                 let force = weight * at.pressure;
@@ -717,6 +762,7 @@ impl<T: Elementary> Surfaces<T> {
                     moment_b,
                     normal_force: chi * pressure.sum,
                     area: chi * closed,
+                    damped_area: chi * damped,
                     normal: m,
                     centre_a,
                     centre_b: [0, 1, 2].map(|i: usize| centre_a[i] - between[i]),

@@ -693,6 +693,11 @@ fn damping_opposes_approach_and_never_pulls() {
     let (force, heat) = p.damping(&LAW, v);
     // 0.3 0.75 4.25 at 4.25.
     assert!((force[1] - 0.95625).abs() < 1e-14 && (heat - 0.95625 * 4.25).abs() < 1e-13 && force[0] == 0.0);
+    // Its area does not jump: a half at half a thousandth of the distance of the owners.
+    let faint = Facet { owner: [0.25, 0.5 - 5e-4, 0.0], ..a };
+    let faint = press(&faint, &b, Partner::Facet, &LAW);
+    assert!((faint.area - 0.75).abs() < 1e-12 && (faint.damped_area - 0.375).abs() < 1e-9, "{faint:?}");
+    assert!((p.damped_area - p.area).abs() < 1e-15);
     let (force, heat) = p.damping(&LAW, [0.0, 1e6, 0.0]);
     assert!((force[1] + p.normal_force).abs() < 1e-15 && (heat - p.normal_force * 1e6).abs() < 1e-6);
 }
@@ -952,4 +957,23 @@ fn a_hollow_rises_to_what_is_above_the_plane_of_its_facet() {
     }
     assert_eq!(press(&at(1.01, &high), &at(0.0, &low), Partner::Facet, &LAW), FacetPress::none());
     assert_eq!(press(&at(1.06, &high), &at(0.0, &hollow(low)), Partner::Facet, &LAW).energy, 0.0);
+}
+
+#[test]
+fn nothing_moves_along_axes_that_are_not_there() {
+    let (a, b) = (strip(1.0, -1.0), strip(0.7, 1.0));
+    let at = |x: f64, y: f64, facet: &ReferenceFacet<f64>| {
+        Facet::now([x, y, 0.0], &[[1.0, 0.1, 0.0], [0.07, 0.9, 0.0], [0.0, 0.0, 1.0]], facet)
+    };
+    let all = press(&at(0.13, 0.65, &a), &at(0.0, 0.0, &b), Partner::Facet, &LAW);
+    let p = all.within(crate::Dimension::Two);
+    assert!(p.energy > 1e-3 && p.energy == all.energy && p.force[..2] == all.force[..2]);
+    assert_eq!([p.force[2], p.normal[2], p.centre_a[2], p.centre_b[2]], [0.0; 4]);
+    for (moment, whole) in [(p.moment_a, all.moment_a), (p.moment_b, all.moment_b)] {
+        assert!(moment[2] == [0.0; 3] && moment[0][2] == 0.0 && moment[1][2] == 0.0);
+        assert!(moment[0][..2] == whole[0][..2] && moment[1][..2] == whole[1][..2]);
+    }
+    assert!(all.moment_a[2][2] != 0.0);
+    assert_eq!(all.within(crate::Dimension::Three), all);
+    assert_eq!(all.within(crate::Dimension::One).force, [all.force[0], 0.0, 0.0]);
 }
