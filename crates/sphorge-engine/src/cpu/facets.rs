@@ -23,7 +23,7 @@ use sphorge_physics::facet::{
 };
 use sphorge_physics::tensor::{apply, dot};
 use sphorge_physics::time_step::oscillator_limit;
-use sphorge_physics::{SymmetricTensor, Tensor, Vector};
+use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector};
 
 /// Cosine between normals below which facets can press each other.
 const FACING: f64 = -0.3;
@@ -76,6 +76,7 @@ impl Source {
 
 /// The facets of the particles and ghosts that may meet.
 pub(super) struct FacetContacts {
+    dimension: Dimension,
     pub(super) reference: ReferenceFacets,
     pub(super) laws: FacetLaws,
     sources: Vec<Source>,
@@ -153,6 +154,7 @@ struct Met<'a> {
 impl FacetContacts {
     pub(super) fn new(model: &Model, strength: ContactStrength) -> Self {
         Self {
+            dimension: model.dimensions.into(),
             reference: ReferenceFacets::new(model),
             laws: FacetLaws::new(model, strength),
             sources: Vec::new(),
@@ -292,7 +294,7 @@ impl FacetContacts {
                     let (a, b) = if is_first { (own, other) } else { (other, own) };
                     let bodies = (points.body.at(i) as usize, points.body.at(j) as usize);
                     let law = self.laws.of(bodies.0, bodies.1);
-                    let press = press(a.facet, b.facet, Partner::Facet, law);
+                    let press = press(a.facet, b.facet, Partner::Facet, law).within(self.dimension);
                     if press.energy > 0.0 {
                         let motion = |side: Side<'_>| (points.velocity.at(side.point), points.gradient.at(side.point));
                         let ((v_a, l_a), (v_b, l_b)) = (motion(a), motion(b));
@@ -381,7 +383,7 @@ impl FacetContacts {
             }
             let (force, damped) = met.press.damping(met.law, met.velocity);
             let mut pull = [0.0; 3];
-            let mut rubbed = 0.0;
+            let (mut rubbed, mut held) = (0.0, 0.0);
             if self.laws.has_friction {
                 let (own, other) = (self.slip_of(met.own, points), self.slip_of(met.other, points));
                 let (a, b) = if met.is_first { (met.own, met.other) } else { (met.other, met.own) };
@@ -391,6 +393,8 @@ impl FacetContacts {
                 pull = friction_force(&met.press, met.law, vector(a, &of_a.0), vector(b, &of_b.0), false);
                 let share = FrictionShare::of(&met.press, met.law, met.velocity, false).stiffness;
                 rubbed = share * (own.1 + other.1);
+                // Of what the own spring holds, the part of this pair.
+                held = if share > 0.0 { share / own.0.stiffness * own.0.energy() } else { 0.0 };
             }
             let at_centre: Vector<f64> = std::array::from_fn(|k| force[k] + pull[k]);
             met.press.add_at_centre(at_centre);
@@ -414,7 +418,7 @@ impl FacetContacts {
             push.heat += 0.5 * damped + friction;
             push.friction += friction;
             // The other half comes from the row of the other particle.
-            sum.energy += 0.5 * energy;
+            sum.energy += 0.5 * energy + held;
             sum.stored -= power;
             sum.friction += friction;
             sum.damped += 0.5 * damped;
@@ -422,17 +426,6 @@ impl FacetContacts {
             stiffness += mobility * met.press.stiffness;
             damping += mobility * met.law.damping;
         });
-        if self.laws.has_friction {
-            let body = points.body.at(i) as usize;
-            for index in self.facets_of(i).filter(|&index| self.lead[index] as usize == index) {
-                let stored = self.slip_of(self.side(index), points).0.energy();
-                if stored > 0.0 {
-                    // What its springs hold is no one pair's; it counts to the pair of bodies that it touches last.
-                    let partner = row.last().map_or(body, |&j| points.body.at(j as usize) as usize);
-                    sums.of(table.place(body, partner)).energy += stored;
-                }
-            }
-        }
         for k in 0..3 {
             push.heat += dot(moment[k], l[k]);
         }
