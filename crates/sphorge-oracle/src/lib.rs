@@ -3,6 +3,7 @@
 //! It shares the laws of `sphorge-physics` with the engine for processors and nothing else: no lists, no lanes, no ghosts in memory,
 //! no shortcuts. What it says of a deck is what the equations say of it.
 
+use facets::Facets;
 use pairs::{Image, plus};
 use sphorge_engine::model::{
     Integrator, Material, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource,
@@ -19,6 +20,7 @@ use std::sync::Arc;
 use sums::uncorrected;
 use surroundings::Accounts;
 
+mod facets;
 mod pairs;
 mod section;
 mod sums;
@@ -62,12 +64,7 @@ pub(crate) struct Oracle {
     pub(crate) earlier_deformation: Vec<Tensor<f64>>,
     pub(crate) has_come_apart: Vec<bool>,
     pub(crate) is_renewed: bool,
-    /// Outward normals there, of any length, of particles on a surface.
-    pub(crate) normal: Vec<Option<Vector<f64>>>,
-    /// Depth below the nearest face at the start times its normal there, m; where particles stand for the contact, m, and how that moves, m/s.
-    pub(crate) arm: Vec<Vector<f64>>,
-    pub(crate) stands: Vec<Vector<f64>>,
-    pub(crate) stands_moving: Vec<Vector<f64>>,
+    pub(crate) facets: Option<Facets>,
     /// Force of the contact, N, power that goes to heat, W, and speed of approach, m/s, of every particle.
     pub(crate) contact_push: Vec<(Vector<f64>, f64, f64)>,
     pub(crate) initial_volume: Vec<f64>,
@@ -157,10 +154,7 @@ impl EngineKind for OracleKind {
             earlier_deformation: uncorrected(n),
             has_come_apart: vec![false; model.bodies.len()],
             is_renewed: true,
-            normal: vec![None; n],
-            arm: vec![[0.0; 3]; n],
-            stands: p.position.clone(),
-            stands_moving: p.velocity.clone(),
+            facets: Facets::new(&model, &p),
             contact_push: Vec::new(),
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,
@@ -308,16 +302,13 @@ impl Engine for Oracle {
         if self.total_lagrangian().is_some() && !self.rows.is_empty() && self.renew() {
             self.rows = self.near(&self.searched_at).0;
             self.is_renewed = true;
+            if self.has_come_apart.contains(&true) {
+                self.open_faces();
+            }
         }
         let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
         if due {
             self.search();
-        }
-        if self.is_renewed && self.model.has_faces() {
-            self.find_surfaces();
-            if !self.has_come_apart.contains(&true) {
-                self.find_depths();
-            }
         }
         Ok(SearchReport { searched_fraction: f64::from(u8::from(due)) })
     }
@@ -350,7 +341,7 @@ impl Engine for Oracle {
 
     fn find_faces(&mut self) -> Result<(), RunFailure> {
         if !self.is_idle() {
-            self.shift_to_faces();
+            self.meet();
         }
         Ok(())
     }

@@ -2,9 +2,7 @@
 
 use super::Oracle;
 use sphorge_engine::model::{BodyContact, Model, Search};
-use sphorge_physics::contact::flat_body;
-use sphorge_physics::surface::{FaceShift, are_back_to_back, are_different_sides, surface_normal};
-use sphorge_physics::tensor::{dot, multiply};
+use sphorge_physics::tensor::dot;
 use sphorge_physics::{Tensor, Vector, kernel::pair_smoothing_length};
 
 /// A mirror or a shift by axis, or neither.
@@ -34,12 +32,17 @@ impl Image {
     }
 
     /// Whether a particle at `x` has this image: what stands on a symmetry plane has none.
-    fn is_of(&self, model: &Model, x: Vector<f64>) -> bool {
+    pub(crate) fn is_of(&self, model: &Model, x: Vector<f64>) -> bool {
         let off = |s: &sphorge_engine::model::SymmetryPlane| (x[s.axis] - s.position).abs() > 1e-9 * model.spacing;
         let mirrored = |s: &&sphorge_engine::model::SymmetryPlane| {
             self.sign[s.axis] < 0.0 && self.shift[s.axis] == 2.0 * s.position
         };
         model.symmetry.iter().filter(mirrored).all(off)
+    }
+
+    /// Whether it is the other way round, like a hand in a mirror.
+    pub(crate) fn is_mirrored(&self) -> bool {
+        self.sign[0] * self.sign[1] * self.sign[2] < 0.0
     }
 
     pub(crate) fn point(&self, x: Vector<f64>) -> Vector<f64> {
@@ -125,10 +128,7 @@ impl Oracle {
                 let h = pair_smoothing_length(searched_h(i), searched_h(j)) * (1.0 + skin);
                 for (k, image) in self.images.iter().enumerate().filter(|(k, _)| *k > 0 || i != j) {
                     let x = minus(at[i], image.point(at[j]));
-                    // Heat crosses contacts between positions.
-                    let now = minus(p.position[i], image.point(p.position[j]));
-                    let squared = if is_foreign { dot(x, x).min(dot(now, now)) } else { dot(x, x) };
-                    if squared < (support * h).powi(2) && image.is_of(model, at[j]) {
+                    if dot(x, x) < (support * h).powi(2) && image.is_of(model, at[j]) {
                         let list = if is_foreign { &mut foreign } else { &mut rows };
                         list[i].push((j, k));
                     }
@@ -138,90 +138,10 @@ impl Oracle {
         (rows, foreign)
     }
 
-    /// Finds the surfaces of the configuration the sums are taken in, midway between what the outermost layer of a flat body has of the kernel
-    /// gradient and what the one behind it has.
-    pub(crate) fn find_surfaces(&mut self) {
-        let (kernel, dimension) = (self.model.numerics.kernel, self.dimension);
-        self.normal = self.each(|i| {
-            let body = &self.model.bodies[self.p.body[i] as usize];
-            let mut outward = [0.0; 3];
-            for n in self.pairs(i, &self.searched_at) {
-                outward = plus(outward, -n.f * self.initial_volume[n.j], n.x);
-            }
-            let missing = |layer: f64| {
-                flat_body(kernel, dimension, body.spacing, body.smoothing_length, layer * body.spacing).slope
-            };
-            let is_outermost = dot(outward, outward).sqrt() > 0.35 * (missing(1.0) + missing(2.0));
-            is_outermost.then_some(outward)
-        });
-    }
-
-    /// Depths below faces of the initial configuration: half a spacing in the outermost layer, behind it by the neighbours in that layer.
-    pub(crate) fn find_depths(&mut self) {
-        self.arm = self.each(|i| {
-            let half = 0.5 * self.model.bodies[self.p.body[i] as usize].spacing;
-            let unit = |n: Vector<f64>| n.map(|c| c / dot(n, n).sqrt());
-            if let Some(own) = self.normal[i] {
-                return unit(own).map(|c| half * c);
-            }
-            let (mut sum, mut mean, mut below) = (0.0, [0.0; 3], 0.0);
-            for n in self.pairs(i, &self.searched_at) {
-                if let Some(normal) = self.normal[n.j].filter(|_| self.p.body[n.j] == self.p.body[i]) {
-                    let normal = unit(n.image.vector(normal));
-                    sum += n.w;
-                    mean = plus(mean, n.w, normal);
-                    below -= n.w * dot(n.x, normal);
-                }
-            }
-            let length = dot(mean, mean).sqrt();
-            if sum > 0.0 && length > 0.5 * sum {
-                unit(mean).map(|c| (half + (below / sum).max(0.0)) * c)
-            } else {
-                [0.0; 3]
-            }
-        });
-    }
-
-    /// Where particles stand for the contact.
-    pub(crate) fn shift_to_faces(&mut self) {
-        (self.stands, self.stands_moving) = (self.p.position.clone(), self.evaluated.clone());
-        for i in 0..self.p.len() {
-            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            if let Some(face) = FaceShift::new(&whole, self.arm[i]) {
-                self.stands[i] = plus(self.stands[i], 1.0, face.shift());
-                self.stands_moving[i] = plus(self.stands_moving[i], 1.0, face.rate(&self.p.velocity_gradient[i]));
-            }
-        }
+    /// Whose heat crosses the contact in the total Lagrangian form, where the sums know nothing of other bodies.
+    pub(crate) fn meet(&mut self) {
         if self.total_lagrangian().is_some() {
-            self.foreign = self.near(&self.stands).1;
-        }
-    }
-
-    /// Adds the contacts of bodies with themselves as they are now: particles that are no neighbours in the sums and face each other.
-    pub(crate) fn meet_themselves(&mut self) {
-        if !self.model.has_self_contact() {
-            return;
-        }
-        for i in 0..self.p.len() {
-            let body = self.p.body[i] as usize;
-            let reach = self.model.numerics.kernel.support() * self.model.bodies[body].smoothing_length;
-            let spacing = self.model.bodies[body].spacing;
-            let Some(own_then) = self.normal[i].filter(|_| !self.has_come_apart[body]) else { continue };
-            let own = surface_normal(&self.deformation[i], own_then);
-            for j in (0..self.p.len()).filter(|&j| self.p.body[j] as usize == body) {
-                let Some(other_then) = self.normal[j] else { continue };
-                let other = surface_normal(&self.deformation[j], other_then);
-                for (k, image) in self.images.iter().enumerate() {
-                    let [now, then] = [&self.stands, &self.searched_at].map(|x| minus(x[i], image.point(x[j])));
-                    let is_near = dot(now, now) < reach * reach && image.is_of(&self.model, self.p.position[j]);
-                    let is_sheet = dot(then, then) < (32.0 * spacing).powi(2)
-                        && are_back_to_back(then, own_then, image.vector(other_then), 0.25 * spacing);
-                    let are_different_sides = are_different_sides(own, image.vector(other));
-                    if is_near && dot(then, then) >= reach * reach && !is_sheet && are_different_sides {
-                        self.foreign[i].push((j, k));
-                    }
-                }
-            }
+            self.foreign = self.near(&self.p.position).1;
         }
     }
 
@@ -247,10 +167,5 @@ impl Oracle {
     /// Its pairs with particles of other bodies that it is in contact with, as they are now.
     pub(crate) fn contacts(&self, i: usize) -> impl Iterator<Item = Pair> {
         self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.p.position))
-    }
-
-    /// The same pairs where they stand for the contact.
-    pub(crate) fn meetings(&self, i: usize) -> impl Iterator<Item = Pair> {
-        self.foreign[i].iter().map(move |&n| self.pair(i, n, &self.stands))
     }
 }

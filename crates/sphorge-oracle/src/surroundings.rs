@@ -16,7 +16,6 @@ use sphorge_physics::contact::{
 };
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::pair::mean;
-use sphorge_physics::surface::FaceShift;
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
@@ -32,11 +31,14 @@ pub(crate) struct Accounts {
     laws: Vec<Vec<ContactLaw<f64>>>,
     lattices: Vec<Lattice>,
     /// Powers of the contacts, by pair of bodies, and of the heat boundaries, W.
-    contacts: Vec<ContactLedger>,
+    pub(crate) contacts: Vec<ContactLedger>,
+    /// What facets and their springs hold, by pair of bodies, now and at the start, J.
+    pub(crate) held: Vec<f64>,
+    held_first: Option<Vec<f64>>,
     boundary_power: Vec<f64>,
     /// Powers of the walls, W.
     wall_power: Vec<WallLedger>,
-    contact_limit: f64,
+    pub(crate) contact_limit: f64,
     heat_limit: f64,
     /// Time and steps since the flow of heat was summed.
     heat_age: f64,
@@ -78,6 +80,8 @@ impl Accounts {
             laws: all().map(|a| all().map(|b| law(a, b)).collect()).collect(),
             lattices: bodies.iter().map(|b| lattice(kernel, dimension, b.spacing, b.smoothing_length)).collect(),
             contacts: vec![ContactLedger::default(); model.contact_pairs().len()],
+            held: vec![0.0; model.contact_pairs().len()],
+            held_first: None,
             boundary_power: vec![0.0; model.thermal.boundaries.len()],
             wall_power: vec![WallLedger::default(); model.walls.len()],
             contact_limit: f64::INFINITY,
@@ -85,6 +89,13 @@ impl Accounts {
             heat_age: f64::INFINITY,
             heat_steps: 0,
         }
+    }
+}
+
+impl Accounts {
+    /// Keeps what the first evaluation found.
+    pub(crate) fn start_holding(&mut self) {
+        self.held_first.get_or_insert_with(|| self.held.clone());
     }
 }
 
@@ -113,10 +124,12 @@ impl Oracle {
 
     /// `s_i = sum_j V_j W_ij / S_ab - 1`.
     pub(crate) fn overlap_bodies(&mut self) {
-        self.meet_themselves();
+        if self.facets.is_some() {
+            return self.follow_facets();
+        }
         self.overlap = self.each(|i| {
             let mut sum = Overlap::default();
-            for (count, n) in self.meetings(i).enumerate() {
+            for (count, n) in self.contacts(i).enumerate() {
                 if count == 0 {
                     sum = Overlap::before_the_first();
                 }
@@ -127,17 +140,20 @@ impl Oracle {
         });
     }
 
-    /// Forces between bodies and their heat, and the stress that their moments at faces are, Pa.
+    /// Forces between bodies and their heat.
     pub(crate) fn push_bodies(&mut self) {
         self.contact_exerted.clear();
         self.contact_push.clear();
         self.accounts.contacts.fill(ContactLedger::default());
         self.accounts.contact_limit = f64::INFINITY;
+        if self.facets.is_some() {
+            return self.push_facets();
+        }
         let places = self.model.contact_pairs();
         for i in 0..self.p.len() {
             let (mut force, mut heat, mut rubbed, mut approach) = ([0.0; 3], 0.0, 0.0, 0.0_f64);
             let mut stiffness = ContactStiffness::default();
-            let pairs: Vec<_> = self.meetings(i).collect();
+            let pairs: Vec<_> = self.contacts(i).collect();
             for n in &pairs {
                 let (j, own, other) = (n.j, self.overlap[i], self.overlap[n.j]);
                 let (masses, volumes) = ((self.p.mass[i], self.p.mass[j]), (self.rest_volume(i), self.rest_volume(j)));
@@ -148,7 +164,7 @@ impl Oracle {
                     &law,
                     &ContactPair {
                         x: n.x,
-                        v: minus(self.stands_moving[i], n.image.vector(self.stands_moving[j])),
+                        v: minus(self.evaluated[i], n.image.vector(self.evaluated[j])),
                         weight,
                         overlaps: (own.overlap, other.overlap),
                         direction: minus(own.away, n.image.vector(other.away)),
@@ -173,13 +189,6 @@ impl Oracle {
                 account.damping_work += 0.5 * f.damped;
             }
             let mass = self.p.mass[i];
-            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            if let Some(face) = FaceShift::new(&whole, self.arm[i]) {
-                heat += dot(force, minus(self.stands_moving[i], self.evaluated[i]));
-                for (row, moment) in self.face_stress[i].iter_mut().zip(face.stress(&self.deformation[i], force)) {
-                    *row = plus(*row, 1.0 / self.initial_volume[i], moment);
-                }
-            }
             self.friction_heat[i] += rubbed / mass;
             self.contact_push.push((force, heat, approach));
             if !pairs.is_empty() {
@@ -516,6 +525,13 @@ impl Oracle {
         ledger.contacts.resize(self.accounts.contacts.len(), ContactLedger::default());
         for (works, now) in ledger.contacts.iter_mut().zip(&self.accounts.contacts) {
             works.force = now.force;
+        }
+        if self.facets.is_some() {
+            let first = self.accounts.held_first.iter().flatten().chain(std::iter::repeat(&0.0));
+            for ((works, held), first) in ledger.contacts.iter_mut().zip(&self.accounts.held).zip(first) {
+                let taken_up = works.stored_energy - works.friction_work - works.damping_work;
+                (works.stored_energy, works.integration_energy) = (*held, taken_up - (held - first));
+            }
         }
         if !model.thermal.conduction {
             ledger.heat.supplied.clear();

@@ -273,6 +273,8 @@ material = "iron"
 shape = { box = { min = ["6 mm", "0 mm"], max = ["10 mm", "6 mm"] } }
 "#;
 
+const ELASTIC: (&str, &str) = ("contact", "{ penalty = { stiffness = 2.0, damping = 0.0, friction = 0.0 } }");
+
 /// Contact between bodies.
 pub(super) const BLOCKS: &[Case] = &[
     case("contact with friction", SLIDING, &[], 40),
@@ -280,6 +282,7 @@ pub(super) const BLOCKS: &[Case] = &[
     case("contact, total lagrangian", SLIDING, &[TOTAL], 40),
     case("contact, neo-Hookean", SLIDING, &[TOTAL, HYPERELASTIC, OF_ENERGY], 40),
     case("contact, neo-Hookean, renewed", SLIDING, &[RENEWED, HYPERELASTIC], 40),
+    case("contact, total lagrangian, neither damping nor friction", SLIDING, &[TOTAL, ELASTIC], 40),
     case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
     case("contact, following smoothing lengths, skin", SLIDING, &[FOLLOW, ("search", "skin"), PREDICTOR], 40),
     case(
