@@ -1,5 +1,6 @@
 //! Laws of the physics crate as functions of an array of numbers, with data that takes every branch of them.
 
+use super::facets;
 use crate::record::Recorded;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EQUATIONS_OF_STATE, EquationOfState};
 use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
@@ -363,6 +364,8 @@ pub(super) fn laws() -> Vec<Law> {
             all
         }
     );
+    law!(laws, "contact of facets", facets::RANGES, 214, |x: &[T]| facets::pair(x));
+    law!(laws, "friction of facets", facets::RANGES, 0, |x: &[T]| facets::slip(x));
     law!(
         laws,
         "heat, XSPH and time step",

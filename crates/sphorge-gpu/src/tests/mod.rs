@@ -12,6 +12,7 @@ pub(crate) mod contact;
 mod detached;
 #[cfg(feature = "device")]
 pub(crate) mod engine;
+mod facets;
 #[cfg(feature = "device")]
 mod history;
 #[cfg(feature = "device")]
