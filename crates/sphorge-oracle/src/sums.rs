@@ -16,6 +16,7 @@ use sphorge_physics::pair::{
 use sphorge_physics::return_mapping::return_mapping;
 use sphorge_physics::stress::{density_after, predicted_density, trial_deviator};
 use sphorge_physics::tensor::{dot, identity, multiply, transpose};
+use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{deform, density, first_piola, is_stretched, smallest_stretch};
 use sphorge_physics::viscosity::{
     ViscosityParameters, balsara, bulk_mu, bulk_viscosity, viscosity_mu, viscous_pressure,
@@ -88,8 +89,12 @@ impl Oracle {
         for n in self.pairs(i, at) {
             add_dyad(&mut moment, -g * weight[n.j] * n.f, n.x, n.x);
         }
-        let largest = if self.has_come_apart[self.p.body[i] as usize] { 4.0 } else { LARGEST_COMPONENT };
-        let correction = gradient_correction(&moment, self.dimension, largest);
+        let is_apart = self.has_come_apart[self.p.body[i] as usize];
+        let correction = if self.total_lagrangian().is_some() && !is_apart {
+            reference_correction(&moment, self.dimension, LARGEST_COMPONENT)
+        } else {
+            gradient_correction(&moment, self.dimension, if is_apart { 4.0 } else { LARGEST_COMPONENT })
+        };
         (correction, is_fit(&moment, &correction, self.dimension) > 0.0)
     }
 
@@ -127,8 +132,17 @@ impl Oracle {
         let support = numerics.kernel.support();
         self.p.neighbors = self.each(|i| self.pairs(i, &at).filter(|n| n.r < support * n.h).count() as u32);
         let step = self.dt_to_evaluation();
-        for (i, gradient) in gradients.into_iter().enumerate() {
+        for (i, mut gradient) in gradients.into_iter().enumerate() {
             if self.total_lagrangian().is_some() {
+                if is_thin(&self.correction[i]) > 0.0 {
+                    let p = &self.p;
+                    let across = Across {
+                        bulk_modulus: p.density[i] * p.sound_speed[i].powi(2),
+                        shear_modulus: self.material(i).shear_modulus,
+                        stress: p.deviator[i] - SymmetricTensor::isotropic(p.pressure[i]),
+                    };
+                    gradient = completed_rate(&self.deformation[i], &gradient, &self.correction[i], &across, self.dt);
+                }
                 let l = deform(&mut self.deformation[i], &gradient, self.dt);
                 self.p.velocity_gradient[i] = l;
                 self.p.density[i] = density(self.p.mass[i], self.initial_volume[i], &self.deformation[i]);

@@ -13,6 +13,16 @@ pub const LARGEST_COMPONENT: f64 = 30.0;
 /// `B = M^-1`, with a unit on the axes not computed in. The unit tensor, that is no correction, where `M` is singular, inside
 /// out or so ill-conditioned that a component of `B` exceeds `largest`.
 pub fn gradient_correction<T: Elementary>(moment: &Tensor<T>, dimension: Dimension, largest: T) -> Tensor<T> {
+    correction_or(moment, dimension, largest, identity)
+}
+
+/// The same with something else in place of the unit tensor.
+pub(crate) fn correction_or<T: Elementary>(
+    moment: &Tensor<T>,
+    dimension: Dimension,
+    largest: T,
+    otherwise: impl Fn() -> Tensor<T>,
+) -> Tensor<T> {
     let count = dimension.count();
     let mut m = identity();
     for a in 0..count {
@@ -29,9 +39,9 @@ pub fn gradient_correction<T: Elementary>(moment: &Tensor<T>, dimension: Dimensi
                 bounded = T::select_lt(inverse[a][b].abs(), largest, bounded, T::zero());
             }
         }
-        T::if_lt(T::zero(), bounded, || inverse, identity)
+        T::if_lt(T::zero(), bounded, || inverse, &otherwise)
     };
-    T::if_lt(T::zero(), determinant(&m), invert, identity)
+    T::if_lt(T::zero(), determinant(&m), invert, &otherwise)
 }
 
 /// `L B^T`: the corrected gradient of a plain one.

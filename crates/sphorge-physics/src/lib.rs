@@ -41,6 +41,7 @@ pub mod stress;
 pub mod surface;
 pub mod tensile_part;
 pub mod tensor;
+pub mod thin;
 pub mod time_step;
 pub mod total_lagrangian;
 pub mod viscosity;

@@ -155,6 +155,8 @@ struct CpuEngine<T: PairScalar> {
     restored_density: Vec<f64>,
     /// Whether the gradient correction of the reference configuration is known.
     reference_corrected: bool,
+    /// Whether the neighbours of some particle lie in a plane or on a line there.
+    has_thin_parts: bool,
     /// By body, whether its reference configuration has been renewed.
     has_come_apart: Vec<bool>,
 }
@@ -244,6 +246,7 @@ impl<T: PairScalar> CpuEngine<T> {
             model,
             restored_density: Vec::new(),
             reference_corrected: false,
+            has_thin_parts: false,
         };
         engine.sort_particles()?;
         formulation.start(&mut engine);

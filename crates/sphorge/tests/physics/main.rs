@@ -22,4 +22,5 @@ mod self_contact;
 mod setup;
 mod spall;
 mod symmetry;
+mod thin;
 mod two_ways;

@@ -20,6 +20,7 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::gradient_correction::{LARGEST_COMPONENT, corrected, gradient_correction};
 use sphorge_physics::hourglass::is_fit;
+use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{
     LARGEST_CORRECTION_APART, deform, density as density_of, force_tensor, smallest_stretch,
 };
@@ -100,11 +101,17 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
             smoothing_length,
             reference_volume,
             correction,
+            material,
+            deviator,
+            pressure,
+            sound_speed,
             ..
         } = &mut engine.particles;
         let inner = &engine.inner;
         let (mass, volume, h, correction, flow) =
             (&*mass, &*reference_volume, &*smoothing_length, &*correction, &*flow);
+        let (materials, has_thin_parts) = (&engine.model.materials, engine.has_thin_parts);
+        let state = (&*material, &*deviator, &*pressure, &*sound_speed);
         (
             velocity_gradient.par_chunks_mut(BLOCK),
             neighbors.par_chunks_mut(BLOCK),
@@ -123,7 +130,16 @@ impl<T: PairScalar> Formulation<T> for TotalLagrangian {
                 for k in 0..l.len() {
                     let i = b * BLOCK + k;
                     let sum = sums[k].gradient.map(|row| row.map(|v| v.to_f64()));
-                    let rate = corrected(&sum, &correction[i]);
+                    let mut rate = corrected(&sum, &correction[i]);
+                    if has_thin_parts && is_thin(&correction[i]) > 0.0 {
+                        let (material, deviator, pressure, sound_speed) = state;
+                        let across = Across {
+                            bulk_modulus: rho[k] * sound_speed[i] * sound_speed[i],
+                            shear_modulus: materials[material[i] as usize].shear_modulus,
+                            stress: deviator[i] - SymmetricTensor::isotropic(pressure[i]),
+                        };
+                        rate = completed_rate(&f[k], &rate, &correction[i], &across, dt);
+                    }
                     l[k] = deform(&mut f[k], &rate, dt);
                     rho[k] = density_of(mass[i], volume[i], &f[k]);
                     n[k] = sums[k].inside;
@@ -201,14 +217,17 @@ fn correct_reference<T: PairScalar>(engine: &mut CpuEngine<T>) {
         sweep.block(b, true, &mut sums);
         for (k, b_i) in correction.iter_mut().enumerate() {
             let moment = sums[k].moment.map(|row| row.map(|v| v.to_f64()));
-            let bound =
-                if has_come_apart[body[b * BLOCK + k] as usize] { LARGEST_CORRECTION_APART } else { LARGEST_COMPONENT };
-            *b_i = gradient_correction(&moment, dimension, bound);
+            *b_i = if has_come_apart[body[b * BLOCK + k] as usize] {
+                gradient_correction(&moment, dimension, LARGEST_CORRECTION_APART)
+            } else {
+                reference_correction(&moment, dimension, LARGEST_COMPONENT)
+            };
             if is_fit(&moment, b_i, dimension) == 0.0 {
                 yielded[k] = 0.0;
             }
         }
     });
+    engine.has_thin_parts = correction.par_iter().any(|b| is_thin(b) > 0.0);
 }
 
 #[cfg(test)]

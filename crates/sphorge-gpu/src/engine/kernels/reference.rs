@@ -12,11 +12,12 @@ use sphorge_physics::hourglass::is_fit;
 use sphorge_physics::hyperelastic::composed;
 use sphorge_physics::pair::GradientSums;
 use sphorge_physics::tensor::{identity, multiply};
+use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{
     LARGEST_CORRECTION_APART, deformed_again, density, smallest_stretch, stretched, velocity_gradient,
 };
 use sphorge_physics::viscosity::bulk_mu;
-use sphorge_physics::{Elementary, Real, Tensor};
+use sphorge_physics::{Elementary, Real, SymmetricTensor, Tensor};
 
 /// Kind of reference configurations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,10 +188,13 @@ pub(in crate::engine) fn correct<const D: usize>(
             sums.add::<D, true>(&pair.x, &[Recorded::zero(); 3], f);
             sums.moment
         });
-        let [usual, of_pieces] = [LARGEST_COMPONENT, LARGEST_CORRECTION_APART].map(Recorded::of);
-        let largest = apart
-            .map_or(usual, |apart| Recorded::select_lt(Recorded::of(0.5), apart.has_come_apart(i), of_pieces, usual));
-        let b = gradient_correction(&moment, model.dimensions.into(), largest);
+        let dimension = model.dimensions.into();
+        let usual = || reference_correction(&moment, dimension, Recorded::of(LARGEST_COMPONENT));
+        let of_pieces = || gradient_correction(&moment, dimension, Recorded::of(LARGEST_CORRECTION_APART));
+        let b = match apart {
+            None => usual(),
+            Some(apart) => Recorded::if_lt(Recorded::of(0.5), apart.has_come_apart(i), of_pieces, usual),
+        };
         correction.set_all(0, i, b.as_flattened());
         springs.set(0, i, springs.get(0, i) * is_fit(&moment, &b, model.dimensions.into()));
     })
@@ -210,6 +214,7 @@ pub(in crate::engine) fn deform<const D: usize>(
         let (deformation, stretch) = (bind.write(Group::Deformation), bind.write(Group::Stretch));
         let (rates, step) = (bind.write(Group::Rates), bind.read(Group::Step));
         let (springs, plastic) = (bind.write(Group::Springs), bind.read(Group::Plastic));
+        let (deviator, pressures) = (bind.read(Group::Deviator), bind.read(Group::Pressure));
         let apart = Apart::of(bind, model, references);
         let own = velocity.vector(0, i);
         let zero = [[Recorded::zero(); 3]; 3];
@@ -222,7 +227,18 @@ pub(in crate::engine) fn deform<const D: usize>(
             sums.gradient
         });
         let dt = step.get(0, Index::of(DT));
-        let rate = corrected(&sum, &correction.tensor(0, i));
+        let correction = correction.tensor(0, i);
+        let rate = corrected(&sum, &correction);
+        let complete = || {
+            let ([pressure, sound_speed], rho) = ([0, 1].map(|field| pressures.get(field, i)), of_density.get(0, i));
+            let across = Across {
+                bulk_modulus: rho * sound_speed * sound_speed,
+                shear_modulus: pressures.get(2, i),
+                stress: deviator.symmetric(0, i) - SymmetricTensor::isotropic(pressure),
+            };
+            completed_rate(&deformation.tensor(0, i), &rate, &correction, &across, dt)
+        };
+        let rate = Recorded::if_lt(Recorded::zero(), is_thin(&correction), complete, || rate);
         let l = velocity_gradient(&deformation.tensor(0, i), &rate, dt);
         for (k, rate) in rate.into_iter().flatten().enumerate() {
             deformation.add(k, 9 + k, i, dt * rate);

@@ -407,6 +407,50 @@ pub(super) const SPALLED: &[Case] = &[
     case("spalled, total lagrangian, renewed", TORN, &[RENEWED], 40),
 ];
 
+/// A strip of one layer, bent and spun, that strikes a plane of symmetry with its end.
+const LAYER: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+search = "total-lagrangian"
+time = { end = "20 us" }
+symmetry = [{ axis = "x" }]
+
+[[body]]
+name = "strip"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["9 mm", "1 mm"] } }
+velocity-profile = { along = "x", amplitude = ["60 m/s", "40 m/s"], rows = [["0 mm", 0.0], ["4 mm", -1.0], ["9 mm", 2.0]] }
+spin = { rate = "3000 rad/s" }
+"#;
+
+/// A sheet and a wire in space.
+const LAYERS: &str = r#"
+dimensions = "3d"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+search = "total-lagrangian"
+time = { end = "20 us" }
+
+[[body]]
+name = "sheet"
+material = "armco-iron"
+shape = { box = { min = ["0 mm", "0 mm", "0 mm"], max = ["5 mm", "6 mm", "1 mm"] } }
+velocity-profile = { along = "x", amplitude = ["60 m/s", "-30 m/s", "40 m/s"], rows = [["0 mm", 0.0], ["2 mm", -1.0], ["5 mm", 2.0]] }
+spin = { rate = ["900 rad/s", "-2000 rad/s", "1500 rad/s"] }
+
+[[body]]
+name = "wire"
+material = "armco-iron"
+shape = { box = { min = ["20 mm", "0 mm", "0 mm"], max = ["28 mm", "1 mm", "1 mm"] } }
+velocity-profile = { along = "x", amplitude = ["60 m/s", "-30 m/s", "40 m/s"], rows = [["20 mm", 0.0], ["23 mm", -1.0], ["28 mm", 2.0]] }
+spin = { rate = ["900 rad/s", "-2000 rad/s", "1500 rad/s"] }
+"#;
+
+/// Bodies of one layer, and of one particle across.
+pub(super) const THIN: &[Case] =
+    &[case("a strip of one layer", LAYER, &[], 40), case("a sheet and a wire", LAYERS, &[], 40)];
+
 /// Three dimensions.
 pub(super) const SPACE: &[Case] = &[
     case("space", CUBES, &[], 20),

@@ -6,7 +6,7 @@
 mod decks;
 
 use super::setup::COLLISION;
-use decks::{BARS, BLOCKS, CORNER, Case, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED};
+use decks::{BARS, BLOCKS, CORNER, Case, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED, THIN};
 use sphorge::deck;
 use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation, WallLedger};
 use sphorge::{Model, Particles, model::Section};
@@ -206,7 +206,7 @@ fn oracle_and_engine_agree_on_surroundings_to_rounding() {
 
 #[test]
 fn oracle_and_engine_agree_on_initial_configurations_to_rounding() {
-    check([PRESSED, ROD].into_iter().flatten(), &[], ROUNDING);
+    check([PRESSED, ROD, THIN].into_iter().flatten(), &[], ROUNDING);
     check(LIQUID, &[], EDGE);
 }
 
