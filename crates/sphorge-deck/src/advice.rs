@@ -35,6 +35,7 @@ pub fn advice(model: &Model, particles: &Particles) -> Advice {
         }
     };
     notes.extend(unseen_faces(model));
+    notes.extend(thin_bodies(model, particles));
     let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
     let step_shrinks = is_total_lagrangian && hardest.is_some_and(|impact| impact.damage_number >= PLASTIC);
     Advice { method: method(model), notes, step_shrinks }
@@ -121,6 +122,84 @@ fn unseen_faces(model: &Model) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// Particles across from which on bending is that of theory, and how many times as long a body is at least that is said to bend.
+const ENOUGH_ACROSS: f64 = 6.0;
+const SLENDER: f64 = 3.0;
+
+/// Bodies that bend with too few particles across.
+fn thin_bodies(model: &Model, particles: &Particles) -> Vec<String> {
+    if model.dimensions == Dimensions::One {
+        return Vec::new();
+    }
+    let note = |(b, body): (usize, &Body)| {
+        let [across, along] = particles_across(model, particles, b)?;
+        if across > ENOUGH_ACROSS - 0.5 || along < SLENDER * across {
+            return None;
+        }
+        let name = &body.name;
+        let is_total_lagrangian = matches!(model.formulation, Formulation::TotalLagrangian { .. });
+        Some(match is_total_lagrangian && across < 1.5 {
+            true => format!(
+                "body `{name}` is one particle across: it bears tension and shear along itself and turns as a membrane or a wire does, but hardly resists \
+                 bending; give it {ENOUGH_ACROSS} particles across if it bends"
+            ),
+            false => format!(
+                "body `{name}` is about {across:.0} particles across: give it {ENOUGH_ACROSS} or more if it bends; with fewer, bending stiffness and plastic \
+                 moments depend on their number"
+            ),
+        })
+    };
+    model.bodies.iter().enumerate().filter_map(note).collect()
+}
+
+/// Particles across a body where it is thinnest, and along it where it is longest, of those that a box of its second moments has; with its
+/// images at planes of symmetry that it lies at. Nothing of a body without particles.
+fn particles_across(model: &Model, particles: &Particles, b: usize) -> Option<[f64; 2]> {
+    let body = &model.bodies[b];
+    let members = || (0..particles.len()).filter(|&i| particles.body[i] as usize == b).map(|i| &particles.position[i]);
+    let count = members().count() as f64;
+    let mut centre = [0, 1, 2].map(|a| members().map(|x| x[a]).sum::<f64>() / count);
+    let mut is_mirrored = [false; 3];
+    for plane in &model.symmetry {
+        let nearest = members().map(|x| (x[plane.axis] - plane.position).abs()).fold(f64::INFINITY, f64::min);
+        if nearest < 0.75 * body.spacing {
+            (centre[plane.axis], is_mirrored[plane.axis]) = (plane.position, true);
+        }
+    }
+    let moment = |a: usize, b: usize| match a != b && (is_mirrored[a] || is_mirrored[b]) {
+        true => 0.0,
+        false => members().map(|x| (x[a] - centre[a]) * (x[b] - centre[b])).sum::<f64>() / count,
+    };
+    let moments = [0, 1, 2].map(|a| [0, 1, 2].map(|b| moment(a, b) / (body.spacing * body.spacing)));
+    // A row of n has the second moment (n^2 - 1)/12.
+    let of_moment = |moment: f64| (12.0 * moment.max(0.0) + 1.0).sqrt();
+    let values = &principal_values(moments)[..];
+    let values = if model.dimensions == Dimensions::Three { values } else { &values[1..] };
+    Some([of_moment(*values.first()?), of_moment(*values.last()?)]).filter(|_| count > 0.0)
+}
+
+/// Principal values of a symmetric tensor without negative ones, the smallest first (Jacobi's rotations).
+fn principal_values(mut m: [[f64; 3]; 3]) -> [f64; 3] {
+    for _ in 0..20 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[p][q] == 0.0 {
+                continue;
+            }
+            let (s, c) = (0.5 * (2.0 * m[p][q]).atan2(m[q][q] - m[p][p])).sin_cos();
+            for row in &mut m {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+            let [of_p, of_q] = [m[p], m[q]];
+            for a in 0..3 {
+                (m[p][a], m[q][a]) = (c * of_p[a] - s * of_q[a], s * of_p[a] + c * of_q[a]);
+            }
+        }
+    }
+    let mut values = [m[0][0], m[1][1], m[2][2]];
+    values.sort_by(f64::total_cmp);
+    values
 }
 
 /// Share of a spacing to which positions are kept in mixed precision without a word: 31 bits of the distance between bodies.
@@ -373,6 +452,37 @@ mod tests {
         // It flows, and does not splash; what flies away strikes nothing.
         assert_eq!(bird(&[("body.bird.velocity.1", "-10 m/s")]), [""; 0]);
         assert_eq!(bird(&[("body.bird.velocity.1", "116 m/s")]), [""; 0]);
+    }
+
+    #[test]
+    fn bodies_that_bend_with_few_particles_across_are_named() {
+        let deck = |shape: &str, more: &str| {
+            format!(
+                "dimensions = \"3d\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n{more}\n[[body]]\nname = \"strip\"\n\
+                 material = \"armco-iron\"\nshape = {{ {shape} }}\n"
+            )
+        };
+        let notes = |shape: &str, more: &str| -> Vec<String> {
+            let setup = crate::load_text("test", &deck(shape, more), &[]).unwrap();
+            let notes = advice(&setup.model, &setup.particles).notes;
+            notes.into_iter().filter(|note| note.contains("across")).collect()
+        };
+        let of_layers =
+            |layers: u32| format!("box = {{ min = [0, 0, 0], max = [\"30 mm\", \"12 mm\", \"{layers} mm\"] }}");
+        assert!(notes(&of_layers(1), "")[0].contains("`strip` is one particle across"));
+        for layers in 2..6 {
+            assert!(notes(&of_layers(layers), "")[0].contains(&format!("about {layers} particles across")));
+        }
+        assert_eq!(notes(&of_layers(6), ""), Vec::<String>::new());
+        // With their images.
+        let plane = "symmetry = [{ axis = \"z\" }]";
+        assert!(notes(&of_layers(2), plane)[0].contains("about 4 particles") && notes(&of_layers(3), plane).is_empty());
+        // What is as long as it is thick does not bend.
+        assert!(notes("box = { min = [0, 0, 0], max = [\"3 mm\", \"3 mm\", \"3 mm\"] }", "").is_empty());
+        // det = 5 (12 - 1) - 2 (6 + 0.3) + 0.3 (-2 - 1.2).
+        let turned = principal_values([[5.0, 2.0, 0.3], [2.0, 4.0, -1.0], [0.3, -1.0, 3.0]]);
+        let (trace, determinant) = (turned.iter().sum::<f64>(), turned.iter().product::<f64>());
+        assert!((trace - 12.0).abs() < 1e-12 && (determinant - 41.44).abs() < 1e-10, "{turned:?}");
     }
 
     #[test]
