@@ -3,6 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use sha2::{Digest, Sha256};
 use sphorge::engine::Cpu;
 use sphorge::run::{CheckpointPlan, ResumeOptions, Silent, resume};
 use sphorge_fuzz::{MOST_PARTICLES, folder, seed, show, tiny_run};
@@ -53,6 +54,18 @@ fn edited(edits: &[u8]) -> Vec<u8> {
             }
         }
     }
+    // The sum is that of the edited values: one that is wrong ends it before any of them is read.
+    let mut sum = Sha256::new();
+    for (name, bytes) in entries.iter().filter(|(name, _)| name != "sha256") {
+        sum.update((name.len() as u64).to_le_bytes());
+        sum.update(name);
+        sum.update((bytes.len() as u64).to_le_bytes());
+        sum.update(bytes);
+    }
+    let digits: String = sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    if let Some((_, told)) = entries.iter_mut().find(|(name, _)| name == "sha256") {
+        *told = digits.into_bytes();
+    }
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     for (name, bytes) in &entries {
@@ -81,6 +94,7 @@ fuzz_target!(
         fs::write(run.join("deck.toml"), RUN.3.iter().find(|(name, _)| name == "deck.toml").map_or(&[][..], |e| &e.1)).expect("a file");
         fs::write(run.join(name), if choice == 0 { rest.to_vec() } else { edited(rest) }).expect("a file");
         let options = ResumeOptions {
+            by_force: false,
             overrides: vec![("time.max-steps".to_owned(), "3".to_owned())],
             most_particles: MOST_PARTICLES,
             threads: Some(1),

@@ -58,6 +58,7 @@ pub fn tiny_run(folder: &Path) -> PathBuf {
     let options = RunOptions {
         directory: directory.clone(),
         overwrite: true,
+        by_force: false,
         threads: Some(1),
         checkpoints: CheckpointPlan { at_end: true, ..CheckpointPlan::default() },
     };

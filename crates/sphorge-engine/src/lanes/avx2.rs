@@ -1,4 +1,5 @@
 //! SIMD vectors in 256-bit registers with fused multiply–add.
+#![expect(clippy::undocumented_unsafe_blocks, reason = "one comment says why all of them are sound")]
 
 use super::{Lanes, compress_each, each_lane, gather_entries};
 use sphorge_physics::Real;

@@ -1,4 +1,5 @@
 //! SIMD vectors in 512-bit registers.
+#![expect(clippy::undocumented_unsafe_blocks, reason = "one comment says why all of them are sound")]
 
 use super::avx2::{F32x8, F64x4};
 use super::{Lanes, PairScalar, compress_each, each_lane, gather_entries};

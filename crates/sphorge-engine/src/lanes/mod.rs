@@ -228,6 +228,7 @@ impl PairScalar for f64 {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     unsafe fn store_avx512(values: std::arch::x86_64::__m512d, out: &mut [Self]) {
+        // SAFETY: whoever calls has AVX-512, which is all that is asked for.
         unsafe { avx512::store_f64(values, out) }
     }
 
@@ -253,6 +254,7 @@ impl PairScalar for f32 {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     unsafe fn store_avx512(values: std::arch::x86_64::__m512d, out: &mut [Self]) {
+        // SAFETY: as of the other precision.
         unsafe { avx512::store_f32(values, out) }
     }
 

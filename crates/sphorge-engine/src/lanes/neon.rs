@@ -1,4 +1,5 @@
 //! SIMD vectors in the 128-bit registers every 64-bit ARM processor has.
+#![expect(clippy::undocumented_unsafe_blocks, reason = "one comment says why all of them are sound")]
 
 use super::{Lanes, each_lane, gather_entries};
 use sphorge_physics::Real;

@@ -224,9 +224,9 @@ mod wide {
                 let distance2 = _mm512_add_ps(dot(x, x), _mm512_set1_ps(0.01 * H * H));
                 let mu = _mm512_div_ps(_mm512_max_ps(dot(v, x), zero), distance2);
                 let viscous = _mm512_fmadd_ps(mu, mu, mu);
-                // SAFETY: listed indices are within the columns.
                 let mut s = own;
                 for k in 0..6 {
+                    // SAFETY: listed indices are within the columns.
                     s[k] = _mm512_add_ps(own[k], unsafe { _mm512_i32gather_ps::<4>(p.index, c.s[k].as_ptr()) });
                 }
                 for k in 0..3 {

@@ -161,7 +161,8 @@ impl Folder {
         match folder.dir.symlink_metadata(name) {
             Ok(found) if found.is_dir() => return Ok(()),
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            found => drop(found?),
+            Err(error) => return Err(error),
+            Ok(_) => {}
         }
         folder.dir.remove_file_or_symlink(name)
     }

@@ -305,6 +305,10 @@ mod tests {
         Folder::open(path).unwrap()
     }
 
+    type TryLock<'a> = &'a dyn Fn(&File) -> Result<(), TryLockError>;
+    /// What was done to a lock that is left, how many seconds ago, and whether the next may have it where the system has locks, and where not.
+    type Case<'a> = (&'a dyn Fn(&mut Owner), u64, bool, bool);
+
     /// A file system without locks.
     fn none(_: &File) -> Result<(), TryLockError> {
         Err(TryLockError::Error(io::Error::from(io::ErrorKind::Unsupported)))
@@ -382,8 +386,7 @@ mod tests {
         // More than there are.
         let no_process = |owner: &mut Owner| owner.process = u32::MAX;
         let later = |owner: &mut Owner| owner.began.push('0');
-        // What was left, how long ago, whether the next may have it where the system has locks, and where it has none.
-        let cases: [(&dyn Fn(&mut Owner), u64, bool, bool); 7] = [
+        let cases: [Case<'_>; 7] = [
             (&other, 5, false, false),
             (&other, 300, true, true),
             // The system gives back locks of processes of all its containers.
@@ -394,7 +397,7 @@ mod tests {
             (&|_| {}, 5, true, false),
         ];
         for (k, (change, seconds_ago, with, without)) in cases.into_iter().enumerate() {
-            let tries: [(&dyn Fn(&File) -> _, bool); 2] = [(&File::try_lock, with), (&none, without)];
+            let tries: [(TryLock<'_>, bool); 2] = [(&File::try_lock, with), (&none, without)];
             for (try_lock, expected) in tries {
                 let place = tempfile::tempdir().unwrap();
                 leave(place.path(), change, seconds_ago);

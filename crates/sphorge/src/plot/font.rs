@@ -1,6 +1,10 @@
 //! The embedded font: how wide a text is, and where its lines break.
 
-use ab_glyph::{Font, FontRef, Glyph, PxScale, point};
+use skrifa::{
+    FontRef, GlyphId, MetadataProvider,
+    instance::{LocationRef, Size},
+    outline::{DrawSettings, OutlinePen},
+};
 use std::sync::OnceLock;
 
 /// Height of a line of text above its baseline, in sizes.
@@ -11,11 +15,16 @@ pub(super) const DESCENT: f64 = 0.24;
 /// From baseline to baseline, in sizes.
 pub(super) const LEADING: f64 = 1.3;
 
-pub(super) fn font() -> &'static FontRef<'static> {
+fn font() -> &'static FontRef<'static> {
     static FONT: OnceLock<FontRef<'static>> = OnceLock::new();
     FONT.get_or_init(|| {
-        FontRef::try_from_slice(include_bytes!("../../assets/DejaVuSans.ttf")).expect("the embedded font is a font")
+        FontRef::new(include_bytes!("../../assets/DejaVuSans.ttf")).expect("the embedded font is a font")
     })
+}
+
+/// The glyph of a character; a box where the font has none.
+fn glyph(character: char) -> GlyphId {
+    font().charmap().map(character).unwrap_or_default()
 }
 
 /// How far the pen goes for a character, in sizes.
@@ -23,26 +32,50 @@ fn advance(character: char) -> f64 {
     // Texts are measured far more often than drawn: most characters are looked up once.
     static COMMON: OnceLock<Vec<f64>> = OnceLock::new();
     let look_up = |character: char| {
-        let font = font();
-        f64::from(font.h_advance_unscaled(font.glyph_id(character)) / font.units_per_em().unwrap_or(1000.0))
+        let (font, place) = (font(), LocationRef::default());
+        let advance = font.glyph_metrics(Size::unscaled(), place).advance_width(glyph(character)).unwrap_or_default();
+        f64::from(advance) / f64::from(font.metrics(Size::unscaled(), place).units_per_em)
     };
     let common = COMMON.get_or_init(|| ('\0'..'\u{100}').map(look_up).collect());
     common.get(character as usize).copied().unwrap_or_else(|| look_up(character))
 }
 
-/// Glyphs from a pen at the origin.
-pub(super) fn glyphs(text: &str, size: f64) -> Vec<Glyph> {
-    let font = font();
-    // `size` is that of the em square; the crate scales by ascent plus descent.
-    let height = font.height_unscaled() / font.units_per_em().unwrap_or(1000.0);
-    let scale = PxScale::from(size as f32 * height);
-    let mut pen = 0.0;
-    let place = |character: char| {
-        let glyph = font.glyph_id(character).with_scale_and_position(scale, point(pen as f32, 0.0));
-        pen += size * advance(character);
-        glyph
-    };
-    text.chars().map(place).collect()
+/// Draws the outlines of a text from the origin on: along its line, and up.
+pub(super) fn draw(text: &str, size: f64, pen: &mut impl OutlinePen) {
+    let outlines = font().outline_glyphs();
+    let mut along = 0.0;
+    for character in text.chars() {
+        if let Some(outline) = outlines.get(glyph(character)) {
+            let settings = DrawSettings::unhinted(Size::new(size as f32), LocationRef::default());
+            // The font is part of the program: its outlines can be drawn.
+            let _ = outline.draw(settings, &mut Moved { pen, along: along as f32 });
+        }
+        along += size * advance(character);
+    }
+}
+
+/// Draws farther along the line.
+struct Moved<'a, P> {
+    pen: &'a mut P,
+    along: f32,
+}
+
+impl<P: OutlinePen> OutlinePen for Moved<'_, P> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.pen.move_to(x + self.along, y);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.pen.line_to(x + self.along, y);
+    }
+    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
+        self.pen.quad_to(cx + self.along, cy, x + self.along, y);
+    }
+    fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
+        self.pen.curve_to(ax + self.along, ay, bx + self.along, by, x + self.along, y);
+    }
+    fn close(&mut self) {
+        self.pen.close();
+    }
 }
 
 /// Width of a text, in the unit of its size.

@@ -3,10 +3,10 @@
 use super::{
     PlotError,
     color::Rgb,
-    font::{font, glyphs},
+    font,
     page::{Image, Item, Page, Text},
 };
-use ab_glyph::Font;
+use skrifa::outline::OutlinePen;
 use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
 /// Pixels in rows, the upper left first.
@@ -98,19 +98,49 @@ fn paint(color: Rgb) -> Paint<'static> {
 }
 
 fn write(pixmap: &mut Pixmap, text: &Text, scale: f64) {
-    let (x, y) = (text.at.0 * scale, text.at.1 * scale);
-    for mut glyph in glyphs(&text.text, text.size * scale) {
-        if !text.upwards {
-            glyph.position.x += x as f32;
-            glyph.position.y += y as f32;
-        }
-        let Some(outline) = font().outline_glyph(glyph) else { continue };
-        let bounds = outline.px_bounds();
-        outline.draw(|dx, dy, coverage| {
-            let (along, across) = (bounds.min.x as i64 + i64::from(dx), bounds.min.y as i64 + i64::from(dy));
-            let at = if text.upwards { (x.round() as i64 + across, y.round() as i64 - along) } else { (along, across) };
-            blend(pixmap, at, text.color, coverage);
-        });
+    let at = ((text.at.0 * scale) as f32, (text.at.1 * scale) as f32);
+    let mut pen = Pen { path: PathBuilder::new(), at, is_upwards: text.upwards };
+    font::draw(&text.text, text.size * scale, &mut pen);
+    // A text of spaces has no outline.
+    if let Some(path) = pen.path.finish() {
+        pixmap.fill_path(&path, &paint(text.color), FillRule::Winding, Transform::identity(), None);
+    }
+}
+
+/// Outlines of glyphs as a path on the page, whose second axis points down.
+struct Pen {
+    path: PathBuilder,
+    at: (f32, f32),
+    is_upwards: bool,
+}
+
+impl Pen {
+    /// Where a point is that lies so far along the line of the text, and above it.
+    fn place(&self, along: f32, above: f32) -> (f32, f32) {
+        let (x, y) = self.at;
+        if self.is_upwards { (x - above, y - along) } else { (x + along, y - above) }
+    }
+}
+
+impl OutlinePen for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.place(x, y);
+        self.path.move_to(x, y);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.place(x, y);
+        self.path.line_to(x, y);
+    }
+    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
+        let ((cx, cy), (x, y)) = (self.place(cx, cy), self.place(x, y));
+        self.path.quad_to(cx, cy, x, y);
+    }
+    fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
+        let ((ax, ay), (bx, by), (x, y)) = (self.place(ax, ay), self.place(bx, by), self.place(x, y));
+        self.path.cubic_to(ax, ay, bx, by, x, y);
+    }
+    fn close(&mut self) {
+        self.path.close();
     }
 }
 

@@ -108,7 +108,8 @@ impl RunState {
             Ok(column) => (0..column.len()).any(|i| {
                 let size = column.magnitude(i);
                 // Not of a number, too.
-                !(size <= *most)
+                size.is_nan()
+                    || size > *most
                     || match (*field, &column) {
                         ("density" | "mass", _) => size <= 0.0,
                         ("plastic_strain", Column::Scalar(values)) => values[i] < 0.0,
