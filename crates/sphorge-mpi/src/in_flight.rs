@@ -33,6 +33,7 @@ pub(crate) struct InFlight<R = Open> {
 // SAFETY: a request of MPI may be completed by any thread, and MPI was started so that threads of a process take turns. Nothing is done by a shared
 // reference.
 unsafe impl Send for InFlight {}
+// SAFETY: as above.
 unsafe impl Sync for InFlight {}
 
 impl InFlight {
