@@ -258,6 +258,13 @@ impl RunDirectory {
         self.opened().is_ok_and(|folder| sum_in(&folder, name).is_ok_and(|found| found == *sum))
     }
 
+    /// Whether a file is these bytes.
+    pub(crate) fn is_exactly(&self, name: &str, bytes: &[u8]) -> bool {
+        let length = self.opened().and_then(|folder| folder.open_file(name).reading(&self.path.join(name)));
+        let length = length.and_then(|file| file.metadata().reading(&self.path.join(name)));
+        length.is_ok_and(|of| of.len() == bytes.len() as u64) && self.begins_with(name, bytes)
+    }
+
     /// Whether a file begins with these bytes.
     pub(crate) fn begins_with(&self, name: &str, bytes: &[u8]) -> bool {
         let mut found = Vec::new();

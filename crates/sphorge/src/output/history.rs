@@ -355,7 +355,7 @@ impl History {
     /// Writes anew what was saved, and the columns where they are others. Returns the names of files that were not what was written up to then.
     pub(crate) fn rewrite(&mut self) -> Result<Vec<&'static str>, OutputError> {
         let mut differing = Vec::new();
-        if !self.directory.begins_with(COLUMNS, self.columns_text()?.as_bytes()) {
+        if !self.directory.is_exactly(COLUMNS, self.columns_text()?.as_bytes()) {
             differing.push(COLUMNS);
             self.write_columns()?;
         }

@@ -331,6 +331,11 @@ fn files_that_were_damaged_are_named_and_written_again_where_they_can_be() {
     for (path, whole) in listed.iter().zip(&whole) {
         assert!(fs::read(path).unwrap() == *whole, "{path:?}");
     }
+    // What is behind the end is of nobody, too.
+    fs::write(&listed[1], [&whole[1][..], b"x"].concat()).unwrap();
+    forget_end(&run);
+    assert!(go_on_in(&run).1.iter().any(|note| note.starts_with("history-columns.json was not what")));
+    assert!(fs::read(&listed[1]).unwrap() == whole[1]);
 }
 
 #[test]
