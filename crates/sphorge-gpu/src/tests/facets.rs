@@ -1,7 +1,8 @@
 //! The contact of facets as functions of an array of numbers.
 
 use sphorge_physics::facet::{
-    Facet, FacetPairLaw, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force, press, slip_after,
+    Facet, FacetPairLaw, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force, press,
+    slip_after,
 };
 use sphorge_physics::tensor::identity;
 use sphorge_physics::{Elementary, SymmetricTensor, Tensor};
