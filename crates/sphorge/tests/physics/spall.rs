@@ -50,10 +50,7 @@ const LOOKS: [f64; 3] = [3e-6, 4.5e-6, 6e-6];
 
 fn impact(overrides: &[(&str, &str)]) -> Impact {
     let mut simulation = simulation(PLATES, overrides);
-    let energy = |simulation: &Simulation| {
-        let total = simulation.ledger().unwrap().total.energies;
-        total.kinetic + total.internal
-    };
+    let energy = |simulation: &Simulation| simulation.ledger().unwrap().total_energy();
     let first = energy(&simulation);
     let beyond: Vec<usize> = {
         let p = &simulation.particles().unwrap();
@@ -74,9 +71,7 @@ fn impact(overrides: &[(&str, &str)]) -> Impact {
                 arrived = arrived.max(velocity);
                 least = least.min(if simulation.time() > 1.3e-6 { velocity } else { f64::INFINITY });
             }
-            let contact =
-                simulation.ledger().unwrap().contacts.iter().map(|contact| contact.stored_energy).sum::<f64>();
-            drift = drift.max(((energy(&simulation) + contact) / first - 1.0).abs());
+            drift = drift.max((energy(&simulation) / first - 1.0).abs());
         }
         let integrity = simulation.read("integrity").unwrap();
         let p = &simulation.particles().unwrap();

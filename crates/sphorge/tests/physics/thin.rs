@@ -38,7 +38,8 @@ fn a_strip_of_one_layer_turns_without_strain() {
     assert!((length / 11e-3 - 1.0).abs() < 1e-4, "{length}");
     assert!((first[0] - last[0]).abs() < 1e-4, "{first:?} {last:?}");
     let change = spin(&simulation) / before - 1.0;
-    assert!(change.abs() < 1e-4, "{change:e}");
+    // Of the second order of the angle of a step; without the configuration of mid-step it is 1e-3.
+    assert!(change.abs() < 3e-4, "{change:e}");
     // rho omega^2 l^2/8 in the middle, 0.78 MPa, twice that where it is spun up at once.
     let most = p.deviator.iter().map(|s| s.von_mises()).fold(0.0, f64::max);
     assert!(most > 0.2e6 && most < 1.8e6, "{most:e}");
