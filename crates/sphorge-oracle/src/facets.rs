@@ -104,7 +104,7 @@ impl Facets {
             let (id, body) = (p.id[owner], p.body[owner] as usize);
             let known = self.all.range(id).map(|place| (place, *self.all.at(place)));
             let inner = (0..6).filter(|face| self.open[owner] >> face & 1 == 1);
-            let inner = inner.map(|face| (self.all.len() + face, self.all.inner(body, id, face)));
+            let inner = inner.map(|face| (self.all.count() + face, self.all.inner(body, id, face)));
             for (place, of_cell) in known.chain(inner) {
                 let (face, index) = (usize::from(of_cell.side), self.reference.len());
                 let same = self.reference.iter().position(|part| (part.owner, part.face) == (owner, face));

@@ -54,7 +54,7 @@ struct Source {
 impl Source {
     /// The facet in the initial configuration.
     fn facet(&self, reference: &ReferenceFacets) -> CellFacet {
-        match (self.place as usize).checked_sub(reference.len()) {
+        match (self.place as usize).checked_sub(reference.count()) {
             None => *reference.at(self.place as usize),
             Some(face) => reference.inner(self.body as usize, self.id, face),
         }
@@ -62,7 +62,7 @@ impl Source {
 
     /// Axis and side of its face of the cell.
     fn face(&self, reference: &ReferenceFacets) -> (usize, usize) {
-        let face = match (self.place as usize).checked_sub(reference.len()) {
+        let face = match (self.place as usize).checked_sub(reference.count()) {
             None => usize::from(reference.at(self.place as usize).side),
             Some(face) => face,
         };
@@ -213,7 +213,7 @@ impl FacetContacts {
             self.first[point] = self.sources.len() as u32;
             if is_used {
                 let (body, id, open) = (body.at(point), id.at(point), open.at(point));
-                let inner = (0..6).filter(|face| open >> face & 1 == 1).map(|face| self.reference.len() + face);
+                let inner = (0..6).filter(|face| open >> face & 1 == 1).map(|face| self.reference.count() + face);
                 let source =
                     |place: usize| Source { point: point as u32, place: place as u32, body, id, sign: sign(point) };
                 self.sources.extend(self.reference.range(id).chain(inner).map(source));

@@ -156,7 +156,7 @@ impl ReferenceFacets {
     }
 
     /// Number of the facets.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.facets.len()
     }
 
@@ -176,7 +176,7 @@ impl ReferenceFacets {
             Frames::Common(frame) => *frame,
             Frames::Each(frames) => frames[(id - self.first[body]) as usize],
         };
-        let edge = if face % 2 == 0 { -self.edge[body] } else { self.edge[body] };
+        let edge = if face.is_multiple_of(2) { -self.edge[body] } else { self.edge[body] };
         frame[face / 2].map(|c| edge * c)
     }
 
