@@ -211,7 +211,8 @@ impl Named {
         assert!(energies.plastic_work > 0.7 * spent, "nothing happened: {overrides:?}");
         let (viscous, hourglass) = (ledger.viscous_energy / given, ledger.hourglass_energy / given);
         let artificial_stress = ledger.artificial_stress_energy / given;
-        let of_contacts = ledger.contacts.iter().map(|c| c.stored_energy + c.friction_work + c.damping_work);
+        let of_contacts =
+            ledger.contacts.iter().map(|c| c.stored_energy + c.friction_work + c.damping_work + c.integration_energy);
         let contacts = of_contacts.sum::<f64>() / given;
         let of_stress = (energies.elastic + energies.plastic_work) / given;
         let numerical = viscous + hourglass + artificial_stress;
