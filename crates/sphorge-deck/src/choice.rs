@@ -108,6 +108,10 @@ words! {
         "kernel-sum" => false, "particles of other bodies are neighbours like any others, as in the papers: bodies stick, and are compressed before they touch while a gap closes (aluminium plates at 2 km/s: 1.2 times the Hugoniot pressure from face to face, 1.7 times from a gap of a spacing on; with `penalty` 1.07 times from any gap)";
         "penalty" => true, "bodies push each other but never pull; damping and friction";
     }
+    ContactSurfacesWord, "surfaces of a contact", bool {
+        "facets" => true, "the exposed faces of the cells of the particles, on the surfaces of the shapes: what touches presses nothing, whatever its lattices; only in the total Lagrangian form and on processors";
+        "overlap" => false, "the kernel-weighted overlap of the particles, which presses with up to 0.3 % of the bulk modulus where lattices in line touch";
+    }
     AxisWord, "axis", usize {
         "x" => 0, "first axis";
         "y" => 1, "second axis";

@@ -119,7 +119,9 @@ impl Oracle {
         // The contact has the kernels of the start.
         let searched_h = |i: usize| match model.contact {
             BodyContact::Sph => p.smoothing_length[i],
-            BodyContact::Penalty(_) => p.smoothing_length[i].max(model.bodies[p.body[i] as usize].smoothing_length),
+            BodyContact::Penalty(_) | BodyContact::Facets(_) => {
+                p.smoothing_length[i].max(model.bodies[p.body[i] as usize].smoothing_length)
+            }
         };
         let (mut rows, mut foreign) = (vec![Vec::new(); p.len()], vec![Vec::new(); p.len()]);
         for i in 0..p.len() {

@@ -70,10 +70,12 @@ impl Accounts {
             .collect();
         let law = |a: usize, b: usize| match model.contact {
             BodyContact::Sph => ContactLaw::default(),
-            BodyContact::Penalty(strength) if a == b => {
+            BodyContact::Penalty(strength) | BodyContact::Facets(strength) if a == b => {
                 ContactLaw::with_itself(kernel, dimension, &bodies[a], strength)
             }
-            BodyContact::Penalty(strength) => ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength),
+            BodyContact::Penalty(strength) | BodyContact::Facets(strength) => {
+                ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength)
+            }
         };
         let all = || 0..bodies.len();
         Self {

@@ -14,7 +14,7 @@ use super::ghosts::{Ghosts, WithGhosts};
 use super::self_contact::Surfaces;
 use crate::halo::{Halo, Image};
 use crate::lanes::PairScalar;
-use crate::model::{self, Model};
+use crate::model::Model;
 use crate::neighbors::{BLOCK, ForeignBlock, ForeignList, NeighborList};
 use crate::particles::Particles;
 use crate::persist::{Archive, ArchiveError, persist_each};
@@ -197,13 +197,13 @@ impl BodyContacts {
     /// `None` if bodies interact through the kernel sum, or if there is no contact. With a halo, pairs are searched
     /// separately from the neighbour list.
     pub(super) fn new(model: &Model, particles: usize, halo: Option<Box<dyn Halo>>) -> Option<Self> {
-        let model::BodyContact::Penalty(strength) = model.contact else { return None };
+        let strength = model.contact.strength()?;
         let pairs = model.contact_pairs().len();
         if pairs == 0 {
             return None;
         }
         let table = ContactLaws::new(model, strength);
-        let facets = model.has_faces().then(|| FacetContacts::new(model, strength));
+        let facets = model.has_facets().then(|| FacetContacts::new(model, strength));
         Some(Self {
             facets,
             foreign: ForeignList::default(),

@@ -37,7 +37,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::Contact, model.contact != BodyContact::Sph),
         (Owner::Faces, model.has_faces()),
         (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
-        (Owner::FacetFriction, model.has_faces() && model.contact.has_friction()),
+        (Owner::FacetFriction, model.has_facets() && model.contact.has_friction()),
         (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
     ];

@@ -53,8 +53,8 @@ struct Placed {
 
 /// Bodies that overlap at their facets at the start, beyond rounding; none where they do not meet at facets.
 pub fn pressed_at_start(model: &Model, particles: &Particles) -> Vec<PressedBodies> {
-    let BodyContact::Penalty(strength) = model.contact else { return Vec::new() };
-    if !model.has_faces() || model.bodies.len() < 2 {
+    let BodyContact::Facets(strength) = model.contact else { return Vec::new() };
+    if !model.has_facets() || model.bodies.len() < 2 {
         return Vec::new();
     }
     let (reference, laws) = (ReferenceFacets::new(model), FacetLaws::new(model, strength));

@@ -8,13 +8,24 @@ pub enum BodyContact {
     /// Neighbours like those of their own body: bodies that meet stick where they are pulled apart.
     #[default]
     Sph,
-    /// Sides of a contact that pushes and never pulls; they take no part in each other's kernel sums.
+    /// Sides of a contact that pushes and never pulls, by the kernel-weighted overlap of their particles; they take no part in each other's kernel
+    /// sums.
     Penalty(ContactStrength),
+    /// The same by the exposed faces of the cells of their particles, which the total Lagrangian form carries with the deformation.
+    Facets(ContactStrength),
 }
 
 impl BodyContact {
     /// Whether bodies rub each other.
     pub fn has_friction(&self) -> bool {
-        matches!(self, Self::Penalty(strength) if strength.friction > 0.0)
+        self.strength().is_some_and(|strength| strength.friction > 0.0)
+    }
+
+    /// Strength of a contact that pushes and never pulls.
+    pub fn strength(&self) -> Option<ContactStrength> {
+        match *self {
+            Self::Sph => None,
+            Self::Penalty(strength) | Self::Facets(strength) => Some(strength),
+        }
     }
 }

@@ -64,7 +64,7 @@ impl Model {
     pub fn contact_pairs(&self) -> Vec<(usize, usize)> {
         let count = match self.contact {
             BodyContact::Sph => 0,
-            BodyContact::Penalty(_) => self.bodies.len(),
+            BodyContact::Penalty(_) | BodyContact::Facets(_) => self.bodies.len(),
         };
         let first = if self.has_self_contact() { 0 } else { 1 };
         (0..count).flat_map(|a| (a + first..count).map(move |b| (a, b))).collect()
@@ -80,10 +80,15 @@ impl Model {
         matches!(self.formulation, Formulation::TotalLagrangian { .. }) && !self.contact_pairs().is_empty()
     }
 
+    /// Whether they meet at the facets of the cells of their particles.
+    pub fn has_facets(&self) -> bool {
+        self.has_faces() && matches!(self.contact, BodyContact::Facets(_))
+    }
+
     /// Whether bodies meet themselves in the contact: in the total Lagrangian form, where no end of the space is joined to another.
     pub fn has_self_contact(&self) -> bool {
         matches!(self.formulation, Formulation::TotalLagrangian { self_contact: true, .. })
-            && matches!(self.contact, BodyContact::Penalty(_))
+            && self.contact != BodyContact::Sph
             && self.dimensions != Dimensions::One
             && self.periodic.iter().all(Option::is_none)
     }

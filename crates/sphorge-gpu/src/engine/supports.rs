@@ -12,9 +12,9 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "leave `numerics.precision` out, or run it with `--engine cpu`",
         ),
         (
-            model.has_faces(),
-            "the contact of bodies at their facets, which the total Lagrangian form has",
-            "run it with `--engine cpu`, or with `method = \"updated-lagrangian\"`",
+            model.has_facets(),
+            "the contact of bodies at their facets",
+            "run it with `--engine cpu`, or let bodies meet by overlap: `contact = { penalty = { surfaces = \"overlap\" } }`",
         ),
     ];
     match asked.into_iter().find(|(asked, ..)| *asked) {
