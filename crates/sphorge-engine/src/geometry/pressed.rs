@@ -81,7 +81,7 @@ pub fn pressed_at_start(model: &Model, particles: &Particles) -> Vec<PressedBodi
                 let met = press(&a.facet, &b.facet, Partner::Facet, laws.of(a.body, b.body));
                 if met.energy > 0.0 {
                     let of_bodies = pressed.entry((a.body, b.body)).or_insert_with(|| none(model, a.body, b.body));
-                    add(of_bodies, &met, &a.facet, laws.of(a.body, b.body).stiffness);
+                    add(of_bodies, &met, &a.facet, &b.facet);
                 }
             }
         }
@@ -95,13 +95,37 @@ fn none(model: &Model, first: usize, second: usize) -> PressedBodies {
     PressedBodies { first, second, place, depth: 0.0, normal, energy: 0.0, force, spacing }
 }
 
-fn add(of: &mut PressedBodies, met: &FacetPress<f64>, a: &Facet<f64>, stiffness: f64) {
+fn add(of: &mut PressedBodies, met: &FacetPress<f64>, a: &Facet<f64>, b: &Facet<f64>) {
     of.energy += met.energy;
     (0..3).for_each(|k| of.force[k] += met.force[k]);
-    // Mean closure: U = k A d²/2 up to the stiffening, p = k A d.
-    let depth = (2.0 * met.energy / met.normal_force).min(met.normal_force / (stiffness * met.area));
+    let depth = mean_closure(met.energy / met.normal_force, a.depth + b.depth);
     if depth > of.depth {
         let place = std::array::from_fn(|k| a.owner[k] + met.centre_a[k]);
         (of.depth, of.place, of.normal) = (depth, place, met.normal);
+    }
+}
+
+/// Closure, m, of a uniform pressure that holds this energy per force, m, where the owners are `depth` (m) apart at touch: the
+/// solution of `U/F = d (1 - d/D)/(2 - d/D)`, the energy of a closure over its pressure; the largest one has where there is none.
+fn mean_closure(energy_over_force: f64, depth: f64) -> f64 {
+    let ratio = energy_over_force / depth;
+    let half = 0.5 * (1.0 + ratio);
+    depth * (half - (half * half - 2.0 * ratio).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_closure_follows_from_energy_and_force() {
+        // psi = k d^2/(2 (1 - d/D)), its slope k d (1 - d/(2 D))/(1 - d/D)^2.
+        for share in [1e-6, 0.05, 0.2, 0.5] {
+            let (d, k) = (share * 2e-3, 3e13);
+            let energy = 0.5 * k * d * d / (1.0 - share);
+            let force = k * d * (1.0 - 0.5 * share) / (1.0 - share) / (1.0 - share);
+            let found = mean_closure(energy / force, 2e-3);
+            assert!((found / d - 1.0).abs() < 1e-9, "{share}: {found}");
+        }
     }
 }
