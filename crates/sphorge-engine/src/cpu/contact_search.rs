@@ -51,6 +51,8 @@ pub(super) struct ContactSearch {
     smoothing_length: Vec<f64>,
     list: NeighborList,
     searcher: Searcher,
+    /// Number of members at the last search.
+    searched: usize,
     /// Positions of the particles at the last search, m, and their shifts to the contact positions, if there are any.
     searched_at: Vec<Vector<f64>>,
     shifts: Vec<Vector<f64>>,
@@ -77,6 +79,7 @@ impl ContactSearch {
             smoothing_length: Vec::new(),
             list: NeighborList::default(),
             searcher: Searcher::default(),
+            searched: 0,
             searched_at: Vec::new(),
             shifts: Vec::new(),
             reaches: Vec::new(),
@@ -208,6 +211,7 @@ impl ContactSearch {
         if let Some(share) = share {
             self.keep_met(particles, share, foreign)?;
         }
+        self.searched = self.points.len();
         self.searched_at.clone_from(&particles.position);
         self.shifts.clone_from(&particles.contact_shift);
         self.displacement = displacement;
@@ -443,6 +447,7 @@ impl ContactSearch {
             Some(_) => self.common.persist(&of("halo"), archive)?,
         }
         self.searcher.persist(&of("searcher"), archive)?;
+        self.searched.persist(&of("searched"), archive)?;
         persist_pieces_or_none(&mut self.searched_at, count, &of("searched_at"), archive)?;
         persist_pieces_or_none(&mut self.shifts, count, &of("shifts"), archive)?;
         persist_pieces_or_none(&mut self.reaches, count, &of("reaches"), archive)?;
@@ -458,7 +463,10 @@ impl ContactSearch {
         };
         require(sources.iter().all(|&source| (source as usize) < all), &of("halo"))?;
         let fits = self.searched_at.len() == count && self.shifts.len() == count;
-        require(!self.is_made || fits && self.searcher.fits_within(all + images), &of("searched_at"))
+        require(!self.is_made || fits, &of("searched_at"))?;
+        // Those on surfaces alone may be searched: none, or as many as there were.
+        let are_searched = self.searched <= all + images && self.searcher.fits(self.searched);
+        require(!self.is_made || are_searched, &of("searcher.sorted_at"))
     }
 
     /// Points that pairs may refer to, by their indices among those of all ranks.

@@ -124,11 +124,6 @@ impl CellPoints {
         self.sorted_at.is_empty() || self.sorted_at.len() == count
     }
 
-    /// Whether no more than `count` points are sorted into the cells.
-    pub(super) fn fits_within(&self, count: usize) -> bool {
-        self.sorted_at.len() <= count
-    }
-
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let columns: usize = self.x.iter().chain([&self.h]).map(|c| 4 * c.capacity()).sum();

@@ -221,11 +221,6 @@ impl Searcher {
         self.points.fits(count)
     }
 
-    /// Whether the loaded data are those of at most `count` points.
-    pub(crate) fn fits_within(&self, count: usize) -> bool {
-        self.points.fits_within(count)
-    }
-
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let of = |s: &Mutex<Scratch>| s.lock().map_or(0, |scratch| scratch.candidates.bytes());
