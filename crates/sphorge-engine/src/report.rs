@@ -287,7 +287,7 @@ impl Ledger {
 pub struct Audit {
     /// Ordered pairs within the kernel support.
     pub pairs: u64,
-    /// Of these, missing in the lists.
+    /// Of these, missing in the lists; of pairs of bodies that meet at facets only those whose facets are near enough to touch.
     pub missed_pairs: u64,
     /// Of the missing, pairs of particles of different bodies.
     pub missed_foreign_pairs: u64,

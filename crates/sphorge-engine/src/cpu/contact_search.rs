@@ -370,7 +370,7 @@ fn whole_deformation(particles: &Particles) -> WholeDeformation<'_> {
 }
 
 /// Reaches of the facets of particles and ghosts, if bodies meet there.
-struct Reaches<'a> {
+pub(super) struct Reaches<'a> {
     facets: Option<&'a FacetContacts>,
     cell: [WithGhosts<'a, u32>; 3],
     since: WithGhosts<'a, Tensor<f64>>,
@@ -378,7 +378,7 @@ struct Reaches<'a> {
 }
 
 impl<'a> Reaches<'a> {
-    fn new(facets: Option<&'a FacetContacts>, own: &'a Particles, ghosts: &'a Particles) -> Self {
+    pub(super) fn new(facets: Option<&'a FacetContacts>, own: &'a Particles, ghosts: &'a Particles) -> Self {
         let earlier = || WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
         Self {
             facets,
@@ -393,7 +393,7 @@ impl<'a> Reaches<'a> {
     }
 
     /// Of a particle or ghost, m.
-    fn of(&self, i: usize) -> Option<f64> {
+    pub(super) fn of(&self, i: usize) -> Option<f64> {
         let f = self.since.at(i);
         let f = self.earlier.map_or(f, |earlier| WholeDeformation::product(&f, &earlier.at(i)));
         let [body, id, open] = self.cell.map(|column| column.at(i));

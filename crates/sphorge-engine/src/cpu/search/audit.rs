@@ -2,6 +2,7 @@
 
 use super::super::CpuEngine;
 use super::super::common_points::CommonPoints;
+use super::super::contact_search::Reaches;
 use super::super::domain::Domain;
 use super::super::ghosts::{Ghosts, WithGhosts};
 use super::super::stored::StoredBlock;
@@ -127,9 +128,18 @@ struct Sight<'a> {
     common: Option<&'a CommonPoints>,
     /// The points of the images of the contact, if it has its own images; none for those that are far away now.
     of_contact: Option<Vec<Option<u32>>>,
+    /// How far facets are from their particles.
+    reaches: Reaches<'a>,
 }
 
 impl Sight<'_> {
+    /// Whether a particle and a ghost of different bodies that are this far apart, m, meet if they are on a list: at facets only
+    /// where these are near enough to touch.
+    fn can_meet(&self, i: usize, j: usize, apart: f64) -> bool {
+        let of_both = self.reaches.of(i).zip(self.reaches.of(j));
+        of_both.is_none_or(|(own, other)| own > 0.0 && other > 0.0 && apart < own + other)
+    }
+
     /// Index of a point in columns of particles and ghosts.
     fn number(&self, point: u32) -> usize {
         self.common.map_or(point, |common| common.number(point)) as usize
@@ -177,7 +187,7 @@ impl<T: PairScalar> CpuEngine<T> {
             }
         };
         let mut ghosts = Ghosts::new(halo);
-        ghosts.exchange(&[FieldSet::Search, FieldSet::Audit], &self.particles);
+        ghosts.exchange(&[FieldSet::Search, FieldSet::Audit, FieldSet::Contact], &self.particles);
         self.domain.as_ref().map_or(Ok(()), |domain| domain.ranks.check_lost())?;
         let sight = Sight {
             points: &points,
@@ -187,6 +197,11 @@ impl<T: PairScalar> CpuEngine<T> {
             ghosts: &ghosts.columns,
             common: self.domain.as_ref().map(|_| &common),
             of_contact: self.images_of_contact(&common, count),
+            reaches: Reaches::new(
+                self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref()),
+                &self.particles,
+                &ghosts.columns,
+            ),
         };
         let rows: Vec<(AuditedRow, AuditedRow)> = (0..own.len())
             .into_par_iter()
@@ -272,7 +287,8 @@ impl<T: PairScalar> CpuEngine<T> {
             let other = point as usize;
             let now = [0, 1, 2].map(|a| points[place][a] - points[other][a]);
             let h = pair_smoothing_length(reach.smoothing_length[place], reach.smoothing_length[other]);
-            let inside = dot(now, now).sqrt() < kernel.support() * h;
+            let apart = dot(now, now).sqrt();
+            let inside = apart < kernel.support() * h;
             audited.stale += u64::from(kept && !inside);
             let j = sight.number(point);
             if !kept {
@@ -284,9 +300,11 @@ impl<T: PairScalar> CpuEngine<T> {
                     let mut met = self.contacts.iter().flat_map(|c| c.met_by(i, self.domain.as_ref()));
                     met.any(|j| sight.met(j) == Some(point))
                 };
-                if !known.contains(&point) && !in_contact() {
+                let is_foreign = bodies.at(i) != bodies.at(j);
+                let can_meet = || !is_foreign || sight.can_meet(i, j, apart);
+                if !known.contains(&point) && !in_contact() && can_meet() {
                     audited.missed += 1;
-                    audited.missed_foreign += u64::from(bodies.at(i) != bodies.at(j));
+                    audited.missed_foreign += u64::from(is_foreign);
                 }
             }
             let x = stored.map_or(now, |s| s.distance(lists.list.blocks()[b].start(k) + n));
