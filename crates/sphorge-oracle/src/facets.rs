@@ -30,7 +30,7 @@ pub(crate) struct Facets {
     /// By pair of bodies.
     laws: Vec<Vec<FacetPairLaw<f64>>>,
     has_friction: bool,
-    /// By particle and face of its cell: the spring, and its power of friction over its stiffness, m^2/s.
+    /// By particle and face of its cell: the spring, and its power of friction over its stiffness, m^2/s; the power itself, W, if it has let go.
     springs: Vec<[(FacetSlip<f64>, f64); 6]>,
     /// Faces of the cell of each particle that were inside its body.
     open: Vec<u32>,
@@ -206,6 +206,25 @@ impl Oracle {
         met
     }
 
+    /// The nearest particle that one may meet, itself or as an image.
+    fn nearest_with_facets(&self, facets: &Facets, i: usize) -> Option<usize> {
+        let mut nearest = None;
+        let mut least = f64::INFINITY;
+        for (k, image) in self.images.iter().enumerate() {
+            for j in facets.reference.iter().map(|part| part.owner) {
+                let is_there = k == 0 || image.is_of(&self.model, self.p.position[j]);
+                if (k == 0 && i == j) || !is_there || !self.may_meet(i, j, image) {
+                    continue;
+                }
+                let apart = minus(self.p.position[i], image.point(self.p.position[j]));
+                if dot(apart, apart) < least {
+                    (least, nearest) = (dot(apart, apart), Some(j));
+                }
+            }
+        }
+        nearest
+    }
+
     fn facet_law<'a>(&self, facets: &'a Facets, met: &Met) -> &'a FacetPairLaw<f64> {
         let of = |facet: usize| self.p.body[facets.reference[facet].owner] as usize;
         &facets.laws[of(met.own)][of(met.other)]
@@ -232,8 +251,8 @@ impl Oracle {
             for (own, part) in facets.reference.iter().enumerate().filter(|(own, part)| part.lead == *own) {
                 let spring = &mut facets.springs[part.owner][part.face];
                 let (after, heat) = slip_after(&spring.0, &facets.now[own].0, &drives[part.owner][part.face], self.dt);
-                let rubs = self.dt > 0.0 && after.stiffness > 0.0;
-                *spring = (after, if rubs { heat / (self.dt * after.stiffness) } else { 0.0 });
+                let power = if self.dt > 0.0 { heat / self.dt } else { 0.0 };
+                *spring = (after, if after.stiffness > 0.0 { power / after.stiffness } else { power });
             }
         }
         self.facets = Some(facets);
@@ -296,6 +315,16 @@ impl Oracle {
             }
         }
         for i in 0..count {
+            // What springs held whose facets have lost their last partner.
+            let free = facets.springs[i].iter().filter(|(slip, _)| slip.stiffness == 0.0);
+            let released: f64 = free.map(|(_, power)| power).sum();
+            if released != 0.0 {
+                heat[i] += released;
+                rubbed[i] += released;
+                let b = self.nearest_with_facets(&facets, i).expect("it has let go of one");
+                let pair = place(self.p.body[i] as usize, self.p.body[b] as usize).expect("a pair of bodies");
+                self.accounts.contacts[pair].friction_work += released;
+            }
             let l = &self.p.velocity_gradient[i];
             heat[i] += (0..3).map(|k| dot(moment[i][k], l[k])).sum::<f64>();
             let stress = stress_of_moment(&moment[i], &self.deformation[i]);

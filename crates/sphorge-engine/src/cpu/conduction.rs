@@ -386,7 +386,8 @@ impl<T: PairScalar> CpuEngine<T> {
         let dt = self.step.dt;
         let Particles { temperature, material, friction_heat, .. } = &mut self.particles;
         let columns = temperature.par_iter_mut().with_min_len(BLOCK).zip(&*friction_heat).zip(&*material);
-        columns.filter(|((_, heat), _)| **heat > 0.0).for_each(|((t, heat), material)| {
+        // Springs of facets give some of it back while the pressure on them falls fast.
+        columns.filter(|((_, heat), _)| **heat != 0.0).for_each(|((t, heat), material)| {
             *t += dt * heat / model.materials[*material as usize].specific_heat;
         });
     }

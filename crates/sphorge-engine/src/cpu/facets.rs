@@ -123,7 +123,8 @@ impl<'a> FacetPoints<'a> {
     }
 }
 
-/// Slip of the six faces of a cell, and the power of their friction over their stiffness, m²/s.
+/// Slip of the six faces of a cell, and the power of their friction over their stiffness, m²/s; of a face that has let
+/// go, without stiffness, the power itself, W.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellSlips {
     pub(super) slip: [Tensor<f64>; 2],
@@ -347,8 +348,11 @@ impl FacetContacts {
             let (axis, high) = self.sources[index].face(&self.reference);
             let (after, heat) = slip_after(&before, side.facet, &drives[2 * axis + high], dt);
             slips.slip[high][axis] = [after.slip[0], after.slip[1], after.stiffness];
-            slips.rubbed[high][axis] =
-                if dt > 0.0 && after.stiffness > 0.0 { heat / (dt * after.stiffness) } else { 0.0 };
+            slips.rubbed[high][axis] = match after.stiffness > 0.0 {
+                _ if dt == 0.0 => 0.0,
+                true => heat / (dt * after.stiffness),
+                false => heat / dt,
+            };
         }
         slips
     }
@@ -426,12 +430,39 @@ impl FacetContacts {
             stiffness += mobility * met.press.stiffness;
             damping += mobility * met.law.damping;
         });
+        let released = self.released(i, points);
+        if released != 0.0 {
+            push.heat += released;
+            push.friction += released;
+            if let Some(other) = self.nearest(i, row) {
+                sums.of(table.place(points.body.at(i) as usize, points.body.at(other) as usize)).friction += released;
+            }
+        }
         for k in 0..3 {
             push.heat += dot(moment[k], l[k]);
         }
         // Twice the sum accounts for neighbours that oscillate against the particle.
         push.limit = MARGIN * oscillator_limit(2.0 * stiffness, 2.0 * damping);
         (push, moment)
+    }
+
+    /// Power of the springs of a particle's facets that have lost their last partner, W: what they held is its heat.
+    fn released(&self, i: usize, points: &FacetPoints<'_>) -> f64 {
+        if !self.laws.has_friction {
+            return 0.0;
+        }
+        let leads = self.facets_of(i).filter(|&index| self.lead[index] as usize == index);
+        let springs = leads.map(|index| self.slip_of(self.side(index), points));
+        springs.filter(|(slip, _)| slip.stiffness == 0.0).map(|(_, power)| power).sum()
+    }
+
+    /// The nearest of the row that has facets: nothing says any more whom a facet that is free has let go.
+    fn nearest(&self, i: usize, row: &[u32]) -> Option<usize> {
+        let place = |point: usize| self.facets_of(point).next().map(|index| self.now[index].owner);
+        let from = place(i)?;
+        let squared = |x: Vector<f64>| (0..3).map(|k| (x[k] - from[k]).powi(2)).sum::<f64>();
+        let near = row.iter().filter_map(|&j| Some((squared(place(j as usize)?), j as usize)));
+        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, j)| j)
     }
 
     /// Force of a particle or ghost `j` on a particle, N.
