@@ -32,6 +32,8 @@ pub(crate) struct Facets {
     has_friction: bool,
     /// By particle and face of its cell: the spring, and its power of friction over its stiffness, m^2/s; the power itself, W, if it has let go.
     springs: Vec<[(FacetSlip<f64>, f64); 6]>,
+    /// Velocity gradients at the velocities at which forces are evaluated, 1/s.
+    gradient: Vec<Tensor<f64>>,
     /// Faces of the cell of each particle that were inside its body.
     open: Vec<u32>,
 }
@@ -91,6 +93,7 @@ impl Facets {
             laws: model.bodies.iter().map(|a| model.bodies.iter().map(|b| law(a, b)).collect()).collect(),
             has_friction: friction > 0.0,
             springs: vec![[(FacetSlip::none(), 0.0); 6]; p.len()],
+            gradient: vec![[[0.0; 3]; 3]; p.len()],
             open: vec![0; p.len()],
         };
         facets.list(p);
@@ -188,8 +191,8 @@ impl Oracle {
                     continue;
                 }
                 let (here, there) = (facets.now[own].0, reflected(&facets.now[other].0, image));
-                let motion_i = (self.evaluated[i], self.p.velocity_gradient[i]);
-                let motion_j = (image.vector(self.evaluated[j]), image.tensor(&self.p.velocity_gradient[j]));
+                let motion_i = (self.evaluated[i], facets.gradient[i]);
+                let motion_j = (image.vector(self.evaluated[j]), image.tensor(&facets.gradient[j]));
                 let is_first = (i, facets.reference[own].place) <= (j, part.place);
                 let [(a, (v_a, l_a)), (b, (v_b, l_b))] = match is_first {
                     true => [(here, motion_i), (there, motion_j)],
@@ -233,6 +236,7 @@ impl Oracle {
     /// Moves the facets to where they are, and lets their springs slip.
     pub(crate) fn follow_facets(&mut self) {
         let Some(mut facets) = self.facets.take() else { return };
+        facets.gradient = self.evaluated_gradients();
         let now = |part: &Part| {
             let i = part.owner;
             let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
@@ -289,7 +293,7 @@ impl Oracle {
                 let of_own = if met.is_first { met.press.moment_a } else { met.press.moment_b };
                 let of_own = [0, 1, 2].map(|k| plus(of_own[k], 1.0, torn[k]));
                 let f = met.press.force.map(|f| sign * f);
-                let l = &self.p.velocity_gradient[i];
+                let l = &facets.gradient[i];
                 let power = dot(f, self.evaluated[i]) + (0..3).map(|k| dot(of_own[k], l[k])).sum::<f64>();
                 force[i] = plus(force[i], 1.0, f);
                 (0..3).for_each(|k| moment[i][k] = plus(moment[i][k], 1.0, of_own[k]));
@@ -325,7 +329,7 @@ impl Oracle {
                 let pair = place(self.p.body[i] as usize, self.p.body[b] as usize).expect("a pair of bodies");
                 self.accounts.contacts[pair].friction_work += released;
             }
-            let l = &self.p.velocity_gradient[i];
+            let l = &facets.gradient[i];
             heat[i] += (0..3).map(|k| dot(moment[i][k], l[k])).sum::<f64>();
             let stress = stress_of_moment(&moment[i], &self.deformation[i]);
             for (row, moment) in self.face_stress[i].iter_mut().zip(stress) {

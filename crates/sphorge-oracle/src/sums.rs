@@ -15,7 +15,7 @@ use sphorge_physics::pair::{
 };
 use sphorge_physics::return_mapping::return_mapping;
 use sphorge_physics::stress::{density_after, predicted_density, trial_deviator};
-use sphorge_physics::tensor::{dot, identity, multiply, transpose};
+use sphorge_physics::tensor::{dot, identity, inverse, multiply, transpose};
 use sphorge_physics::thin::{Across, completed_rate, is_thin, reference_correction};
 use sphorge_physics::total_lagrangian::{deform, density, first_piola, is_stretched, smallest_stretch};
 use sphorge_physics::viscosity::{
@@ -178,6 +178,23 @@ impl Oracle {
             self.ledger.mls_energy += self.p.mass[i] * self.p.pressure[i] * (rho - old) / (rho * old);
             self.base_density[i] = density_after(rho, &self.p.velocity_gradient[i], -0.5 * self.dt);
         }
+    }
+
+    /// Velocity gradients in the total Lagrangian form at the velocities at which forces are evaluated; of thin parts, which lack that across
+    /// them, those of the middle of the step.
+    pub(crate) fn evaluated_gradients(&self) -> Vec<Tensor<f64>> {
+        let at = self.places(self.p.position.clone());
+        self.each(|i| {
+            if is_thin(&self.correction[i]) > 0.0 {
+                return self.p.velocity_gradient[i];
+            }
+            let mut sum = tensor::zero();
+            for n in self.pairs(i, &at) {
+                let v = minus(n.image.vector(self.evaluated[n.j]), self.evaluated[i]);
+                add_dyad(&mut sum, self.weight[n.j] * n.f, v, n.x);
+            }
+            multiply(&multiply(&sum, &transpose(&self.correction[i])), &inverse(&self.deformation[i]))
+        })
     }
 
     /// The correction where forces are evaluated, if that is not where the velocity gradient was.

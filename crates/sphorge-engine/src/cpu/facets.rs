@@ -6,14 +6,16 @@
 //! particle sums over its own row, and the pair is evaluated in the same order from both sides, so that forces are
 //! opposite to the bit.
 
+use super::CpuEngine;
 use super::contact::{BlockSums, Push};
 use super::faces::WholeDeformation;
 use super::ghosts::{Ghosts, WithGhosts};
 use crate::ContactLaws;
 use crate::facet_laws::FacetLaws;
 use crate::geometry::{CellFacet, ReferenceFacets, reversed};
+use crate::lanes::PairScalar;
 use crate::model::Model;
-use crate::neighbors::ForeignList;
+use crate::neighbors::{BLOCK, ForeignList};
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::contact::ContactStrength;
@@ -21,7 +23,10 @@ use sphorge_physics::facet::{
     Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force,
     moment_of_torn, press, slip_after, stress_of_moment,
 };
-use sphorge_physics::tensor::{apply, dot};
+use sphorge_physics::gradient_correction::corrected;
+use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
+use sphorge_physics::tensor::{apply, dot, inverse, multiply};
+use sphorge_physics::thin::is_thin;
 use sphorge_physics::time_step::oscillator_limit;
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector};
 
@@ -110,7 +115,7 @@ impl<'a> FacetPoints<'a> {
             id: WithGhosts::new(&own.id, &ghosts.id),
             body: WithGhosts::new(&own.body, &ghosts.body),
             velocity: WithGhosts::new(&own.evaluated_velocity, &ghosts.evaluated_velocity),
-            gradient: WithGhosts::new(&own.velocity_gradient, &ghosts.velocity_gradient),
+            gradient: WithGhosts::new(&own.evaluated_gradient, &ghosts.evaluated_gradient),
             slip: [
                 WithGhosts::new(&own.slip_of_low_faces, &ghosts.slip_of_low_faces),
                 WithGhosts::new(&own.slip_of_high_faces, &ghosts.slip_of_high_faces),
@@ -522,6 +527,68 @@ fn mirrored(facet: &ReferenceFacet<f64>, source: &Source) -> ReferenceFacet<f64>
         normal: turned(facet.normal),
         curvature: facet.curvature.congruence(&mirror),
         depth: facet.depth,
+    }
+}
+
+/// Sums over the neighbours in the reference configuration.
+#[derive(Clone, Copy)]
+struct ReferenceSum<'a> {
+    kernel: Kernel,
+    dimension: Dimension,
+    position: WithGhosts<'a, Vector<f64>>,
+    volume: WithGhosts<'a, f64>,
+    smoothing_length: WithGhosts<'a, f64>,
+    velocity: WithGhosts<'a, Vector<f64>>,
+}
+
+impl ReferenceSum<'_> {
+    /// `dF/dt` at the velocities at which forces are evaluated, before the correction, 1/s.
+    fn rate(&self, i: usize, row: &[u32]) -> Tensor<f64> {
+        let mut rate = [[0.0; 3]; 3];
+        let (x_i, v_i, h_i) = (self.position.at(i), self.velocity.at(i), self.smoothing_length.at(i));
+        for &j in row {
+            let j = j as usize;
+            let (x_j, v_j) = (self.position.at(j), self.velocity.at(j));
+            let x: Vector<f64> = std::array::from_fn(|k| x_i[k] - x_j[k]);
+            let h = pair_smoothing_length(h_i, self.smoothing_length.at(j));
+            let weight = -self.volume.at(j) * self.kernel.slope(self.dimension, dot(x, x).sqrt(), h);
+            for k in 0..3 {
+                for c in 0..3 {
+                    rate[k][c] += weight * (v_j[k] - v_i[k]) * x[c];
+                }
+            }
+        }
+        rate
+    }
+}
+
+impl<T: PairScalar> CpuEngine<T> {
+    /// Velocity gradients of what may meet at facets, at the velocities at which forces are evaluated: as their forces work
+    /// in the sums over particles. That of the deformation belongs to the middle of the step.
+    pub(super) fn follow_evaluated(&mut self) {
+        let Some(contacts) = self.contacts.as_ref().filter(|contacts| contacts.facets.is_some()) else { return };
+        let mut gradients = std::mem::take(&mut self.particles.evaluated_gradient);
+        let (p, ghosts, list) = (&self.particles, &self.ghosts.columns, &self.lists.list);
+        let sum = ReferenceSum {
+            kernel: self.model.numerics.kernel,
+            dimension: self.model.dimensions.into(),
+            position: WithGhosts::new(&p.reference_position, &ghosts.reference_position),
+            volume: WithGhosts::new(&p.reference_volume, &ghosts.reference_volume),
+            smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
+            velocity: WithGhosts::new(&p.evaluated_velocity, &ghosts.evaluated_velocity),
+        };
+        let blocks = gradients.par_chunks_mut(BLOCK).zip(contacts.foreign.blocks());
+        blocks.for_each(|(gradients, block)| {
+            for (i, _) in block.rows() {
+                let rate = corrected(&sum.rate(i, list.row(i)), &p.correction[i]);
+                // What the sums of thin parts do not see across them is that of the middle of the step.
+                gradients[i % BLOCK] = match is_thin(&p.correction[i]) > 0.0 {
+                    true => p.velocity_gradient[i],
+                    false => multiply(&rate, &inverse(&p.deformation[i])),
+                };
+            }
+        });
+        self.particles.evaluated_gradient = gradients;
     }
 }
 

@@ -369,6 +369,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
     fn find_faces(&mut self) -> Result<(), RunFailure> {
         if !self.idle(self.step.dt) {
             self.shift_to_faces();
+            self.follow_evaluated();
         }
         Ok(())
     }

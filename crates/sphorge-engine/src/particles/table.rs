@@ -275,7 +275,7 @@ columns! {
     pub(crate) external_power: f64 = 0.0, Step,
         Internal("W/kg", "power of walls beyond that of their force on the centre: heat, and the difference in velocity of the face"), Unmirrored[], None;
     pub(crate) evaluated_velocity: Vector<f64> = [0.0; 3], Step,
-        Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Contact, Stress], None;
+        Internal("m/s", "velocity the last force sum was evaluated with"), Vector[Motion, Contact, Stress], None;
     pub(crate) mu: f64 = 0.0, Step, Internal("m/s", "largest |mu| of the last force sum"), Unmirrored[], None;
     // Zero for none.
     pub motion: u32 = 0, Step, Internal("", "index of the prescribed motion plus one"), Unmirrored[], None;
@@ -349,6 +349,8 @@ columns! {
     // Bit k: face k of the cell.
     pub(crate) open_faces: u32 = 0, Faces,
         Internal("", "faces of the cell that are exposed since the body came apart"), Same[Search], None;
+    pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Faces,
+        Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;
     // A row for each axis of the cell: along the first edge of the facet and square to it, m, and the stiffness, N/m.
     pub(crate) slip_of_low_faces: Tensor<f64> = [[0.0; 3]; 3], FacetFriction,
         Internal("m", "tangential springs of the facets on the low sides of the cell"), Tensor[Overlaps], None;

@@ -392,7 +392,7 @@ fn faces_in_total_lagrangian_form_take_no_energy_and_no_angular_momentum() {
     // Off centre: the blocks turn and slide. Viscosity, damping and springs would hide what faces do.
     let overrides = [
         ("method", "total-lagrangian"),
-        ("contact", "{ penalty = { damping = 0.0 } }"),
+        ("contact", "{ penalty = { damping = 0.0, stiffness = 1.0 } }"),
         ("numerics.viscosity", "false"),
         ("time.courant", "0.1"),
         ("search", "{ total-lagrangian = { hourglass = 0 } }"),
