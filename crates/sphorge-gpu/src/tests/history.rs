@@ -1,7 +1,7 @@
-//! A flow law with a history of its own on a card, beside the processor's engine.
+//! A flow law with a history of its own, and integrity, on a card, beside the processor's engine.
 
 use super::card::card;
-use super::engine::{IRON, components, drifts};
+use super::engine::{IRON, components, drifts, start_text};
 use crate::Gpu;
 use sphorge_deck::{decks, load_text};
 use sphorge_engine::persist::MemoryArchive;
@@ -78,4 +78,51 @@ fn damage_is_saved_and_guarded() {
     let mut mended = start(&Gpu::default(), &IRON.1[..2], -1e9);
     let failure = (0..2000).find_map(|_| mended.step(None).err()).expect("damage below zero");
     assert_eq!((failure.field, failure.particle.is_some()), ("damage", true), "{failure}");
+}
+
+/// A block of iron that is pulled apart and sheared until it spalls.
+const TORN: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+time = { end = "20 us" }
+
+[material.iron]
+base = "armco-iron"
+spall-pressure = "0.4 GPa"
+
+[[body]]
+name = "block"
+material = "iron"
+shape = { box = { min = ["-6 mm", "-3 mm"], max = ["6 mm", "3 mm"] } }
+velocity-profile = { along = "x", amplitude = ["100 m/s", "20 m/s"], rows = [["-6 mm", -1.0], ["-1 mm", -0.7], ["2 mm", 0.8], ["6 mm", 1.0]] }
+"#;
+
+#[test]
+fn integrity_is_lost_as_on_the_processor() {
+    if card().is_none() {
+        return;
+    }
+    for overrides in [
+        &[("method", "total-lagrangian"), ("numerics.temperature", "energy")][..],
+        &[("method", "updated-lagrangian")],
+        &[("method", "updated-lagrangian"), ("numerics.integrator", "predictor-corrector")],
+    ] {
+        let [theirs, ours] = [&Cpu as &dyn EngineKind, &Gpu::default()].map(|kind| {
+            let mut simulation = start_text(kind, "torn", TORN, overrides);
+            run(&mut simulation, 3e-6);
+            simulation
+        });
+        for field in
+            ["integrity", "position", "velocity", "energy", "pressure", "deviator", "temperature", "yield_stress"]
+        {
+            let [theirs, ours] = [&theirs, &ours].map(|simulation| components(&simulation.read(field).unwrap()));
+            let largest = theirs.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+            let off = theirs.iter().zip(&ours).fold(0.0f64, |a, (b, c)| a.max((b - c).abs())) / largest;
+            assert!(off < 1e-3, "{overrides:?}: {field}: {off:e} of {largest}");
+            if field == "integrity" {
+                let least = theirs.iter().fold(1.0f64, |a, b| a.min(*b));
+                assert!(least < 0.1 && largest == 1.0, "{least} to {largest}");
+            }
+        }
+    }
 }
