@@ -142,7 +142,7 @@ pub(in crate::engine) fn stress(
                 |severed: Recorded, bears: Recorded| Recorded::select_lt(Recorded::zero(), before, bears, severed);
             let zero = Recorded::zero();
             returned.deviator = returned.deviator * is_severed(zero, borne.integrity);
-            returned.plastic_work *= before;
+            returned.plastic_work = returned.plastic_work * before;
             returned.plastic_strain_increment = is_severed(zero, returned.plastic_strain_increment);
             // That of an elastic law is infinite.
             let left = Recorded::select_lt(zero, borne.integrity, returned.yield_stress * borne.integrity, zero);
