@@ -1,7 +1,7 @@
 //! Heat that flows on a card, beside the processor's engine.
 
 use super::card::card;
-use super::contact::striking;
+use super::contact::{RUBS, striking};
 use super::engine::{conserves_and_repeats, count_steps, start, start_text};
 use crate::Gpu;
 use sphorge_deck::decks;
@@ -115,8 +115,7 @@ fn heat_passes_between_bodies_in_contact_as_on_the_processor() {
     if card().is_none() {
         return;
     }
-    let contact = "contact = { penalty = { friction = 0.3 } }";
-    for more in [contact.to_owned(), format!("method = \"patino\"\nsearch = \"every-step\"\n{contact}")] {
+    for more in [RUBS.to_owned(), format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}")] {
         let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
         compare_runs(kinds.map(|kind| start_text(kind, "striking", &striking(&more), &CONDUCT)), 6e-6, 3e-4);
     }

@@ -45,9 +45,11 @@ pub(crate) fn striking(more: &str) -> String {
 /// So that friction warms one more than the other.
 pub(super) const CONDUCT: [(&str, &str); 2] =
     [("material.ofhc-copper.conductivity", "\"400 W/(m K)\""), ("material.armco-iron.conductivity", "\"20 W/(m K)\"")];
-pub(crate) const RUBS: &str = "contact = { penalty = { friction = 0.3 } }";
+/// By overlap: cards do not have the contact of facets.
+pub(crate) const OVERLAP: &str = "contact = { penalty = { surfaces = \"overlap\" } }";
+pub(crate) const RUBS: &str = "contact = { penalty = { surfaces = \"overlap\", friction = 0.3 } }";
 /// So stiff that the contact limits the step.
-const STIFF: &str = "contact = { penalty = { friction = 0.3, stiffness = 3.0 } }";
+const STIFF: &str = "contact = { penalty = { surfaces = \"overlap\", friction = 0.3, stiffness = 3.0 } }";
 /// K.
 const AT_START: f64 = 293.15;
 pub(super) const PRESENT: &str = "method = \"patino\"\nsearch = \"every-step\"";

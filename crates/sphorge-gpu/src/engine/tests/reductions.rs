@@ -5,7 +5,7 @@ use crate::Gpu;
 use crate::device::Profile;
 use crate::engine::GpuEngine;
 use crate::tests::card::card;
-use crate::tests::contact::striking;
+use crate::tests::contact::{OVERLAP, striking};
 use crate::tests::engine::IRON;
 use crate::tests::motion::driven;
 use sphorge_engine::model::{Extremum, ParticleSelection};
@@ -104,7 +104,7 @@ fn sizes_of_deformed_and_of_renewed_bodies_are_those_of_columns_read_back() {
 #[test]
 fn bodies_regions_and_smoothing_lengths_that_follow_are_those_of_columns_read_back() {
     let of_body = |body| ParticleSelection { body: Some(body), ..ParticleSelection::default() };
-    let Some(engine) = started((&striking(""), &[]), 5) else { return };
+    let Some(engine) = started((&striking(OVERLAP), &[]), 5) else { return };
     compare_fields(&engine, &["velocity", "density"], &[of_body(0), of_body(1), of_body(2)]);
     compare_sizes(&engine, &[of_body(1), of_body(2)]);
     let Some(engine) = started((&driven(""), &[("particles.spacing", "\"0.25 mm\"")]), 10) else { return };
@@ -154,7 +154,7 @@ fn compare_suspects(engine: &GpuEngine, suspicion: Suspicion) -> Vec<u64> {
 
 #[test]
 fn checks_of_single_particles_are_those_of_columns_read_back() {
-    let Some(engine) = started((&striking(""), &[]), 0) else { return };
+    let Some(engine) = started((&striking(OVERLAP), &[]), 0) else { return };
     // All are equally cold: the first is the worst.
     let all = compare_suspects(&engine, Suspicion::Cold(1e4));
     let warm = engine.initial.temperature[0];

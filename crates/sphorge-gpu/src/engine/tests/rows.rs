@@ -6,7 +6,7 @@ use crate::device::Profile;
 use crate::engine::GpuEngine;
 use crate::engine::columns::Group;
 use crate::tests::card::card;
-use crate::tests::contact::striking;
+use crate::tests::contact::{OVERLAP, striking};
 use crate::tests::engine::IRON;
 use sphorge_engine::model::{Extremum, MeasureKind, ParticleSelection};
 use sphorge_engine::reduction::{Quantity, Reduction, Suspicion};
@@ -166,7 +166,7 @@ fn steps_do_not_wait_for_the_sums_of_a_row() {
     let section = ("section", "[{ name = \"s\", point = [\"0 mm\", \"4 mm\"], normal = [0, 1] }]");
     compare_queued((shipped("taylor-plate"), &[("particles.spacing", "\"0.6 mm\""), section]), 5);
     compare_queued((shipped(IRON.0), &[IRON.1[0], IRON.1[1], section]), 5);
-    compare_queued((&striking(""), &[]), 5);
+    compare_queued((&striking(OVERLAP), &[]), 5);
 }
 
 #[test]
