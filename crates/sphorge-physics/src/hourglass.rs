@@ -187,7 +187,7 @@ pub fn is_fit<T: Elementary>(moment: &Tensor<T>, correction: &Tensor<T>, dimensi
         let mut sum = T::zero();
         for p in 0..d {
             for q in 0..d {
-                sum = sum + moment[a][p] * correction[p][q] * moment[q][b];
+                sum += moment[a][p] * correction[p][q] * moment[q][b];
             }
         }
         sum
