@@ -179,14 +179,14 @@ fn timoshenko(length: f64, thickness: f64) -> f64 {
     };
     let terms = 6;
     // Deflections P_0, P_2, .., rotations P_1, P_3, ..
-    let mass = |n: usize| DENSITY * if n % 2 == 0 { area } else { inertia } * half * 2.0 / (2 * n + 1) as f64;
+    let mass = |n: usize| DENSITY * if n.is_multiple_of(2) { area } else { inertia } * half * 2.0 / (2 * n + 1) as f64;
     let (mut operator, points) = (Matrix::zero(2 * terms), 2000);
     for k in 0..points {
         let s = (2 * k + 1) as f64 / points as f64 - 1.0;
         let (width, at) = (half * 2.0 / points as f64, (0..2 * terms).map(|n| legendre(n, s)).collect::<Vec<_>>());
         // Curvature of a rotation, and shear of either.
-        let curvature = |n: usize| if n % 2 == 0 { 0.0 } else { at[n].1 / half };
-        let sheared = |n: usize| if n % 2 == 0 { at[n].1 / half } else { -at[n].0 };
+        let curvature = |n: usize| if n.is_multiple_of(2) { 0.0 } else { at[n].1 / half };
+        let sheared = |n: usize| if n.is_multiple_of(2) { at[n].1 / half } else { -at[n].0 };
         for p in 0..2 * terms {
             for q in 0..2 * terms {
                 let energy = bending * inertia * curvature(p) * curvature(q)
