@@ -3,7 +3,7 @@
 use super::card::card;
 use crate::Gpu;
 use sphorge_deck::{decks, load_text};
-use sphorge_engine::model::{ParticleSelection, Precision};
+use sphorge_engine::model::{Model, ParticleSelection, Precision};
 use sphorge_engine::particles::FIELDS;
 use sphorge_engine::persist::MemoryArchive;
 use sphorge_engine::{Column, Cpu, EngineKind, FieldSource, Ledger, ParticleSource, Particles, Reduction, Simulation};
@@ -440,19 +440,21 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
 }
 
 #[test]
-fn every_shipped_deck_is_taken_but_for_those_in_double_precision() {
+fn every_shipped_deck_is_taken_but_for_those_in_double_precision_and_with_facets() {
     for deck in decks::DECKS {
         let load = |overrides: &[(String, String)]| load_text(deck.name, deck.text, overrides).unwrap().model;
+        let refused = |model: &Model| Gpu::default().supports(model).err().map(|refusal| refusal.what);
         let model = load(&[]);
-        match Gpu::default().supports(&model) {
-            Ok(()) => assert_eq!(model.numerics.precision, Precision::Mixed, "{}", deck.name),
-            Err(refusal) => {
-                assert!(refusal.what.contains("double precision"), "{}: {refusal:?}", deck.name);
-                assert_eq!(model.numerics.precision, Precision::Double, "{}", deck.name);
-            }
+        let is_double = model.numerics.precision == Precision::Double;
+        let what = refused(&model);
+        assert_eq!(what.is_some(), is_double || model.has_facets(), "{}: {what:?}", deck.name);
+        assert!(!is_double || what.is_some_and(|what| what.contains("double precision")), "{}", deck.name);
+        let mut overrides = vec![("numerics.precision".to_owned(), "\"mixed\"".to_owned())];
+        if model.has_facets() {
+            assert!(refused(&load(&overrides)).is_some_and(|what| what.contains("facets")), "{}", deck.name);
+            overrides.push(("contact".to_owned(), "{ penalty = { surfaces = \"overlap\" } }".to_owned()));
         }
-        let mixed = load(&[("numerics.precision".to_owned(), "\"mixed\"".to_owned())]);
-        Gpu::default().supports(&mixed).unwrap_or_else(|refusal| panic!("{}: {refusal:?}", deck.name));
+        assert_eq!(refused(&load(&overrides)), None, "{}", deck.name);
     }
 }
 
