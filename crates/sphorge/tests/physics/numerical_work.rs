@@ -234,7 +234,9 @@ fn every_joule_has_a_name() {
     // XSPH moves particles without force: it takes nothing.
     let moving = ("numerics.xsph", "0.5");
     let [front, _] = YIELDING_BAR.split("[[symmetry]]").collect::<Vec<_>>()[..] else { panic!("a plane") };
-    let striking = format!("contact = {{ penalty = {{ friction = 0.2, damping = 0.2 }} }}\n{front}{BLOCK}");
+    // At facets what is left over does not fall steadily with the step; `facets.rs` has the balance of their energy.
+    let contact = "contact = { penalty = { surfaces = \"overlap\", friction = 0.2, damping = 0.2 } }";
+    let striking = format!("{contact}\n{front}{BLOCK}");
     let sliding = format!("{front}{WALL}");
     let slanting = ("body.bar.velocity", "[\"-60 m/s\", \"20 m/s\"]");
     let driven = YIELDING_BAR.replace("velocity = [\"-40 m/s\", \"0 m/s\"]", "") + DRIVEN;
