@@ -394,10 +394,12 @@ impl<'a> Reaches<'a> {
 
     /// Of a particle or ghost, m.
     pub(super) fn of(&self, i: usize) -> Option<f64> {
+        // Without facets there may be no deformation to ask for.
+        let facets = self.facets?;
         let f = self.since.at(i);
         let f = self.earlier.map_or(f, |earlier| WholeDeformation::product(&f, &earlier.at(i)));
         let [body, id, open] = self.cell.map(|column| column.at(i));
-        self.facets.map(|facets| facets.reach((body, id, open), &f))
+        Some(facets.reach((body, id, open), &f))
     }
 }
 

@@ -135,9 +135,10 @@ fn arms_of_a_hairpin_stop_each_other_unless_told_not_to() {
 #[test]
 fn what_slides_past_a_corner_stores_no_less_than_nothing() {
     // Corners meet flats.
-    for by in [2.0, 3.25] {
+    for (by, surfaces) in [2.0, 3.25].into_iter().flat_map(|by| ["overlap", "facets"].map(|surfaces| (by, surfaces))) {
+        let contact = format!("{{ penalty = {{ surfaces = \"{surfaces}\" }} }}");
         let run = |deck: &str, self_contact: bool| {
-            let mut simulation = simulation(deck, &[]);
+            let mut simulation = simulation(deck, &[("contact", &contact)]);
             let (start, mut least) = (simulation.ledger().unwrap(), 0.0f64);
             let of = usize::from(!self_contact && start.contacts.len() > 1);
             while simulation.time() < 30e-6 {
@@ -148,10 +149,13 @@ fn what_slides_past_a_corner_stores_no_less_than_nothing() {
         };
         let ([one, plastic_of_one], [two, plastic_of_two]) = (run(&one_body(by), true), run(&two_bodies(by), false));
         println!(
-            "{by} mm: {one:.4} and {two:.4} of the energy, plastic work {plastic_of_one:.4} and {plastic_of_two:.4}"
+            "{by} mm, {surfaces}: {one:.4} and {two:.4} of the energy, plastic work {plastic_of_one:.4} and {plastic_of_two:.4}"
         );
-        assert!(one > -0.005, "{by} mm: {one}");
-        assert!((plastic_of_one - plastic_of_two).abs() < 0.02, "{by} mm: {plastic_of_one} {plastic_of_two}");
+        assert!(one > -0.005, "{by} mm, {surfaces}: {one}");
+        assert!(
+            (plastic_of_one - plastic_of_two).abs() < 0.02,
+            "{by} mm, {surfaces}: {plastic_of_one} {plastic_of_two}"
+        );
     }
 }
 
