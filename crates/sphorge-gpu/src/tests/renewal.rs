@@ -121,7 +121,9 @@ const SPLASH: &str = include_str!("../../../sphorge/tests/physics/splash.toml");
 
 #[test]
 fn what_passes_a_symmetry_plane_meets_the_images_of_the_processor() {
-    compare(SPLASH, &[], 250e-6, 6, (1e-3, 1e-2));
+    // Cards compute pairs in single precision. Later the last bit decides where a drop goes.
+    let mixed = [("numerics.precision", "\"mixed\"")];
+    compare(SPLASH, &mixed, 200e-6, 4, (1e-3, 1e-2));
 }
 
 /// A block of rubber thrown on a wall beside a plane of symmetry.

@@ -6,7 +6,7 @@ use super::neighbors::{Pair, over_list, places};
 use super::reference::less_identity;
 use super::section::{Crossing, Through};
 use crate::engine::columns::{Fields, Group, Recording, recording};
-use crate::record::{Index, KernelFault, Recorded};
+use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::Model;
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums};
 use sphorge_physics::pair::{ForceSums, PairForce, corrected_stress_vector, momentum_factor};
@@ -112,9 +112,11 @@ pub(in crate::engine) fn springs<const D: usize>(
         let (place, evaluated) = (bind.read(Group::Place), bind.read(Group::Evaluated));
         let (packed, deformation) = (bind.read(Group::Packed), bind.read(Group::Deformation));
         // Displacement and its rest: differences of places would be rounded to single precision of the distance.
+        // So would the difference of the numbers where a body has gone far: its rest is kept, too.
         let displacement = |k: Index| {
             let (now, then) = (places(place, k), places(near.0, k));
-            [0, 1].map(|part| [0, 1, 2].map(|a| now[a][part] - then[a][part]))
+            let u = [0, 1, 2].map(|a| Double::new(now[a]) - Double::new(then[a]));
+            [u.map(|u| u.high), u.map(|u| u.low)]
         };
         let (u_i, v_i): (_, Vector<Recorded>) = (displacement(i), evaluated.vector(0, i));
         let (h_i, stiffness) = (less_identity(deformation, i), packed.get(9, i));
