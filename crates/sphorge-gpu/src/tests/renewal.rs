@@ -79,7 +79,9 @@ pub(super) fn compare(text: &str, overrides: &[(&str, &str)], end: f64, least: u
     assert_eq!(ours.2, theirs.2);
     // Of what came in: the strip starts with little.
     let drift = drifts(&ours.0, &ours.1).0 * ours.1.total_energy() / scale;
-    assert!(drift.abs() < 2e-8, "{drift:e}");
+    // Rounding of pair sums in single precision: of the strip below the processor loses 2.0e-8 in mixed precision, in which it grows
+    // evenly with the steps, and 6e-16 in double.
+    assert!(drift.abs() < 5e-8, "{drift:e}");
 }
 
 #[test]
