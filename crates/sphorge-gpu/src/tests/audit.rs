@@ -98,7 +98,8 @@ fn lists_of_the_initial_configuration_are_audited_as_on_the_processor() {
     let text = |name: &str| decks::find(name).unwrap().text;
     let audit = ("audit", "20");
     let iron = [IRON.1[0], IRON.1[1], ("body.bar.velocity", "[\"0 m/s\", \"-300 m/s\"]"), audit];
-    let theirs = compare(text(IRON.0), &iron, 20e-6);
+    // Pairs at the edge of the support are counted alike until the last digits have grown: to 13 us.
+    let theirs = compare(text(IRON.0), &iron, 13e-6);
     let changes = |audits: &[Audit]| audits.iter().any(|a| a.missed_pairs > 20 && a.stale_pairs > 20);
     assert!(theirs.is_empty() || changes(&theirs), "{theirs:?}");
     // Those after a renewal are those of the configuration of then; beside planes; what bodies and parts of one press in the contact is not missed.
