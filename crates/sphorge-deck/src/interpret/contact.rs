@@ -9,11 +9,10 @@ use sphorge_engine::model::{BodyContact, Formulation};
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::parameter::Bound;
 
-/// How that many bodies meet; where the deck does not say, in the way of the formulation.
+/// How bodies meet; where the deck does not say, in the way of the formulation.
 pub(crate) fn contact(
     raw: Option<&RawContactChoice>,
     formulation: Option<Formulation>,
-    bodies: usize,
     problems: &mut Problems,
 ) -> Option<BodyContact> {
     let usual = RawBodyPenalty::default();
@@ -32,10 +31,9 @@ pub(crate) fn contact(
         }
     };
     let has_cells = !matches!(formulation, Some(Formulation::UpdatedLagrangian));
-    // A body alone meets itself alone, which cards compute by overlap, too.
     let at_facets = match &table.surfaces {
         Some(word) => word.get(problems)?,
-        None => has_cells && bodies > 1,
+        None => false,
     };
     if let (true, false, Some(word)) = (at_facets, has_cells, &table.surfaces) {
         let message = "facets follow the deformation of cells, which the updated Lagrangian form does not have";

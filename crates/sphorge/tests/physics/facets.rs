@@ -1,6 +1,6 @@
 //! Contact at the facets of particles: where bodies touch, how they rest, slide and bounce.
 
-use super::setup::{run_steps, run_to, simulation};
+use super::setup::{run_steps, run_to};
 use sphorge::engine::Simulation;
 
 /// Two elastic blocks of steel that share a face; the springs against hourglass modes are not what is tested.
@@ -27,6 +27,12 @@ name = "lower"
 material = "steel"
 shape = { box = { min = ["-10 mm", "-6 mm"], max = ["10 mm", "0 mm"] } }
 "#;
+
+/// Bodies of a deck that meet at facets.
+fn simulation(text: &str, overrides: &[(&str, &str)]) -> Simulation {
+    let facets = [("contact.penalty.surfaces", "facets")];
+    super::setup::simulation(text, &[overrides, &facets].concat())
+}
 
 /// Largest speed of any particle, m/s.
 fn fastest(simulation: &Simulation) -> f64 {

@@ -149,7 +149,7 @@ const BARS: &[Bar] = &[
         lets_go: true,
         strain_of: StrainOf::AsLarge,
         quick: true,
-        missed: &[(12, FOOT, 0.027)],
+        missed: &[(12, FOOT, 0.034), (12, OUTLINE, 0.0245)],
         ..COPPER
     },
     Bar {
