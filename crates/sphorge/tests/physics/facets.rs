@@ -182,7 +182,10 @@ fn a_block_slides_over_a_lattice_without_bumps() {
 #[test]
 fn bodies_deep_in_each_other_at_the_start_are_refused_and_little_overlap_is_told() {
     let load = |shift: &str| {
-        let overrides = [("body.upper.shape.shift".to_owned(), format!("[0, \"{shift}\"]"))];
+        let overrides = [
+            ("body.upper.shape.shift".to_owned(), format!("[0, \"{shift}\"]")),
+            ("contact.penalty.surfaces".to_owned(), "facets".to_owned()),
+        ];
         sphorge::deck::load_text("test", BLOCKS, &overrides)
     };
     assert!(load("0 mm").unwrap().notes.iter().all(|note| !note.contains("deep in each other")));
