@@ -63,20 +63,11 @@ pub fn neo_hookean_deviator<T: Elementary>(h: &Tensor<T>, shear_modulus: T) -> S
     finger_strain(h).deviator() * (shear_modulus * j.powf(T::of(-5.0 / 3.0)))
 }
 
-/// Energy stored in shear per initial volume, J/m^3, of the displacement gradient `H = F - 1` and the shear modulus, Pa.
-#[inline(always)]
-pub fn neo_hookean_shear_energy<T: Elementary>(h: &Tensor<T>, shear_modulus: T) -> T {
-    let j = T::one() + relative_dilatation(h);
-    let three = T::of(3.0);
-    let trace = (three + finger_strain(h).trace()) * j.powf(T::of(-2.0 / 3.0));
-    T::of(0.5) * shear_modulus * (trace - three)
-}
-
 /// Newton steps of [`neo_hookean_energy_of_stress`]: from above, where the cubic is convex, each halves the distance at
 /// least, and near the root it squares it.
 const NEWTON_STEPS: usize = 16;
 
-/// The energy of [`neo_hookean_shear_energy`], J/m^3, of the deviatoric Cauchy stress (Pa) and `J` instead of the
+/// Energy stored in shear per initial volume, J/m^3, of the deviatoric Cauchy stress (Pa) and `J` instead of the
 /// deformation. With `D = S J/G`, the deviator of `b = J^(-2/3) F F^T`, the trace `3 (1 + n)` of `b` follows from
 /// `det b = 1`, that is `n^3 + 3 n^2 + (3 - I) n + det D - I = 0` with `I = D : D/2`.
 #[inline(always)]
@@ -102,6 +93,13 @@ mod tests {
     use crate::total_lagrangian::first_piola;
 
     const G: f64 = 6.5;
+
+    /// Energy stored in shear per initial volume, J/m^3, of the displacement gradient `H = F - 1` and the shear modulus, Pa, as
+    /// the law has it: the digits of small strains are lost.
+    fn neo_hookean_shear_energy(h: &Tensor<f64>, shear_modulus: f64) -> f64 {
+        let trace = (3.0 + finger_strain(h).trace()) * (1.0 + relative_dilatation(h)).powf(-2.0 / 3.0);
+        0.5 * shear_modulus * (trace - 3.0)
+    }
 
     fn deviator(f: &Tensor<f64>) -> SymmetricTensor<f64> {
         neo_hookean_deviator(&minus_identity(f), G)

@@ -5,9 +5,7 @@ use crate::record::Recorded;
 use sphorge_physics::eos::{BoundedPressure, ColdEnergy, EQUATIONS_OF_STATE, EquationOfState};
 use sphorge_physics::flow::{FLOW_LAWS, FlowLaw, FlowState};
 use sphorge_physics::hourglass::{Misfit, Spring, SpringSums, is_fit};
-use sphorge_physics::hyperelastic::{
-    composed, neo_hookean_deviator, neo_hookean_energy_of_stress, neo_hookean_shear_energy,
-};
+use sphorge_physics::hyperelastic::{composed, neo_hookean_deviator, neo_hookean_energy_of_stress};
 use sphorge_physics::kernel::{Kernel, PairScale};
 use sphorge_physics::kick::{KickAccount, KickAxis, earlier};
 use sphorge_physics::moving_least_squares::Moments;
@@ -332,7 +330,7 @@ pub(super) fn laws() -> Vec<Law> {
         let h = tensor(x);
         let s = neo_hookean_deviator(&h, x[9]);
         let twice = neo_hookean_deviator(&composed(&h, &transpose(&h)), x[9]);
-        let stored = [neo_hookean_shear_energy(&h, x[9]), neo_hookean_energy_of_stress(s, T::of(1.1), x[9])];
+        let stored = [neo_hookean_energy_of_stress(s, T::of(1.1), x[9])];
         [&s.to_array()[..], &twice.to_array(), &stored].concat()
     });
     law!(
