@@ -47,6 +47,8 @@ pub(super) struct Watch {
     seen: Vec<Seen>,
     /// How many of them have been told.
     told: usize,
+    /// Kinds that this process has told of: a step that is repeated comes upon them again.
+    told_kinds: Vec<u8>,
     particles_at: Option<u64>,
     pairs_at: Option<u64>,
     pieces_at: Option<u64>,
@@ -122,6 +124,7 @@ impl Watch {
             supply: Supply::default(),
             seen: Vec::new(),
             told: 0,
+            told_kinds: Vec::new(),
             particles_at: None,
             pairs_at: None,
             pieces_at: None,
@@ -142,7 +145,9 @@ impl Watch {
 
     /// What was seen and has not been told.
     pub(super) fn news(&mut self, model: &Model) -> Vec<WarningRecord> {
-        let news = self.seen[self.told..].iter().map(|seen| self.record(seen, model)).collect();
+        let untold = self.seen[self.told..].iter().filter(|seen| !self.told_kinds.contains(&seen.kind));
+        let (kinds, news): (Vec<_>, Vec<_>) = untold.map(|seen| (seen.kind, self.record(seen, model))).unzip();
+        self.told_kinds.extend(kinds);
         self.told = self.seen.len();
         news
     }

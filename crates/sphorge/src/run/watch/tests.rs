@@ -385,6 +385,20 @@ fn a_deck_that_ends_after_some_steps_is_not_stopped() {
 }
 
 #[test]
+fn what_a_repeated_step_comes_upon_again_is_not_told_again() {
+    let model = testing::model(&["bar"]);
+    let mut watch = begun(&model);
+    let mut before = MemoryArchive::new();
+    watch.persist("watch", &mut before).unwrap();
+    watch.look_at_ledger(&model, &ledger(0.0, 0.0, 300.0, 0.0), CLOCK);
+    assert_eq!(watch.news(&model).len(), 1);
+    watch.persist("watch", &mut before.to_load()).unwrap();
+    assert_eq!(watch.records(&model), []);
+    watch.look_at_ledger(&model, &ledger(0.0, 0.0, 300.0, 0.0), CLOCK);
+    assert_eq!((watch.records(&model).len(), watch.news(&model).len()), (1, 0));
+}
+
+#[test]
 fn news_are_told_once_and_a_saved_watch_goes_on() {
     let model = testing::model(&["bar"]);
     let mut watch = begun(&model);
