@@ -7,6 +7,7 @@ use common::{Ended, Place, wait_for};
 use std::{
     fs,
     os::unix::fs::symlink,
+    path::Path,
     process::{Child, Command},
 };
 
@@ -36,11 +37,16 @@ fn a_lock_that_leads_elsewhere_is_not_followed() {
         for target in ["../thesis.txt", "../none.txt"] {
             fs::remove_file(&lock).unwrap();
             symlink(target, &lock).unwrap();
-            place.run(command).expect_code(2).expect_told(&["symbolic link", "not followed"]);
+            place.run(command).expect_code(2).expect_told(&[
+                "because of its `.sphorge-lock`",
+                "symbolic link",
+                "not followed",
+            ]);
         }
         fs::remove_file(&lock).unwrap();
         fs::hard_link(place.path("thesis.txt"), &lock).unwrap();
-        place.run(command).expect_code(2).expect_told(&["second name"]);
+        let refused = place.run(command).expect_code(2);
+        refused.expect_told(&["not written by Sphorge", "remove or rename it"]);
     }
     assert_eq!(fs::read_to_string(place.path("thesis.txt")).unwrap(), "my thesis");
     assert!(!place.path("none.txt").exists());
@@ -196,4 +202,42 @@ fn a_run_whose_folder_is_removed_and_begun_anew_leaves_the_new_one_alone() {
     fs::rename(place.path("above"), place.path("elsewhere")).unwrap();
     end(child).expect_code(1).expect_told(&["moved"]);
     assert!(!place.path("above").exists());
+}
+
+/// A copy whose files are links to those of another folder, as `cp -al` and backups make it.
+fn copy_by_links(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let (path, copy) = (entry.as_ref().unwrap().path(), to.join(entry.unwrap().file_name()));
+        if path.is_dir() { copy_by_links(&path, &copy) } else { fs::hard_link(&path, &copy).unwrap() }
+    }
+}
+
+#[test]
+fn a_copy_by_links_is_a_run_of_its_own_and_leaves_the_other_as_it_is() {
+    let place = Place::new();
+    place.run(&["run", "plate.toml", "-o", "run", "--checkpoint-at-end"]).expect_code(0);
+    let whole: Vec<_> =
+        common::files(&place.path("run")).into_iter().map(|path| (fs::read(&path).unwrap(), path)).collect();
+    for (copy, command) in [
+        ("first", &["resume", "first", "--set", "time.end=\"3 us\""][..]),
+        ("second", &["run", "plate.toml", "-o", "second", "--overwrite"]),
+        ("third", &["plot", "third", "--column", "height"]),
+    ] {
+        copy_by_links(&place.path("run"), &place.path(copy));
+        place.run(command).expect_code(0);
+        place.run(command).expect_code(if copy == "first" { 2 } else { 0 });
+        assert!(whole.iter().all(|(bytes, path)| fs::read(path).unwrap() == *bytes), "{copy}");
+    }
+    // One that is copied while it goes on notices nothing, and the copy can go on when it has ended.
+    let child = start_long(&place, "long");
+    copy_by_links(&place.path("long"), &place.path("copy"));
+    let told = place.run(&["run", "plate.toml", "-o", "copy", "--overwrite"]).expect_code(2);
+    told.expect_told(&["another run writes to copy"]);
+    wait_for("the twentieth frame", || place.path("long/fields/000020.vtp").exists());
+    Command::new("kill").args(["-INT", child.id().to_string().as_str()]).status().unwrap();
+    end(child).expect_code(130);
+    place.run(&["run", "plate.toml", "-o", "copy", "--overwrite"]).expect_code(0);
+    let mark = fs::read_to_string(place.path("long/.sphorge-run")).unwrap();
+    assert!(mark.contains("fields/000020.vtp\n") && mark.contains("summary.json\n"), "{mark}");
 }

@@ -124,10 +124,11 @@ pub(crate) fn write_checkpoint(
     Ok(Some(directory.path().join(name)))
 }
 
-/// Removes the checkpoints before the last two, and parts that are of none.
+/// Removes the checkpoints of the run before the last two, and parts that are of none.
 pub(crate) fn remove_former_checkpoints(directory: &RunDirectory) -> Result<(), OutputError> {
-    for (_, former) in checkpoints(directory.path())?.into_iter().skip(KEPT) {
-        directory.remove(&name_of(&former))?;
+    let names = checkpoints(directory.path())?.into_iter().map(|(_, path)| name_of(&path));
+    for former in names.filter(|name| directory.is_own(name)).skip(KEPT) {
+        directory.remove(&former)?;
     }
     directory.remove_parts_of_none()
 }

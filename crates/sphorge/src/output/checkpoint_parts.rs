@@ -185,9 +185,10 @@ pub(super) fn remove_parts(run: &Folder, name: &str) -> io::Result<()> {
     remove_numbered(run, name, EXTENSION)
 }
 
-/// Removes parts that no checkpoint names, as one that was not completed or was written anew leaves them.
-pub(super) fn remove_parts_of_none(run: &Folder) -> Result<(), OutputError> {
-    let all = folders(run).reading(run.path())?;
+/// Removes parts that no checkpoint names, as one that was not completed or was written anew leaves them, if they are of this run.
+pub(super) fn remove_parts_of_none(run: &Folder, is_own: impl Fn(&str) -> bool) -> Result<(), OutputError> {
+    let mut all = folders(run).reading(run.path())?;
+    all.retain(|folder| is_own(&format!("{folder}/")));
     if all.is_empty() {
         return Ok(());
     }

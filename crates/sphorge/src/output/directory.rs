@@ -4,9 +4,10 @@ use super::{
     atomic::{Durability, Sink, UNFINISHED_PREFIX, UNFINISHED_SUFFIX},
     checkpoint::is_checkpoint,
     checkpoint_parts::{remove_parts, remove_parts_of_none},
+    claim::Claim,
     error::{AtPath, OutputError},
     folder::{Folder, Kind},
-    lock::{LOCK, Lock, Refusal, is_locked_by_another},
+    lock::{LOCK, is_locked_by_another},
     mark::{MARK, Mark, Marked, add_picture},
     pieces::remove_pieces,
     sum::{Sum, sum_in, sum_of},
@@ -49,9 +50,8 @@ pub struct RunDirectory {
 /// What a run that writes to its folder holds of it.
 #[derive(Debug)]
 struct Held {
-    folder: Folder,
+    claim: Claim,
     mark: Mark,
-    lock: Lock,
 }
 
 impl Held {
@@ -61,25 +61,10 @@ impl Held {
         by_force: bool,
         mark: impl FnOnce(&Folder) -> io::Result<Mark>,
     ) -> Result<Self, OutputError> {
-        let path = folder.path().to_owned();
-        let lock = Lock::take(&folder, by_force).map_err(|refusal| match refusal {
-            Refusal::Held(owner) => OutputError::Locked { path: path.clone(), owner },
-            Refusal::Failed(source) => OutputError::Unwritable { path: path.clone(), source },
-        })?;
-        let mark = mark(&folder).map_err(|source| OutputError::Unwritable { path, source })?;
-        Ok(Self { folder, mark, lock })
-    }
-
-    /// Whether the folder is still the one that the run has begun to write to, and nobody else does.
-    fn check(&self) -> Result<(), OutputError> {
-        let reason = if !self.folder.is_in_place() {
-            "it was moved, removed or replaced"
-        } else if !self.lock.is_held() {
-            "its lock was removed, or taken by another run"
-        } else {
-            return Ok(());
-        };
-        Err(OutputError::Lost { path: self.folder.path().to_owned(), reason })
+        let claim = Claim::take(folder, by_force)?;
+        let unwritable = |source| OutputError::Unwritable { path: claim.folder().path().to_owned(), source };
+        let mark = mark(claim.folder()).map_err(unwritable)?;
+        Ok(Self { claim, mark })
     }
 }
 
@@ -159,7 +144,7 @@ impl RunDirectory {
         drop(folder.unfinished().map_err(unwritable)?);
         match folder.inside(FIELDS) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
-            opened => drop(opened.map_err(|e| in_the_way(FIELDS, e)).map_err(unwritable)?),
+            opened => drop(opened.map_err(|source| in_the_way(path, FIELDS, source))?),
         }
         let former = || Marked::read(&folder).map_or_else(Default::default, |marked| marked.names);
         let held = Held::take(folder.clone(), by_force, |folder| {
@@ -188,7 +173,7 @@ impl RunDirectory {
         let folder = Folder::open(&path).map_err(unwritable)?;
         match folder.inside(FIELDS) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
-            opened => drop(opened.map_err(|e| in_the_way(FIELDS, e)).map_err(unwritable)?),
+            opened => drop(opened.map_err(|source| in_the_way(&path, FIELDS, source))?),
         }
         let held = Held::take(folder, by_force, Mark::resumed)?;
         Ok(Self { path, held: Some(Arc::new(held)) })
@@ -197,7 +182,7 @@ impl RunDirectory {
     /// The folder, open, if it is still the one that the run writes to.
     fn folder(&self) -> Result<Folder, OutputError> {
         match &self.held {
-            Some(held) => held.check().map(|()| held.folder.clone()),
+            Some(held) => held.claim.check().cloned(),
             None => Folder::open(&self.path).writing(&self.path),
         }
     }
@@ -205,7 +190,7 @@ impl RunDirectory {
     /// The folder, open, as the run has begun to write to it.
     pub(crate) fn opened(&self) -> Result<Folder, OutputError> {
         match &self.held {
-            Some(held) => Ok(held.folder.clone()),
+            Some(held) => Ok(held.claim.folder().clone()),
             None => Folder::open(&self.path).writing(&self.path),
         }
     }
@@ -213,7 +198,7 @@ impl RunDirectory {
     /// Says that the folder is lost where that is why a file cannot be written: it may have been taken since it was looked at.
     pub(crate) fn explain<T>(&self, written: Result<T, OutputError>) -> Result<T, OutputError> {
         if let Some(held) = self.held.as_ref().filter(|_| matches!(written, Err(OutputError::Write { .. }))) {
-            held.check()?;
+            held.claim.check()?;
         }
         written
     }
@@ -253,9 +238,14 @@ impl RunDirectory {
         self.explain(folder.write_and(name, durability, content, sum_of).writing(&self.path.join(name)))
     }
 
-    /// Whether a file is the one of this sum.
-    pub(crate) fn has(&self, name: &str, sum: &Sum) -> bool {
-        self.opened().is_ok_and(|folder| sum_in(&folder, name).is_ok_and(|found| found == *sum))
+    /// Whether a file is the one of this sum, which has at most so many bytes.
+    pub(crate) fn has(&self, name: &str, sum: &Sum, most: u64) -> bool {
+        self.opened().is_ok_and(|folder| sum_in(&folder, name, most).is_ok_and(|found| found == *sum))
+    }
+
+    /// Gives what has a name in the folder another one, whatever it is.
+    pub(crate) fn rename(&self, name: &str, to: &str) -> Result<(), OutputError> {
+        self.folder()?.rename(name, to).writing(&self.path.join(to))
     }
 
     /// Whether a file is these bytes.
@@ -272,6 +262,11 @@ impl RunDirectory {
         file.is_ok_and(|file| file.take(bytes.len() as u64).read_to_end(&mut found).is_ok()) && found == bytes
     }
 
+    /// Whether a name is that of a file, or with `/` at its end of a folder of files, that the run of this folder has written.
+    pub(crate) fn is_own(&self, name: &str) -> bool {
+        self.held.as_ref().is_none_or(|held| held.mark.has(name))
+    }
+
     /// Removes a file of the run.
     pub(crate) fn remove(&self, name: &str) -> Result<(), OutputError> {
         self.folder()?.remove_file(name).writing(&self.path.join(name))
@@ -279,7 +274,7 @@ impl RunDirectory {
 
     /// Removes parts of checkpoints that no checkpoint names.
     pub(super) fn remove_parts_of_none(&self) -> Result<(), OutputError> {
-        remove_parts_of_none(&self.folder()?)
+        remove_parts_of_none(&self.folder()?, |name| self.is_own(name))
     }
 
     /// A folder for files of several processes, and how other processes are told of it.
@@ -287,7 +282,7 @@ impl RunDirectory {
         let folder = self.folder()?;
         self.note_name(&format!("{name}/"))?;
         let run = std::path::absolute(&self.path).writing(&self.path)?;
-        let session = self.held.as_ref().map(|held| held.lock.session().to_owned());
+        let session = self.held.as_ref().map(|held| held.claim.session().to_owned());
         Ok((folder, Shared { run, session }))
     }
 
@@ -322,6 +317,11 @@ impl RunDirectory {
         Ok(())
     }
 
+    /// Whether there is anything that a run could go on from, or its mark.
+    pub(crate) fn is_of_a_run(&self) -> bool {
+        Self::is_run(&self.path) || self.has_checkpoint()
+    }
+
     /// Whether there is a state the run can go on from.
     pub fn has_checkpoint(&self) -> bool {
         fs::read_dir(&self.path).is_ok_and(|mut entries| {
@@ -329,15 +329,18 @@ impl RunDirectory {
         })
     }
 
-    /// Removes frames from this number on: their files first, so that none names pieces that there are no more.
+    /// Removes frames of the run from this number on: their files first, so that none names pieces that there are no more.
     pub(crate) fn remove_frames(&self, from: usize) -> Result<(), OutputError> {
         let (folder, fields) = (self.folder()?, self.path.join(FIELDS));
         let remove = || {
-            let is_removed = |name: &str| frame_of(name).is_some_and(|index| index >= from);
+            let is_late = |name: &str| frame_of(name).is_some_and(|index| index >= from);
             let inside = folder.make_inside(FIELDS)?;
-            inside.remove_matching(|name| is_frame(name) && is_removed(name))?;
-            let folders = folders_of_pieces(&inside)?.into_iter().filter(|name| is_removed(name));
-            folders.map(|name| format!("{FIELDS}/{name}")).try_for_each(|name| remove_pieces(&folder, &name))
+            inside
+                .remove_matching(|name| is_frame(name) && is_late(name) && self.is_own(&format!("{FIELDS}/{name}")))?;
+            let late = folders_of_pieces(&inside)?.into_iter().filter(|name| is_late(name));
+            let folders = late.map(|name| format!("{FIELDS}/{name}"));
+            let mut own = folders.filter(|name| self.is_own(&format!("{name}/")));
+            own.try_for_each(|name| remove_pieces(&folder, &name))
         };
         remove().writing(&fields)
     }
@@ -345,10 +348,14 @@ impl RunDirectory {
     /// Notes that a picture in the folder of pictures is one of this run, so that it goes with it. `name` has no folder.
     ///
     /// # Errors
-    /// [`OutputError::Write`] if the folder of pictures is a symbolic link, which is not followed, or the mark of the run cannot be written to.
+    /// [`OutputError::InTheWay`] if the folder of pictures is a symbolic link, which is not followed; [`OutputError::Write`] if it cannot be made, or
+    /// the mark of the run not be written to.
     pub(crate) fn note_picture(&self, name: &str) -> Result<(), OutputError> {
         let folder = Folder::open(&self.path).writing(&self.path)?;
-        folder.make_inside(PLOTS).writing(&self.plots())?;
+        folder.make_inside(PLOTS).map_err(|source| match folder.inside(PLOTS) {
+            Err(_) if folder.has(PLOTS) => in_the_way(&self.path, PLOTS, source),
+            _ => OutputError::Write { path: self.plots(), source },
+        })?;
         add_picture(&folder, name).writing(&self.path.join(MARK))
     }
 
@@ -397,7 +404,7 @@ impl RunDirectory {
     /// Removes what a former run has written, the summary first: without it a folder does not claim to be finished.
     fn remove_former_run(&self, keeps_deck: bool) -> io::Result<()> {
         let Some(held) = &self.held else { return Ok(()) };
-        let Held { folder, mark, .. } = &**held;
+        let (folder, mark) = (held.claim.folder(), &held.mark);
         let names = mark.names();
         let has_plots = folder.inside(PLOTS).is_ok();
         let is_removed = |name: &&String| match name.as_str() {
@@ -456,19 +463,20 @@ impl Shared {
 }
 
 /// Says which name in a folder is in the way.
-fn in_the_way(name: &str, error: io::Error) -> io::Error {
-    io::Error::new(error.kind(), format!("`{name}` {error}"))
+fn in_the_way(path: &Path, name: &'static str, source: io::Error) -> OutputError {
+    OutputError::InTheWay { path: path.to_owned(), name, source }
 }
 
 /// A folder that is empty or that a run wrote.
 fn is_run_or_empty(path: &Path) -> bool {
-    let Ok(folder) = Folder::open(path) else { return false };
+    Folder::open(path).is_ok_and(|folder| Marked::read(&folder).is_some() || is_empty(&folder))
+}
+
+/// Whether a folder has nothing in it but what a run or a validation that was killed at once may leave.
+pub(crate) fn is_empty(folder: &Folder) -> bool {
     // As many entries as there are: of a name that is no text, too.
-    let Ok(count) = fs::read_dir(path).map(Iterator::count) else { return false };
-    let is_empty = || {
-        folder.entries().is_ok_and(|found| found.len() == count && found.iter().all(|e| is_of_no_run_yet(&folder, e)))
-    };
-    Marked::read(&folder).is_some() || is_empty()
+    let Ok(count) = fs::read_dir(folder.path()).map(Iterator::count) else { return false };
+    folder.entries().is_ok_and(|found| found.len() == count && found.iter().all(|e| is_of_no_run_yet(folder, e)))
 }
 
 /// What a run that was killed before it had its mark may leave.
@@ -524,6 +532,7 @@ pub(super) fn is_unfinished(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::remove_former_checkpoints;
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> =
@@ -635,14 +644,17 @@ mod tests {
             match linked {
                 "fields" => {
                     for refused in [made, resumed] {
-                        let Err(OutputError::Unwritable { source, .. }) = refused else { panic!("{refused:?}") };
-                        assert_eq!(source.to_string(), "`fields` is a symbolic link, which is not followed");
+                        let Err(OutputError::InTheWay { name, source, .. }) = refused else { panic!("{refused:?}") };
+                        assert_eq!(
+                            (name, source.to_string().as_str()),
+                            (linked, "is a symbolic link, which is not followed")
+                        );
                     }
                     assert_eq!(fs::read_to_string(root.join("deck.toml")).unwrap(), "former");
                 }
                 _ => {
                     made.unwrap();
-                    assert!(matches!(drawn, Err(OutputError::Write { .. })), "{drawn:?}");
+                    assert!(matches!(drawn, Err(OutputError::InTheWay { .. })), "{drawn:?}");
                 }
             }
             assert_eq!(names(&own), before, "{linked}");
@@ -749,6 +761,42 @@ mod tests {
         drop(directory);
         RunDirectory::create(root, true).unwrap();
         assert_eq!(names(&root.join("fields")), ["mine.vtp"]);
+    }
+
+    #[test]
+    fn a_run_that_goes_on_removes_no_file_that_is_not_its_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = &folder.path().join("run");
+        let run = RunDirectory::create(root, false).unwrap();
+        let own =
+            ["fields/000001.vtp", "fields/000002.vtp", "checkpoint-000000000007.zip", "checkpoint-000000000008.zip"];
+        write(&run, &own);
+        write(&run, &["checkpoint-000000000009.zip"]);
+        let (opened, _) = run.share("fields/000003").unwrap();
+        opened.make_inside("fields/000003").unwrap();
+        let (opened, _) = run.share("checkpoint-000000000007-parts-aa").unwrap();
+        opened.make_inside("checkpoint-000000000007-parts-aa").unwrap();
+        drop(run);
+        let foreign = [
+            "fields/000004.vtp",
+            "fields/000005/0000.vtp",
+            "checkpoint-000000000001.zip",
+            "checkpoint-000000000012.zip",
+            "checkpoint-000000000003-parts-bb/0001.zip",
+        ];
+        for name in foreign.map(|name| root.join(name)) {
+            fs::create_dir_all(name.parent().unwrap()).unwrap();
+            fs::write(name, "mine").unwrap();
+        }
+        let run = RunDirectory::go_on(root, false).unwrap();
+        run.clear_end().unwrap();
+        run.remove_frames(2).unwrap();
+        remove_former_checkpoints(&run).unwrap();
+        assert_eq!(names(&root.join("fields")), ["000001.vtp", "000004.vtp", "000005"]);
+        assert!(foreign.iter().all(|name| root.join(name).exists()));
+        let is_there = |step: u64| root.join(format!("checkpoint-{step:012}.zip")).exists();
+        assert_eq!([7, 8, 9].map(is_there), [false, true, true]);
+        assert!(!root.join("checkpoint-000000000007-parts-aa").exists());
     }
 
     #[test]

@@ -38,6 +38,20 @@ pub enum OutputError {
         /// What the system said.
         source: io::Error,
     },
+    /// Something in the folder has the name of what a run needs and is no file or folder that a run may use. Nothing was touched.
+    #[error("cannot write to the folder {}, because of its `{name}`", path.display())]
+    #[diagnostic(
+        code(sphorge::output::in_the_way),
+        help("nothing was changed; if you do not need `{name}`, remove or rename it, or choose another folder")
+    )]
+    InTheWay {
+        /// The folder.
+        path: PathBuf,
+        /// Name in it.
+        name: &'static str,
+        /// What is wrong with it.
+        source: io::Error,
+    },
     /// Another run writes to the folder. Nothing was touched.
     #[error("another run writes to {}: {owner}", path.display())]
     #[diagnostic(

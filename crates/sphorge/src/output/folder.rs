@@ -55,7 +55,7 @@ impl Folder {
     }
 
     /// A folder in it.
-    pub(super) fn inside(&self, name: &str) -> io::Result<Self> {
+    pub(crate) fn inside(&self, name: &str) -> io::Result<Self> {
         let mut folder = self.clone();
         for part in name.split('/') {
             let opened = folder.dir.open_dir_nofollow(part);
@@ -66,7 +66,7 @@ impl Folder {
     }
 
     /// The same, made where it is not there.
-    pub(super) fn make_inside(&self, name: &str) -> io::Result<Self> {
+    pub(crate) fn make_inside(&self, name: &str) -> io::Result<Self> {
         let mut folder = self.clone();
         for part in name.split('/') {
             match folder.dir.create_dir(part) {
@@ -94,6 +94,11 @@ impl Folder {
         self.dir.symlink_metadata(name).is_ok_and(|found| found.is_symlink())
     }
 
+    /// Whether anything has this name, a link perhaps.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.dir.symlink_metadata(name).is_ok()
+    }
+
     /// Which file stands under a name, and nothing behind a link.
     pub(super) fn identity_of(&self, name: &str) -> io::Result<Identity> {
         self.dir.symlink_metadata(name).map(|found| identity_of(&found))
@@ -102,12 +107,15 @@ impl Folder {
     /// Opens a regular file as `options` say, and nothing else: no link, no device, and no pipe, which might never open.
     fn open_as(&self, name: &str, options: &mut OpenOptions) -> io::Result<File> {
         let (folder, name) = self.place(name)?;
-        if folder.is_link(name) {
-            return Err(is_a_link());
+        // Asked before it is opened, too: what the system says of folders and sockets names no reason.
+        match folder.dir.symlink_metadata(name) {
+            Ok(found) if found.is_symlink() => return Err(is_a_link()),
+            Ok(found) if !found.is_file() => return Err(is_no_file()),
+            _ => {}
         }
         let file = folder.dir.open_with(name, options.follow(FollowSymlinks::No).nonblock(true))?;
         if !file.metadata()?.is_file() {
-            return Err(io::Error::other("is not a regular file"));
+            return Err(is_no_file());
         }
         Ok(file.into_std())
     }
@@ -117,16 +125,15 @@ impl Folder {
         self.open_as(name, OpenOptions::new().read(true))
     }
 
-    /// Opens a regular file to be changed in its place. One that has a second name, in a folder of somebody else perhaps, is refused.
-    pub(super) fn open_own_file(&self, name: &str) -> io::Result<File> {
-        let file = self.open_as(name, OpenOptions::new().read(true).write(true))?;
-        refuse_second_names(file)
+    /// Opens a regular file for reading and writing in its place. Who writes asks before for [`has_second_names`].
+    pub(super) fn open_to_change(&self, name: &str) -> io::Result<File> {
+        self.open_as(name, OpenOptions::new().read(true).write(true))
     }
 
-    /// The same, to add to its end.
+    /// Opens a regular file to add to its end. One that has a second name, in a folder of somebody else or in a copy by links perhaps, is refused.
     pub(crate) fn open_to_append(&self, name: &str) -> io::Result<File> {
         let file = self.open_as(name, OpenOptions::new().append(true))?;
-        refuse_second_names(file)
+        if has_second_names(&file)? { Err(io::Error::other("has a second name elsewhere")) } else { Ok(file) }
     }
 
     /// Makes a file that was not there.
@@ -153,7 +160,7 @@ impl Folder {
     }
 
     /// Removes a file, if it is there. A link under its name is removed itself, a folder stays.
-    pub(super) fn remove_file(&self, name: &str) -> io::Result<()> {
+    pub(crate) fn remove_file(&self, name: &str) -> io::Result<()> {
         let (folder, name) = match self.place(name) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             placed => placed?,
@@ -217,6 +224,20 @@ impl Folder {
         Ok(seen)
     }
 
+    /// Makes a file through `content` in the place of another, whose other names keep what it is; returns it, open.
+    pub(super) fn replace(&self, name: &str, content: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<File> {
+        let (mut unfinished, mut file) = self.unfinished()?;
+        content(&mut file)?;
+        self.dir.rename(&unfinished.name, &self.dir, name)?;
+        unfinished.is_there = false;
+        Ok(file)
+    }
+
+    /// Gives what has a name another one, whatever it is.
+    pub(crate) fn rename(&self, name: &str, to: &str) -> io::Result<()> {
+        self.dir.rename(name, &self.dir, to)
+    }
+
     /// A file of a name of its own, which goes with what is returned beside it.
     pub(super) fn unfinished(&self) -> io::Result<(Unfinished, File)> {
         loop {
@@ -260,9 +281,13 @@ fn is_a_link() -> io::Error {
     io::Error::other("is a symbolic link, which is not followed")
 }
 
-fn refuse_second_names(file: File) -> io::Result<File> {
-    let of = Metadata::from_file(&file)?;
-    if of.nlink() > 1 { Err(io::Error::other("has a second name elsewhere")) } else { Ok(file) }
+fn is_no_file() -> io::Error {
+    io::Error::other("is not a regular file")
+}
+
+/// Whether a file has more than one name: what is written to it changes what has the others.
+pub(super) fn has_second_names(file: &File) -> io::Result<bool> {
+    Metadata::from_file(file).map(|of| of.nlink() > 1)
 }
 
 /// Which file is open.
@@ -278,7 +303,7 @@ pub(super) fn random_name() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
+    use std::{fs, io::Write};
 
     fn text(of: &'static str) -> impl FnOnce(&mut dyn Sink) -> io::Result<()> {
         move |out| out.write_all(of.as_bytes())
@@ -320,13 +345,18 @@ mod tests {
             folder.make_inside("fields").map(drop),
             folder.remove_file("fields/000000.vtp"),
             folder.open_file("lock").map(drop),
-            folder.open_own_file("lock").map(drop),
+            folder.open_to_change("lock").map(drop),
             folder.open_to_append("lock").map(drop),
         ];
         for refused in refused {
             assert_eq!(refused.unwrap_err().to_string(), "is a symbolic link, which is not followed");
         }
-        assert_eq!(folder.open_own_file("second").unwrap_err().to_string(), "has a second name elsewhere");
+        assert_eq!(folder.open_to_append("second").unwrap_err().to_string(), "has a second name elsewhere");
+        assert!(has_second_names(&folder.open_to_change("second").unwrap()).unwrap());
+        drop(folder.replace("second", |file| file.write_all(b"ours")).unwrap());
+        assert_eq!(fs::read_to_string(run.join("second")).unwrap(), "ours");
+        fs::create_dir(run.join("a")).unwrap();
+        assert_eq!(folder.open_file("a").unwrap_err().to_string(), "is not a regular file");
         // A link in the place of a file is replaced, and not what it leads to.
         folder.write("lock", Durability::Process, text("ours")).unwrap();
         folder.remove_file("second").unwrap();

@@ -6,7 +6,7 @@
 //!
 //! Before each file that a run writes it looks whether the lock is still its own ([`Lock::is_held`]). Whoever takes it away by force stops that run.
 
-use super::folder::{Folder, Identity, identity_of_file, random_name};
+use super::folder::{Folder, Identity, has_second_names, identity_of_file, random_name};
 use std::{
     fs::{self, File, TryLockError},
     io::{self, Read, Seek, SeekFrom, Write},
@@ -35,8 +35,7 @@ pub(super) struct Lock {
     identity: Identity,
     owner: Owner,
     refresher: Option<(Sender<()>, JoinHandle<()>)>,
-    /// Holds the lock of the system.
-    #[expect(dead_code, reason = "held, not read")]
+    /// Holds the lock of the system, and is written to: by its name somebody else could be met.
     file: File,
 }
 
@@ -45,6 +44,8 @@ pub(super) struct Lock {
 pub(super) enum Refusal {
     /// Somebody else has it, who is named.
     Held(String),
+    /// What has the name of the file is none that may be used.
+    InTheWay(io::Error),
     Failed(io::Error),
 }
 
@@ -127,6 +128,7 @@ impl Owner {
     fn name(&self) -> String {
         // What a file says is shown without what moves a cursor or colours.
         let machine: String = self.machine.chars().filter(|c| c.is_ascii_graphic()).collect();
+        let machine = if machine.is_empty() { "an unnamed machine" } else { &machine };
         format!("process {} on {machine}", self.process)
     }
 
@@ -170,13 +172,16 @@ impl Lock {
         }
         let (mut file, is_new) = match folder.create_new(LOCK) {
             Ok(file) => (file, true),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => (folder.open_own_file(LOCK)?, false),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                (folder.open_to_change(LOCK).map_err(Refusal::InTheWay)?, false)
+            }
             Err(error) => return Err(error.into()),
         };
         let text = read_text(&mut file)?;
         let owner = Owner::read(&text);
-        if owner.is_none() && !text.is_empty() {
-            return Err(io::Error::other(format!("its `{LOCK}` is not written by Sphorge")).into());
+        // A power cut may leave zeros in place of what was written last.
+        if owner.is_none() && text.chars().any(|c| c != '\0') {
+            return Err(Refusal::InTheWay(io::Error::other("is not written by Sphorge")));
         }
         let name = owner.as_ref().map_or_else(|| "a process that has just begun".to_owned(), Owner::name);
         let is_locked = match try_lock(&file) {
@@ -195,7 +200,20 @@ impl Lock {
                 return Err(Refusal::Held(name));
             }
         }
-        write_text(&mut file, &here)?;
+        if has_second_names(&file)? {
+            // As in a copy by links, whose lock stays what it is. The lock of the system on the former file is held until the new one has its name.
+            let new = folder.replace(LOCK, |file| {
+                if is_locked {
+                    try_lock(file).map_err(io::Error::other)?;
+                }
+                write_text(file, &here)
+            });
+            file = new?;
+        } else if folder.identity_of(LOCK).ok() == identity_of_file(&file).ok() {
+            write_text(&mut file, &here)?;
+        } else {
+            return Err(Refusal::Held("another process".to_owned()));
+        }
         if !is_locked {
             thread::sleep(SETTLED_AFTER);
         }
@@ -223,17 +241,14 @@ impl Lock {
     fn refresh(&self) -> Option<(Sender<()>, JoinHandle<()>)> {
         let (sender, receiver) = mpsc::channel();
         let (folder, identity, owner) = (self.folder.clone(), self.identity, self.owner.clone());
+        let mut file = self.file.try_clone().ok()?;
         let refresh = move || {
             while receiver.recv_timeout(REFRESHED_EVERY) == Err(RecvTimeoutError::Timeout) {
                 if !is_of(&folder, identity, &owner) {
                     return;
                 }
                 // One that fails is made good by the next.
-                let written = folder.open_own_file(LOCK).and_then(|mut file| {
-                    write_text(&mut file, &owner)?;
-                    file.sync_data()
-                });
-                let _ = written;
+                let _ = write_text(&mut file, &owner).and_then(|()| file.sync_data());
             }
         };
         // Without the thread the lock of the system is there.
@@ -255,7 +270,7 @@ impl Drop for Lock {
         if self.is_held() {
             let ended = Owner { has_ended: true, ..self.owner.clone() };
             // Without it, whoever comes next takes the process for alive at worst, and for a minute.
-            let _ = self.folder.open_own_file(LOCK).and_then(|mut file| write_text(&mut file, &ended));
+            let _ = write_text(&mut self.file, &ended);
         }
     }
 }
@@ -427,20 +442,54 @@ mod tests {
     }
 
     #[test]
+    fn zeros_that_a_power_cut_left_are_no_lock() {
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join(LOCK), [0; LENGTH]).unwrap();
+        assert!(Lock::take(&folder(place.path()), false).unwrap().is_held());
+        leave(place.path(), |owner| owner.machine.clear(), 5);
+        let refused = who(Lock::take_by(&folder(place.path()), false, &none));
+        assert!(refused.ends_with("on an unnamed machine"), "{refused}");
+    }
+
+    #[test]
+    fn the_lock_of_a_copy_by_links_is_taken_and_the_copied_one_stays_what_it_is() {
+        let place = tempfile::tempdir().unwrap();
+        let copy = place.path().join("copy");
+        for try_lock in [&File::try_lock as &dyn Fn(&File) -> _, &none] {
+            drop(Lock::take_by(&folder(place.path()), false, try_lock).unwrap());
+            fs::hard_link(place.path().join(LOCK), &copy).unwrap();
+            let copied = fs::read(&copy).unwrap();
+            let lock = Lock::take_by(&folder(place.path()), false, try_lock).unwrap();
+            assert!(lock.is_held());
+            who(Lock::take_by(&folder(place.path()), false, try_lock));
+            assert_eq!(fs::read(&copy).unwrap(), copied);
+            fs::remove_file(&copy).unwrap();
+            // Copied while it is held, it is given back nevertheless.
+            fs::hard_link(place.path().join(LOCK), &copy).unwrap();
+            assert!(lock.is_held());
+            drop(lock);
+            assert!(read_owner(&folder(place.path())).unwrap().has_ended);
+            fs::remove_file(&copy).unwrap();
+        }
+    }
+
+    #[test]
     fn a_file_that_is_none_of_ours_is_left_alone() {
         let place = tempfile::tempdir().unwrap();
         let (own, lock) = (place.path().join("thesis"), place.path().join(LOCK));
         fs::write(&own, "my thesis").unwrap();
         let refused = |lock: Result<Lock, Refusal>| match lock {
-            Err(Refusal::Failed(error)) => error.to_string(),
+            Err(Refusal::InTheWay(error)) => error.to_string(),
             other => panic!("{other:?}"),
         };
         fs::hard_link(&own, &lock).unwrap();
-        assert!(refused(Lock::take(&folder(place.path()), false)).contains("second name"));
-        fs::remove_file(&lock).unwrap();
-        fs::write(&lock, "my thesis").unwrap();
         assert!(refused(Lock::take(&folder(place.path()), false)).contains("not written by Sphorge"));
-        assert_eq!(fs::read_to_string(&lock).unwrap(), "my thesis");
+        assert_eq!(fs::read_to_string(&own).unwrap(), "my thesis");
+        fs::remove_file(&lock).unwrap();
+        fs::create_dir(&lock).unwrap();
+        assert!(refused(Lock::take(&folder(place.path()), true)).contains("not a regular file"));
+        fs::remove_dir(&lock).unwrap();
+        fs::write(&lock, "").unwrap();
         #[cfg(unix)]
         for target in [own.clone(), place.path().join("none")] {
             fs::remove_file(&lock).unwrap();

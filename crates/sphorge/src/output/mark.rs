@@ -8,7 +8,7 @@ use super::{
     checkpoint::is_checkpoint,
     checkpoint_parts::is_parts_folder,
     directory::{DECK, FIELDS, FILES, PLOTS, is_frame, is_frame_folder},
-    folder::{Folder, Kind, random_name},
+    folder::{Folder, Kind, identity_of_file, random_name},
 };
 use std::{
     collections::BTreeSet,
@@ -148,6 +148,11 @@ impl Mark {
         self.state().marked.names.clone()
     }
 
+    /// Whether a file of this name is one of the run.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.state().marked.names.contains(name)
+    }
+
     /// Notes that the run writes a file of this name.
     pub(super) fn add(&self, name: &str) -> io::Result<()> {
         self.state().add(name)
@@ -172,17 +177,27 @@ impl State {
 
     fn add(&mut self, name: &str) -> io::Result<()> {
         let is_new = self.marked.names.insert(name.to_owned());
-        if !self.was_there {
-            return self.write();
+        if self.was_there && !is_new {
+            return Ok(());
         }
-        if is_new {
-            let file = match self.file.take() {
-                Some(file) => file,
-                None => self.folder.open_to_append(MARK)?,
-            };
-            self.file.insert(file).write_all(format!("{name}\n").as_bytes())?;
+        if let Some(file) = self.to_append().filter(|_| self.was_there) {
+            let file = self.file.insert(file);
+            file.write_all(format!("{name}\n").as_bytes())?;
+            // A checkpoint counts on all that was written before it.
+            return if is_checkpoint(name) { file.sync_data() } else { Ok(()) };
         }
-        Ok(())
+        // Pictures were noted by others.
+        if let Some(found) = Marked::read(&self.folder).filter(|found| found.run == self.marked.run) {
+            self.marked.names.extend(found.names);
+        }
+        self.write()
+    }
+
+    /// The file, to add to its end, unless it is lost, or another, or has a second name, as in a copy by links: it is written anew then.
+    fn to_append(&mut self) -> Option<File> {
+        let file = self.file.take().or_else(|| self.folder.open_to_append(MARK).ok())?;
+        let is_own = identity_of_file(&file).ok() == self.folder.identity_of(MARK).ok();
+        Some(file).filter(|_| is_own)
     }
 }
 
@@ -208,9 +223,14 @@ fn found_names(folder: &Folder) -> io::Result<BTreeSet<String>> {
 pub(super) fn add_picture(folder: &Folder, name: &str) -> io::Result<()> {
     let name = format!("{PLOTS}/{name}");
     match Marked::read(folder) {
-        Some(marked) if is_of_a_run(&name) && !marked.names.contains(&name) => {
-            folder.open_to_append(MARK)?.write_all(format!("{name}\n").as_bytes())
-        }
+        Some(mut marked) if is_of_a_run(&name) && !marked.names.contains(&name) => match folder.open_to_append(MARK) {
+            Ok(mut file) => file.write_all(format!("{name}\n").as_bytes()),
+            // It has a second name, as in a copy by links.
+            Err(_) => {
+                marked.names.insert(name);
+                folder.write(MARK, Durability::Disk, |out| out.write_all(marked.text().as_bytes()))
+            }
+        },
         _ => Ok(()),
     }
 }
@@ -237,6 +257,42 @@ mod tests {
         assert_eq!(marked.names.len(), 5);
         assert!(names.iter().all(|name| marked.names.contains(*name)));
         assert_eq!(fs::read_to_string(place.path().join(MARK)).unwrap().lines().count(), 6);
+    }
+
+    #[test]
+    fn a_mark_that_is_lost_or_has_a_second_name_is_written_anew_with_all_names() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        let (path, copy) = (place.path().join(MARK), place.path().join("copy"));
+        let mark = Mark::write(&folder, Marked::new()).unwrap();
+        mark.add("deck.toml").unwrap();
+        let has = |names: &[&str]| {
+            let marked = Marked::read(&folder).unwrap();
+            assert_eq!(
+                (marked.run, marked.names.into_iter().collect::<Vec<_>>()),
+                (mark.run(), names.iter().map(|name| (*name).to_owned()).collect())
+            );
+        };
+        // As by `cp -al`: what draws and what goes on leave the copy alone.
+        fs::hard_link(&path, &copy).unwrap();
+        let copied = fs::read(&copy).unwrap();
+        add_picture(&folder, "a.png").unwrap();
+        has(&["deck.toml", "plots/a.png"]);
+        mark.add("fields/000001.vtp").unwrap();
+        let all = ["deck.toml", "fields/000001.vtp", "plots/a.png"];
+        has(&all);
+        assert_eq!(fs::read(&copy).unwrap(), copied);
+        fs::remove_file(&copy).unwrap();
+        fs::hard_link(&path, &copy).unwrap();
+        let copied = fs::read(&copy).unwrap();
+        let resumed = Mark::resumed(&folder).unwrap();
+        resumed.add("history.csv").unwrap();
+        has(&["deck.toml", "fields/000001.vtp", "history.csv", "plots/a.png"]);
+        assert_eq!(fs::read(&copy).unwrap(), copied);
+        // Removed while the run writes.
+        fs::remove_file(&path).unwrap();
+        mark.add("summary.json").unwrap();
+        has(&[&all[..], &["summary.json"]].concat());
     }
 
     #[test]

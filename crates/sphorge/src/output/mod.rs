@@ -3,6 +3,7 @@
 mod atomic;
 mod checkpoint;
 mod checkpoint_parts;
+mod claim;
 mod directory;
 mod error;
 mod folder;
@@ -38,8 +39,8 @@ pub use vtp_read::{FrameArray, FrameColumn, FrameFile};
 pub(crate) use atomic::{Durability, Sink, write_file};
 pub(crate) use checkpoint::{About, Checkpoint, checkpoints, remove_former_checkpoints, write_checkpoint};
 pub(crate) use checkpoint_parts::PartSet;
-pub(crate) use directory::remove_unfinished;
-pub(crate) use directory::{DECK, HISTORY, SERIES};
+pub(crate) use claim::Claim;
+pub(crate) use directory::{DECK, HISTORY, SERIES, is_empty, remove_unfinished};
 pub(crate) use error::AtPath;
 pub(crate) use folder::Folder;
 pub(crate) use history::{History, HistorySample, MEASURE_MEANING, measure_unit};

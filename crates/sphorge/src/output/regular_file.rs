@@ -21,6 +21,10 @@ pub(crate) mod most {
     pub(crate) const TEXT: u64 = 64 << 20;
     /// List of frames or of pieces: a million of them.
     pub(crate) const LIST: u64 = 256 << 20;
+    /// A frame of so many particles: a thousand values of each, and what names the pieces of a thousand ranks.
+    pub(crate) fn frame(particles: usize) -> u64 {
+        (16 << 20) + 4096 * particles as u64
+    }
     /// History: a million rows of two hundred numbers.
     pub(crate) const HISTORY: u64 = 4 << 30;
     /// A picture in a report.

@@ -27,9 +27,13 @@ pub(super) fn sum_of(file: &mut File) -> io::Result<Sum> {
     }
 }
 
-/// The sum of a file in a folder.
-pub(super) fn sum_in(folder: &Folder, name: &str) -> io::Result<Sum> {
-    sum_of(&mut folder.open_file(name)?)
+/// The sum of a file in a folder, of at most so many bytes; none of a longer one is read.
+pub(super) fn sum_in(folder: &Folder, name: &str, most: u64) -> io::Result<Sum> {
+    let mut file = folder.open_file(name)?;
+    if file.metadata()?.len() > most {
+        return Err(io::ErrorKind::FileTooLarge.into());
+    }
+    sum_of(&mut file)
 }
 
 /// Bytes in hexadecimal digits.
@@ -46,8 +50,10 @@ mod tests {
     fn the_sum_is_that_of_the_standard() {
         let place = tempfile::tempdir().unwrap();
         fs::write(place.path().join("a"), "abc").unwrap();
-        let sum = sum_in(&Folder::open(place.path()).unwrap(), "a").unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        let sum = sum_in(&folder, "a", 3).unwrap();
         // The example of FIPS 180-4.
         assert_eq!(hexadecimal(&sum), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        assert_eq!(sum_in(&folder, "a", 2).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
     }
 }

@@ -20,7 +20,7 @@ use crate::{
     output::{
         AuditRecord, BodyRecord, DiskSync, EndReason, EnergyRecord, FailureRecord, FrameFile, FrameHeader, FrameWriter,
         HISTORY, History, HistorySample, MARK, OutputError, RunDirectory, SERIES, SeriesEntry, SeriesWriter, Status,
-        Sum, Summary, WarningRecord, measure_unit, series_text, write_pieces,
+        Sum, Summary, WarningRecord, measure_unit, most, series_text, write_pieces,
     },
 };
 use rayon::prelude::*;
@@ -149,8 +149,10 @@ impl Recorder {
     /// Files of frames that should be there and are not, or are not what was written.
     pub(super) fn spoiled_frames(&self) -> Vec<&str> {
         let (directory, sums) = (&self.directory, &self.sums);
+        let particles: u64 = self.bodies.iter().map(|body| body.particles).sum();
+        let most = most::frame(particles as usize);
         let is_whole = |(index, entry): (usize, &SeriesEntry)| match sums.get(&index) {
-            Some(sum) if !directory.has(&entry.file, sum) => false,
+            Some(sum) if !directory.has(&entry.file, sum, most) => false,
             // Of frames in pieces the sum is that of the file that names them.
             known => FrameFile::is_whole(&directory.path().join(&entry.file), known.is_some()),
         };

@@ -14,11 +14,13 @@ use crate::{
     model::TimeControl,
     number::plain_quantity,
     output::{
-        Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
+        AtPath, Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints,
+        last_step,
         regular_file::{self, most},
     },
 };
 use std::{
+    io,
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
@@ -152,6 +154,9 @@ pub fn resume(
         .num_threads(threads.unwrap_or(0))
         .build()
         .map_err(|source| ResumeError::Run(RunError::Threads { threads, source }))?;
+    if !RunDirectory::open(path)?.is_of_a_run() {
+        return Err(ResumeError::NoCheckpoint { path: path.to_owned(), has_ended: false });
+    }
     let directory = RunDirectory::go_on(path, options.by_force)?;
     let mut passed_over = Vec::new();
     let mut unusable = None;
@@ -322,7 +327,7 @@ fn go_on_from(
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
-    let found = regular_file::read(&directory.deck(), most::DECK);
+    let found = regular_file::read(&directory.deck(), most::DECK).reading(&directory.deck());
     let deck = found.as_ref().map_or_else(|_| String::new(), |deck| String::from_utf8_lossy(deck).into_owned());
     if deck_text != checkpoint.deck {
         // Nothing in the folder changes if the run cannot be saved with its changed deck: no checkpoint would be of that.
@@ -351,12 +356,21 @@ fn go_on_from(
                 "{DECK} is not the deck of the run; the one in the checkpoint is used, and {DECK} is kept as {FOUND_DECK}"
             ));
         }
-        Err(_) => observer.noted(&format!("{DECK} cannot be read; the one in the checkpoint is used")),
+        Err(OutputError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            observer.noted(&format!("there is no {DECK}; the one in the checkpoint is used"));
+        }
+        Err(_) => {
+            directory.rename(DECK, FOUND_DECK).map_err(output)?;
+            observer.noted(&format!(
+                "{DECK} cannot be read; the one in the checkpoint is used, and {DECK} is kept as {FOUND_DECK}"
+            ));
+        }
     }
     if deck != deck_text {
         directory.write(DECK, Durability::Disk, |out| out.write_all(deck_text.as_bytes())).map_err(output)?;
     }
-    for file in passed_over {
+    // Checkpoints that others have put there are theirs.
+    for file in passed_over.into_iter().filter(|file| directory.is_own(file)) {
         directory.remove(&file).map_err(output)?;
     }
     observer.started(&RunStart {

@@ -238,13 +238,19 @@ fn a_deck_that_was_damaged_or_lost_is_that_of_the_checkpoint_again() {
     let deck = fs::read(run.join("deck.toml")).unwrap();
     let mut damaged = deck.clone();
     damaged[40] ^= 1;
+    // Longer than any deck.
+    let long = vec![b'#'; 9 << 20];
     for (found, note) in [
         (
             Some(&damaged[..]),
             "deck.toml is not the deck of the run; the one in the checkpoint is used, and deck.toml is kept as deck-found.toml",
         ),
         (Some(b"\xff\xfe"), "deck.toml is not the deck of the run"),
-        (None, "deck.toml cannot be read; the one in the checkpoint is used"),
+        (
+            Some(&long),
+            "deck.toml cannot be read; the one in the checkpoint is used, and deck.toml is kept as deck-found.toml",
+        ),
+        (None, "there is no deck.toml; the one in the checkpoint is used"),
     ] {
         forget_end(&run);
         match found {
@@ -256,9 +262,20 @@ fn a_deck_that_was_damaged_or_lost_is_that_of_the_checkpoint_again() {
         assert!(told.len() == 2 && told[1].contains(note), "{told:?}");
         assert_eq!(fs::read(run.join("deck.toml")).unwrap(), deck);
         if let Some(found) = found {
-            assert_eq!(fs::read(run.join("deck-found.toml")).unwrap(), found);
+            assert!(fs::read(run.join("deck-found.toml")).unwrap() == found);
         }
     }
+}
+
+#[test]
+fn a_folder_that_is_no_run_is_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["history.csv", "deck.toml"] {
+        fs::write(folder.path().join(name), "mine").unwrap();
+    }
+    let ended = go_on_in(folder.path()).0;
+    assert!(matches!(ended, Err(ResumeError::NoCheckpoint { .. })), "{ended:?}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
 #[test]
@@ -320,11 +337,14 @@ fn files_that_were_damaged_are_named_and_written_again_where_they_can_be() {
     let last = bytes.len() - 60;
     bytes[last] ^= 1;
     fs::write(&frame, bytes).unwrap();
+    // Not read: it takes no room, and would take hours.
+    fs::File::options().write(true).open(run.join("fields/000001.vtp")).unwrap().set_len(1 << 42).unwrap();
     forget_end(&run);
     let (ended, told) = go_on_in(&run);
     assert_eq!(ended.unwrap().steps, 12);
     let all = told.join("\n");
-    assert!(all.contains("earlier frames are missing or damaged: fields/000000.vtp\n"), "{told:?}");
+    let damaged = "earlier frames are missing or damaged: fields/000000.vtp, fields/000001.vtp\n";
+    assert!(all.contains(damaged), "{told:?}");
     for name in ["history.csv", "history-columns.json", "fields.pvd"] {
         assert!(all.contains(&format!("{name} was not what the run had written; it is written again")), "{told:?}");
     }
@@ -342,9 +362,14 @@ fn files_that_were_damaged_are_named_and_written_again_where_they_can_be() {
 fn many_checkpoints_of_no_use_are_told_in_few_words() {
     let folder = tempfile::tempdir().unwrap();
     let run = run_in(folder.path());
+    let mut mark = fs::read_to_string(run.join(".sphorge-run")).unwrap();
     for step in 100..150 {
-        fs::write(run.join(format!("checkpoint-{step:012}.zip")), "").unwrap();
+        let name = format!("checkpoint-{step:012}.zip");
+        fs::write(run.join(&name), "").unwrap();
+        // The last one is of somebody else.
+        mark += &if step < 149 { name + "\n" } else { String::new() };
     }
+    fs::write(run.join(".sphorge-run"), mark).unwrap();
     // One that was killed tells of its steps by its history alone.
     forget_end(&run);
     let history = fs::read_to_string(run.join("history.csv")).unwrap();
@@ -356,7 +381,9 @@ fn many_checkpoints_of_no_use_are_told_in_few_words() {
     assert!(told[..3].iter().all(|note| note.ends_with("it is skipped")), "{told:?}");
     assert_eq!(told[3], "47 more checkpoints are skipped for similar reasons");
     assert!(told[4].starts_with("continuing from step 12 at ") && told[4].ends_with("1 step is repeated"), "{told:?}");
-    assert_eq!(checkpoints(&run).unwrap().len(), 2);
+    let steps: Vec<u64> = checkpoints(&run).unwrap().into_iter().map(|(step, _)| step).collect();
+    assert_eq!((steps[0], steps.len()), (149, 3), "{steps:?}");
+    fs::remove_file(run.join("checkpoint-000000000149.zip")).unwrap();
 
     fs::remove_file(run.join("checkpoint-000000000012.zip")).unwrap();
     for (_, path) in checkpoints(&run).unwrap() {
