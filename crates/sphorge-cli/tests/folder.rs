@@ -241,3 +241,22 @@ fn a_copy_by_links_is_a_run_of_its_own_and_leaves_the_other_as_it_is() {
     let mark = fs::read_to_string(place.path("long/.sphorge-run")).unwrap();
     assert!(mark.contains("fields/000020.vtp\n") && mark.contains("summary.json\n"), "{mark}");
 }
+
+#[test]
+fn two_validations_do_not_write_into_one_folder() {
+    let place = Place::new();
+    let first =
+        place.command(&["validate", "--quick", "taylor-bars", "-o", "valid", "--threads", "1"]).spawn().unwrap();
+    wait_for("the first run", || place.path("valid/taylor-bars").exists());
+    for more in [&[][..], &["--resume"]] {
+        let again = [&["validate", "--quick", "plate-impact", "-o", "valid"], more].concat();
+        let told = place.run(&again).expect_code(2);
+        told.expect_told(&["another validation writes to valid: process", "-o DIR"]);
+    }
+    assert!(!place.path("valid/plate-impact").exists());
+    fs::rename(place.path("valid"), place.path("moved")).unwrap();
+    place.run(&["validate", "--quick", "plate-impact", "-o", "valid"]).expect_code(0);
+    let told = end(first).expect_code(1);
+    told.expect_told(&["cannot write to its folder"]);
+    assert!(!place.path("valid/taylor-bars").exists() && place.path("valid/report.html").exists());
+}

@@ -80,7 +80,9 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
             ));
             Ok(Outcome::Stopped)
         }
-        Err(error @ (ValidateError::Run(_) | ValidateError::Report(_))) => Err(Failure::Failed(error.into())),
+        Err(error @ (ValidateError::Run(_) | ValidateError::Report(_) | ValidateError::Lost { .. })) => {
+            Err(Failure::Failed(error.into()))
+        }
         Err(error) => Err(Failure::BadInput(error.into())),
     }
 }

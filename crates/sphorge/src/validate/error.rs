@@ -39,10 +39,40 @@ pub enum ValidateError {
         /// The folder.
         path: PathBuf,
     },
+    /// Another validation writes to the folder. Nothing was changed.
+    #[error("another validation writes to {}: {owner}", path.display())]
+    #[diagnostic(
+        code(sphorge::validate::locked),
+        help(
+            "wait until it has ended, or choose another folder with `-o DIR`; one of another machine that was killed is recognised after a minute. If \
+             you know that it has ended, remove `.sphorge-lock` from the folder"
+        )
+    )]
+    Locked {
+        /// The folder.
+        path: PathBuf,
+        /// The process, as it calls itself.
+        owner: String,
+    },
+    /// The folder is not the one any more that the validation has begun to write to. Nothing was written to what is there now.
+    #[error("the validation cannot write to its folder {} any more: {reason}", path.display())]
+    #[diagnostic(
+        code(sphorge::validate::lost),
+        help(
+            "do not move or replace the folder of a validation that is not finished, nor remove its `.sphorge-lock`; `--resume` continues it from what \
+             it had, wherever its folder is now"
+        )
+    )]
+    Lost {
+        /// The folder.
+        path: PathBuf,
+        /// What has happened to it.
+        reason: &'static str,
+    },
     /// The folder cannot be used.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Output(#[from] OutputError),
+    Output(OutputError),
     /// The report could not be written.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -62,6 +92,16 @@ pub enum ValidateError {
 
 /// Names less similar than this are not worth suggesting.
 const SIMILAR: f64 = 0.7;
+
+impl From<OutputError> for ValidateError {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Locked { path, owner } => Self::Locked { path, owner },
+            OutputError::Lost { path, reason } => Self::Lost { path, reason },
+            other => Self::Output(other),
+        }
+    }
+}
 
 impl ValidateError {
     /// No case of the `known` names is called `name`.

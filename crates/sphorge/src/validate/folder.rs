@@ -2,11 +2,11 @@
 
 use super::{Report, ValidateError, earlier};
 use crate::output::{
-    Durability, Folder as OpenedFolder, OutputError, most, read_regular_file, remove_unfinished, write_file,
+    Claim, Durability, Folder as OpenedFolder, OutputError, is_empty, most, read_regular_file, remove_unfinished,
 };
 use std::{
     fs,
-    io::{self, Write},
+    io::{self, Read, Write},
     path::{Path, PathBuf},
 };
 
@@ -20,70 +20,83 @@ const JSON: &str = "report.json";
 /// Folders in folders of a validation: case, run, frames, pieces.
 const DEEPEST: usize = 4;
 
-/// A folder this validation may write to.
-#[derive(Clone, Debug)]
+/// A folder this validation alone writes to.
+#[derive(Debug)]
 pub(super) struct Folder {
     path: PathBuf,
+    claim: Claim,
 }
 
 impl Folder {
     /// Makes the folder, or takes over that of a former validation, by the same program if it is to be gone on with.
     pub(super) fn claim(path: &Path, resume: bool) -> Result<Self, ValidateError> {
         let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
-        match fs::read_dir(path) {
-            Err(e) if e.kind() == io::ErrorKind::NotFound => fs::create_dir_all(path).map_err(unwritable)?,
-            Err(e) => return Err(unwritable(e).into()),
-            Ok(mut entries) => {
-                if entries.next().is_some() && !path.join(MARK).is_file() {
-                    return Err(ValidateError::NotAValidation { path: path.to_owned() });
-                }
-            }
+        fs::create_dir_all(path).map_err(unwritable)?;
+        let opened = OpenedFolder::open(path).map_err(unwritable)?;
+        let is_marked = opened.open_file(MARK).is_ok();
+        if !is_marked && !is_empty(&opened) {
+            return Err(ValidateError::NotAValidation { path: path.to_owned() });
         }
-        let mark = path.join(MARK);
-        if resume && mark.is_file() {
-            earlier::check_program(&mark)?;
+        if resume && is_marked {
+            earlier::check_program(&path.join(MARK))?;
         }
-        let folder = Self { path: path.to_owned() };
+        let folder = Self { path: path.to_owned(), claim: Claim::take(opened, false)? };
+        let opened = folder.claim.folder();
         // What a validation that was killed was about to write, itself or in its runs and pictures.
-        OpenedFolder::open(path).and_then(|opened| remove_unfinished(&opened, DEEPEST)).map_err(unwritable)?;
+        remove_unfinished(opened, DEEPEST).map_err(unwritable)?;
         // The old report does not belong to the runs that are about to replace the old ones.
-        for name in [MARKDOWN, HTML, JSON] {
-            match fs::remove_file(path.join(name)) {
-                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritable(e).into()),
-                _ => {}
-            }
-        }
-        if resume && mark.is_file() {
+        [MARKDOWN, HTML, JSON].iter().try_for_each(|name| opened.remove_file(name)).map_err(unwritable)?;
+        if resume && is_marked {
             return Ok(folder);
         }
-        write_file(&mark, Durability::Disk, |out| {
-            let program = earlier::program().unwrap_or_else(|| "an unknown program".to_owned());
-            writeln!(
-                out,
-                "Written by `sphorge validate` and replaced by the next validation in this folder, unless that \
-                 continues it with `--resume`:"
-            )?;
-            writeln!(out, "{program}")
-        })?;
+        let program = earlier::program().unwrap_or_else(|| "an unknown program".to_owned());
+        let mark = format!(
+            "Written by `sphorge validate` and replaced by the next validation in this folder, unless that continues \
+             it with `--resume`:\n{program}\n"
+        );
+        opened.write(MARK, Durability::Disk, |out| out.write_all(mark.as_bytes())).map_err(unwritable)?;
         Ok(folder)
     }
 
     /// Notes in the mark that a run in a folder of this validation begins: what else is there is of another one.
-    pub(super) fn note_begin(&self, run: &Path) -> Result<(), OutputError> {
+    ///
+    /// # Errors
+    /// [`ValidateError::Lost`]; or the mark cannot be written to, or the folder of the run, or that of its case, is a link, which is not followed.
+    pub(super) fn note_begin(&self, run: &Path) -> Result<(), ValidateError> {
+        let folder = self.claim.check()?;
+        let name = self.relative(run);
+        let unwritable = |path: PathBuf| move |source| OutputError::Unwritable { path, source };
+        if let Some((case, _)) = name.rsplit_once('/') {
+            folder.make_inside(case).map_err(unwritable(self.path.join(case)))?;
+        }
+        match folder.inside(&name) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            opened => drop(opened.map_err(unwritable(run.to_owned()))?),
+        }
         if self.has_begun(run) {
             return Ok(());
         }
-        let path = self.path.join(MARK);
-        let unwritable = |source| OutputError::Unwritable { path: path.clone(), source };
-        let mut mark =
-            OpenedFolder::open(&self.path).and_then(|folder| folder.open_to_append(MARK)).map_err(unwritable)?;
-        writeln!(mark, "{}", self.relative(run)).map_err(unwritable)
+        let line = format!("{name}\n");
+        let noted = match folder.open_to_append(MARK) {
+            Ok(mut mark) => mark.write_all(line.as_bytes()),
+            // It has a second name, as in a copy by links, which keeps what it says.
+            Err(_) => self.mark().and_then(|mark| {
+                folder.write(MARK, Durability::Disk, |out| out.write_all(&[&mark, line.as_bytes()].concat()))
+            }),
+        };
+        Ok(noted.map_err(unwritable(self.path.join(MARK)))?)
+    }
+
+    /// What the mark says.
+    fn mark(&self) -> io::Result<Vec<u8>> {
+        let mut text = Vec::new();
+        self.claim.folder().open_file(MARK)?.take(most::TEXT).read_to_end(&mut text)?;
+        Ok(text)
     }
 
     /// Whether this validation has begun the run in a folder.
     pub(super) fn has_begun(&self, run: &Path) -> bool {
-        let mark = read_regular_file(&self.path.join(MARK), most::TEXT).unwrap_or_default();
-        String::from_utf8_lossy(&mark).lines().any(|line| line == self.relative(run))
+        String::from_utf8_lossy(&self.mark().unwrap_or_default()).lines().any(|line| line == self.relative(run))
     }
 
     /// Folder of a run.
@@ -91,9 +104,14 @@ impl Folder {
         self.path.join(case).join(slug(label))
     }
 
-    /// Folder of the pictures of a case.
-    pub(super) fn pictures(&self, case: &str) -> PathBuf {
-        self.path.join(case).join("pictures")
+    /// Folder of the pictures of a case, made where it is not there.
+    ///
+    /// # Errors
+    /// It cannot be made, or is a link, which is not followed; or the folder of the validation is lost.
+    pub(super) fn pictures(&self, case: &str) -> Result<PathBuf, OutputError> {
+        let path = self.path.join(case).join("pictures");
+        let made = self.claim.check()?.make_inside(&format!("{case}/pictures"));
+        made.map(|_| path.clone()).map_err(|source| OutputError::Unwritable { path, source })
     }
 
     /// A path inside, relative to the report.
@@ -103,17 +121,17 @@ impl Folder {
     }
 
     /// Writes the report in its three forms.
-    pub(super) fn write(&self, report: &Report) -> Result<(), OutputError> {
-        let text = |name: &str, text: String| {
-            write_file(&self.path.join(name), Durability::Disk, |out| out.write_all(text.as_bytes()))
+    pub(super) fn write(&self, report: &Report) -> Result<(), ValidateError> {
+        let write = |name: &str, text: String| {
+            let written = self.claim.check()?.write(name, Durability::Disk, |out| out.write_all(text.as_bytes()));
+            written.map_err(|source| ValidateError::Report(OutputError::Write { path: self.path.join(name), source }))
         };
-        text(MARKDOWN, report.markdown())?;
-        text(HTML, report.html(&|file| read_regular_file(&self.path.join(file), most::PICTURE).ok()))?;
-        write_file(&self.path.join(JSON), Durability::Disk, |out| {
-            serde_json::to_writer_pretty(&mut *out, report)?;
-            out.write_all(b"\n")
+        write(MARKDOWN, report.markdown())?;
+        write(HTML, report.html(&|file| read_regular_file(&self.path.join(file), most::PICTURE).ok()))?;
+        let json = serde_json::to_string_pretty(report).map_err(|error| {
+            ValidateError::Report(OutputError::Write { path: self.path.join(JSON), source: error.into() })
         })?;
-        Ok(())
+        write(JSON, json + "\n")
     }
 }
 
@@ -132,6 +150,7 @@ pub(super) fn slug(label: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::validate::Effort;
 
     #[test]
     fn labels_become_names_of_folders() {
@@ -162,10 +181,12 @@ mod tests {
         {
             let own = place.path().join("own.txt");
             fs::write(&own, "mine").unwrap();
+            let folder = Folder::claim(&path, false).unwrap();
             fs::remove_file(path.join(MARK)).unwrap();
             std::os::unix::fs::symlink(&own, path.join(MARK)).unwrap();
-            let folder = Folder { path: path.clone() };
             assert!(folder.note_begin(&path.join("iron-plate/skin")).is_err());
+            drop(folder);
+            assert!(matches!(Folder::claim(&path, true), Err(ValidateError::NotAValidation { .. })));
             assert_eq!(fs::read_to_string(&own).unwrap(), "mine");
         }
 
@@ -176,5 +197,60 @@ mod tests {
         fs::write(other.join("report.md"), "mine").unwrap();
         assert!(matches!(Folder::claim(&other, false), Err(ValidateError::NotAValidation { .. })));
         assert_eq!(fs::read_to_string(other.join("report.md")).unwrap(), "mine");
+    }
+
+    #[test]
+    fn two_validations_do_not_share_a_folder_and_one_that_lost_it_stops() {
+        let place = tempfile::tempdir().unwrap();
+        let (path, moved) = (place.path().join("validate"), place.path().join("moved"));
+        let first = Folder::claim(&path, false).unwrap();
+        let run = path.join("iron-plate/skin");
+        first.note_begin(&run).unwrap();
+        fs::write(path.join(".sphorge-12.unfinished"), "").unwrap();
+        for resume in [false, true] {
+            let refused = Folder::claim(&path, resume).map(drop);
+            assert!(matches!(refused, Err(ValidateError::Locked { .. })), "{refused:?}");
+        }
+        assert!(first.has_begun(&run) && path.join(".sphorge-12.unfinished").exists());
+        fs::rename(&path, &moved).unwrap();
+        let second = Folder::claim(&path, false).unwrap();
+        assert!(matches!(first.note_begin(&path.join("bullet/coarse")), Err(ValidateError::Lost { .. })));
+        assert!(matches!(first.pictures("bullet"), Err(OutputError::Lost { .. })));
+        assert!(matches!(first.write(&Report::new(Effort::Quick, 1)), Err(ValidateError::Lost { .. })));
+        assert!(!path.join("bullet").exists() && !path.join(HTML).exists() && !second.has_begun(&run));
+        // One that was killed has ended.
+        drop((first, second));
+        fs::remove_dir_all(&path).unwrap();
+        fs::create_dir(&path).unwrap();
+        fs::write(path.join(".sphorge-lock"), "").unwrap();
+        Folder::claim(&path, false).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_in_it_that_leads_elsewhere_is_written_through() {
+        let place = tempfile::tempdir().unwrap();
+        let (path, own) = (place.path().join("validate"), place.path().join("own"));
+        fs::create_dir_all(own.join("skin")).unwrap();
+        let folder = Folder::claim(&path, false).unwrap();
+        fs::create_dir(path.join("bullet")).unwrap();
+        for link in ["iron-plate", "bullet/coarse", "bullet/pictures"] {
+            std::os::unix::fs::symlink(&own, path.join(link)).unwrap();
+        }
+        for run in ["iron-plate/skin", "bullet/coarse"] {
+            let refused = folder.note_begin(&path.join(run)).unwrap_err();
+            assert!(matches!(refused, ValidateError::Output(OutputError::Unwritable { .. })), "{refused:?}");
+        }
+        assert!(folder.pictures("iron-plate").is_err() && folder.pictures("bullet").is_err());
+        assert_eq!(fs::read_dir(&own).unwrap().count(), 1);
+        // A copy by links keeps its mark.
+        let copy = place.path().join("copy.txt");
+        fs::hard_link(path.join(MARK), &copy).unwrap();
+        let copied = fs::read(&copy).unwrap();
+        for run in ["bullet/fine", "bullet/finer"].map(|run| path.join(run)) {
+            folder.note_begin(&run).unwrap();
+            assert!(folder.has_begun(&run));
+        }
+        assert_eq!(fs::read(&copy).unwrap(), copied);
     }
 }

@@ -72,7 +72,7 @@ pub fn validate(
             report.seconds = report.seconds_of_runs();
         }
         // What is known so far outlives a stop.
-        folder.write(&report).map_err(ValidateError::Report)?;
+        folder.write(&report)?;
     }
     Ok(report)
 }
