@@ -1,7 +1,7 @@
 //! Particles of a table that are so close, or so unlike in mass, that a slip is more likely than an intention.
 
 use sphorge_engine::Particles;
-use sphorge_engine::model::{Model, Solid};
+use sphorge_engine::model::{Dimensions, Model, Solid};
 
 /// Share of a spacing below which two particles of a table are told as one.
 const CLOSEST: f64 = 1e-3;
@@ -31,8 +31,13 @@ pub(crate) fn notes(model: &Model, particles: &Particles) -> Vec<String> {
         let masses = || own.iter().map(|&i| particles.mass[i]);
         let (least, most) = masses().fold((f64::INFINITY, 0.0f64), |(least, most), m| (least.min(m), most.max(m)));
         if most > HEAVIEST * least {
+            let unit = match model.dimensions {
+                Dimensions::One => "kg/m^2",
+                Dimensions::PlaneStrain => "kg/m",
+                Dimensions::Three => "kg",
+            };
             notes.push(format!(
-                "body `{}`: its particles have masses from {least:.3e} to {most:.3e} kg; heavy particles among light ones pass through them: check \
+                "body `{}`: its particles have masses from {least:.3e} to {most:.3e} {unit}; heavy particles among light ones pass through them: check \
                  the column of masses",
                 body.name
             ));

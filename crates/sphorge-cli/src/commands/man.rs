@@ -13,9 +13,12 @@ use miette::{IntoDiagnostic, WrapErr};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
+  mkdir -p ~/.local/share/man/man1
   sphorge man > ~/.local/share/man/man1/sphorge.1
   sphorge man run > ~/.local/share/man/man1/sphorge-run.1
-  sphorge man run | man -l -")]
+  sphorge man run | man -l -
+
+`man sphorge` and `man sphorge-run` show them then.")]
 pub(crate) struct ManArguments {
     /// A command, such as `run` [default: the program]
     #[arg(value_name = "COMMAND")]

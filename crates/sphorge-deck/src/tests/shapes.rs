@@ -178,7 +178,7 @@ fn particles_of_a_file_that_are_one_or_outweigh_all_others_are_told() {
     let told = notes("x,y\n0,0\n1,0\n1.000000000000001,0\n");
     assert!(told.len() == 1 && told[0].contains("two particles are 1.1e-15 m apart at ("), "{told:?}");
     let told = notes("x,y,mass\n0,0,0.001\n1,0,0.002\n2,0,1000\n");
-    assert!(told.iter().any(|note| note.contains("masses from 1.000e-3 to 1.000e3 kg")), "{told:?}");
+    assert!(told.iter().any(|note| note.contains("masses from 1.000e-3 to 1.000e3 kg/m;")), "{told:?}");
     assert!(notes("x,y,mass\n0,0,0.7\n1,0,0.8\n2,0,0.785\n").is_empty());
 }
 

@@ -12,16 +12,21 @@ pub enum PlotError {
     Output(#[from] OutputError),
     /// The frames do not have that field.
     #[error("the frames have no field `{name}`")]
-    #[diagnostic(code(sphorge::plot::field), help("they have: {available}; a component is written as in `stress.xy`"))]
+    #[diagnostic(
+        code(sphorge::plot::field),
+        help("{near}the frames have: {available}; a component is written as in `stress.xy`")
+    )]
     Field {
         /// What was asked for.
         name: String,
+        /// The fields that it may be a slip for, as a question.
+        near: String,
         /// What there is.
         available: String,
     },
     /// The history does not have that column.
     #[error("the history has no column `{name}`")]
-    #[diagnostic(code(sphorge::plot::column), help("{near}it has: {available}"))]
+    #[diagnostic(code(sphorge::plot::column), help("{near}the history has: {available}"))]
     Column {
         /// What was asked for.
         name: String,

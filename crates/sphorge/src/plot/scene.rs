@@ -10,7 +10,7 @@ use super::{
     walls::{Bounds, PlacedWall, walls},
 };
 use crate::{
-    deck::load_model,
+    deck::{did_you_mean, load_model, names_like},
     model::Model,
     output::{FrameFile, RunDirectory, read_series},
     particles::find_field,
@@ -274,7 +274,10 @@ struct Values {
 /// One number a particle: the component, the scalar, or the norm.
 fn values(frame: &mut FrameFile, name: &str, component: Option<&str>, asked: &str) -> Result<Values, PlotError> {
     let available = frame.arrays().iter().map(|array| array.name.as_str()).collect::<Vec<_>>().join(", ");
-    let unknown = || PlotError::Field { name: asked.to_owned(), available };
+    let names = || frame.arrays().iter().map(|array| array.name.as_str());
+    // One that is there lacks the component.
+    let near = if names().any(|known| known == name) { String::new() } else { did_you_mean(names_like(name, names())) };
+    let unknown = || PlotError::Field { name: asked.to_owned(), near, available };
     let array = frame.arrays().iter().find(|array| array.name == name).cloned();
     let Some((array, column)) = array.zip(frame.column(name)?) else { return Err(unknown()) };
     let rows = column.values.chunks_exact(column.width.max(1));

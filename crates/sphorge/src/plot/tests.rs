@@ -188,6 +188,13 @@ fn what_is_not_there_is_an_error_that_says_what_is() {
         let PlotError::Field { available, .. } = error else { panic!("{error}") };
         assert_eq!(available, "body, pressure, velocity, stress");
     }
+    for (field, question) in
+        [("presure", "did you mean `pressure`? "), ("stress.q", ""), ("Velocity.x", "did you mean `velocity`? ")]
+    {
+        let error = plot_field(&run, &FieldPicture::new(field), &to).unwrap_err();
+        let PlotError::Field { near, .. } = error else { panic!("{error}") };
+        assert_eq!(near, question);
+    }
     let late = FieldPicture { frames: vec![FrameChoice::Index(2)], ..FieldPicture::new("pressure") };
     assert!(matches!(plot_field(&run, &late, &to), Err(PlotError::Empty { .. })));
     let tiny = FieldPicture { size: Some((100, 100)), ..FieldPicture::new("pressure") };
@@ -216,7 +223,7 @@ fn usual_pictures_are_made_from_what_a_run_wrote() {
     let slip =
         plot_columns(&run, &["kinetic_enery".into()], Paper::default(), &folder.path().join("c.png")).unwrap_err();
     let help = miette::Diagnostic::help(&slip).unwrap().to_string();
-    assert!(help.starts_with("did you mean `kinetic_energy`? it has: time, "), "{help}");
+    assert!(help.starts_with("did you mean `kinetic_energy`? the history has: time, "), "{help}");
 }
 
 #[test]
