@@ -272,6 +272,8 @@ impl Drop for Lock {
             // Without it, whoever comes next takes the process for alive at worst, and for a minute.
             let _ = write_text(&mut self.file, &ended);
         }
+        // Where the process starts another one at this moment, that has a copy of the open file for a while: closing it would not give the lock back.
+        let _ = self.file.unlock();
     }
 }
 
@@ -364,6 +366,8 @@ mod tests {
             let first = Lock::take_by(&folder(place.path()), false, try_lock).unwrap();
             assert!(who(Lock::take_by(&folder(place.path()), false, try_lock)).starts_with(&name));
             assert!(first.is_held());
+            // As another process has it that was started meanwhile.
+            let _copy = first.file.try_clone().unwrap();
             drop(first);
             drop(Lock::take_by(&folder(place.path()), false, try_lock).unwrap());
         }
