@@ -10,6 +10,7 @@ use super::{
     lock::{LOCK, is_locked_by_another},
     mark::{MARK, Mark, Marked, add_picture},
     pieces::remove_pieces,
+    regular_file,
     sum::{Sum, sum_in, sum_of},
 };
 use serde::{Deserialize, Serialize};
@@ -241,6 +242,12 @@ impl RunDirectory {
     /// Whether a file is the one of this sum, which has at most so many bytes.
     pub(crate) fn has(&self, name: &str, sum: &Sum, most: u64) -> bool {
         self.opened().is_ok_and(|folder| sum_in(&folder, name, most).is_ok_and(|found| found == *sum))
+    }
+
+    /// The bytes of a file, of at most so many. Where it is a link, what that leads to is not read: it might be nothing to be shown here.
+    pub(crate) fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, OutputError> {
+        let file = self.opened()?.open_file(name);
+        file.and_then(|file| regular_file::read_all(file, most)).reading(&self.path.join(name))
     }
 
     /// Gives what has a name in the folder another one, whatever it is.

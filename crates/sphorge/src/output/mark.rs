@@ -180,7 +180,7 @@ impl State {
         if self.was_there && !is_new {
             return Ok(());
         }
-        if let Some(file) = self.to_append().filter(|_| self.was_there) {
+        if let Some(file) = self.appendable().filter(|_| self.was_there) {
             let file = self.file.insert(file);
             file.write_all(format!("{name}\n").as_bytes())?;
             // A checkpoint counts on all that was written before it.
@@ -194,7 +194,7 @@ impl State {
     }
 
     /// The file, to add to its end, unless it is lost, or another, or has a second name, as in a copy by links: it is written anew then.
-    fn to_append(&mut self) -> Option<File> {
+    fn appendable(&mut self) -> Option<File> {
         let file = self.file.take().or_else(|| self.folder.open_to_append(MARK).ok())?;
         let is_own = identity_of_file(&file).ok() == self.folder.identity_of(MARK).ok();
         Some(file).filter(|_| is_own)

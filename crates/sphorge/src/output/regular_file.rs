@@ -36,7 +36,11 @@ pub(crate) mod most {
 /// # Errors
 /// See [`open`]; or it is longer.
 pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let file = open(path)?;
+    read_all(open(path)?, most)
+}
+
+/// The same of one that is open.
+pub(super) fn read_all(file: File, most: u64) -> io::Result<Vec<u8>> {
     let length = file.metadata()?.len();
     let too_long = |length: u64| {
         let reason = format!("has {length} bytes, more than the {most} that such a file can have");

@@ -14,8 +14,7 @@ use crate::{
     model::TimeControl,
     number::plain_quantity,
     output::{
-        AtPath, Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints,
-        last_step,
+        Checkpoint, DECK, Durability, EndReason, OutputError, RunDirectory, Status, Summary, checkpoints, last_step,
         regular_file::{self, most},
     },
 };
@@ -327,7 +326,7 @@ fn go_on_from(
     let output = |source| ResumeError::Run(RunError::Output { source });
     let name = checkpoint.about.deck_name.clone();
     let mut keeper = Keeper::new(options.checkpoints.clone(), name, deck_text.clone(), reached);
-    let found = regular_file::read(&directory.deck(), most::DECK).reading(&directory.deck());
+    let found = directory.read(DECK, most::DECK);
     let deck = found.as_ref().map_or_else(|_| String::new(), |deck| String::from_utf8_lossy(deck).into_owned());
     if deck_text != checkpoint.deck {
         // Nothing in the folder changes if the run cannot be saved with its changed deck: no checkpoint would be of that.

@@ -267,6 +267,23 @@ fn a_deck_that_was_damaged_or_lost_is_that_of_the_checkpoint_again() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_deck_that_leads_elsewhere_brings_nothing_from_there_into_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run_in(folder.path());
+    let (deck, own) = (fs::read(run.join("deck.toml")).unwrap(), folder.path().join("own.txt"));
+    fs::write(&own, "secret").unwrap();
+    fs::remove_file(run.join("deck.toml")).unwrap();
+    std::os::unix::fs::symlink(&own, run.join("deck.toml")).unwrap();
+    forget_end(&run);
+    let (ended, told) = go_on_in(&run);
+    assert_eq!(ended.unwrap().steps, 12);
+    assert!(told[1].contains("deck.toml cannot be read"), "{told:?}");
+    assert!(fs::symlink_metadata(run.join("deck-found.toml")).unwrap().is_symlink());
+    assert_eq!((fs::read(run.join("deck.toml")).unwrap(), fs::read(&own).unwrap()), (deck, b"secret".to_vec()));
+}
+
 #[test]
 fn a_folder_that_is_no_run_is_left_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
