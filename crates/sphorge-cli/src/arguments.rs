@@ -14,7 +14,7 @@ pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
     } else {
         // The message quotes what was given.
         let text = error.render().to_string();
-        terminal::note(text.trim_end());
+        terminal::note_lines(text.trim_end());
     }
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }

@@ -12,6 +12,7 @@ use std::{
     error::Error,
     fmt,
     io::{self, Write},
+    path::Path,
 };
 
 /// Prints text to standard output.
@@ -30,7 +31,12 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a line to standard error; there is nobody left to tell if that fails.
 pub(crate) fn note(line: &str) {
-    let _ = writeln!(io::stderr(), "{}", plain(line));
+    let _ = writeln!(io::stderr(), "{}", one_line(line));
+}
+
+/// Prints lines to standard error.
+pub(crate) fn note_lines(lines: &str) {
+    let _ = writeln!(io::stderr(), "{}", plain(lines));
 }
 
 /// Prints a diagnostic to standard error.
@@ -49,6 +55,16 @@ pub(crate) fn plain(text: &str) -> String {
         }
     }
     shown
+}
+
+/// The same as one line: a name with an end of line in it could pass for another line of the program.
+fn one_line(text: &str) -> String {
+    plain(text).replace('\n', "\\n")
+}
+
+/// A path as part of a line.
+pub(crate) fn path(path: &Path) -> String {
+    one_line(&path.display().to_string())
 }
 
 /// A diagnostic as miette shows it.
@@ -182,6 +198,7 @@ mod tests {
     #[test]
     fn what_moves_the_cursor_or_colours_is_written_out() {
         assert_eq!(plain(FOREIGN), "a\\u{1b}[31mred\\r\\u{9b}2J\\u{202e}é\tb\n");
+        assert_eq!(path(Path::new(FOREIGN)), "a\\u{1b}[31mred\\r\\u{9b}2J\\u{202e}é\tb\\n");
     }
 
     #[test]

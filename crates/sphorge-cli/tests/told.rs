@@ -65,6 +65,23 @@ fn no_text_of_a_user_colours_or_moves_the_cursor() {
 }
 
 #[test]
+#[cfg(unix)]
+fn a_name_with_an_end_of_line_makes_no_line_of_its_own() {
+    let place = Place::new();
+    let name = "a\nwarning: none";
+    for command in [
+        &["run", "plate.toml", "-o", name, "--checkpoint-at-end"][..],
+        &["plot", name, "--column", "height"],
+        &["resume", name, "--set", "time.end=\"3 us\""],
+        &["resume", name],
+    ] {
+        let told = place.run(command);
+        let lines = told.out.lines().chain(told.err.lines());
+        assert!(lines.clone().count() > 0 && !lines.clone().any(|line| line.starts_with("warning: none")), "{told:#?}");
+    }
+}
+
+#[test]
 fn a_slip_in_the_name_of_a_column_is_recognised() {
     let place = Place::new();
     place.run(&["run", "plate.toml", "-q"]).expect_code(0);

@@ -163,7 +163,7 @@ pub(crate) fn execute(arguments: PlotArguments) -> Ending {
     let runs = arguments.directories.iter().map(open).collect::<Result<Vec<_>, Failure>>()?;
     let job = Job::new(&runs, &arguments)?;
     let files = job.draw()?;
-    let list: String = files.iter().map(|file| format!("{}\n", file.display())).collect();
+    let list: String = files.iter().map(|file| format!("{}\n", terminal::path(file))).collect();
     terminal::print(&list)?;
     Ok(Outcome::Done)
 }

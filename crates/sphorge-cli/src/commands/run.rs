@@ -206,7 +206,7 @@ fn report(summary: &Summary, directory: &Path) -> String {
         let value = value.map_or_else(|| "no value yet".to_owned(), |value| readable::quantity(value, unit));
         facts.push((name, value));
     }
-    let folder = directory.display();
+    let folder = terminal::path(directory);
     facts.push(("files", format!("{folder}: summary.json, history.csv, deck.toml, fields/")));
     facts.push(("in ParaView", format!("paraview {folder}/fields.pvd")));
     facts.push(("pictures", format!("sphorge plot {folder}")));

@@ -70,7 +70,10 @@ pub(crate) fn execute(arguments: ValidateArguments) -> Ending {
     stop.finish();
     match result {
         Ok(report) => {
-            terminal::print(&format!("{report}report      {}\n", options.directory.join("report.html").display()))?;
+            terminal::print(&format!(
+                "{report}report      {}\n",
+                terminal::path(&options.directory.join("report.html"))
+            ))?;
             if report.passed { Ok(Outcome::Done) } else { Err(Failure::Told) }
         }
         Err(ValidateError::Stopped { directory }) => {
