@@ -64,7 +64,7 @@ struct Met {
 impl Facets {
     /// Of the particles of a model in the order of their numbers; none where bodies do not meet at facets.
     pub(crate) fn new(model: &Model, p: &Particles) -> Option<Self> {
-        let BodyContact::Facets(strength) = model.contact else { return None };
+        let BodyContact::Facets { whole: strength, .. } = model.contact else { return None };
         if !model.has_facets() {
             return None;
         }

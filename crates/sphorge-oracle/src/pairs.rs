@@ -119,7 +119,7 @@ impl Oracle {
         // The contact has the kernels of the start.
         let searched_h = |i: usize| match model.contact {
             BodyContact::Sph => p.smoothing_length[i],
-            BodyContact::Penalty(_) | BodyContact::Facets(_) => {
+            BodyContact::Penalty(_) | BodyContact::Facets { .. } => {
                 p.smoothing_length[i].max(model.bodies[p.body[i] as usize].smoothing_length)
             }
         };

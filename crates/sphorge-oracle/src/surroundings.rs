@@ -70,10 +70,10 @@ impl Accounts {
             .collect();
         let law = |a: usize, b: usize| match model.contact {
             BodyContact::Sph => ContactLaw::default(),
-            BodyContact::Penalty(strength) | BodyContact::Facets(strength) if a == b => {
+            BodyContact::Penalty(strength) | BodyContact::Facets { apart: strength, .. } if a == b => {
                 ContactLaw::with_itself(kernel, dimension, &bodies[a], strength)
             }
-            BodyContact::Penalty(strength) | BodyContact::Facets(strength) => {
+            BodyContact::Penalty(strength) | BodyContact::Facets { apart: strength, .. } => {
                 ContactLaw::new(kernel, dimension, &bodies[a], &bodies[b], strength)
             }
         };

@@ -41,10 +41,18 @@ pub(crate) fn contact(
         problems.push(fault.help("leave `surfaces` out, or use `method = \"total-lagrangian\"`"));
         return None;
     }
-    let (stiffness, damping, friction) = if at_facets { defaults::FACET_CONTACT } else { defaults::BODY_CONTACT };
-    let stiffness = table.stiffness.as_ref().map_or(Some(stiffness), |s| s.positive(problems));
-    let damping = table.damping.as_ref().map_or(Some(damping), |d| d.within(Bound::Between(0.0, 1.0), problems));
-    let friction = table.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));
-    let strength = ContactStrength { stiffness: stiffness?, damping: damping?, friction: friction? };
-    Some(if at_facets { BodyContact::Facets(strength) } else { BodyContact::Penalty(strength) })
+    let stiffness = table.stiffness.as_ref().map_or(Some(None), |s| s.positive(problems).map(Some));
+    let damping = table.damping.as_ref().map_or(Some(None), |d| d.within(Bound::Between(0.0, 1.0), problems).map(Some));
+    let friction = table.friction.as_ref().map_or(Some(None), |f| f.within(Bound::NonNegative, problems).map(Some));
+    let (stiffness, damping, friction) = (stiffness?, damping?, friction?);
+    let strength = |usual: (f64, f64, f64)| ContactStrength {
+        stiffness: stiffness.unwrap_or(usual.0),
+        damping: damping.unwrap_or(usual.1),
+        friction: friction.unwrap_or(usual.2),
+    };
+    let by_overlap = strength(defaults::BODY_CONTACT);
+    Some(match at_facets {
+        true => BodyContact::Facets { whole: strength(defaults::FACET_CONTACT), apart: by_overlap },
+        false => BodyContact::Penalty(by_overlap),
+    })
 }

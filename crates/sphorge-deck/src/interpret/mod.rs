@@ -399,11 +399,11 @@ fn without_contact(strategy: Strategy, contact: BodyContact, bodies: usize) -> O
             "the total Lagrangian form sums over the particles of one body, so bodies cannot interact through kernel sums",
             "choose `contact = \"penalty\"`, which is its default, or `method = \"updated-lagrangian\"`",
         )),
-        (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_) | BodyContact::Facets(_)) => Some((
+        (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_) | BodyContact::Facets { .. }) => Some((
             "initial neighbour lists do not include approaching bodies, so a contact between them is not possible",
             "choose another `search`, or leave `contact` out",
         )),
-        (_, Search::Adaptive(adaptive), BodyContact::Penalty(_) | BodyContact::Facets(_))
+        (_, Search::Adaptive(adaptive), BodyContact::Penalty(_) | BodyContact::Facets { .. })
             if adaptive.guard.is_none() =>
         {
             Some((

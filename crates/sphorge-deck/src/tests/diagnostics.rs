@@ -320,7 +320,7 @@ fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
     let contact = |deck: &str| load_text("deck", deck, &[]).unwrap_or_else(|r| panic!("{r}")).model.contact;
     assert!(matches!(contact(&two), BodyContact::Penalty(strength) if strength.stiffness == 1.0));
     let facets = two.replace("search =", "contact = { penalty = { surfaces = \"facets\" } }\nsearch =");
-    assert!(matches!(contact(&facets), BodyContact::Facets(strength) if strength.stiffness == 2.0));
+    assert!(matches!(contact(&facets), BodyContact::Facets { whole, apart } if whole.stiffness == 2.0 && apart.stiffness == 1.0));
     assert!(matches!(contact(&total), BodyContact::Penalty(_)));
     assert_eq!(contact(&two.replace("\"total-lagrangian\"", "\"skin\"")), BodyContact::Sph);
     // One body has none to meet.

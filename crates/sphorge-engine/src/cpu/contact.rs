@@ -49,8 +49,10 @@ pub(super) struct BodyContacts {
 pub(super) struct PairSums {
     /// Force on the first, N.
     pub(super) force: Vector<f64>,
-    /// Powers, W: what the pairs take up, of facets with friction and damping.
+    /// Powers, W: what pairs of facets take up, with friction and damping, and of what meets by overlap as much as friction and damping.
     pub(super) stored: f64,
+    /// What pairs that meet by overlap store.
+    overlapped: f64,
     pub(super) friction: f64,
     pub(super) damped: f64,
     /// What facets hold, J.
@@ -60,6 +62,7 @@ pub(super) struct PairSums {
 impl PairSums {
     fn add(&mut self, part: &Self) {
         self.stored += part.stored;
+        self.overlapped += part.overlapped;
         self.friction += part.friction;
         self.damped += part.damped;
         self.energy += part.energy;
@@ -68,13 +71,13 @@ impl PairSums {
         }
     }
 
-    fn to_array(self) -> [f64; 7] {
+    fn to_array(self) -> [f64; 8] {
         let [x, y, z] = self.force;
-        [x, y, z, self.stored, self.friction, self.damped, self.energy]
+        [x, y, z, self.stored, self.overlapped, self.friction, self.damped, self.energy]
     }
 
-    fn from_array([x, y, z, stored, friction, damped, energy]: [f64; 7]) -> Self {
-        Self { force: [x, y, z], stored, friction, damped, energy }
+    fn from_array([x, y, z, stored, overlapped, friction, damped, energy]: [f64; 8]) -> Self {
+        Self { force: [x, y, z], stored, overlapped, friction, damped, energy }
     }
 }
 
@@ -96,6 +99,7 @@ impl BlockSums {
 #[derive(Clone, Copy, Debug, Default)]
 struct Works {
     stored: f64,
+    overlapped: f64,
     friction: f64,
     damped: f64,
     /// What facets held at the start, J.
@@ -197,12 +201,12 @@ impl BodyContacts {
     /// `None` if bodies interact through the kernel sum, or if there is no contact. With a halo, pairs are searched
     /// separately from the neighbour list.
     pub(super) fn new(model: &Model, particles: usize, halo: Option<Box<dyn Halo>>) -> Option<Self> {
-        let strength = model.contact.strength()?;
+        let (strength, by_overlap) = (model.contact.strength()?, model.contact.overlap_strength()?);
         let pairs = model.contact_pairs().len();
         if pairs == 0 {
             return None;
         }
-        let table = ContactLaws::new(model, strength);
+        let table = ContactLaws::new(model, by_overlap);
         let facets = model.has_facets().then(|| FacetContacts::new(model, strength));
         Some(Self {
             facets,
@@ -250,6 +254,7 @@ impl BodyContacts {
     pub(super) fn book(&mut self, dt: f64) {
         for (works, now) in self.works.iter_mut().zip(&self.now) {
             works.stored += dt * now.stored;
+            works.overlapped += dt * now.overlapped;
             works.friction += dt * now.friction;
             works.damped += dt * now.damped;
         }
@@ -272,9 +277,12 @@ impl BodyContacts {
         let held = match self.facets {
             // What facets hold is the sum of the last evaluation.
             Some(_) => self.now[self.table.place(body, body)].energy,
-            None => std::mem::take(&mut works.stored),
+            None => std::mem::take(&mut works.overlapped),
         };
         works.damped += held;
+        if self.facets.is_some() {
+            self.hand_over(body);
+        }
         let Particles { energy, mass, body: bodies, contact_overlap, reference_normal, .. } = particles;
         let is_met = |i: usize| {
             let rows = self.foreign.blocks().get(i / BLOCK).into_iter().flat_map(|block| block.rows());
@@ -303,6 +311,16 @@ impl BodyContacts {
         Ok(())
     }
 
+    /// From now on a body that has come apart meets the others by overlap, which stores what their facets held.
+    fn hand_over(&mut self, body: usize) {
+        for other in (0..self.table.smoothing_length.len()).filter(|other| *other != body) {
+            let place = self.table.place(body, other);
+            let (works, held) = (&mut self.works[place], std::mem::take(&mut self.now[place].energy));
+            works.overlapped += held;
+            works.stored -= held;
+        }
+    }
+
     /// Smoothing lengths of particles in the contact, by body, m.
     pub(super) fn smoothing_lengths(&self) -> &[f64] {
         &self.table.smoothing_length
@@ -324,7 +342,10 @@ impl BodyContacts {
         dt: f64,
     ) -> Vector<f64> {
         if let Some(facets) = &self.facets {
-            return facets.force(i, j, own, ghosts, &self.table);
+            let body = WithGhosts::new(&own.body, &ghosts.body);
+            if !facets.are_apart(body.at(i), body.at(j as usize)) {
+                return facets.force(i, j, own, ghosts, &self.table);
+            }
         }
         let points = Points {
             places: Places::at(places, own, ghosts),
@@ -335,7 +356,7 @@ impl BodyContacts {
             weight: WithGhosts::new(&own.contact_weight, &ghosts.contact_weight),
             surfaces: Surfaces::new(&own.reference_normal, &own.deformation, ghosts),
         };
-        self.table.row(i, &[j], &points, dt, &mut BlockSums::default()).force
+        self.table.row(i, &[j], &points, None, dt, &mut BlockSums::default()).force
     }
 
     /// Largest stable step over the margin, s.
@@ -349,8 +370,8 @@ impl BodyContacts {
         let of = |(now, works): (&PairSums, &Works)| {
             let taken_up = works.stored - works.friction - works.damped;
             let (stored_energy, integration_energy) = match has_facets {
-                true => (now.energy, taken_up - (now.energy - works.initial)),
-                false => (works.stored, 0.0),
+                true => (now.energy + works.overlapped, taken_up - (now.energy - works.initial)),
+                false => (works.overlapped, 0.0),
             };
             ContactLedger {
                 force: now.force.map(|f| 0.0 - f),
@@ -381,11 +402,16 @@ impl BodyContacts {
     ///
     /// # Errors
     /// A rank is lost.
-    pub(super) fn complete(&mut self, particles: &Particles, share: Option<&Share>) -> Result<(), RunFailure> {
+    pub(super) fn complete(
+        &mut self,
+        particles: &Particles,
+        share: Option<&Share>,
+        has_come_apart: &[bool],
+    ) -> Result<(), RunFailure> {
         let Some(search) = &mut self.search else { return Ok(()) };
         search.complete(particles, share, &mut self.foreign)?;
         if let Some(facets) = &mut self.facets {
-            facets.adopt(&self.foreign, particles, &search.ghosts);
+            facets.adopt(&self.foreign, particles, &search.ghosts, has_come_apart);
         }
         Ok(())
     }
@@ -407,7 +433,7 @@ impl BodyContacts {
         match share {
             None => own.for_each(|(place, part)| self.now[*place].add(part)),
             Some(share) => {
-                let own: Vec<(usize, [f64; 7])> = own.map(|(place, part)| (*place, part.to_array())).collect();
+                let own: Vec<(usize, [f64; 8])> = own.map(|(place, part)| (*place, part.to_array())).collect();
                 for (place, part) in share.ranks.gather_all(&own)? {
                     self.now[place].add(&PairSums::from_array(part));
                 }
@@ -422,10 +448,13 @@ impl<T: PairScalar> CpuEngine<T> {
     pub(super) fn overlap_bodies(&mut self) {
         if self.contacts.as_ref().is_some_and(|contacts| contacts.facets.is_some()) {
             self.slip_facets();
-            return;
         }
         let Some(contacts) = &self.contacts else { return };
         let table = &contacts.table;
+        let facets = contacts.facets.as_ref();
+        if facets.is_some_and(|facets| !facets.has_rubble()) {
+            return;
+        }
         let mut overlaps = std::mem::take(&mut self.particles.contact_overlap);
         let mut directions = std::mem::take(&mut self.particles.contact_direction);
         let mut weights = std::mem::take(&mut self.particles.contact_weight);
@@ -450,7 +479,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     for &j in row {
                         let j = j as usize;
                         let b = bodies.at(j) as usize;
-                        if a == b && !surfaces.press(i, j) {
+                        if !by_overlap(facets, a, b) || a == b && !surfaces.press(i, j) {
                             continue;
                         }
                         let x = places.apart(i, j);
@@ -535,9 +564,11 @@ impl<T: PairScalar> CpuEngine<T> {
                     *limit = limit.min(push.limit);
                     add_stress(stress_of_faces(&moment, &p.deformation[i], p.reference_volume[i]));
                     pushes.push((i, push));
-                    continue;
+                    if !facets.has_rubble() {
+                        continue;
+                    }
                 }
-                let mut push = table.row(i, row, &points, dt, sums);
+                let mut push = table.row(i, row, &points, at_facets.as_ref().map(|(facets, _)| *facets), dt, sums);
                 friction_heat[i % BLOCK] += push.friction / p.mass[i];
                 *limit = limit.min(push.limit);
                 let face = || FaceShift::new(&whole.at(i), p.face_arm[i]);
@@ -582,6 +613,11 @@ impl<T: PairScalar> CpuEngine<T> {
     }
 }
 
+/// Whether particles of two bodies meet by overlap: all where there are no facets, else those of bodies that have come apart.
+fn by_overlap(facets: Option<&FacetContacts>, a: usize, b: usize) -> bool {
+    facets.is_none_or(|facets| facets.are_apart(a as u32, b as u32))
+}
+
 /// Sums of one particle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Push {
@@ -596,7 +632,16 @@ pub(super) struct Push {
 }
 
 impl ContactLaws {
-    fn row(&self, i: usize, row: &[u32], points: &Points<'_>, dt: f64, sums: &mut BlockSums) -> Push {
+    /// By overlap; with `facets` only with what does not meet there.
+    fn row(
+        &self,
+        i: usize,
+        row: &[u32],
+        points: &Points<'_>,
+        facets: Option<&FacetContacts>,
+        dt: f64,
+        sums: &mut BlockSums,
+    ) -> Push {
         let a = points.body.at(i) as usize;
         let mass = points.mass.at(i);
         let volume = mass * self.specific_volume[a];
@@ -606,7 +651,7 @@ impl ContactLaws {
         for &j in row {
             let j = j as usize;
             let b = points.body.at(j) as usize;
-            if a == b && !points.surfaces.press(i, j) {
+            if !by_overlap(facets, a, b) || a == b && !points.surfaces.press(i, j) {
                 continue;
             }
             let x = points.places.apart(i, j);
@@ -636,7 +681,8 @@ impl ContactLaws {
             push.heat += heat;
             push.friction += friction;
             // The other half comes from the row of the other particle.
-            sum.stored += 0.5 * force.stored;
+            sum.stored += 0.5 * (force.rubbed + force.damped);
+            sum.overlapped += 0.5 * force.stored;
             sum.friction += 0.5 * force.rubbed;
             sum.damped += 0.5 * force.damped;
             stiffness.add(law, &kernel, overlaps, volume, other_volume);
@@ -646,8 +692,8 @@ impl ContactLaws {
     }
 }
 
-crate::persist_fields!(PairSums { force, stored, friction, damped, energy });
-crate::persist_fields!(Works { stored, friction, damped, initial });
+crate::persist_fields!(PairSums { force, stored, overlapped, friction, damped, energy });
+crate::persist_fields!(Works { stored, overlapped, friction, damped, initial });
 
 impl BodyContacts {
     /// Saves or loads the data of the `count` particles of this rank. Pairs follow from the neighbour list, except

@@ -42,6 +42,9 @@ pub(super) struct ContactSearch {
     spacing_of: Vec<f64>,
     has_self_contact: bool,
     conducts: bool,
+    /// Whether particles meet within their kernels: all where there are no facets, with facets those of bodies that have come apart and those that
+    /// heat crosses between.
+    by_kernels: bool,
     /// Particles and ghosts that are searched: all if there are several bodies, otherwise those on the surface. Ghosts
     /// are numbered after the particles. With ranks these are the members on all of them; members that this rank does
     /// not read have no index.
@@ -74,6 +77,7 @@ impl ContactSearch {
             spacing_of: model.bodies.iter().map(|body| body.spacing).collect(),
             has_self_contact: model.has_self_contact(),
             conducts: model.thermal.conduction,
+            by_kernels: model.thermal.conduction || !model.has_facets(),
             members: Vec::new(),
             points: Vec::new(),
             smoothing_length: Vec::new(),
@@ -102,17 +106,16 @@ impl ContactSearch {
         let smallest = |of_bodies: &[f64]| of_bodies.iter().copied().fold(f64::INFINITY, f64::min);
         // The change of the shifts uses up a part of the skin of a particle; the skin of a pair is the mean of both.
         // Particles are in the state of the last evaluation.
-        let change = match facets {
-            Some(facets) => self.largest_growth(particles, facets),
-            None => self.largest_change_of_shift(particles),
-        };
-        let change = share.map_or(Ok(change), |share| share.largest(change))?;
-        let skin = 0.5 * SKIN * self.support * smallest(&self.smoothing_length_of);
-        let half = match facets {
-            Some(_) if self.conducts => (MARGIN * smallest(&self.spacing_of) - change).min(skin),
-            Some(_) => MARGIN * smallest(&self.spacing_of) - change,
-            None => skin - change * smallest(&self.smoothing_length_of),
-        };
+        let over_all = |change: f64| share.map_or(Ok(change), |share| share.largest(change));
+        let mut half = f64::INFINITY;
+        if let Some(facets) = facets {
+            let growth = over_all(self.largest_growth(particles, facets))?;
+            half = MARGIN * smallest(&self.spacing_of) - growth;
+        }
+        if self.by_kernels {
+            let change = over_all(self.largest_change_of_shift(particles))?;
+            half = half.min((0.5 * SKIN * self.support - change) * smallest(&self.smoothing_length_of));
+        }
         if half <= 0.0 {
             return Ok(true);
         }
@@ -161,25 +164,23 @@ impl ContactSearch {
         facets: Option<&FacetContacts>,
         foreign: &mut ForeignList,
     ) -> Result<(), RunFailure> {
+        self.by_kernels |= has_come_apart.contains(&true);
         let factor = self.factor();
         let largest = |of_bodies: &[f64]| of_bodies.iter().copied().fold(0.0, f64::max);
         // The contact positions of stretched material are farther out than the particles.
-        let farthest = match facets {
-            Some(facets) => {
-                let whole = whole_deformation(particles);
-                let all = (0..particles.len()).into_par_iter().with_min_len(BLOCK);
-                all.map(|i| facets.reach(particles.cell(i), &whole.at(i))).collect_into_vec(&mut self.reaches);
-                self.reaches.iter().copied().fold(0.0, f64::max)
-            }
-            None => largest_length(&particles.contact_shift),
-        };
-        let farthest = share.map_or(Ok(farthest), |share| share.largest(farthest))?;
-        let of_kernels = factor * largest(&self.smoothing_length_of) + farthest;
-        let ghost_reach = match facets {
-            Some(_) if self.conducts => of_kernels.max(2.0 * (farthest + MARGIN * largest(&self.spacing_of))),
-            Some(_) => 2.0 * (farthest + MARGIN * largest(&self.spacing_of)),
-            None => of_kernels,
-        };
+        let over_all = |longest: f64| share.map_or(Ok(longest), |share| share.largest(longest));
+        let mut ghost_reach: f64 = 0.0;
+        if let Some(facets) = facets {
+            let whole = whole_deformation(particles);
+            let all = (0..particles.len()).into_par_iter().with_min_len(BLOCK);
+            all.map(|i| facets.reach(particles.cell(i), &whole.at(i))).collect_into_vec(&mut self.reaches);
+            let farthest = over_all(self.reaches.iter().copied().fold(0.0, f64::max))?;
+            ghost_reach = 2.0 * (farthest + MARGIN * largest(&self.spacing_of));
+        }
+        if self.by_kernels {
+            let farthest = over_all(largest_length(&particles.contact_shift))?;
+            ghost_reach = ghost_reach.max(factor * largest(&self.smoothing_length_of) + farthest);
+        }
         let rows = match share {
             None => self.place(particles, facets, ghost_reach),
             Some(share) => self.place_among_ranks(particles, facets, share, ghost_reach)?,
@@ -248,7 +249,7 @@ impl ContactSearch {
     ) -> Result<Range<usize>, RunFailure> {
         let is_one_body = self.smoothing_length_of.len() == 1;
         let reach_of = |i: usize| match facets {
-            Some(_) if self.reaches[i] > 0.0 || self.conducts => self.reaches[i],
+            Some(_) if self.reaches[i] > 0.0 || self.by_kernels => self.reaches[i],
             None if !is_one_body || particles.reference_normal[i] != [0.0; 3] => 0.0,
             _ => UNSEARCHED,
         };
@@ -279,15 +280,18 @@ impl ContactSearch {
         self.smoothing_length.clear();
         for &i in members {
             let (x, shift, body, reach) = of(i as usize);
+            let shift = if self.by_kernels { shift } else { [0.0; 3] };
             self.points.push([0, 1, 2].map(|a| x[a] + shift[a]));
-            // Heat is exchanged between positions, which are nearer to each other than the contact positions.
-            let beyond = if self.conducts { 2.0 / self.support * dot(shift, shift).sqrt() } else { 0.0 };
+            // Heat is exchanged between positions, which are nearer to each other than the contact positions; facets are seen from there, too.
+            let shifted = dot(shift, shift).sqrt();
+            let beyond = if self.conducts { 2.0 / self.support * shifted } else { 0.0 };
             let of_kernel = self.smoothing_length_of[body as usize] + beyond;
             // The reach of a pair is the mean of these times the factor.
-            let of_facets = |reach: f64| 2.0 * (reach + MARGIN * self.spacing_of[body as usize]) / self.factor();
+            let of_facets =
+                |reach: f64| 2.0 * (reach + shifted + MARGIN * self.spacing_of[body as usize]) / self.factor();
             self.smoothing_length.push(match reach {
                 None => of_kernel,
-                Some(reach) if self.conducts => of_facets(reach).max(of_kernel),
+                Some(reach) if self.by_kernels => of_facets(reach).max(of_kernel),
                 Some(reach) => of_facets(reach),
             });
         }
@@ -330,10 +334,10 @@ impl ContactSearch {
         let open = WithGhosts::new(&particles.open_faces, &self.ghosts.columns.open_faces);
         let normal = WithGhosts::new(&particles.reference_normal, &self.ghosts.columns.reference_normal);
         let is_one_body = self.smoothing_length_of.len() == 1;
-        let conducts = self.conducts;
+        let by_kernels = self.by_kernels;
         let is_member = |i: &u32| match facets {
             Some(facets) => {
-                conducts || open.at(*i as usize) != 0 || !facets.reference.of(id.at(*i as usize)).is_empty()
+                by_kernels || open.at(*i as usize) != 0 || !facets.reference.of(id.at(*i as usize)).is_empty()
             }
             None => !is_one_body || normal.at(*i as usize) != [0.0; 3],
         };
@@ -422,7 +426,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let facets = contacts.facets.as_ref();
         search.search(&self.particles, share, displacement, self.instructions, apart, facets, foreign)?;
         if let Some(facets) = &mut contacts.facets {
-            facets.adopt(foreign, &self.particles, &search.ghosts);
+            facets.adopt(foreign, &self.particles, &search.ghosts, apart);
         }
         // Particles that lose their neighbours in other bodies no longer overlap.
         let p = &mut self.particles;
@@ -454,6 +458,7 @@ impl ContactSearch {
         persist_pieces_or_none(&mut self.shifts, count, &of("shifts"), archive)?;
         persist_pieces_or_none(&mut self.reaches, count, &of("reaches"), archive)?;
         self.displacement.persist(&of("displacement"), archive)?;
+        self.by_kernels.persist(&of("by_kernels"), archive)?;
         self.is_made.persist(&of("is_made"), archive)?;
         if archive.is_saving() {
             return Ok(());

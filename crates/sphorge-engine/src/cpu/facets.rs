@@ -96,6 +96,8 @@ pub(super) struct FacetContacts {
     lead: Vec<u32>,
     /// Slips of particles that have pairs, block by block.
     pub(super) slips: Vec<Vec<(usize, CellSlips)>>,
+    /// Which bodies have come apart: they have no cells any more.
+    apart: Vec<bool>,
 }
 
 /// What the contact reads of particles and ghosts.
@@ -170,7 +172,18 @@ impl FacetContacts {
             stretch: Vec::new(),
             lead: Vec::new(),
             slips: Vec::new(),
+            apart: vec![false; model.bodies.len()],
         }
+    }
+
+    /// Whether some body has come apart.
+    pub(super) fn has_rubble(&self) -> bool {
+        self.apart.contains(&true)
+    }
+
+    /// Whether one of two bodies has come apart, so that they do not meet at facets.
+    pub(super) fn are_apart(&self, a: u32, b: u32) -> bool {
+        self.apart[a as usize] || self.apart[b as usize]
     }
 
     /// A bound of the distance of the corners of the facets of a particle, m, the same for all its images; zero
@@ -189,7 +202,14 @@ impl FacetContacts {
     }
 
     /// Takes over the pairs that were just found.
-    pub(super) fn adopt(&mut self, foreign: &ForeignList, particles: &Particles, ghosts: &Ghosts) {
+    pub(super) fn adopt(
+        &mut self,
+        foreign: &ForeignList,
+        particles: &Particles,
+        ghosts: &Ghosts,
+        has_come_apart: &[bool],
+    ) {
+        self.apart.copy_from_slice(has_come_apart);
         let count = particles.len();
         let images = ghosts.halo.images();
         let others = ghosts.count() - images.len();
@@ -289,6 +309,9 @@ impl FacetContacts {
             let own = self.side(own);
             for &j in row {
                 let j = j as usize;
+                if self.are_apart(points.body.at(i), points.body.at(j)) {
+                    continue;
+                }
                 for other in self.facets_of(j) {
                     let other = self.side(other);
                     if dot(own.facet.normal, other.facet.normal) >= FACING || !self.may_meet(own, other) {

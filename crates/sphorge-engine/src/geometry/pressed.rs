@@ -53,7 +53,7 @@ struct Placed {
 
 /// Bodies that overlap at their facets at the start, beyond rounding; none where they do not meet at facets.
 pub fn pressed_at_start(model: &Model, particles: &Particles) -> Vec<PressedBodies> {
-    let BodyContact::Facets(strength) = model.contact else { return Vec::new() };
+    let BodyContact::Facets { whole: strength, .. } = model.contact else { return Vec::new() };
     if !model.has_facets() || model.bodies.len() < 2 {
         return Vec::new();
     }

@@ -11,8 +11,14 @@ pub enum BodyContact {
     /// Sides of a contact that pushes and never pulls, by the kernel-weighted overlap of their particles; they take no part in each other's kernel
     /// sums.
     Penalty(ContactStrength),
-    /// The same by the exposed faces of the cells of their particles, which the total Lagrangian form carries with the deformation.
-    Facets(ContactStrength),
+    /// The same by the exposed faces of the cells of their particles, which the total Lagrangian form carries with the deformation. What has come
+    /// apart has no cells any more: it meets others by overlap.
+    Facets {
+        /// Of bodies that are whole.
+        whole: ContactStrength,
+        /// By overlap, where one of both has come apart.
+        apart: ContactStrength,
+    },
 }
 
 impl BodyContact {
@@ -25,7 +31,15 @@ impl BodyContact {
     pub fn strength(&self) -> Option<ContactStrength> {
         match *self {
             Self::Sph => None,
-            Self::Penalty(strength) | Self::Facets(strength) => Some(strength),
+            Self::Penalty(strength) | Self::Facets { whole: strength, .. } => Some(strength),
+        }
+    }
+
+    /// Strength of the contact by overlap.
+    pub fn overlap_strength(&self) -> Option<ContactStrength> {
+        match *self {
+            Self::Facets { apart, .. } => Some(apart),
+            _ => self.strength(),
         }
     }
 }

@@ -64,7 +64,7 @@ impl Model {
     pub fn contact_pairs(&self) -> Vec<(usize, usize)> {
         let count = match self.contact {
             BodyContact::Sph => 0,
-            BodyContact::Penalty(_) | BodyContact::Facets(_) => self.bodies.len(),
+            BodyContact::Penalty(_) | BodyContact::Facets { .. } => self.bodies.len(),
         };
         let first = if self.has_self_contact() { 0 } else { 1 };
         (0..count).flat_map(|a| (a + first..count).map(move |b| (a, b))).collect()
@@ -82,7 +82,7 @@ impl Model {
 
     /// Whether they meet at the facets of the cells of their particles.
     pub fn has_facets(&self) -> bool {
-        self.has_faces() && matches!(self.contact, BodyContact::Facets(_))
+        self.has_faces() && matches!(self.contact, BodyContact::Facets { .. })
     }
 
     /// Whether bodies meet themselves in the contact: in the total Lagrangian form, where no end of the space is joined to another.

@@ -99,7 +99,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// A rank is lost.
     pub(in crate::cpu) fn complete_state(&mut self) -> Result<(), RunFailure> {
         if let Some(contacts) = &mut self.contacts {
-            contacts.complete(&self.particles, self.domain.as_deref())?;
+            contacts.complete(&self.particles, self.domain.as_deref(), &self.has_come_apart)?;
         }
         let is_again = self.is_searched_whole() && !self.lists.stale;
         if is_again && let Some(domain) = &self.domain {

@@ -47,7 +47,7 @@ fn start(kind: &dyn EngineKind, case: &Case, further: &[(&str, &str)]) -> Simula
     if let (true, BodyContact::Penalty(strength)) =
         (setup.model.has_faces() && setup.model.bodies.len() > 1, setup.model.contact)
     {
-        setup.model.contact = BodyContact::Facets(strength);
+        setup.model.contact = BodyContact::Facets { whole: strength, apart: strength };
     }
     kind.supports(&setup.model).unwrap_or_else(|refusal| panic!("{}: {refusal}", case.name));
     Simulation::start(kind, setup.model, setup.particles).unwrap()
