@@ -501,15 +501,16 @@ impl<T: PairScalar> CpuEngine<T> {
         let Some(facets) = facets else { return };
         let ghosts = search.as_ref().map_or(&self.ghosts.columns, |search| &search.ghosts.columns);
         facets.follow(&self.particles, ghosts);
+        let points = FacetPoints::new(&self.particles, ghosts);
+        facets.find(foreign, &points);
         if !facets.laws.has_friction {
             return;
         }
-        let points = FacetPoints::new(&self.particles, ghosts);
         let dt = self.step.dt;
         let mut slips = std::mem::take(&mut facets.slips);
         slips.par_iter_mut().zip(foreign.blocks()).for_each(|(slips, block)| {
             slips.clear();
-            slips.extend(block.rows().map(|(i, row)| (i, facets.slips(i, row, &points, dt))));
+            slips.extend(block.rows().map(|(i, _)| (i, facets.slips(i, &points, dt))));
         });
         let p = &mut self.particles;
         for &(i, CellSlips { slip, rubbed }) in slips.iter().flatten() {
@@ -559,7 +560,7 @@ impl<T: PairScalar> CpuEngine<T> {
                     }
                 };
                 if let Some((facets, points)) = &at_facets {
-                    let (push, moment) = facets.push(i, row, points, p.mass[i], table, sums);
+                    let (push, moment) = facets.push(i, (row, None), points, p.mass[i], table, sums);
                     friction_heat[i % BLOCK] += push.friction / p.mass[i];
                     *limit = limit.min(push.limit);
                     add_stress(stress_of_faces(&moment, &p.deformation[i], p.reference_volume[i]));

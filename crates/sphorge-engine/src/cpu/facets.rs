@@ -79,6 +79,72 @@ impl Source {
     }
 }
 
+/// A ball around a facet, and how far its surface is before its plane.
+#[derive(Clone, Copy, Debug, Default)]
+struct About {
+    /// Position of the middle, m.
+    middle: Vector<f64>,
+    normal: Vector<f64>,
+    /// Distance from the middle within which the facet is, m.
+    radius: f64,
+    /// The most by which curvature takes the surface before the plane, m.
+    bulge: f64,
+}
+
+impl About {
+    fn new(facet: &Facet<f64>) -> Self {
+        let to_corner = |corner: &Vector<f64>| {
+            let way: Vector<f64> = std::array::from_fn(|k| corner[k] - facet.middle[k]);
+            dot(way, way)
+        };
+        let squared = facet.corners.iter().map(to_corner).fold(0.0, f64::max);
+        let bent: f64 = facet.curvature.to_array().iter().map(|c| c.abs()).sum();
+        Self {
+            middle: std::array::from_fn(|k| facet.owner[k] + facet.middle[k]),
+            normal: facet.normal,
+            radius: squared.sqrt(),
+            // Off the diagonal twice.
+            bulge: bent * squared,
+        }
+    }
+
+    /// Whether facets face each other, one is before the other, seen along the bisector of their normals, and their gap may be closed there.
+    fn may_press(&self, other: &Self) -> bool {
+        if dot(self.normal, other.normal) >= FACING {
+            return false;
+        }
+        let (mut across, mut squared, mut along) = (0.0, 0.0, 0.0);
+        for k in 0..3 {
+            let (apart, way) = (other.normal[k] - self.normal[k], self.middle[k] - other.middle[k]);
+            across += apart * apart;
+            squared += way * way;
+            along += way * apart;
+        }
+        let reach = self.radius + other.radius;
+        // Both planes are as steep.
+        let sine = (1.0 - 0.25 * across).max(0.0).sqrt();
+        let gap = along / across.sqrt() - reach * sine - self.bulge - other.bulge;
+        // Rounding decides nothing here.
+        squared - along * along / across <= reach * reach * (1.0 + 1e-9) && gap <= 1e-9 * reach
+    }
+}
+
+/// What may press in the rows of a block, by the numbers of the own facet and the other; and what does.
+#[derive(Default)]
+struct Candidates {
+    pairs: Vec<(u32, u32)>,
+    /// Each pair once: in the row of the first of both, or of the particle of this rank if the other is a ghost.
+    pressing: Vec<Found>,
+}
+
+/// What was found out about a pair.
+struct Found {
+    /// The facets by the points they belong to: that of the row, and the other.
+    own: u32,
+    other: u32,
+    press: FacetPress<f64>,
+}
+
 /// The facets of the particles and ghosts that may meet.
 pub(super) struct FacetContacts {
     dimension: Dimension,
@@ -88,10 +154,14 @@ pub(super) struct FacetContacts {
     /// Of each particle and ghost the first of its facets among those that may meet.
     first: Vec<u32>,
     now: Vec<Facet<f64>>,
-    /// Distance from the middle within which a facet is, m.
-    radius: Vec<f64>,
+    /// Where it is about.
+    about: Vec<About>,
     /// Stretch along its normal.
     stretch: Vec<f64>,
+    /// Pairs of facets that may press, of every row of a block.
+    candidates: Vec<Candidates>,
+    /// Of each particle where these begin and end in its block, and of those that were found to press.
+    found_of: Vec<[u32; 4]>,
     /// The first part of the face of the cell that a facet is a part of: the slip is that of the face.
     lead: Vec<u32>,
     /// Slips of particles that have pairs, block by block.
@@ -168,8 +238,10 @@ impl FacetContacts {
             sources: Vec::new(),
             first: Vec::new(),
             now: Vec::new(),
-            radius: Vec::new(),
+            about: Vec::new(),
             stretch: Vec::new(),
+            candidates: Vec::new(),
+            found_of: Vec::new(),
             lead: Vec::new(),
             slips: Vec::new(),
             apart: vec![false; model.bodies.len()],
@@ -266,8 +338,11 @@ impl FacetContacts {
         };
         self.now.clear();
         self.now.resize(self.sources.len(), none);
-        self.radius.clear();
-        self.radius.resize(self.sources.len(), 0.0);
+        self.about.clear();
+        self.about.resize(self.sources.len(), About::default());
+        self.candidates.resize_with(foreign.blocks().len(), Candidates::default);
+        self.found_of.clear();
+        self.found_of.resize(count, [0; 4]);
         self.stretch.clear();
         self.stretch.resize(self.sources.len(), 1.0);
     }
@@ -279,20 +354,72 @@ impl FacetContacts {
         let earlier = WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
         let is_renewed = !own.earlier_deformation.is_empty();
         let reference = &self.reference;
-        let facets = (&mut self.now, &mut self.radius, &mut self.stretch, &self.sources).into_par_iter();
-        facets.with_min_len(64).for_each(|(now, radius, stretch, source)| {
+        let facets = (&mut self.now, &mut self.about, &mut self.stretch, &self.sources).into_par_iter();
+        facets.with_min_len(64).for_each(|(now, about, stretch, source)| {
             let point = source.point as usize;
             let f = since.at(point);
             let f = if is_renewed { WholeDeformation::product(&f, &earlier.at(point)) } else { f };
             let facet = source.facet(reference).facet;
             let facet = if source.sign == [1.0; 3] { facet } else { mirrored(&facet, source) };
             (*now, *stretch) = Facet::now(position.at(point), &f, &facet).held(facet.depth);
-            let to_corner = |corner: &Vector<f64>| {
-                let way: Vector<f64> = std::array::from_fn(|k| corner[k] - now.middle[k]);
-                dot(way, way)
-            };
-            *radius = now.corners.iter().map(to_corner).fold(0.0, f64::max).sqrt();
+            *about = About::new(now);
         });
+    }
+
+    /// Finds what presses.
+    pub(super) fn find(&mut self, foreign: &ForeignList, points: &FacetPoints<'_>) {
+        let (mut all, mut found_of) = (std::mem::take(&mut self.candidates), std::mem::take(&mut self.found_of));
+        let count = found_of.len();
+        let blocks = (all.par_iter_mut(), found_of.par_chunks_mut(BLOCK)).into_par_iter().zip(foreign.blocks());
+        blocks.for_each(|((Candidates { pairs, pressing }, found_of), block)| {
+            pairs.clear();
+            pressing.clear();
+            found_of.fill([0; 4]);
+            for (i, row) in block.rows() {
+                let from = [pairs.len() as u32, pressing.len() as u32];
+                for own in self.facets_of(i) {
+                    for &j in row.iter().filter(|&&j| !self.are_apart(points.body.at(i), points.body.at(j as usize))) {
+                        for other in self.facets_of(j as usize) {
+                            if !self.about[own].may_press(&self.about[other]) {
+                                continue;
+                            }
+                            pairs.push((own as u32, other as u32));
+                            let (own, other) = (self.side(own), self.side(other));
+                            let is_first = self.is_first(own, other, points);
+                            if !is_first && other.point < count {
+                                continue;
+                            }
+                            let (a, b) = if is_first { (own, other) } else { (other, own) };
+                            let law = self.law(own, other, points);
+                            let press = press(a.facet, b.facet, Partner::Facet, law).within(self.dimension);
+                            if press.energy > 0.0 {
+                                pressing.push(Found { own: own.index as u32, other: other.index as u32, press });
+                            }
+                        }
+                    }
+                }
+                found_of[i % BLOCK] = [from[0], pairs.len() as u32, from[1], pressing.len() as u32];
+            }
+        });
+        (self.candidates, self.found_of) = (all, found_of);
+    }
+
+    /// What was found of a pair in the row of a particle.
+    fn found(&self, i: usize, own: usize, other: usize) -> Option<&FacetPress<f64>> {
+        let [.., from, to] = self.found_of[i];
+        let pressing = &self.candidates[i / BLOCK].pressing[from as usize..to as usize];
+        let found = pressing.iter().find(|found| (found.own as usize, found.other as usize) == (own, other));
+        found.map(|found| &found.press)
+    }
+
+    /// Whether the first of two facets is the first of the pair: the same from both sides.
+    fn is_first(&self, own: Side<'_>, other: Side<'_>, points: &FacetPoints<'_>) -> bool {
+        let number = |side: Side<'_>| (points.id.at(side.point), self.sources[side.index].place);
+        number(own) <= number(other)
+    }
+
+    fn law(&self, own: Side<'_>, other: Side<'_>, points: &FacetPoints<'_>) -> &FacetPairLaw<f64> {
+        self.laws.of(points.body.at(own.point) as usize, points.body.at(other.point) as usize)
     }
 
     fn facets_of(&self, point: usize) -> std::ops::Range<usize> {
@@ -303,45 +430,28 @@ impl FacetContacts {
         Side { index, point: self.sources[index].point as usize, facet: &self.now[index] }
     }
 
-    /// Calls `visit` with every pair of the particle's facets with those of its row that presses.
-    fn each<'a>(&'a self, i: usize, row: &[u32], points: &FacetPoints<'_>, mut visit: impl FnMut(Met<'a>)) {
-        for own in self.facets_of(i) {
-            let own = self.side(own);
-            for &j in row {
-                let j = j as usize;
-                if self.are_apart(points.body.at(i), points.body.at(j)) {
-                    continue;
-                }
-                for other in self.facets_of(j) {
-                    let other = self.side(other);
-                    if dot(own.facet.normal, other.facet.normal) >= FACING || !self.may_meet(own, other) {
-                        continue;
-                    }
-                    // The same order from both sides.
-                    let number = |side: Side<'_>| (points.id.at(side.point), self.sources[side.index].place);
-                    let is_first = number(own) <= number(other);
-                    let (a, b) = if is_first { (own, other) } else { (other, own) };
-                    let bodies = (points.body.at(i) as usize, points.body.at(j) as usize);
-                    let law = self.laws.of(bodies.0, bodies.1);
-                    let press = press(a.facet, b.facet, Partner::Facet, law).within(self.dimension);
-                    if press.energy > 0.0 {
-                        let motion = |side: Side<'_>| (points.velocity.at(side.point), points.gradient.at(side.point));
-                        let ((v_a, l_a), (v_b, l_b)) = (motion(a), motion(b));
-                        let velocity = press.velocity(v_a, &l_a, v_b, &l_b);
-                        visit(Met { own, other, press, is_first, law, bodies, velocity });
-                    }
-                }
+    /// Calls `visit` with every pair of the particle's facets that presses, if asked for only those with one point.
+    fn each<'a>(&'a self, i: usize, only: Option<u32>, points: &FacetPoints<'_>, mut visit: impl FnMut(Met<'a>)) {
+        let count = self.found_of.len();
+        let [from, to, ..] = self.found_of[i];
+        for &(own, other) in &self.candidates[i / BLOCK].pairs[from as usize..to as usize] {
+            let (own, other) = (self.side(own as usize), self.side(other as usize));
+            if only.is_some_and(|only| only as usize != other.point) {
+                continue;
             }
+            let is_first = self.is_first(own, other, points);
+            let found = match is_first || other.point >= count {
+                true => self.found(i, own.index, other.index),
+                false => self.found(other.point, other.index, own.index),
+            };
+            let Some(&press) = found else { continue };
+            let motion = |side: Side<'_>| (points.velocity.at(side.point), points.gradient.at(side.point));
+            let (a, b) = if is_first { (own, other) } else { (other, own) };
+            let ((v_a, l_a), (v_b, l_b)) = (motion(a), motion(b));
+            let velocity = press.velocity(v_a, &l_a, v_b, &l_b);
+            let bodies = (points.body.at(own.point) as usize, points.body.at(other.point) as usize);
+            visit(Met { own, other, press, is_first, law: self.law(own, other, points), bodies, velocity });
         }
-    }
-
-    /// Whether facets are near enough to touch, seen along any direction.
-    fn may_meet(&self, a: Side<'_>, b: Side<'_>) -> bool {
-        let at = |side: Side<'_>, k: usize| side.facet.owner[k] + side.facet.middle[k];
-        let squared: f64 = (0..3).map(|k| (at(a, k) - at(b, k)).powi(2)).sum();
-        // Closures reach as far as the owners are below their faces.
-        let reach = self.radius[a.index] + self.radius[b.index] + a.facet.depth.abs() + b.facet.depth.abs();
-        squared < reach * reach
     }
 
     /// Slip of a facet in space, and what it rubs.
@@ -361,9 +471,9 @@ impl FacetContacts {
     }
 
     /// First pass, with friction: slips of the particle's facets after a step `dt`, s.
-    pub(super) fn slips(&self, i: usize, row: &[u32], points: &FacetPoints<'_>, dt: f64) -> CellSlips {
+    pub(super) fn slips(&self, i: usize, points: &FacetPoints<'_>, dt: f64) -> CellSlips {
         let mut drives = [SlipDrive::none(); 6];
-        self.each(i, row, points, |met| {
+        self.each(i, None, points, |met| {
             let share = FrictionShare::of(&met.press, met.law, met.velocity, false);
             let share = if met.is_first { share } else { share.turned() };
             let (axis, high) = self.sources[met.own.index].face(&self.reference);
@@ -385,11 +495,11 @@ impl FacetContacts {
         slips
     }
 
-    /// Second pass: what the pairs of a particle do to it, with the moment of their forces about it, N m.
+    /// Second pass: what the pairs of a particle do to it, if asked for only those with one point of its row, with the moment of their forces about it, N m.
     pub(super) fn push(
         &self,
         i: usize,
-        row: &[u32],
+        (row, only): (&[u32], Option<u32>),
         points: &FacetPoints<'_>,
         mass: f64,
         table: &ContactLaws,
@@ -399,7 +509,7 @@ impl FacetContacts {
         let mut moment = [[0.0; 3]; 3];
         let (mut stiffness, mut damping) = (0.0, 0.0);
         let (v, l) = (points.velocity.at(i), points.gradient.at(i));
-        self.each(i, row, points, |mut met| {
+        self.each(i, only, points, |mut met| {
             let energy = met.press.energy;
             let sign = if met.is_first { 1.0 } else { -1.0 };
             let stretch = self.stretch[met.own.index];
@@ -503,7 +613,7 @@ impl FacetContacts {
         table: &ContactLaws,
     ) -> Vector<f64> {
         let points = FacetPoints::new(own, ghosts);
-        self.push(i, &[j], &points, own.mass[i], table, &mut BlockSums::default()).0.force
+        self.push(i, (&[j], Some(j)), &points, own.mass[i], table, &mut BlockSums::default()).0.force
     }
 
     /// Faces of the cell of a particle of a body that has come apart that are exposed now, with those that are since
@@ -533,7 +643,13 @@ impl FacetContacts {
             + 4 * (self.first.capacity() + self.lead.capacity())
             + self.sources.capacity() * size_of::<Source>()
             + self.now.capacity() * size_of::<Facet<f64>>()
-            + self.radius.capacity() * size_of::<f64>()
+            + self.about.capacity() * size_of::<About>()
+            + self
+                .candidates
+                .iter()
+                .map(|of| 8 * of.pairs.capacity() + size_of::<Found>() * of.pressing.capacity())
+                .sum::<usize>()
+            + size_of::<[u32; 4]>() * self.found_of.capacity()
             + self.slips.iter().map(Vec::capacity).sum::<usize>() * size_of::<(usize, CellSlips)>()
     }
 }
