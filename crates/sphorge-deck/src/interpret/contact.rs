@@ -9,10 +9,11 @@ use sphorge_engine::model::{BodyContact, Formulation};
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::parameter::Bound;
 
-/// How bodies meet; where the deck does not say, in the way of the formulation.
+/// How that many bodies meet; where the deck does not say, in the way of the formulation.
 pub(crate) fn contact(
     raw: Option<&RawContactChoice>,
     formulation: Option<Formulation>,
+    bodies: usize,
     problems: &mut Problems,
 ) -> Option<BodyContact> {
     let usual = RawBodyPenalty::default();
@@ -31,9 +32,10 @@ pub(crate) fn contact(
         }
     };
     let has_cells = !matches!(formulation, Some(Formulation::UpdatedLagrangian));
+    // A body alone meets itself alone, which cards compute by overlap, too.
     let at_facets = match &table.surfaces {
         Some(word) => word.get(problems)?,
-        None => false,
+        None => has_cells && bodies > 1,
     };
     if let (true, false, Some(word)) = (at_facets, has_cells, &table.surfaces) {
         let message = "facets follow the deformation of cells, which the updated Lagrangian form does not have";

@@ -251,7 +251,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
     let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
     let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();
-    let contact = contact::contact(raw.contact.as_ref(), strategy.map(|s| s.formulation), problems);
+    let contact = contact::contact(raw.contact.as_ref(), strategy.map(|s| s.formulation), raw.body.len(), problems);
     let gravity = raw.gravity.as_ref().map_or(Some([0.0; 3]), |g| vector(g, dimensions, problems));
     let scene = measure::Scene { dimensions, bodies: &body_names, regions: &region_names };
     let measures = measure::measures(&raw.measure, &scene, problems);
@@ -399,10 +399,12 @@ fn without_contact(strategy: Strategy, contact: BodyContact, bodies: usize) -> O
             "the total Lagrangian form sums over the particles of one body, so bodies cannot interact through kernel sums",
             "choose `contact = \"penalty\"`, which is its default, or `method = \"updated-lagrangian\"`",
         )),
-        (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_) | BodyContact::Facets { .. }) => Some((
-            "initial neighbour lists do not include approaching bodies, so a contact between them is not possible",
-            "choose another `search`, or leave `contact` out",
-        )),
+        (Formulation::UpdatedLagrangian, Search::Initial, BodyContact::Penalty(_) | BodyContact::Facets { .. }) => {
+            Some((
+                "initial neighbour lists do not include approaching bodies, so a contact between them is not possible",
+                "choose another `search`, or leave `contact` out",
+            ))
+        }
         (_, Search::Adaptive(adaptive), BodyContact::Penalty(_) | BodyContact::Facets { .. })
             if adaptive.guard.is_none() =>
         {

@@ -14,7 +14,7 @@ tables! {
     #[derive(Default)]
     RawBodyPenalty {
         /// Where bodies meet.
-        surfaces: Option<Choice<ContactSurfacesWord>>, otherwise "`\"overlap\"`";
+        surfaces: Option<Choice<ContactSurfacesWord>>, otherwise "`\"facets\"` between bodies in the total Lagrangian form, `\"overlap\"` of one body with itself and in the updated Lagrangian form";
         /// Pressure for a closure of one spacing, over the harmonic mean of the two bulk moduli.
         stiffness: Option<Given<Number>>, example 4.0, otherwise "2.0 with facets, 1.0 by overlap";
         /// Damping as a share of critical, 0 to 1.

@@ -318,9 +318,12 @@ fn bodies_in_total_lagrangian_form_meet_in_a_contact() {
                   shape = { box = { min = [\"-3.81 mm\", \"30 mm\"], max = [\"3.81 mm\", \"35 mm\"] } }\n[[wall]]";
     let two = total.replace("[[wall]]", second);
     let contact = |deck: &str| load_text("deck", deck, &[]).unwrap_or_else(|r| panic!("{r}")).model.contact;
-    assert!(matches!(contact(&two), BodyContact::Penalty(strength) if strength.stiffness == 1.0));
-    let facets = two.replace("search =", "contact = { penalty = { surfaces = \"facets\" } }\nsearch =");
-    assert!(matches!(contact(&facets), BodyContact::Facets { whole, apart } if whole.stiffness == 2.0 && apart.stiffness == 1.0));
+    assert!(
+        matches!(contact(&two), BodyContact::Facets { whole, apart } if (whole.stiffness, apart.stiffness) == (2.0, 1.0))
+    );
+    let overlap = two.replace("search =", "contact = { penalty = { surfaces = \"overlap\" } }\nsearch =");
+    assert!(matches!(contact(&overlap), BodyContact::Penalty(strength) if strength.stiffness == 1.0));
+    // One body alone meets itself by overlap.
     assert!(matches!(contact(&total), BodyContact::Penalty(_)));
     assert_eq!(contact(&two.replace("\"total-lagrangian\"", "\"skin\"")), BodyContact::Sph);
     // One body has none to meet.

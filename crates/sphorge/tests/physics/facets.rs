@@ -1,7 +1,7 @@
 //! Contact at the facets of particles: where bodies touch, how they rest, slide and bounce.
 
-use super::setup::{run_steps, run_to};
-use sphorge::engine::Simulation;
+use super::setup::{run_steps, run_to, simulation};
+use sphorge::engine::{Ledger, Simulation};
 
 /// Two elastic blocks of steel that share a face; the springs against hourglass modes are not what is tested.
 const BLOCKS: &str = r#"
@@ -27,12 +27,6 @@ name = "lower"
 material = "steel"
 shape = { box = { min = ["-10 mm", "-6 mm"], max = ["10 mm", "0 mm"] } }
 "#;
-
-/// Bodies of a deck that meet at facets.
-fn simulation(text: &str, overrides: &[(&str, &str)]) -> Simulation {
-    let facets = [("contact.penalty.surfaces", "facets")];
-    super::setup::simulation(text, &[overrides, &facets].concat())
-}
 
 /// Largest speed of any particle, m/s.
 fn fastest(simulation: &Simulation) -> f64 {
@@ -200,4 +194,41 @@ fn bodies_deep_in_each_other_at_the_start_are_refused_and_little_overlap_is_told
     assert!(note.contains("`upper`") && (depth / 0.05 - 1.0).abs() < 0.04, "{note}");
     let report = format!("{:?}", load("-0.2 mm").err().unwrap());
     assert!(report.contains("press each other"), "{report}");
+}
+
+/// A disc of aluminium strikes a plate at 6 km/s. Both come apart within a microsecond.
+const STRIKE: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+numerics = { temperature = "energy" }
+time = { end = "3 us", courant = 0.1 }
+
+[[body]]
+name = "plate"
+material = "aluminium-patino"
+shape = { box = { min = ["-20 mm", "-4 mm"], max = ["20 mm", "0 mm"] } }
+
+[[body]]
+name = "disc"
+material = "aluminium-patino"
+shape = { disc = { centre = ["0 mm", "5 mm"], radius = "5 mm" } }
+velocity = ["0 m/s", "-6180 m/s"]
+"#;
+
+#[test]
+fn what_has_come_apart_meets_others_by_overlap() {
+    let mut simulation = simulation(STRIKE, &[]);
+    simulation.next_step_estimate().unwrap();
+    let first = simulation.ledger().unwrap();
+    run_to(&mut simulation, 0.9e-6);
+    let whole = simulation.ledger().unwrap();
+    run_to(&mut simulation, 3e-6);
+    let apart = simulation.ledger().unwrap();
+    // Facets of particles that have no neighbours where the next ones were would push with all they are closed by.
+    assert!(apart.total.energies.kinetic < 0.98 * first.total.energies.kinetic, "{:?}", apart.total.energies);
+    assert!(((apart.total_energy() - first.total_energy()) / first.total_energy()).abs() < 1e-6);
+    // The disc pushes the plate on.
+    let share = |ledger: &Ledger| ledger.bodies[0].momentum[1] / first.total.momentum[1];
+    assert!(share(&apart) > 1.1 * share(&whole), "{} {}", share(&whole), share(&apart));
+    assert!((apart.total.momentum[1] / first.total.momentum[1] - 1.0).abs() < 1e-6);
 }

@@ -84,7 +84,10 @@ fn judge(runs: &Runs, findings: &mut Findings) {
                     Bounds::Relative(if run.spacing > 1.2e-3 { 0.02 } else { 0.01 }),
                     "ten rows of particles across; the error of six rows, at low resolution, is that of six \
                      elements, 1.1 %",
-                ),
+                )
+                // On a hard contact coarse rings bend too little: six rows part with 0.828 of the speed from a rigid wall four times as stiff as usual, with
+                // 0.806 from the usual one, which is soft. Known, and told.
+                .missed_within((run.spacing > 0.6e-3).then_some(Bounds::Relative(0.045))),
         );
         let drift = run.summary().map(|s| s.largest_momentum_drift);
         findings.add(

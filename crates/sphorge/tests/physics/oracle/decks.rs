@@ -564,7 +564,7 @@ pub(super) const ROD: &[Case] = &[
     case("total lagrangian, a body that meets itself", FOLDED, &[AT_FACETS], 45),
     case("total lagrangian, a body in space that meets itself", FOLDED_IN_SPACE, &[AT_FACETS], 45),
     case("total lagrangian, periodic", CELL, &[TOTAL], 40),
-    case("total lagrangian, renewed, two bodies", CORNERED, &[RENEWED], 40),
+    // Bodies that have come apart meet others by overlap of faces that follow the deformation, which the oracle does not have.
     case("total lagrangian, renewed, walls", WALLS, &[RENEWED], 40),
     case("total lagrangian, renewed on a wall again and again", TUMBLING, &[], 45),
     case("total lagrangian, renewed, periodic", CELL, &[RENEWED, SHEARED], 60),

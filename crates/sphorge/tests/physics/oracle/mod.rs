@@ -9,8 +9,7 @@ use super::setup::COLLISION;
 use decks::{BARS, BLOCKS, CORNER, Case, LINE, LIQUID, OVEN, PRESS, PRESSED, ROD, SEARCHED, SPACE, SPALLED, THIN};
 use sphorge::deck;
 use sphorge::engine::{BodyLedger, Cpu, EngineKind, Ledger, ParticleSource, Reduction, Simulation, WallLedger};
-use sphorge::model::{BodyContact, Section};
-use sphorge::{Model, Particles};
+use sphorge::{Model, Particles, model::Section};
 use sphorge_oracle::OracleKind;
 
 /// Rounding of double precision after some tens of steps, of which 3e-12 is reached, and of single precision, of which 4e-5 is.
@@ -42,13 +41,6 @@ fn start(kind: &dyn EngineKind, case: &Case, further: &[(&str, &str)]) -> Simula
     let overrides = case.overrides.iter().chain(further).map(|&(path, value)| (path.to_owned(), value.to_owned()));
     let setup = deck::load_text("test", case.deck, &overrides.collect::<Vec<_>>())
         .unwrap_or_else(|report| panic!("{}: {report:?}", case.name));
-    let mut setup = setup;
-    // The oracle has no overlap of faces that follow the deformation.
-    if let (true, BodyContact::Penalty(strength)) =
-        (setup.model.has_faces() && setup.model.bodies.len() > 1, setup.model.contact)
-    {
-        setup.model.contact = BodyContact::Facets { whole: strength, apart: strength };
-    }
     kind.supports(&setup.model).unwrap_or_else(|refusal| panic!("{}: {refusal}", case.name));
     Simulation::start(kind, setup.model, setup.particles).unwrap()
 }
