@@ -5,6 +5,10 @@
 //! configuration repeatedly becomes its reference configuration: positions, volumes and neighbours are the current
 //! ones, and deformation gradients start at one. The state does not change: stress, density, energy and plastic strain
 //! belong to the particle, and forces stay pairwise. Parts without common neighbours are then separate pieces.
+//!
+//! Particles have then drifted to the end of the step, but deformation gradients are those of its start. The reference
+//! is therefore where particles were at the start: the step deforms it as it moves them. With the places of the end the
+//! motion of this step would count as a misfit of springs for good.
 
 use super::CpuEngine;
 use crate::RunFailure;
@@ -24,6 +28,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let Formulation::TotalLagrangian { renewal: Some(bound), .. } = self.model.formulation else {
             return Ok(false);
         };
+        let dt = self.step.dt;
         let p = &mut self.particles;
         let has_come_apart = &mut self.has_come_apart;
         let is_due: Vec<AtomicBool> = has_come_apart.iter().map(|_| AtomicBool::new(false)).collect();
@@ -69,15 +74,15 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         p.allocate(Owner::Renewal);
         self.ghosts.halo.wrap(&mut p.position);
-        let of_now = (&p.body, &p.position, &p.mass, &p.density);
+        let of_now = (&p.body, (&p.position, &p.velocity), &p.mass, &p.density);
         let reference = (&mut p.reference_position, &mut p.reference_volume, &mut p.earlier_deformation);
         let springs = (&mut p.yielded_stretch, &mut p.spring_misfit, &mut p.spring_moment);
         let since = (&mut p.deformation, &mut p.smallest_stretch, springs);
         let particles = (of_now.into_par_iter(), reference.into_par_iter(), since.into_par_iter()).into_par_iter();
         particles.with_min_len(BLOCK).for_each(
-            |((&body, position, mass, density), (reference, volume, earlier), (f, stretch, springs))| {
+            |((&body, (position, velocity), mass, density), (reference, volume, earlier), (f, stretch, springs))| {
                 if is_due[body as usize] {
-                    *reference = *position;
+                    *reference = [0, 1, 2].map(|a| position[a] - dt * velocity[a]);
                     *volume = mass / density;
                     *earlier = multiply(f, earlier);
                     *f = identity();

@@ -225,10 +225,13 @@ impl<T: PairScalar> CpuEngine<T> {
         true
     }
 
-    /// How far beyond the reach of the kernel ghosts are created, so that they can be used until particles have moved.
+    /// How far beyond the reach of the kernel ghosts are created, so that they can be used until particles have moved. A
+    /// renewed reference configuration is that of before the drift that has just brought particles into a periodic cell.
     fn ghost_reach_factor(&self) -> f64 {
+        let is_renewed = self.has_come_apart.contains(&true) && self.model.periodic.iter().any(Option::is_some);
         match self.model.search {
             Search::Adaptive(_) => 1.0 + AdaptiveSearch::IMAGE_MARGIN,
+            Search::Initial if is_renewed => 2.0,
             Search::EveryStep | Search::Skin { .. } | Search::Initial => 1.0,
         }
     }

@@ -139,12 +139,13 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
 }
 
 /// How far from a plane or an end there are images, over the edge of a cell. Particles leave a periodic cell before all
-/// are wrapped; those that have passed a symmetry plane, by up to the reach of a kernel, see images of what is farther
-/// in front of it by the same distance.
+/// are wrapped, and a renewed reference configuration is that of before a drift; those that have passed a symmetry plane,
+/// by up to the reach of a kernel, see images of what is farther in front of it by the same distance.
 fn strays(model: &Model) -> f64 {
-    let of_ends = match model.periodic.iter().all(Option::is_none) || adaptive(model).is_none() {
+    let of_ends = match model.periodic.iter().all(Option::is_none) {
         true => 1.0,
-        false => 1.0 + AdaptiveSearch::IMAGE_MARGIN,
+        false if model.formulation.renews() => 2.0,
+        false => adaptive(model).map_or(1.0, |_| 1.0 + AdaptiveSearch::IMAGE_MARGIN),
     };
     if model.symmetry.is_empty() { of_ends } else { f64::max(of_ends, 2.0) }
 }

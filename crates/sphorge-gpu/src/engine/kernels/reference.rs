@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::images::Planes;
 use super::neighbors::{now, over_list, over_own_body};
-use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, recording};
+use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, Writing, added, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
 use sphorge_engine::model::Model;
@@ -102,18 +102,23 @@ pub(super) fn less_identity(deformation: Reading, i: Index) -> Tensor<Recorded> 
 }
 
 /// Makes the current configuration of bodies that are due their reference: positions, volumes, and deformation
-/// gradients that start at one.
+/// gradients that start at one. Deformation is that of the start of the step, and so are the positions: without the
+/// drift of the step.
 pub(in crate::engine) fn renew(model: &Model, count: usize) -> Result<Recording, KernelFault> {
     recording("renew_reference", count, |bind, i| {
         let Some(apart) = Apart::of(bind, model, References::Renewed) else { return };
         let (place, density, constants) =
             (bind.read(Group::Place), bind.read(Group::Density), bind.read(Group::Constants));
+        let (velocity, step) = (bind.read(Group::Velocity), bind.read(Group::Step));
         let (reference, stretch) = (bind.write(Group::Reference), bind.write(Group::Stretch));
         let (since, earlier) = (bind.write(Group::Deformation), bind.write(Group::Earlier));
         let springs = bind.write(Group::Springs);
         let renew = || {
-            for field in 0..6 {
-                reference.set(field, i, place.get(field, i));
+            let dt = step.get(0, Index::of(DT));
+            for a in 0..3 {
+                let start = added(place.double(a, 3 + a, i), -(dt * velocity.get(a, i)));
+                reference.set(a, i, start[0]);
+                reference.set(3 + a, i, start[1]);
             }
             let volume = Double::from(constants.get(0, i)) / Double::new(density.double(0, 1, i));
             reference.set_all(6, i, &[volume.high, volume.low]);
