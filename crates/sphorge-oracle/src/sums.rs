@@ -293,7 +293,8 @@ impl Oracle {
         for i in 0..self.p.len() {
             let energy = self.p.energy[i] + 0.5 * self.dt * self.p.energy_rate[i];
             let artificial = self.artificial_energy[i] + 0.5 * self.dt * self.artificial_power[i];
-            let deviator = self.flow(i, (energy, artificial), self.dt_to_evaluation(), commit);
+            let held = self.initial_volume[i] / self.p.mass[i] * self.held_by_springs(i);
+            let deviator = self.flow(i, (energy, artificial + held), self.dt_to_evaluation(), commit);
             let (rho, c, h) = (self.p.density[i], self.p.sound_speed[i], self.p.smoothing_length[i]);
             let l = self.p.velocity_gradient[i];
             let mut pressure = self.p.pressure[i];
@@ -419,12 +420,16 @@ impl Oracle {
 
     /// Energy that the springs hold, J.
     pub(crate) fn energy_of_springs(&self) -> f64 {
-        let Some(strength) = self.total_lagrangian() else { return 0.0 };
-        let held = |i: usize| self.spring(strength, i).energy(self.spring_misfit[i], self.dimension);
-        (0..self.p.len()).map(|i| self.initial_volume[i] * held(i)).sum()
+        (0..self.p.len()).map(|i| self.initial_volume[i] * self.held_by_springs(i)).sum()
     }
 
-    /// Springs, `V_i V_j w_ij (k_i z_i(j) + k_j z_j)/2` with the weight of the gradient, half of the work to each. The stiffness is that
+    /// That of a particle per initial volume, J/m^d.
+    fn held_by_springs(&self, i: usize) -> f64 {
+        let Some(strength) = self.total_lagrangian() else { return 0.0 };
+        self.spring(strength, i).energy(self.spring_misfit[i], self.dimension)
+    }
+
+    /// Springs, `V_i V_j w_ij (k_i z_i(j) + k_j z_j)/2` with the weight of the gradient, to each the work of its own. The stiffness is that
     /// of the misfit at the last evaluation.
     pub(crate) fn resist_hourglass(&mut self) {
         let Some(strength) = self.total_lagrangian() else { return };
@@ -444,7 +449,7 @@ impl Oracle {
                 let push = both.map(|push| self.initial_volume[i] / p.mass[i] * weight * push);
                 a = plus(a, 1.0, push);
                 exerted.push((i, n.j, n.image, push.map(|push| p.mass[i] * push)));
-                power -= 0.5 * dot(push, v);
+                power -= 0.5 * self.initial_volume[i] / p.mass[i] * stiffness[i] * weight * dot(own, v);
                 misfit += weight * dot(own, own) / self.dimension.count() as f64;
                 add_dyad(&mut moment, weight, own, n.x);
             }

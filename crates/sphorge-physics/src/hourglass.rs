@@ -144,8 +144,8 @@ impl<T: Real> Misfit<T> {
 pub struct SpringSums<T> {
     /// Force per initial volume, N/m^d.
     pub acceleration: Vector<T>,
-    /// Power that goes to the internal energy, per initial volume, W/m^d.
-    pub energy_rate: T,
+    /// `sum_j V_j w_ij z_i(j) . v_ij`, 1/s: minus `d/2` times the rate of `eps_z^2`, as that does not change with `F_i`.
+    pub closing: T,
     /// `sum_j V_j w_ij |z_i(j)|^2`, `d` times the mean square of the misfit.
     pub misfit2: T,
     /// `sum_j V_j w_ij z_i(j) X_ij^T`: zero but for what rounding has left between `F_i` and the places of the neighbours.
@@ -157,25 +157,32 @@ impl<T: Real> SpringSums<T> {
     #[inline(always)]
     pub fn zero() -> Self {
         let o = T::zero();
-        Self { acceleration: [o; 3], energy_rate: o, misfit2: o, moment: [[o; 3]; 3] }
+        Self { acceleration: [o; 3], closing: o, misfit2: o, moment: [[o; 3]; 3] }
     }
 
     /// Adds a spring along the `D` axes computed in: `push` by [`Misfit::push`], `v` the velocity of `i` relative to `j`
     /// (m/s), `weight` that of the gradient, `V_j w_ij` (m^-2).
     #[inline(always)]
     pub fn add<const D: usize>(&mut self, misfit: &Misfit<T>, push: &Vector<T>, v: &Vector<T>, weight: T) {
-        let (mut power, mut square) = (T::zero(), T::zero());
+        let (mut closing, mut square) = (T::zero(), T::zero());
         for a in 0..D {
             self.acceleration[a] = weight.mul_add(push[a], self.acceleration[a]);
-            power = push[a].mul_add(v[a], power);
+            closing = misfit.own[a].mul_add(v[a], closing);
             square = misfit.own[a].mul_add(misfit.own[a], square);
             let own = weight * misfit.own[a];
             for b in 0..D {
                 self.moment[a][b] = own.mul_add(misfit.initial[b], self.moment[a][b]);
             }
         }
-        self.energy_rate -= T::of(0.5) * weight * power;
+        self.closing = weight.mul_add(closing, self.closing);
         self.misfit2 = weight.mul_add(square, self.misfit2);
+    }
+
+    /// Power that goes to the internal energy, per initial volume, W/m^d: that of the springs of the particle itself, of
+    /// this stiffness (Pa). What they hold is then part of its own energy. Of all particles it is the power of the forces.
+    #[inline(always)]
+    pub fn energy_rate(&self, stiffness: T) -> T {
+        T::of(-0.5) * stiffness * self.closing
     }
 }
 
@@ -389,6 +396,12 @@ mod tests {
             let mut noise = Noise::new(9);
             let v: Vec<Vector<f64>> = x.iter().map(|_| [noise.next(), noise.next(), noise.next()]).collect();
             let (sums, _) = sprung.sums(&x, &v);
+            let misfits = |x: &[Vector<f64>]| sprung.sums(x, &v).0.into_iter().map(|sums| sums.misfit2);
+            let moved = |by: f64| {
+                misfits(&(0..x.len()).map(|i| [0, 1, 2].map(|a| x[i][a] + by * v[i][a])).collect::<Vec<_>>())
+                    .collect::<Vec<_>>()
+            };
+            let (after, before) = (moved(1e-4), moved(-1e-4));
             let (mut force, mut torque, mut size, mut heat, mut power) = ([0.0; 3], [0.0; 3], 0.0, 0.0, 0.0);
             for (i, x) in x.iter().enumerate() {
                 let f = sprung.force(i, &sums);
@@ -397,7 +410,11 @@ mod tests {
                 (0..3).for_each(|a| torque[a] += turning[a]);
                 size += dot(f, f).sqrt();
                 power += dot(f, v[i]);
-                heat += sprung.cloud.volume[i] * sums[i].energy_rate;
+                let stiffness = sprung.spring[i].at(sums[i].misfit2 / dimension.count() as f64);
+                heat += sprung.cloud.volume[i] * sums[i].energy_rate(stiffness);
+                // Of a particle it is the rate of the energy of its own springs: (k/4) d/dt of the sum of the squares.
+                let held = stiffness / 4.0 * (after[i] - before[i]) / 2e-4;
+                assert!((sums[i].energy_rate(stiffness) - held).abs() < 1e-6, "{dimension:?} {i}");
                 let moment = sums[i].moment.as_flattened().iter().fold(0.0, |most: f64, m| most.max(m.abs()));
                 assert!(moment < 1e-12, "{dimension:?}: {moment}");
             }
@@ -423,7 +440,8 @@ mod tests {
         for k in 0..steps {
             let [x, v] = at(core::f64::consts::TAU * k as f64 / steps as f64);
             let (sums, _) = sprung.sums(&x, &v);
-            let power: f64 = sums.iter().zip(&sprung.cloud.volume).map(|(s, volume)| volume * s.energy_rate).sum();
+            let stiffness = |i: usize| sprung.spring[i].at(sums[i].misfit2 / 2.0);
+            let power: f64 = (0..x.len()).map(|i| sprung.cloud.volume[i] * sums[i].energy_rate(stiffness(i))).sum();
             work += power;
             size += power.abs();
         }
@@ -475,10 +493,12 @@ mod tests {
         assert_eq!((apart.initial2, apart.own, apart.other), (2.0, [1.0, -1.0, 0.0], [0.0, -1.0, 0.0]));
         // (10 (1, -1) + 30 (0, -1))/2.
         assert_eq!(apart.push::<2>(10.0, 30.0), [5.0, -20.0, 0.0]);
-        // The weight is 0.5; the particle drifts apart with (2, 1): half of -(0.5 (10 - 20)) is heat.
+        // The weight is 0.5; the particle drifts apart with (2, 1), its own misfit closes by half of 2 - 1; of a stiffness of
+        // 10 this takes half of half of 10 from what is held.
         let mut sums = SpringSums::zero();
         sums.add::<2>(&apart, &[5.0, -20.0, 0.0], &[2.0, 1.0, 9.0], 0.5);
-        assert_eq!((sums.acceleration, sums.energy_rate, sums.misfit2), ([2.5, -10.0, 0.0], 2.5, 1.0));
+        assert_eq!((sums.acceleration, sums.closing, sums.misfit2), ([2.5, -10.0, 0.0], 0.5, 1.0));
+        assert_eq!(sums.energy_rate(10.0), -2.5);
         assert_eq!(sums.moment, [[0.5, 0.5, 0.0], [-0.5, -0.5, 0.0], [0.0; 3]]);
     }
 

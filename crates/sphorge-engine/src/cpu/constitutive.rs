@@ -1,6 +1,7 @@
 //! Update of each particle from the density: stress, temperature, and the data that the force sum reads.
 
 use super::CpuEngine;
+use super::hourglass::SpringLaw;
 use super::prefetch::prefetch_behind;
 use super::records::{extra, force, kinematic};
 use super::stress_columns::{ElasticInputs, PackStress, StressColumns, StressForm};
@@ -221,7 +222,7 @@ impl<'a> FlowColumns<'a> {
                 shear_modulus,
                 step.temperature,
                 density,
-                columns.energy[k] - columns.artificial_energy[k],
+                columns.energy[k] - columns.numerical_energy[k],
                 (integrity, if step.spalls { columns.integrity[k] } else { 1.0 }),
             );
         }
@@ -242,7 +243,7 @@ impl<'a> FlowColumns<'a> {
         }
         (self.plastic_strain_increment[k], self.yield_stress[k]) = (0.0, 0.0);
         if step.temperature == TemperatureSource::Energy {
-            let energy = columns.energy[k] - columns.artificial_energy[k];
+            let energy = columns.energy[k] - columns.numerical_energy[k];
             let cold = cold.at(columns.density[k], 0.0);
             self.temperature[k] = material.temperature_of_energy(energy, cold, 0.0, self.plastic_work[k]);
         }
@@ -343,8 +344,14 @@ impl<T: PairScalar> CpuEngine<T> {
             history,
             artificial_energy,
             artificial_power,
+            reference_volume,
+            yielded_stretch,
+            spring_misfit,
             ..
         } = &mut self.particles;
+        // What springs hold is neither strain of the metal nor heat.
+        let law = SpringLaw::of(model).filter(|_| numerics.temperature == TemperatureSource::Energy);
+        let springs = (&*reference_volume, &*yielded_stretch, &*spring_misfit);
         let (artificial_energy, artificial_power) = (&*artificial_energy, &*artificial_power);
         let (history, slots, history_width) = history.parts();
         let step = StressStep {
@@ -410,8 +417,17 @@ impl<T: PairScalar> CpuEngine<T> {
                 *here = energy + half * rate;
             }
             let works = artificial_energy.iter().zip(artificial_power).skip(first);
-            for (here, (energy, power)) in columns.artificial_energy.iter_mut().zip(works) {
+            for (here, (energy, power)) in columns.numerical_energy.iter_mut().zip(works) {
                 *here = energy + half * power;
+            }
+            if let Some(law) = &law {
+                let (volume, stretch, misfit) = springs;
+                for (k, here) in columns.numerical_energy[..s.len()].iter_mut().enumerate() {
+                    let i = first + k;
+                    let material = &model.materials[material[i] as usize];
+                    let spring = law.spring(material, flow.2[k], flow.0[k], stretch[i]);
+                    *here = volume[i] / mass[i] * spring.energy(misfit[i], form.dimension);
+                }
             }
             if form.artificial_stress {
                 let owners = body[particles.clone()].iter().zip(&material[particles.clone()]);
@@ -564,7 +580,7 @@ impl<T: PairScalar> CpuEngine<T> {
                 columns.density[..s.len()].copy_from_slice(rho);
                 columns.energy[..s.len()].copy_from_slice(&energy[particles.clone()]);
                 for (here, energy) in
-                    columns.artificial_energy.iter_mut().zip(artificial_energy.iter().skip(particles.start))
+                    columns.numerical_energy.iter_mut().zip(artificial_energy.iter().skip(particles.start))
                 {
                     *here = *energy;
                 }

@@ -9,7 +9,7 @@ use super::records::{Records, hourglass as entry};
 use super::sweeps::dispatch_dimension;
 use crate::RunFailure;
 use crate::lanes::{Instructions, Job, Lanes, PairScalar, run, splat_record};
-use crate::model::{Formulation, Material};
+use crate::model::{Formulation, Material, Model};
 use crate::neighbors::{BLOCK, Block};
 use crate::particles::Particles;
 use rayon::prelude::*;
@@ -114,7 +114,7 @@ fn hourglass_row<L: Lanes, const D: usize>(
             sums.add::<D>(&pair.misfit, &pair.push, &pair.v, weight);
         }
     }
-    let mut sum = SpringSums { energy_rate: sums.energy_rate.sum(), misfit2: sums.misfit2.sum(), ..SpringSums::zero() };
+    let mut sum = SpringSums { closing: sums.closing.sum(), misfit2: sums.misfit2.sum(), ..SpringSums::zero() };
     for a in 0..D {
         sum.acceleration[a] = sums.acceleration[a].sum();
         for b in 0..D {
@@ -142,10 +142,32 @@ impl<T: PairScalar> SpringSweep<'_, T> {
     }
 }
 
-/// Springs of particle `i`.
-fn spring(strength: f64, materials: &[Material], p: &Particles, i: usize) -> Spring<f64> {
-    let young = materials[p.material[i] as usize].young_modulus();
-    Spring::new(strength, young, p.yield_stress[i], p.plastic_strain[i], p.yielded_stretch[i])
+/// What the springs of a model have in common.
+#[derive(Clone, Copy)]
+pub(super) struct SpringLaw {
+    strength: f64,
+}
+
+impl SpringLaw {
+    /// Nothing where there are no springs.
+    pub(super) fn of(model: &Model) -> Option<Self> {
+        match model.formulation {
+            Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => Some(Self { strength: hourglass }),
+            _ => None,
+        }
+    }
+
+    /// Springs of a particle of this flow stress (Pa) and plastic strain, with the least principal stretch at which it
+    /// has yielded.
+    pub(super) fn spring(self, of: &Material, yield_stress: f64, plastic_strain: f64, stretch: f64) -> Spring<f64> {
+        Spring::new(self.strength, of.young_modulus(), yield_stress, plastic_strain, stretch)
+    }
+
+    /// Springs of particle `i`.
+    fn of_particle(self, materials: &[Material], p: &Particles, i: usize) -> Spring<f64> {
+        let material = &materials[p.material[i] as usize];
+        self.spring(material, p.yield_stress[i], p.plastic_strain[i], p.yielded_stretch[i])
+    }
 }
 
 impl<T: PairScalar> CpuEngine<T> {
@@ -175,9 +197,8 @@ impl<T: PairScalar> CpuEngine<T> {
     /// would turn the body. The moment that they have then is therefore given to the stress of the next force sum. It is
     /// zero but for rounding, and varies so slowly that one step makes no difference.
     pub(super) fn resist_hourglass(&mut self, rows: Rows) {
-        match self.model.formulation {
-            Formulation::TotalLagrangian { hourglass, .. } if hourglass != 0.0 => {}
-            _ => return,
+        if SpringLaw::of(&self.model).is_none() {
+            return;
         }
         self.pack_hourglass(rows);
         let inner = &self.inner;
@@ -222,11 +243,12 @@ impl<T: PairScalar> CpuEngine<T> {
                     for a in 0..3 {
                         acceleration[k][a] += factor * sums[k].acceleration[a].to_f64();
                     }
-                    energy_rate[k] += factor * sums[k].energy_rate.to_f64();
+                    let own_power = sums[k].energy_rate(records[i][entry::STIFFNESS]).to_f64();
+                    energy_rate[k] += factor * own_power;
                     // The stress of the moment has worked in the momentum sum.
                     let rate = tensor::multiply(&velocity_gradient[i], &deformation[i]);
                     let turned = rate.as_flattened().iter().zip(moment[k].as_flattened()).map(|(f, m)| f * m);
-                    *power += volume[i] * (sums[k].energy_rate.to_f64() + turned.sum::<f64>());
+                    *power += volume[i] * (own_power + turned.sum::<f64>());
                     misfit[k] = per_dimension * sums[k].misfit2.to_f64();
                     let half = 0.5 * records[i][entry::STIFFNESS].to_f64();
                     moment[k] = sums[k].moment.map(|row| row.map(|m| half * m.to_f64()));
@@ -237,11 +259,11 @@ impl<T: PairScalar> CpuEngine<T> {
     /// The stiffness of hourglass springs, which softens with the strain and with the misfit of the last force sum. Others
     /// read it with the stress, so it must not change while rows are summed.
     pub(super) fn soften_springs(&mut self) {
-        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return };
+        let Some(law) = SpringLaw::of(&self.model) else { return };
         let mut stiffness = std::mem::take(&mut self.particles.spring_stiffness);
         let (p, materials) = (&self.particles, &*self.model.materials);
         let update = |(i, stiffness): (usize, &mut f64)| {
-            *stiffness = spring(strength, materials, p, i).at(p.spring_misfit[i]);
+            *stiffness = law.of_particle(materials, p, i).at(p.spring_misfit[i]);
         };
         stiffness.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(update);
         self.particles.spring_stiffness = stiffness;
@@ -252,12 +274,12 @@ impl<T: PairScalar> CpuEngine<T> {
     /// # Errors
     /// A rank is lost.
     pub(super) fn energy_of_springs(&self) -> Result<f64, RunFailure> {
-        let Formulation::TotalLagrangian { hourglass: strength, .. } = self.model.formulation else { return Ok(0.0) };
+        let Some(law) = SpringLaw::of(&self.model) else { return Ok(0.0) };
         let (p, dimension, materials) = (&self.particles, super::dimension(&self.model), &*self.model.materials);
         let mut held = [0.0];
         let add = |held: &mut [f64]| {
             for (i, misfit) in p.spring_misfit.iter().enumerate() {
-                held[0] += p.reference_volume[i] * spring(strength, materials, p, i).energy(*misfit, dimension);
+                held[0] += p.reference_volume[i] * law.of_particle(materials, p, i).energy(*misfit, dimension);
             }
         };
         match &self.domain {

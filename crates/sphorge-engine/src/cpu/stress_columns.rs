@@ -26,8 +26,9 @@ pub(super) struct StressColumns {
     pub(super) energy: [f64; BLOCK],
     /// Smoothing length, m; only with bulk viscosity.
     pub(super) smoothing_length: [f64; BLOCK],
-    /// Work of the artificial stress in the energy, J/kg; zero unless booked.
-    pub(super) artificial_energy: [f64; BLOCK],
+    /// Part of the energy that is no energy of the metal, J/kg: work of the artificial stress, and what hourglass springs
+    /// hold; zero unless temperatures follow from it.
+    pub(super) numerical_energy: [f64; BLOCK],
     /// Coefficient of the artificial stress; only with one.
     pub(super) repulsion: [f64; BLOCK],
     /// At the start and at the end of the step; only where some material spalls.
@@ -50,7 +51,7 @@ impl StressColumns {
             density: zero,
             energy: zero,
             smoothing_length: zero,
-            artificial_energy: zero,
+            numerical_energy: zero,
             repulsion: zero,
             integrity_before: zero,
             integrity: zero,

@@ -322,7 +322,8 @@ pub(super) fn laws() -> Vec<Law> {
             let push = misfit.push::<3>(stiffness, spring.stiffness);
             sums.add::<3>(&misfit, &push, &[x[4], x[4], zero], T::of(2e5));
             let held = spring.energy(sums.misfit2, Dimension::Three);
-            [&push[..], &sums.acceleration, &[sums.energy_rate, sums.misfit2, held], &flat(&sums.moment)].concat()
+            [&push[..], &sums.acceleration, &[sums.energy_rate(stiffness), sums.misfit2, held], &flat(&sums.moment)]
+                .concat()
         }
     );
     let g = (-0.15, 0.2);

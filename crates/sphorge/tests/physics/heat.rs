@@ -414,3 +414,45 @@ fn threads_do_not_change_a_bit() {
     };
     assert!(run(1) == run(2));
 }
+
+/// What hourglass springs hold is no heat: columns of particles move against each other, which the deformation gradient does not see.
+#[test]
+fn springs_that_are_stretched_do_not_warm() {
+    let rows: Vec<String> =
+        (0..8).map(|k| format!("[\"{}.5 mm\", {}]", k, if k % 2 == 0 { 1.0 } else { -1.0 })).collect();
+    let deck = format!(
+        r#"
+dimensions = "plane-strain"
+particles = {{ spacing = "1 mm" }}
+numerics = {{ precision = "double", viscosity = false, temperature = "energy" }}
+time = {{ end = "1 us", fixed-step = "2 ns" }}
+
+[material.metal]
+density = "8000 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+specific-heat = "450 J/(kg K)"
+
+[[body]]
+name = "block"
+material = "metal"
+shape = {{ box = {{ min = ["0 mm", "0 mm"], max = ["8 mm", "8 mm"] }} }}
+velocity-profile = {{ along = "x", amplitude = ["0 m/s", "1 m/s"], rows = [{}] }}
+"#,
+        rows.join(", ")
+    );
+    let mut simulation = simulation(&deck, &[]);
+    let (mut held, mut warmest) = (0.0f64, 0.0f64);
+    while simulation.time() < 1e-6 {
+        simulation.step(Some(1e-6)).unwrap();
+        held = held.max(simulation.ledger().unwrap().hourglass_stored_energy);
+        let p = simulation.particles().unwrap();
+        let cp = 450.0;
+        let warmth: f64 = (0..p.len()).map(|i| p.mass[i] * cp * (p.temperature[i] - 293.15).abs()).sum();
+        warmest = warmest.max(warmth);
+    }
+    println!("held {held:e}, warmth {warmest:e}");
+    assert!(held > 0.0 && warmest < 0.05 * held, "{warmest:e} of {held:e}");
+}

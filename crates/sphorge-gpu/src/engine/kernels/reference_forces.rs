@@ -90,14 +90,14 @@ pub(in crate::engine) fn forces<const D: usize>(
     })
 }
 
-/// Sums of the springs of a particle: force, power, misfit and moment.
+/// Sums of the springs of a particle: force, how fast they close, misfit and moment.
 const SPRING_SUMS: usize = 14;
 
 fn unpacked(state: &[Recorded; SPRING_SUMS]) -> SpringSums<Recorded> {
     let row = |a: usize| [state[5 + 3 * a], state[6 + 3 * a], state[7 + 3 * a]];
     let moment: Tensor<Recorded> = [row(0), row(1), row(2)];
     let acceleration = [state[0], state[1], state[2]];
-    SpringSums { acceleration, energy_rate: state[3], misfit2: state[4], moment }
+    SpringSums { acceleration, closing: state[3], misfit2: state[4], moment }
 }
 
 /// Adds the springs to acceleration and energy rate, or to the force through a section.
@@ -135,7 +135,7 @@ pub(in crate::engine) fn springs<const D: usize>(
             sums.add::<D>(&misfit, &misfit.push::<D>(stiffness, packed.get(9, j)), &v, weight);
             let mut state = [zero; SPRING_SUMS];
             state[..3].copy_from_slice(&sums.acceleration);
-            (state[3], state[4]) = (sums.energy_rate, sums.misfit2);
+            (state[3], state[4]) = (sums.closing, sums.misfit2);
             state[5..].copy_from_slice(sums.moment.as_flattened());
             state
         };
@@ -156,7 +156,7 @@ pub(in crate::engine) fn springs<const D: usize>(
         for a in 0..3 {
             rates.set(a, i, rates.get(a, i) + sums.acceleration[a] * factor);
         }
-        let power = sums.energy_rate * factor;
+        let power = sums.energy_rate(stiffness) * factor;
         energy.set(2, i, energy.get(2, i) + power);
         // The stress of the moment has worked in the sum of the stress.
         let rate = multiply(&gradient.tensor(0, i), &deformation.tensor(0, i));

@@ -13,6 +13,7 @@ use sphorge_physics::artificial_stress::artificial_stress;
 use sphorge_physics::eos::PressureState;
 use sphorge_physics::flow::{FlowState, FlowStep};
 use sphorge_physics::heat::temperature_rise_from_plastic_work;
+use sphorge_physics::hourglass::Spring;
 use sphorge_physics::hyperelastic::neo_hookean_deviator;
 use sphorge_physics::integrity::{Borne, smeared_width};
 use sphorge_physics::pair::{mean, stress_scale};
@@ -127,6 +128,19 @@ pub(in crate::engine) fn stress(
         } else {
             trial_deviator(of_whole, &l, shear_modulus, dt)
         };
+        // What springs hold is neither strain of the metal nor heat.
+        let held_by_springs = match model.formulation {
+            Formulation::TotalLagrangian { hourglass, .. }
+                if hourglass != 0.0 && of.commits() && numerics.temperature == TemperatureSource::Energy =>
+            {
+                let (springs, constants) = (bind.read(Group::Springs), bind.read(Group::Constants));
+                let (strength, young, least) = (Recorded::of(hourglass), constants.get(5, i), springs.get(0, i));
+                let spring = Spring::new(strength, young, plastic.get(3, i), plastic.get(0, i), least);
+                let volume_by_mass = bind.read(Group::Reference).get(6, i) / constants.get(0, i);
+                Some(volume_by_mass * spring.energy(springs.get(1, i), model.dimensions.into()))
+            }
+            _ => None,
+        };
         let guess = plastic.get(2, i);
         let kept: Vec<[Recorded; 2]> = history
             .iter()
@@ -177,7 +191,7 @@ pub(in crate::engine) fn stress(
                 }
                 TemperatureSource::PlasticWork => {}
                 TemperatureSource::Energy => {
-                    let mut heat = e;
+                    let mut heat = held_by_springs.map_or(e, |held| e - held);
                     if model.books_artificial_energy() {
                         let (accounts, constants) = (bind.read(Group::Accounts), bind.read(Group::Constants));
                         heat -= accounts.get(ARTIFICIAL_WORK, i) / constants.get(0, i);
