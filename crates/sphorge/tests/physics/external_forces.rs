@@ -131,10 +131,11 @@ fn a_wall_at_rest_without_friction_takes_nothing() {
     }
 }
 
-/// Half the width of the foot at the end (m) and the largest plastic strain: finite elements, 12 x 24, on a wall that lets go and on
-/// one that does not (`reference/finite-elements/taylor_bar.json`, `block`).
-const FOOT_LET_GO: (f64, f64) = (6.131e-3, 1.067);
-const FOOT_HELD: (f64, f64) = (5.881e-3, 0.878);
+/// Half the width of the foot at the end (m) and the largest plastic strain: finite elements, 24 x 48, on a wall that lets go and on
+/// one that does not (`reference/finite-elements/taylor_bar.json`, `block`). From 12 x 24 on the feet have grown by 0.5 and 0.6 %. Where
+/// the wall lets go the strain is that of elements as large as the particles, 12 x 24: it grows by 13 % with the finer ones.
+const FOOT_LET_GO: (f64, f64) = (6.163e-3, 1.067);
+const FOOT_HELD: (f64, f64) = (5.915e-3, 0.889);
 
 #[test]
 fn a_foot_spreads_as_in_finite_elements_on_a_wall_and_on_a_plane_of_symmetry() {
