@@ -34,10 +34,12 @@
 mod clip;
 mod friction;
 mod press;
+mod segment;
 mod torn;
 
 pub use friction::{FacetSlip, FrictionShare, SlipDrive, friction_force, slip_after};
 pub use press::{FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
+pub use segment::RigidSegment;
 pub use torn::moment_of_torn;
 
 use crate::tensor::{apply, determinant, dot, inverse, multiply, transpose};

@@ -137,6 +137,22 @@ impl<T: Real> FacetPress<T> {
         }
     }
 
+    /// So many times the same, zero to one.
+    #[inline(always)]
+    pub(super) fn times(&self, share: T) -> Self {
+        let vector = |v: Vector<T>| v.map(|c| share * c);
+        Self {
+            energy: share * self.energy,
+            force: vector(self.force),
+            moment_a: self.moment_a.map(vector),
+            moment_b: self.moment_b.map(vector),
+            normal_force: share * self.normal_force,
+            area: share * self.area,
+            damped_area: share * self.damped_area,
+            ..*self
+        }
+    }
+
     /// The same in a space of so many dimensions: along the others forces of strips are zero but for rounding, and nothing moves.
     #[inline]
     pub fn within(self, dimension: Dimension) -> Self {
@@ -231,7 +247,7 @@ const FACING: (f64, f64) = (0.3, 0.4);
 
 /// `chi` and `chi'`.
 #[inline(always)]
-fn facing<T: Real>(cosine: T) -> (T, T) {
+pub(super) fn facing<T: Real>(cosine: T) -> (T, T) {
     let (zero, one, range) = (T::zero(), T::one(), T::of(FACING.1));
     let t = ((cosine - T::of(FACING.0)) / range).max(zero).min(one);
     (t * t * (T::of(3.0) - t - t), T::of(6.0) * t * (one - t) / range)

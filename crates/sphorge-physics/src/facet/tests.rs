@@ -653,6 +653,98 @@ fn the_edge_of_a_rigid_blade_pushes() {
     }
 }
 
+/// What a facet of an owner meets of a segment: on the side it looks at, at its first and at its second end.
+fn on_segment(owner: &Owner, facet: &ReferenceFacet<f64>, ends: [Vector<f64>; 2], part: usize) -> FacetPress<f64> {
+    let (own, segment) = (Facet::now(owner.x, &owner.f, facet), RigidSegment { ends, thickness: 1.0 });
+    match part.checked_sub(1) {
+        None => segment.press_side(&own, &LAW),
+        Some(end) => segment.press_end(&own, end, 0.5, &LAW),
+    }
+}
+
+#[test]
+fn segments_push_facets_by_the_derivative_of_the_energy() {
+    let mut state = 11;
+    for part in 0..3 {
+        let (mut worst, mut count) = (0.0f64, 0);
+        for _ in 0..600 {
+            let (owner, _) = pair(&mut state, true);
+            let tip = [0.6 * random(&mut state), 0.45 + 0.3 * random(&mut state), 0.0];
+            // Up to the facet end on, or below it along it.
+            let far = match part {
+                0 => [tip[0] + 3.0, tip[1] + random(&mut state), 0.0],
+                _ => [tip[0] + 2.0 * random(&mut state), tip[1] - 2.0, 0.0],
+            };
+            let ends = if part == 1 { [tip, far] } else { [far, tip] };
+            let facet = strip(1.0, -1.0);
+            let got = on_segment(&owner, &facet, ends, part);
+            if got.energy < 1e-4 {
+                continue;
+            }
+            count += 1;
+            let (size, step) = (dot(got.force, got.force).sqrt(), 1e-6);
+            let difference = |change: &dyn Fn(&mut Owner, f64)| {
+                let energy = |by: f64| {
+                    let mut moved = owner;
+                    change(&mut moved, by);
+                    on_segment(&moved, &facet, ends, part).energy
+                };
+                (energy(step) - energy(-step)) / (2.0 * step)
+            };
+            let stress = stress_of_moment(&got.moment_a, &owner.f);
+            for i in 0..2 {
+                worst = worst.max((difference(&|o, by| o.x[i] += by) + got.force[i]).abs() / size);
+                for j in 0..2 {
+                    worst = worst.max((difference(&|o, by| o.f[i][j] += by) + stress[i][j]).abs() / size);
+                }
+            }
+        }
+        assert!(worst < 1e-6 && count > 60, "part {part}: {worst:e} of {count}");
+    }
+}
+
+#[test]
+fn an_end_pushes_a_face_alike_wherever_it_is() {
+    // Ten facets of a spacing in a row, a strip of half a spacing at a depth of 0.1: k d w, as of one facet.
+    let depth = 0.1;
+    let row: Vec<Facet<f64>> = face(strip, -1.0, 1.0, [10, 1], [-4.5, 0.0, 0.0], 0.0);
+    let pushed = |x: f64, y: f64, below: Vector<f64>| {
+        let ends = [below, [x, y, 0.0]];
+        let segment = RigidSegment { ends, thickness: 1.0 };
+        let press = row.iter().map(|own| segment.press_end(own, 1, 0.5, &LAW));
+        press.fold([0.0; 3], |sum, of| [0, 1, 2].map(|k| sum[k] + of.force[k]))
+    };
+    let expected = 0.5 * pressure_at(depth, 0.5);
+    for x in [0.0, 0.1, 0.26, 0.37, 0.5, 0.8] {
+        let [along, up, _] = pushed(x, depth, [x, -9.0, 0.0]);
+        assert!((up - expected).abs() < 1e-12 && along.abs() < 1e-12, "{x}: {along} {up} of {expected}");
+        // From the side, by 30 degrees: the same.
+        let [along, up, _] = pushed(x, depth, [x - 5.0, depth - 75.0f64.sqrt(), 0.0]);
+        assert!((up - expected).abs() < 1e-12 && along.abs() < 1e-12, "{x}: {along} {up} of {expected}");
+        // Not yet there.
+        assert_eq!(pushed(x, -1e-9, [x, -9.0, 0.0]), [0.0; 3]);
+        // Along the face, and from above: that is no end that meets it.
+        assert_eq!(pushed(x, depth, [x - 9.0, depth, 0.0]), [0.0; 3]);
+        assert_eq!(pushed(x, depth, [x, 9.0, 0.0]), [0.0; 3]);
+    }
+}
+
+#[test]
+fn a_side_pushes_what_is_on_it_and_faces_it() {
+    let own = Facet::now([0.2, 0.4, 0.0], &identity(), &strip(1.0, -1.0));
+    let ends = [[-0.1, 0.0, 0.0], [7.0, 0.0, 0.0]];
+    for ends in [ends, [ends[1], ends[0]]] {
+        let press = RigidSegment { ends, thickness: 1.0 }.press_side(&own, &LAW);
+        // From -0.1 to 0.7, closed by 0.1.
+        assert!((press.area - 0.8).abs() < 1e-12 && (press.force[1] - 0.8 * pressure_at(0.1, 0.5)).abs() < 1e-12);
+        // Moved to the right, it would be on it by more.
+        assert!((press.force[0] + press.energy / 0.8).abs() < 1e-12);
+        // The same face of an owner below the segment is not on it.
+        let below = Facet::now([0.2, -0.1, 0.0], &identity(), &strip(1.0, -1.0));
+        assert_eq!(RigidSegment { ends, thickness: 1.0 }.press_side(&below, &LAW).energy, 0.0);
+    }
+}
+
 #[test]
 fn laws_of_two_bodies_by_hand() {
     let steel = FacetMaterial { half_depth: 0.5e-3, density: 7800.0, bulk_modulus: 160e9 };
