@@ -112,6 +112,10 @@ words! {
         "facets" => true, "the exposed faces of the cells of the particles, on the surfaces of the shapes: what touches presses nothing, whatever its lattices; only in the total Lagrangian form and on processors";
         "overlap" => false, "the kernel-weighted overlap of the particles, which presses with up to 0.3 % of the bulk modulus where lattices in line touch";
     }
+    WallSurfacesWord, "where a wall pushes", bool {
+        "facets" => true, "the exposed faces of the cells of the particles, on the surfaces of the shapes: round surfaces are round, the ends of segments push between particles, and friction has a tangential spring, so that what sticks does not creep; only in the total Lagrangian form and on processors";
+        "particles" => false, "the point of each particle that is nearest to the wall";
+    }
     AxisWord, "axis", usize {
         "x" => 0, "first axis";
         "y" => 1, "second axis";

@@ -41,6 +41,8 @@ pub(crate) const HOURGLASS: f64 = 1.25;
 pub(crate) const RENEWAL: Option<f64> = Some(16.0);
 /// Stiffness, damping and friction of the penalty contact.
 pub(crate) const PENALTY: (f64, f64, f64) = (1.0, 0.1, 0.0);
+/// The same at facets: as stiff as the half cell.
+pub(crate) const FACET_PENALTY: (f64, f64, f64) = (2.0, 0.05, 0.0);
 /// Stiffness, damping and friction of the contact between bodies.
 pub(crate) const BODY_CONTACT: (f64, f64, f64) = (1.0, 0.3, 0.0);
 /// The same between bodies that meet at facets: that of the half cells on both sides would have the stiffness one. With more damping plates of

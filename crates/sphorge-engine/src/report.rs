@@ -265,6 +265,8 @@ pub struct Ledger {
     pub contacts: Vec<ContactLedger>,
     /// Force of each wall on the particles, N, in deck order.
     pub wall_forces: Vec<[f64; 3]>,
+    /// What the spring of each wall holds now, J, in deck order: it gives that back. Empty where an engine does not sum it.
+    pub wall_stored_energies: Vec<f64>,
     /// Reaction of each prescribed motion on its particles, N, in deck order.
     pub motion_forces: Vec<[f64; 3]>,
 }

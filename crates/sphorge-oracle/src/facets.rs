@@ -157,13 +157,24 @@ impl Oracle {
 
     /// Finds faces that were inside a body that has come apart, and have no neighbour any more where the next particle was.
     pub(crate) fn open_faces(&mut self) {
-        let Some(mut facets) = self.facets.take() else { return };
+        if let Some(mut facets) = self.facets.take() {
+            self.find_open(&facets.all, &mut facets.open);
+            facets.list(&self.p);
+            self.facets = Some(facets);
+        }
+        if let Some(mut facets) = self.wall_facets.take() {
+            self.find_open(&facets.all, &mut facets.open);
+            self.wall_facets = Some(facets);
+        }
+    }
+
+    fn find_open(&self, all: &ReferenceFacets, open: &mut [u32]) {
         for i in (0..self.p.len()).filter(|&i| self.has_come_apart[self.p.body[i] as usize]) {
             let (id, body) = (self.p.id[i], self.p.body[i] as usize);
-            let known = facets.open[i] | facets.all.exposed(id);
+            let known = open[i] | all.exposed(id);
             let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            for face in (0..facets.all.faces()).filter(|face| known >> face & 1 == 0) {
-                let at_rest = facets.all.across(body, id, face);
+            for face in (0..all.faces()).filter(|face| known >> face & 1 == 0) {
+                let at_rest = all.across(body, id, face);
                 let across = apply(&whole, at_rest);
                 let reach = COVERED * dot(at_rest, at_rest).max(dot(across, across)).sqrt();
                 let covers = |x: Vector<f64>| {
@@ -171,12 +182,10 @@ impl Oracle {
                     dot(apart, apart) < reach * reach
                 };
                 if !self.pairs(i, &self.searched_at).any(|n| covers(n.x)) {
-                    facets.open[i] |= 1 << face;
+                    open[i] |= 1 << face;
                 }
             }
         }
-        facets.list(&self.p);
-        self.facets = Some(facets);
     }
 
     /// All facets that press one.

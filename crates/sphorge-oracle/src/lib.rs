@@ -4,6 +4,7 @@
 //! no shortcuts. What it says of a deck is what the equations say of it.
 
 use facets::Facets;
+use facets_on_walls::WallFacets;
 use pairs::{Image, plus};
 use sphorge_engine::model::{
     Integrator, Material, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource,
@@ -21,6 +22,7 @@ use sums::uncorrected;
 use surroundings::Accounts;
 
 mod facets;
+mod facets_on_walls;
 mod pairs;
 mod section;
 mod sums;
@@ -65,6 +67,7 @@ pub(crate) struct Oracle {
     pub(crate) has_come_apart: Vec<bool>,
     pub(crate) is_renewed: bool,
     pub(crate) facets: Option<Facets>,
+    pub(crate) wall_facets: Option<WallFacets>,
     /// Force of the contact, N, power that goes to heat, W, and speed of approach, m/s, of every particle.
     pub(crate) contact_push: Vec<(Vector<f64>, f64, f64)>,
     pub(crate) initial_volume: Vec<f64>,
@@ -155,6 +158,7 @@ impl EngineKind for OracleKind {
             has_come_apart: vec![false; model.bodies.len()],
             is_renewed: true,
             facets: Facets::new(&model, &p),
+            wall_facets: WallFacets::new(&model, &p),
             contact_push: Vec::new(),
             initial_volume: (0..n).map(|i| p.mass[i] / p.density[i]).collect(),
             history,

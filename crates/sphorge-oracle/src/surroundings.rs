@@ -21,8 +21,8 @@ use sphorge_physics::time_step::{
     acceleration_limit, conduction_limit, longitudinal_speed, penalty_limit, sound_limit,
 };
 use sphorge_physics::total_lagrangian::{extreme_point, limiting_length, smallest_stretch};
-use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact};
-use sphorge_physics::{Dimension, Vector};
+use sphorge_physics::wall::{Gap, PenaltyParameters, monaghan_kos, penalty_contact, penalty_energy};
+use sphorge_physics::{Dimension, Tensor, Vector};
 
 /// What the last evaluation of forces left for the accounts, and constants by body.
 #[derive(Default)]
@@ -39,20 +39,28 @@ pub(crate) struct Accounts {
     /// Powers of the walls, W.
     wall_power: Vec<WallLedger>,
     pub(crate) contact_limit: f64,
+    wall_limit: f64,
     heat_limit: f64,
     /// Time and steps since the flow of heat was summed.
     heat_age: f64,
     heat_steps: u32,
 }
 
-/// What a wall does to a particle: acceleration, m/s^2, power and heat of friction, W/kg, and where it touches, in the initial configuration, m.
-#[derive(Default)]
-struct AtFace {
-    push: Vector<f64>,
-    power: f64,
-    rubbed: f64,
-    damped: f64,
-    xi: Vector<f64>,
+/// What a wall does to a particle: acceleration, m/s^2, power and heat of friction and of damping, W/kg, the stress that its moment is, Pa, and
+/// the step over the margin that it allows, s, where that depends on the particle.
+pub(crate) struct AtFace {
+    pub(crate) push: Vector<f64>,
+    pub(crate) power: f64,
+    pub(crate) rubbed: f64,
+    pub(crate) damped: f64,
+    pub(crate) stress: Tensor<f64>,
+    pub(crate) limit: f64,
+}
+
+impl Default for AtFace {
+    fn default() -> Self {
+        Self { push: [0.0; 3], power: 0.0, rubbed: 0.0, damped: 0.0, stress: [[0.0; 3]; 3], limit: f64::INFINITY }
+    }
 }
 
 impl Accounts {
@@ -87,6 +95,7 @@ impl Accounts {
             boundary_power: vec![0.0; model.thermal.boundaries.len()],
             wall_power: vec![WallLedger::default(); model.walls.len()],
             contact_limit: f64::INFINITY,
+            wall_limit: f64::INFINITY,
             heat_limit: f64::INFINITY,
             heat_age: f64::INFINITY,
             heat_steps: 0,
@@ -102,7 +111,7 @@ impl Accounts {
 }
 
 /// Integral of a table from time zero to `t`: trapezoids between its points.
-fn integral(table: &TimeTable, t: f64) -> f64 {
+pub(crate) fn integral(table: &TimeTable, t: f64) -> f64 {
     let inside = table.points.iter().map(|p| p.0).filter(|&corner| corner > 0.0 && corner < t);
     let corners: Vec<f64> = [0.0].into_iter().chain(inside).chain([t]).collect();
     corners.windows(2).map(|w| 0.5 * (table.at(w[0]) + table.at(w[1])) * (w[1] - w[0])).sum()
@@ -231,14 +240,17 @@ impl Oracle {
     }
 
     /// What a wall, as it stands where forces are evaluated, does to a particle.
-    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> AtFace {
+    fn wall_push(&self, wall: &Wall, time: f64, i: usize) -> (AtFace, f64) {
+        if self.is_pushed_at_facets(wall, i) {
+            return self.wall_push_at_facets(wall, time, i);
+        }
         let shift = [0, 1, 2].map(|a| integral(&wall.velocity[a], time));
         let x = minus(self.p.position[i], shift);
         let gap = match wall.surface {
             WallSurface::Plane { point, normal } => Some(Gap::to_plane(x, point, normal)),
             WallSurface::Segment { from, to } => Gap::to_segment(x, from, to),
         };
-        let Some(gap) = gap else { return AtFace::default() };
+        let Some(gap) = gap else { return (AtFace::default(), 0.0) };
         let body = &self.model.bodies[self.p.body[i] as usize];
         let c = self.material(i).equation_of_state.reference_sound_speed();
         let wall_velocity = [0, 1, 2].map(|a| wall.velocity[a].at(time));
@@ -246,9 +258,9 @@ impl Oracle {
         match wall.contact {
             WallContact::MonaghanKos { range } => {
                 let push = monaghan_kos(&gap, minus(v, wall_velocity), range, c, body.smoothing_length);
-                AtFace { push, power: dot(push, v), ..AtFace::default() }
+                (AtFace { push, power: dot(push, v), ..AtFace::default() }, 0.0)
             }
-            WallContact::Penalty { stiffness, damping, friction } => {
+            WallContact::Penalty { stiffness, damping, friction, at_facets: _ } => {
                 let parameters = PenaltyParameters::from_sound_speed(c, body.spacing, stiffness, damping, friction);
                 let (mut radius, mut xi, mut v) = (0.5 * body.spacing, [0.0; 3], v);
                 if self.total_lagrangian().is_some() {
@@ -261,7 +273,10 @@ impl Oracle {
                 let push = penalty_contact(parameters, &gap, radius, minus(v, wall_velocity), self.dt);
                 let power = dot(push.acceleration, v) + push.heat;
                 let damped = push.heat - push.rubbed;
-                AtFace { push: push.acceleration, power, rubbed: push.rubbed, damped, xi }
+                let scale = self.p.mass[i] / self.initial_volume[i];
+                let stress = push.acceleration.map(|f| xi.map(|c| scale * f * c));
+                let (held, push, rubbed) = (penalty_energy(parameters, &gap, radius), push.acceleration, push.rubbed);
+                (AtFace { push, power, rubbed, damped, stress, limit: f64::INFINITY }, self.p.mass[i] * held)
             }
         }
     }
@@ -275,9 +290,12 @@ impl Oracle {
         self.face_stress = vec![[[0.0; 3]; 3]; self.p.len()];
         self.friction_heat = vec![0.0; self.p.len()];
         self.accounts.wall_power = vec![WallLedger::default(); walls.len()];
+        self.accounts.wall_limit = f64::INFINITY;
+        self.slip_on_walls(time);
         for (k, wall) in walls.iter().enumerate() {
             for i in 0..self.p.len() {
-                let AtFace { push, power, rubbed, damped, xi } = self.wall_push(wall, time, i);
+                let (AtFace { push, power, rubbed, damped, stress, limit }, _) = self.wall_push(wall, time, i);
+                self.accounts.wall_limit = self.accounts.wall_limit.min(limit);
                 self.external[i] = plus(self.external[i], 1.0, push);
                 // Walls are adiabatic: what friction takes heats the particle.
                 self.friction_heat[i] += rubbed;
@@ -286,9 +304,8 @@ impl Oracle {
                 of_wall.work += mass * power;
                 of_wall.friction_work += mass * rubbed;
                 of_wall.damping_work += mass * damped;
-                let scale = self.p.mass[i] / self.initial_volume[i];
-                for (row, f) in self.face_stress[i].iter_mut().zip(push) {
-                    *row = plus(*row, scale * f, xi);
+                for (row, more) in self.face_stress[i].iter_mut().zip(stress) {
+                    *row = plus(*row, 1.0, more);
                 }
             }
         }
@@ -337,7 +354,8 @@ impl Oracle {
                 least = least.min(limit(penalty_limit(stiffness, fastest, courant), LimitReason::Contact));
             }
         }
-        least.min(limit(courant * self.accounts.contact_limit, LimitReason::Contact))
+        let of_contacts = self.accounts.contact_limit.min(self.accounts.wall_limit);
+        least.min(limit(courant * of_contacts, LimitReason::Contact))
     }
 
     pub(crate) fn conduction_limit(&self) -> f64 {
@@ -512,7 +530,7 @@ impl Oracle {
         // Walls stand where forces were evaluated: half a step ago with the predictor–corrector.
         let back = if model.numerics.integrator == Integrator::Leapfrog { 0.0 } else { 0.5 * self.dt };
         let of_wall = |wall: &Wall| {
-            let push = |i: usize| self.wall_push(wall, self.time - back, i).push.map(|a| p.mass[i] * a);
+            let push = |i: usize| self.wall_push(wall, self.time - back, i).0.push.map(|a| p.mass[i] * a);
             (0..p.len()).map(push).fold([0.0; 3], |sum, push| plus(sum, 1.0, push))
         };
         let of_motion = |k: usize| {
@@ -539,6 +557,8 @@ impl Oracle {
             ledger.heat.supplied.clear();
         }
         ledger.wall_forces = model.walls.iter().map(of_wall).collect();
+        let held = |wall: &Wall| (0..p.len()).map(|i| self.wall_push(wall, self.time - back, i).1).sum();
+        ledger.wall_stored_energies = model.walls.iter().map(held).collect();
         ledger.motion_forces = (0..model.motions.len()).map(of_motion).collect();
         ledger
     }

@@ -37,7 +37,7 @@ mod press;
 mod segment;
 mod torn;
 
-pub use friction::{FacetSlip, FrictionShare, SlipDrive, friction_force, slip_after};
+pub use friction::{FacetSlip, FrictionShare, SlipDrive, damp_sliding, friction_force, slip_after};
 pub use press::{FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
 pub use segment::RigidSegment;
 pub use torn::moment_of_torn;

@@ -9,17 +9,47 @@ use crate::raw::{RawContact, RawMotion, RawPeriodic, RawPlane, RawSegment, RawSy
 use crate::value::{Choice, Given, Kind, ScalarOr, Velocity, VelocityOrFree};
 use crate::written::Literal;
 use sphorge_engine::model::{
-    Dimensions, MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact, WallSurface,
+    Body, Dimensions, Formulation, MotionAxis, PrescribedMotion, SymmetryPlane, TimeTable, Wall, WallContact,
+    WallSurface,
 };
 use sphorge_physics::parameter::Bound;
 use std::ops::Range;
+
+/// What walls meet.
+pub(crate) struct Walled<'a> {
+    pub(crate) spacing: Option<f64>,
+    pub(crate) usual: WallContactKind,
+    pub(crate) formulation: Option<Formulation>,
+    pub(crate) bodies: &'a [Option<Body>],
+    /// Of materials, by their index, whether they have strength.
+    pub(crate) has_strength: &'a dyn Fn(usize) -> bool,
+}
+
+impl Walled<'_> {
+    fn has_facets(&self) -> bool {
+        !matches!(self.formulation, Some(Formulation::UpdatedLagrangian))
+    }
+
+    /// Whether a wall pushes at facets where the deck does not say: where particles would be wrong.
+    fn needs_facets(&self, surface: &WallSurface, friction: f64) -> bool {
+        let is_round = |normal: &[f64; 3]| {
+            let towards = normal.map(|c| -c);
+            let of = |body: &Body| (self.has_strength)(body.material) && body.shape.is_round_towards(towards);
+            self.bodies.iter().flatten().any(of)
+        };
+        self.has_facets()
+            && match surface {
+                WallSurface::Segment { .. } => true,
+                WallSurface::Plane { normal, .. } => friction > 0.0 || is_round(normal),
+            }
+    }
+}
 
 /// A wall.
 pub(crate) fn wall(
     raw: &RawWall,
     dimensions: Dimensions,
-    spacing: Option<f64>,
-    usual: WallContactKind,
+    walled: &Walled<'_>,
     problems: &mut Problems,
 ) -> Option<Wall> {
     enum Surface<'a> {
@@ -35,7 +65,7 @@ pub(crate) fn wall(
         Some(Surface::Segment(s)) => segment(s, dimensions, problems),
         None => None,
     };
-    let contact = contact(raw.contact.as_ref(), spacing, usual, problems);
+    let contact = contact(raw.contact.as_ref(), surface.as_ref(), walled, problems);
     let velocity = match &raw.velocity {
         None => Some([0.0; 3].map(TimeTable::constant)),
         Some(axes) => wall_velocity(axes, raw.name.span(), dimensions, problems),
@@ -78,17 +108,23 @@ fn segment(raw: &RawSegment, dimensions: Dimensions, problems: &mut Problems) ->
 
 fn contact(
     raw: Option<&ScalarOr<Choice<ContactWord>, RawContact>>,
-    spacing: Option<f64>,
-    usual: WallContactKind,
+    surface: Option<&WallSurface>,
+    walled: &Walled<'_>,
     problems: &mut Problems,
 ) -> Option<WallContact> {
-    let (stiffness, damping, friction) = defaults::PENALTY;
+    let spacing = walled.spacing;
+    let usual = |friction| surface.is_some_and(|surface| walled.needs_facets(surface, friction));
+    let strength = |at_facets| if at_facets { defaults::FACET_PENALTY } else { defaults::PENALTY };
     let of_kind = |kind| match kind {
         WallContactKind::MonaghanKos => spacing.map(|range| WallContact::MonaghanKos { range }),
-        WallContactKind::Penalty => Some(WallContact::Penalty { stiffness, damping, friction }),
+        WallContactKind::Penalty => {
+            let at_facets = usual(0.0);
+            let (stiffness, damping, friction) = strength(at_facets);
+            Some(WallContact::Penalty { stiffness, damping, friction, at_facets })
+        }
     };
     let (table, at) = match raw {
-        None => return of_kind(usual),
+        None => return of_kind(walled.usual),
         Some(ScalarOr::Scalar(word)) => return of_kind(word.get(problems)?),
         Some(ScalarOr::Composed(table, at)) => (table, at.clone()),
     };
@@ -106,10 +142,22 @@ fn contact(
             Some(WallContact::MonaghanKos { range: range? })
         }
         Law::Penalty(p) => {
+            let friction = defaults::PENALTY.2;
+            let friction = p.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));
+            let at_facets = match &p.surfaces {
+                Some(word) => word.get(problems)?,
+                None => usual(friction.unwrap_or(0.0)),
+            };
+            if let (true, false, Some(word)) = (at_facets, walled.has_facets(), &p.surfaces) {
+                let message = "facets follow the deformation of cells, which the updated Lagrangian form does not have";
+                let fault = Fault::new("not-together", message, word.span(), "not possible");
+                problems.push(fault.help("leave `surfaces` out, or use `method = \"total-lagrangian\"`"));
+                return None;
+            }
+            let (stiffness, damping, _) = strength(at_facets);
             let stiffness = p.stiffness.as_ref().map_or(Some(stiffness), |s| s.positive(problems));
             let damping = p.damping.as_ref().map_or(Some(damping), |d| d.within(Bound::Between(0.0, 1.0), problems));
-            let friction = p.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));
-            Some(WallContact::Penalty { stiffness: stiffness?, damping: damping?, friction: friction? })
+            Some(WallContact::Penalty { stiffness: stiffness?, damping: damping?, friction: friction?, at_facets })
         }
     }
 }

@@ -155,6 +155,11 @@ impl<'a> Chosen<'a> {
         Some(self.chosen.len() - 1)
     }
 
+    /// Whether a material resists shear.
+    pub(crate) fn has_strength(&self, index: usize) -> bool {
+        self.chosen[index].1.as_ref().is_some_and(|m| m.shear_modulus > 0.0)
+    }
+
     /// Temperature bodies of this material start at, if the material could be built.
     pub(crate) fn reference_temperature(&self, index: usize) -> Option<f64> {
         self.chosen[index].1.as_ref().map(|m| m.reference_temperature)

@@ -247,7 +247,14 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let bodies: Vec<_> =
         raw.body.iter().map(|b| body::body(b, dimensions, &defaults, &mut materials, problems)).collect();
     let regions: Vec<_> = raw.region.iter().map(|r| region(r, &body_names, dimensions, problems)).collect();
-    let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, spacing, usual.wall, problems)).collect();
+    let walled = boundary::Walled {
+        spacing,
+        usual: usual.wall,
+        formulation: strategy.map(|strategy| strategy.formulation),
+        bodies: &bodies,
+        has_strength: &|material| materials.has_strength(material),
+    };
+    let walls: Vec<_> = raw.wall.iter().map(|w| boundary::wall(w, dimensions, &walled, problems)).collect();
     let (periodic, periodic_places) = boundary::periodic(&raw.periodic, dimensions, problems);
     let symmetry = boundary::symmetry(&raw.symmetry, &periodic, dimensions, problems);
     let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();

@@ -53,10 +53,12 @@ tables! {
 
     /// Constants of the penalty contact.
     RawPenalty {
-        /// Stiffness, relative to m c0² / spacing² of the particle.
-        stiffness: Option<Given<Number>>, example 1.0, default 1.0;
+        /// Where the wall pushes bodies of the total Lagrangian form.
+        surfaces: Option<Choice<WallSurfacesWord>>, otherwise "`\"facets\"` of segments, with friction, and of planes that a round surface of a body with strength looks at at the start; else `\"particles\"`";
+        /// Pressure for a closure of one spacing, over the bulk modulus; relative to m c0² / spacing² of a particle.
+        stiffness: Option<Given<Number>>, example 1.0, otherwise "2.0 at facets, 1.0 at particles";
         /// Damping as a share of critical, 0 to 1.
-        damping: Option<Given<Number>>, example 0.1, default 0.1;
+        damping: Option<Given<Number>>, example 0.1, otherwise "0.05 at facets, 0.1 at particles";
         /// Coulomb friction coefficient. The wall is adiabatic: all heat of friction goes into the body.
         friction: Option<Given<Number>>, example 0.2, default 0.0;
     }

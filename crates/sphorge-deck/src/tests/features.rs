@@ -195,8 +195,10 @@ fn boundaries_arrive() {
     let WallSurface::Plane { point, normal } = model.walls[0].surface else { panic!("a plane") };
     assert_eq!((point, normal), ([0.0, 0.0, 0.04], [0.0, 0.0, -1.0]));
     assert_eq!(model.walls[0].velocity[2].points, [(0.0, -1.0), (1e-3, 0.0)]);
-    let WallContact::Penalty { stiffness, damping, friction } = model.walls[0].contact else { panic!("penalty") };
-    assert_eq!((stiffness, damping, friction), (2.0, 0.3, 0.4));
+    let WallContact::Penalty { stiffness, damping, friction, at_facets } = model.walls[0].contact else {
+        panic!("penalty")
+    };
+    assert_eq!((stiffness, damping, friction, at_facets), (2.0, 0.3, 0.4, false));
     assert_eq!(model.symmetry, [SymmetryPlane { axis: 1, position: -0.02, side: 1.0 }]);
     assert_eq!(model.periodic, [Some((-0.02, 0.02)), None, None]);
     let axes = &model.motions[0].axes;

@@ -156,6 +156,7 @@ impl<T: PairScalar> CpuEngine<T> {
             *column = taken[blocks.clone()].to_vec();
         }
         let count = own.len();
+        self.walls.limits.resize(blocks.len(), f64::INFINITY);
         self.external.resize(count);
         if let Some(contacts) = &mut self.contacts {
             contacts.resize(count);

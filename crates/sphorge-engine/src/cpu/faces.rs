@@ -5,6 +5,8 @@
 //! of the particle ([`FaceShift`]).
 
 use super::CpuEngine;
+use super::facets::open_faces;
+use super::facets_on_walls::FacetsOnWalls;
 use super::ghosts::WithGhosts;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
@@ -19,13 +21,15 @@ use sphorge_physics::tensor::{dot, multiply};
 impl<T: PairScalar> CpuEngine<T> {
     /// Finds the surfaces of the reference configuration, whose lists were just made, and the faces of the initial one.
     pub(super) fn find_surfaces(&mut self) {
-        if !self.model.has_faces() {
+        if !self.model.has_faces() && self.facets_on_walls.is_none() {
             return;
         }
-        self.find_normals();
+        if self.model.has_faces() {
+            self.find_normals();
+        }
         if self.has_come_apart.contains(&true) {
             self.open_faces();
-        } else {
+        } else if self.model.has_faces() {
             self.ghosts.exchange(&[FieldSet::Search], &self.particles);
             self.find_depths();
         }
@@ -36,7 +40,9 @@ impl<T: PairScalar> CpuEngine<T> {
 
     /// Finds the faces of cells that are exposed since their bodies came apart.
     fn open_faces(&mut self) {
-        let Some(facets) = self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref()) else { return };
+        let of_contacts = self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref());
+        let of_walls = self.facets_on_walls.as_ref().map(FacetsOnWalls::reference);
+        let Some(facets) = of_contacts.map(|facets| &facets.reference).or(of_walls) else { return };
         let (list, points, apart) = (&self.lists.list, &self.lists.points, &self.has_come_apart);
         let mut open = std::mem::take(&mut self.particles.open_faces);
         let p = &self.particles;
@@ -45,7 +51,7 @@ impl<T: PairScalar> CpuEngine<T> {
             if apart[p.body[i] as usize] {
                 let from_here = |&j: &u32| [0, 1, 2].map(|a| points[j as usize][a] - points[i][a]);
                 let cell = (p.body[i], p.id[i], *open);
-                *open = facets.open_faces(cell, &whole.at(i), list.row(i).iter().map(from_here));
+                *open = open_faces(facets, cell, &whole.at(i), list.row(i).iter().map(from_here));
             }
         });
         self.particles.open_faces = open;

@@ -37,11 +37,11 @@ const FACING: f64 = -0.3;
 const COVERED: f64 = 0.7;
 
 /// Largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle.
-const MOBILITY: f64 = 2.5;
+pub(super) const MOBILITY: f64 = 2.5;
 
 /// Share of the contact's stability limit that counts as that of the step, before Courant's number: half of the limit at
 /// the usual number of 0.3, at which impacts keep their energy within half a per cent.
-const MARGIN: f64 = 1.5;
+pub(super) const MARGIN: f64 = 1.5;
 
 /// Where a facet comes from.
 #[derive(Clone, Copy, Debug)]
@@ -616,28 +616,6 @@ impl FacetContacts {
         self.push(i, (&[j], Some(j)), &points, own.mass[i], table, &mut BlockSums::default()).0.force
     }
 
-    /// Faces of the cell of a particle of a body that has come apart that are exposed now, with those that are since
-    /// earlier: no neighbour is where the next particle was. `neighbours` are at these places from it, m.
-    pub(super) fn open_faces(
-        &self,
-        (body, id, open): (u32, u32, u32),
-        f: &Tensor<f64>,
-        neighbours: impl Iterator<Item = Vector<f64>> + Clone,
-    ) -> u32 {
-        let known = open | self.reference.exposed(id);
-        let is_open = |face: &usize| {
-            let at_rest = self.reference.across(body as usize, id, *face);
-            let across = apply(f, at_rest);
-            let reach = COVERED * dot(at_rest, at_rest).max(dot(across, across)).sqrt();
-            !neighbours.clone().any(|x| {
-                let apart: Vector<f64> = std::array::from_fn(|k| x[k] - across[k]);
-                dot(apart, apart) < reach * reach
-            })
-        };
-        let found = (0..self.reference.faces()).filter(|face| known >> face & 1 == 0).filter(is_open);
-        found.fold(open, |faces, face| faces | 1 << face)
-    }
-
     pub(super) fn bytes(&self) -> usize {
         self.reference.bytes()
             + 4 * (self.first.capacity() + self.lead.capacity())
@@ -652,6 +630,28 @@ impl FacetContacts {
             + size_of::<[u32; 4]>() * self.found_of.capacity()
             + self.slips.iter().map(Vec::capacity).sum::<usize>() * size_of::<(usize, CellSlips)>()
     }
+}
+
+/// Faces of the cell of a particle of a body that has come apart that are exposed now, with those that are since
+/// earlier: no neighbour is where the next particle was. `neighbours` are at these places from it, m.
+pub(super) fn open_faces(
+    reference: &ReferenceFacets,
+    (body, id, open): (u32, u32, u32),
+    f: &Tensor<f64>,
+    neighbours: impl Iterator<Item = Vector<f64>> + Clone,
+) -> u32 {
+    let known = open | reference.exposed(id);
+    let is_open = |face: &usize| {
+        let at_rest = reference.across(body as usize, id, *face);
+        let across = apply(f, at_rest);
+        let reach = COVERED * dot(at_rest, at_rest).max(dot(across, across)).sqrt();
+        !neighbours.clone().any(|x| {
+            let apart: Vector<f64> = std::array::from_fn(|k| x[k] - across[k]);
+            dot(apart, apart) < reach * reach
+        })
+    };
+    let found = (0..reference.faces()).filter(|face| known >> face & 1 == 0).filter(is_open);
+    found.fold(open, |faces, face| faces | 1 << face)
 }
 
 /// The facet of an image.

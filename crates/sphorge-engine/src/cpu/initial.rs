@@ -36,8 +36,10 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
         (Owner::Heat, model.thermal.conduction),
         (Owner::Contact, model.contact != BodyContact::Sph),
         (Owner::Faces, model.has_faces()),
+        (Owner::Cells, model.has_faces() || model.meets_walls_at_facets()),
         (Owner::Friction, model.contact != BodyContact::Sph || model.walls.iter().any(Wall::rubs)),
         (Owner::FacetFriction, model.has_facets() && model.contact.has_friction()),
+        (Owner::WallFriction, model.rubs_at_facets_of_walls()),
         (Owner::ArtificialEnergy, model.books_artificial_energy()),
         (Owner::Reference, is_initial),
     ];

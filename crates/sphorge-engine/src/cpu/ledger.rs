@@ -10,16 +10,19 @@ impl<T: PairScalar> CpuEngine<T> {
         let model = &*self.model;
         let mut bodies = vec![BodyLedger::default(); model.bodies.len()];
         let mut wall_forces = vec![[0.0; 3]; model.walls.len()];
+        let mut wall_energies = vec![0.0; model.walls.len()];
         let mut motion_forces = vec![[0.0; 3]; model.motions.len()];
         match &self.domain {
             None => {
                 self.add_bodies(&mut bodies);
                 self.add_wall_forces(&mut wall_forces);
+                self.add_wall_energies(&mut wall_energies);
                 self.add_motion_forces(&mut motion_forces);
             }
             Some(domain) => {
                 domain.ranks.sum_in_turn(&mut bodies, |bodies| self.add_bodies(bodies))?;
                 domain.ranks.sum_in_turn(&mut wall_forces, |forces| self.add_wall_forces(forces))?;
+                domain.ranks.sum_in_turn(&mut wall_energies, |energies| self.add_wall_energies(energies))?;
                 domain.ranks.sum_in_turn(&mut motion_forces, |forces| self.add_motion_forces(forces))?;
             }
         }
@@ -40,6 +43,7 @@ impl<T: PairScalar> CpuEngine<T> {
             heat: self.heat.as_ref().map(|h| h.ledger()).unwrap_or_default(),
             contacts: self.contacts.as_ref().map(|c| c.ledger()).unwrap_or_default(),
             wall_forces,
+            wall_stored_energies: wall_energies,
             motion_forces,
         })
     }

@@ -12,6 +12,7 @@ mod exchange;
 mod external;
 mod faces;
 mod facets;
+mod facets_on_walls;
 mod forces;
 mod formulation;
 mod ghosts;
@@ -63,6 +64,7 @@ use domain::Domain;
 use formulation::Formulation;
 use ghosts::Ghosts;
 
+use facets_on_walls::FacetsOnWalls;
 use inner::{InnerBlocks, Rows};
 use integrate::{ExternalSums, Motions};
 use kinematics::PairConstants;
@@ -134,6 +136,8 @@ struct CpuEngine<T: PairScalar> {
     domain: Option<Domain>,
     records: Records<T>,
     walls: Walls,
+    /// Where walls push bodies at the facets of their particles.
+    facets_on_walls: Option<FacetsOnWalls>,
     motions: Motions,
     /// Prescribed velocities at the end of the step, while those of its middle are in use.
     motions_at_end: Motions,
@@ -228,6 +232,7 @@ impl<T: PairScalar> CpuEngine<T> {
             is_begun: false,
             domain,
             walls: Walls::new(&model, count),
+            facets_on_walls: FacetsOnWalls::new(&model),
             motions: Motions::new(&model),
             motions_at_end: Motions::new(&model),
             external: ExternalSums::new(count),
@@ -461,7 +466,9 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         if !self.model.thermal.mechanics {
             return Ok(conduction);
         }
+        let at_facets = self.walls.limits.iter().copied().fold(f64::INFINITY, f64::min);
         let contact = self.contacts.as_ref().map(BodyContacts::limit);
+        let contact = self.facets_on_walls.as_ref().map(|_| at_facets).into_iter().chain(contact).reduce(f64::min);
         let limit = time_step::limit(&self.model, &self.particles, contact, self.instructions).min(conduction);
         self.agree_on_limit(limit)
     }
@@ -514,6 +521,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
         let ghosts = self.ghosts.halo.bytes() + self.ghosts.columns.bytes();
         let domain = self.domain.as_ref().map_or(0, Domain::bytes);
         let ghosts = ghosts + self.inner.bytes();
+        let contacts = contacts + self.facets_on_walls.as_ref().map_or(0, FacetsOnWalls::bytes);
         (self.particles.bytes() + ghosts + contacts + heat + domain + self.lists.bytes() + self.records.bytes()) as u64
     }
 }

@@ -8,7 +8,9 @@ use crate::persist::{Archive, ArchiveError, Persist, persist_column, persist_eac
 use crate::report::WallLedger;
 use sphorge_physics::tensor;
 use sphorge_physics::total_lagrangian::MeetingPoint;
-use sphorge_physics::wall::{FacePush, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact};
+use sphorge_physics::wall::{
+    FacePush, Gap, PenaltyParameters, WallPush, monaghan_kos, penalty_contact, penalty_energy,
+};
 use sphorge_physics::{Tensor, Vector};
 
 /// Current position of a wall.
@@ -40,8 +42,18 @@ impl WallState {
         }
     }
 
+    /// Where a point of the wall is now, m.
+    pub(super) fn at(&self, point: Vector<f64>) -> Vector<f64> {
+        [0, 1, 2].map(|a| point[a] + self.displacement[a])
+    }
+
+    /// m/s.
+    pub(super) fn velocity(&self) -> Vector<f64> {
+        self.velocity
+    }
+
     /// Gap from the wall at its current position to a point; `None` on the line of a segment itself.
-    fn gap(&self, surface: &WallSurface, x: Vector<f64>) -> Option<Gap<f64>> {
+    pub(super) fn gap(&self, surface: &WallSurface, x: Vector<f64>) -> Option<Gap<f64>> {
         let local = [0, 1, 2].map(|a| x[a] - self.displacement[a]);
         match *surface {
             WallSurface::Plane { point, normal } => Some(Gap::to_plane(local, point, normal)),
@@ -63,6 +75,8 @@ pub(super) struct Walls {
     /// Power of the last forces minus that of the same forces on the centres of the particles, W, by block of
     /// particles.
     pub(super) at_faces: Vec<f64>,
+    /// Largest stable step over the margin at facets, by block of particles, s.
+    pub(super) limits: Vec<f64>,
 }
 
 impl Walls {
@@ -74,6 +88,7 @@ impl Walls {
             done: vec![WallLedger::default(); walls],
             powers: vec![WallLedger::default(); count.div_ceil(BLOCK) * walls.max(1)],
             at_faces: vec![0.0; count.div_ceil(BLOCK)],
+            limits: vec![f64::INFINITY; count.div_ceil(BLOCK)],
         }
     }
 
@@ -131,7 +146,7 @@ pub(super) fn push(
             let acceleration = monaghan_kos(&gap, relative(velocity), range, sound_speed(), body.smoothing_length);
             FacePush { acceleration, ..away }
         }
-        WallContact::Penalty { stiffness, damping, friction } => {
+        WallContact::Penalty { stiffness, damping, friction, at_facets: _ } => {
             if gap.distance > columns.farthest(body.spacing, i) {
                 return away;
             }
@@ -143,6 +158,19 @@ pub(super) fn push(
             FacePush { acceleration, heat, rubbed, face, velocity }
         }
     }
+}
+
+/// What the spring of a wall holds against particle `i`, J/kg.
+pub(super) fn stored(model: &Model, wall: &Wall, state: &WallState, columns: &AtWall<'_>, i: usize) -> f64 {
+    let WallContact::Penalty { stiffness, .. } = wall.contact else { return 0.0 };
+    let Some(gap) = state.gap(&wall.surface, columns.position[i]) else { return 0.0 };
+    let body = &model.bodies[columns.body[i] as usize];
+    if gap.distance > columns.farthest(body.spacing, i) {
+        return 0.0;
+    }
+    let speed = model.materials[body.material].equation_of_state.reference_sound_speed();
+    let parameters = PenaltyParameters::from_sound_speed(speed, body.spacing, stiffness, 0.0, 0.0);
+    penalty_energy(parameters, &gap, columns.face(body.spacing, i, gap.normal).0)
 }
 
 /// Columns of the particles that a wall reads.
@@ -177,7 +205,7 @@ impl<'a> AtWall<'a> {
     }
 
     /// Deformation gradient of particle `i` since the start, if the formulation has one.
-    fn whole_deformation(&self, i: usize) -> Option<Tensor<f64>> {
+    pub(super) fn whole_deformation(&self, i: usize) -> Option<Tensor<f64>> {
         let whole = WholeDeformation { since: self.deformation, earlier: self.earlier_deformation };
         (!self.deformation.is_empty()).then(|| whole.at(i))
     }

@@ -116,6 +116,45 @@ impl Shape {
     }
 }
 
+/// Cosine between the normal of a round surface and a direction from which on it looks that way.
+const TOWARDS: f64 = 0.3;
+
+impl Shape {
+    /// Whether a round surface of the shape, or of one of its parts, looks along a direction of unit length.
+    pub fn is_round_towards(&self, direction: [f64; 3]) -> bool {
+        let local = std::array::from_fn(|b| (0..3).map(|a| self.transform.rotation[a][b] * direction[a]).sum());
+        self.solid.is_round_towards(local)
+    }
+}
+
+impl Solid {
+    fn is_round_towards(&self, direction: [f64; 3]) -> bool {
+        // A round surface whose normals are at this angle to the axis, all around it.
+        let looks = |axis: [f64; 3], [along, across]: [f64; 2]| {
+            let axial = dot(axis, direction);
+            along * axial + across * (1.0 - axial * axial).max(0.0).sqrt() > TOWARDS
+        };
+        match self {
+            Self::Box { .. } | Self::Polygon { .. } | Self::Cloud { .. } => false,
+            Self::Ball { .. } => true,
+            Self::Cylinder { from, to, .. } => unit(subtract(*to, *from)).is_some_and(|axis| looks(axis, [0.0, 1.0])),
+            // Of a nose all normals from that of the bar to nearly that of the axis.
+            Self::Ogive { from, to, .. } => {
+                unit(subtract(*to, *from)).is_some_and(|axis| looks(axis, [0.0, 1.0]) || looks(axis, [0.8, 0.6]))
+            }
+            Self::Revolution { axis, profile, .. } => profile.windows(2).any(|ends| {
+                let (x, r) = (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
+                let length = x.hypot(r);
+                x > 0.0 && looks(*axis, [-r / length, x / length])
+            }),
+            Self::Composed { operation, parts } => parts.iter().enumerate().any(|(k, part)| {
+                let is_taken = matches!(operation, Operation::Difference) && k > 0;
+                part.is_round_towards(if is_taken { direction.map(|c| -c) } else { direction })
+            }),
+        }
+    }
+}
+
 fn turned(transform: &Transform, place: &Place) -> Place {
     let r = &transform.rotation;
     let curvature = std::array::from_fn(|i| {

@@ -62,6 +62,14 @@ impl Wall {
             WallContact::Penalty { friction, .. } => friction > 0.0,
         }
     }
+
+    /// Whether it pushes bodies that have facets there.
+    pub fn is_at_facets(&self) -> bool {
+        match self.contact {
+            WallContact::MonaghanKos { .. } => false,
+            WallContact::Penalty { at_facets, .. } => at_facets,
+        }
+    }
 }
 
 /// Geometry of a wall.
@@ -99,6 +107,9 @@ pub enum WallContact {
         damping: f64,
         /// Coulomb coefficient.
         friction: f64,
+        /// Whether it pushes bodies at the facets of their particles, which only the total Lagrangian form has, else at the points of
+        /// the particles that are nearest to it.
+        at_facets: bool,
     },
 }
 

@@ -85,6 +85,16 @@ impl Model {
         self.has_faces() && matches!(self.contact, BodyContact::Facets { .. })
     }
 
+    /// Whether a wall pushes bodies at the facets of the cells of their particles: in the total Lagrangian form.
+    pub fn meets_walls_at_facets(&self) -> bool {
+        matches!(self.formulation, Formulation::TotalLagrangian { .. }) && self.walls.iter().any(Wall::is_at_facets)
+    }
+
+    /// Whether one of them rubs there.
+    pub fn rubs_at_facets_of_walls(&self) -> bool {
+        self.meets_walls_at_facets() && self.walls.iter().any(|wall| wall.is_at_facets() && wall.rubs())
+    }
+
     /// Whether bodies meet themselves in the contact: in the total Lagrangian form, where no end of the space is joined to another.
     pub fn has_self_contact(&self) -> bool {
         matches!(self.formulation, Formulation::TotalLagrangian { self_contact: true, .. })

@@ -28,10 +28,14 @@ pub enum Owner {
     Contact,
     /// Faces of bodies of the total Lagrangian form, at which they meet.
     Faces,
+    /// Cells of particles with facets.
+    Cells,
     /// Friction between bodies or at walls.
     Friction,
     /// Friction between bodies that meet at facets.
     FacetFriction,
+    /// Friction of facets on walls.
+    WallFriction,
     /// Artificial stress where temperature is that of the energy.
     ArtificialEnergy,
     /// The reference configuration of the total Lagrangian form.
@@ -347,7 +351,7 @@ columns! {
         Internal("", "deformation gradient of the reference configuration"), Tensor[Contact], None;
 
     // Bit k: face k of the cell.
-    pub(crate) open_faces: u32 = 0, Faces,
+    pub(crate) open_faces: u32 = 0, Cells,
         Internal("", "faces of the cell that are exposed since the body came apart"), Same[Search], None;
     pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Faces,
         Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;
@@ -360,6 +364,14 @@ columns! {
         Internal("m^2/s", "power of friction over the stiffness of these springs, by axis of the cell"), Vector[Overlaps], None;
     pub(crate) rubbed_at_high_faces: Vector<f64> = [0.0; 3], FacetFriction,
         Internal("m^2/s", "the same for the high sides"), Vector[Overlaps], None;
+    pub(crate) wall_slip_of_low_faces: Tensor<f64> = [[0.0; 3]; 3], WallFriction,
+        Internal("m", "tangential springs against walls of the facets on the low sides of the cell"), Unmirrored[], None;
+    pub(crate) wall_slip_of_high_faces: Tensor<f64> = [[0.0; 3]; 3], WallFriction,
+        Internal("m", "the same for the high sides"), Unmirrored[], None;
+    pub(crate) rubbed_on_walls_at_low_faces: Vector<f64> = [0.0; 3], WallFriction,
+        Internal("m^2/s", "power of friction on walls over the stiffness of these springs, by axis of the cell"), Unmirrored[], None;
+    pub(crate) rubbed_on_walls_at_high_faces: Vector<f64> = [0.0; 3], WallFriction,
+        Internal("m^2/s", "the same for the high sides"), Unmirrored[], None;
 }
 
 impl Particles {

@@ -134,6 +134,7 @@ impl<'a> Table<'a> {
             external_impulse: [x, y, z],
             walls: walls.clone().map(|wall| self.wall(wall)).collect(),
             wall_forces: walls.map(wall_force).collect(),
+            wall_stored_energies: Vec::new(),
             integration_energy,
             viscous_energy,
             artificial_stress_energy,

@@ -16,6 +16,11 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "the contact of bodies at their facets",
             "run it with `--engine cpu`, or let bodies meet by overlap: `contact = { penalty = { surfaces = \"overlap\" } }`",
         ),
+        (
+            model.meets_walls_at_facets(),
+            "walls that push bodies at their facets, as segments, friction and round surfaces need",
+            "run it with `--engine cpu`, or let walls push particles: `contact = { penalty = { surfaces = \"particles\" } }`",
+        ),
     ];
     match asked.into_iter().find(|(asked, ..)| *asked) {
         Some((_, what, help)) => Err(Unsupported { what: what.to_owned(), help: help.to_owned() }),

@@ -170,3 +170,29 @@ pub fn friction_force<T: Real>(
     let half = T::of(0.5);
     [0, 1, 2].map(|i: usize| -half * share * (apart[i] - along * press.normal[i]))
 }
+
+/// Damping of the spring of `a` against something rigid: the force on its owner, N, to be added at the centre of pressure to that of the spring,
+/// and the power that it turns to heat, W. `coefficient` times area and sliding velocity, as far as the force of the spring leaves room below `mu` times
+/// the normal force: what sticks comes to rest, what slides is not held by more.
+#[inline]
+pub fn damp_sliding<T: Elementary>(
+    press: &FacetPress<T>,
+    law: &FacetPairLaw<T>,
+    coefficient: T,
+    spring: Vector<T>,
+    velocity: Vector<T>,
+) -> (Vector<T>, T) {
+    let (zero, one) = (T::zero(), T::one());
+    let along = dot(velocity, press.normal);
+    let sliding = [0, 1, 2].map(|i: usize| velocity[i] - along * press.normal[i]);
+    let damping = coefficient * press.damped_area;
+    let full = sliding.map(|v| -damping * v);
+    // The largest share at which the sum is within the limit: of |q + s d|^2 = limit^2.
+    let limit = law.friction * press.normal_force;
+    let (square, mixed) = (dot(full, full), dot(spring, full));
+    let room = (limit * limit - dot(spring, spring)).max(zero);
+    let root = (mixed * mixed + square * room).max(zero).sqrt();
+    let share = T::select_lt(zero, square, ((root - mixed) / square).min(one).max(zero), zero);
+    let force = full.map(|c| share * c);
+    (force, -dot(force, velocity))
+}

@@ -59,6 +59,11 @@ impl FacetPairLaw<f64> {
         Self::of(a.half_depth / a.bulk_modulus, 2.0 * impedance, strength)
     }
 
+    /// Critical damping of the tangential spring of a cell of a body, Pa s/m: `2 sqrt(k_t rho 2 D)`.
+    pub fn critical_sliding_damping(&self, a: &FacetMaterial) -> f64 {
+        2.0 * Real::sqrt(self.tangential_stiffness * a.density * 2.0 * a.half_depth)
+    }
+
     fn of(yielding: f64, impedance: f64, strength: FacetStrength) -> Self {
         let stiffness = strength.stiffness / yielding;
         Self {

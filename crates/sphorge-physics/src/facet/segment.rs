@@ -16,7 +16,7 @@
 use super::press::facing;
 use super::{Facet, FacetPairLaw, FacetPress, Partner, press};
 use crate::tensor::dot;
-use crate::{Elementary, Real, Vector};
+use crate::{Elementary, Vector};
 
 /// A straight segment in the plane with a thickness across it.
 #[derive(Clone, Copy, Debug, PartialEq)]

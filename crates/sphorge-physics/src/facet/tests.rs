@@ -939,6 +939,26 @@ fn friction_sticks_then_slips_and_its_heat_is_its_work() {
 }
 
 #[test]
+fn sliding_is_damped_within_the_limit_of_friction() {
+    let press = FacetPress { normal: [0.0, 1.0, 0.0], normal_force: 10.0, damped_area: 2.0, ..FacetPress::none() };
+    // Limit 3. Damping 0.25 2 (3, 0, 4) along the plane: 2.5 whole.
+    let v = [3.0, 7.0, 4.0];
+    let (force, heat) = damp_sliding(&press, &LAW, 0.25, [0.0; 3], v);
+    assert_eq!((force, heat), ([-1.5, 0.0, -2.0], 12.5));
+    // The spring holds back with 1 along the same line: 2 are left. At its limit: none. Along the velocity: whole.
+    let (force, heat) = damp_sliding(&press, &LAW, 0.25, [-0.6, 0.0, -0.8], v);
+    assert!((force[0] + 1.2).abs() < 1e-12 && (force[2] + 1.6).abs() < 1e-12 && (heat - 10.0).abs() < 1e-12);
+    let (force, heat) = damp_sliding(&press, &LAW, 0.25, [-1.8, 0.0, -2.4], v);
+    assert!(dot(force, force).sqrt() < 1e-12 && heat.abs() < 1e-12);
+    let (force, heat) = damp_sliding(&press, &LAW, 0.25, [1.8, 0.0, 2.4], v);
+    assert!((force[0] + 1.5).abs() < 1e-12 && (heat - 12.5).abs() < 1e-12);
+    assert_eq!(damp_sliding(&press, &LAW, 0.25, [1.0, 0.0, 0.0], [0.0, 7.0, 0.0]), ([0.0; 3], 0.0));
+    // 2 sqrt(k_t rho 2 D) = 2 sqrt(0.5 8 2).
+    let material = FacetMaterial { half_depth: 1.0, density: 8.0, bulk_modulus: 1.0 };
+    assert!((LAW.critical_sliding_damping(&material) - 2.0 * 8.0f64.sqrt()).abs() < 1e-15);
+}
+
+#[test]
 fn a_spring_against_something_rigid_carries_all_friction() {
     let own = face(square, -1.0, 1.0, [1, 1], [0.0, -0.1, 0.0], 0.0)[0];
     let p = press(&own, &own.foot_on_plane([0.0; 3], [0.0, 1.0, 0.0]), Partner::Plane, &LAW);

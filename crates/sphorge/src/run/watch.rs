@@ -277,8 +277,11 @@ impl Watch {
         }
         self.hold(WarningKind::NegativeEnergy, worst.0, worst.1, clock);
 
-        let resting = model.walls.iter().zip(&ledger.walls).filter(|(wall, _)| wall.velocity.iter().all(is_zero));
-        let taken = resting.map(|(_, done)| done.work).sum::<f64>();
+        // What the springs of walls hold they give back: it is not lost.
+        let held = ledger.wall_stored_energies.iter().copied().chain(std::iter::repeat(0.0));
+        let walls = model.walls.iter().zip(&ledger.walls).zip(held);
+        let resting = walls.filter(|((wall, _), _)| wall.velocity.iter().all(is_zero));
+        let taken = resting.map(|((_, done), held)| done.work + held).sum::<f64>();
         // Without motion at the start there is nothing to hold it against.
         if kinetic > nothing {
             self.hold(WarningKind::WallEnergy, taken.abs() / kinetic, Place::default(), clock);

@@ -8,6 +8,7 @@ mod contact;
 mod elastic_modes;
 mod external_forces;
 mod facets;
+mod facets_on_walls;
 mod failure;
 mod heat;
 mod homogeneous;

@@ -124,7 +124,7 @@ pub(in crate::engine) fn of_wall<T: Real>(
             let acceleration = monaghan_kos(&gap, relative(velocity), T::of(range), body.sound_speed, body.h);
             FacePush { acceleration, ..away }
         }
-        WallContact::Penalty { stiffness, damping, friction } => {
+        WallContact::Penalty { stiffness, damping, friction, at_facets: _ } => {
             let [stiffness, damping, friction] = [stiffness, damping, friction].map(T::of);
             let parameters =
                 PenaltyParameters::from_sound_speed(body.sound_speed, body.spacing, stiffness, damping, friction);

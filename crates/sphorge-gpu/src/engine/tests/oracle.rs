@@ -78,6 +78,7 @@ impl GpuEngine {
             external_impulse: [x, y, z],
             walls: (0..self.model.walls.len()).map(|k| of_wall(walls::FIELDS * k)).collect(),
             wall_forces: self.model.walls.iter().map(|wall| self.wall_force_read((p, &evaluated), wall)).collect(),
+            wall_stored_energies: Vec::new(),
             integration_energy,
             viscous_energy,
             artificial_stress_energy,
