@@ -6,16 +6,16 @@ use super::surroundings::{AtFace, integral};
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{ReferenceFacets, facet_thickness};
 use sphorge_engine::model::{Model, Wall, WallContact, WallSurface};
-use sphorge_physics::Vector;
 use sphorge_physics::facet::{
     Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, Partner, RigidSegment,
     SlipDrive, damp_sliding, friction_force, moment_of_torn, press, slip_after, stress_of_moment,
 };
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::oscillator_limit;
+use sphorge_physics::{Tensor, Vector};
 
 /// Width of the ends of segments, in spacings.
-const WIDTH: f64 = 0.5;
+const WIDTH: f64 = 1.0;
 /// Half of the limit of stability at a Courant number of 0.3, and the mobility of faces.
 const MARGIN: f64 = 1.5;
 const MOBILITY: f64 = 2.5;
@@ -26,6 +26,8 @@ pub(crate) struct WallFacets {
     thickness: f64,
     /// Faces of the cell of each particle that were inside its body.
     pub(crate) open: Vec<u32>,
+    /// Velocity gradients at the velocities at which forces are evaluated, 1/s.
+    pub(crate) gradient: Vec<Tensor<f64>>,
     /// By particle and face of its cell: the spring, and its power of friction over its stiffness, m^2/s; the power itself, W, if it has let go.
     springs: Vec<[(FacetSlip<f64>, f64); 6]>,
 }
@@ -49,6 +51,7 @@ impl WallFacets {
             all: ReferenceFacets::new(model),
             thickness: facet_thickness(model),
             open: vec![0; p.len()],
+            gradient: vec![[[0.0; 3]; 3]; p.len()],
             springs: vec![[(FacetSlip::none(), 0.0); 6]; p.len()],
         })
     }
@@ -57,7 +60,8 @@ impl WallFacets {
 impl Oracle {
     /// Whether a wall pushes a particle at facets.
     pub(crate) fn is_pushed_at_facets(&self, wall: &Wall, i: usize) -> bool {
-        let has_facets = |facets: &WallFacets| facets.open[i] != 0 || !facets.all.of(self.p.id[i]).is_empty();
+        let cuts = matches!(wall.surface, WallSurface::Segment { .. });
+        let has_facets = |facets: &WallFacets| cuts || facets.open[i] != 0 || !facets.all.of(self.p.id[i]).is_empty();
         wall.is_at_facets() && self.wall_facets.as_ref().is_some_and(has_facets)
     }
 
@@ -86,7 +90,13 @@ impl Oracle {
     fn pressed_by_wall(&self, wall: &Wall, time: f64, i: usize) -> Vec<Met> {
         let Some(facets) = &self.wall_facets else { return Vec::new() };
         let (id, body) = (self.p.id[i], self.p.body[i] as usize);
-        let inner = (0..6).filter(|face| facets.open[i] >> face & 1 == 1);
+        // Ends of segments meet the faces of cells inside bodies, too, into which they can cut.
+        let exposed = match wall.surface {
+            WallSurface::Plane { .. } => u32::MAX,
+            WallSurface::Segment { .. } => facets.all.exposed(id),
+        };
+        let is_inner = |face: &usize| facets.open[i] >> face & 1 == 1 || exposed >> face & 1 == 0;
+        let inner = (0..facets.all.faces()).filter(is_inner);
         let inner = inner.map(|face| facets.all.inner(body, id, face));
         let cells: Vec<_> = facets.all.of(id).iter().copied().chain(inner).collect();
         let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
@@ -111,12 +121,16 @@ impl Oracle {
                     let segment = RigidSegment { ends, thickness: facets.thickness };
                     let width = WIDTH * self.model.bodies[body].spacing;
                     let of_end = |end| segment.press_end(&facet, end, width, &law);
-                    vec![segment.press_side(&facet, &law), of_end(0), of_end(1)]
+                    let mut all = vec![of_end(0), of_end(1)];
+                    if exposed >> cells[k].side & 1 == 1 || facets.open[i] >> cells[k].side & 1 == 1 {
+                        all.insert(0, segment.press_side(&facet, &law));
+                    }
+                    all
                 }
             };
             for press in presses.into_iter().filter(|press| press.energy > 0.0) {
                 let press = press.within(self.dimension);
-                let (v, l) = (self.evaluated[i], &self.p.velocity_gradient[i]);
+                let (v, l) = (self.evaluated[i], &facets.gradient[i]);
                 let velocity = press.velocity(v, l, wall_velocity, &[[0.0; 3]; 3]);
                 let face = usize::from(cells[k].side);
                 met.push(Met { face, facet, stretch, lead: here(first).0, press, velocity });
@@ -127,6 +141,10 @@ impl Oracle {
 
     /// Lets the springs of all facets slip on the walls where they stand at a time, s.
     pub(crate) fn slip_on_walls(&mut self, time: f64) {
+        if self.wall_facets.is_some() {
+            let gradient = self.evaluated_gradients();
+            self.wall_facets.iter_mut().for_each(|facets| facets.gradient.clone_from(&gradient));
+        }
         if !self.model.rubs_at_facets_of_walls() {
             return;
         }
@@ -195,7 +213,7 @@ impl Oracle {
                 facets.springs[i].iter().filter(|(slip, _)| slip.stiffness == 0.0).map(|(_, power)| power).sum::<f64>();
         }
         let mass = self.p.mass[i];
-        let of_moment: f64 = (0..3).map(|k| dot(moment[k], self.p.velocity_gradient[i][k])).sum();
+        let of_moment: f64 = (0..3).map(|k| dot(moment[k], facets.gradient[i][k])).sum();
         let power = (dot(force, self.evaluated[i]) + of_moment + damped + rubbed) / mass;
         let stress =
             stress_of_moment(&moment, &self.deformation[i]).map(|row| row.map(|c| -c / self.initial_volume[i]));

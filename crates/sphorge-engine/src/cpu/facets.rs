@@ -705,7 +705,10 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Velocity gradients of what may meet at facets, at the velocities at which forces are evaluated: as their forces work
     /// in the sums over particles. That of the deformation belongs to the middle of the step.
     pub(super) fn follow_evaluated(&mut self) {
-        let Some(contacts) = self.contacts.as_ref().filter(|contacts| contacts.facets.is_some()) else { return };
+        let contacts = self.contacts.as_ref().filter(|contacts| contacts.facets.is_some());
+        if contacts.is_none() && self.facets_on_walls.is_none() {
+            return;
+        }
         let mut gradients = std::mem::take(&mut self.particles.evaluated_gradient);
         let (p, ghosts, list) = (&self.particles, &self.ghosts.columns, &self.lists.list);
         let sum = ReferenceSum {
@@ -716,17 +719,24 @@ impl<T: PairScalar> CpuEngine<T> {
             smoothing_length: WithGhosts::new(&p.smoothing_length, &ghosts.smoothing_length),
             velocity: WithGhosts::new(&p.evaluated_velocity, &ghosts.evaluated_velocity),
         };
-        let blocks = gradients.par_chunks_mut(BLOCK).zip(contacts.foreign.blocks());
-        blocks.for_each(|(gradients, block)| {
-            for (i, _) in block.rows() {
-                let rate = corrected(&sum.rate(i, list.row(i)), &p.correction[i]);
-                // What the sums of thin parts do not see across them is that of the middle of the step.
-                gradients[i % BLOCK] = match is_thin(&p.correction[i]) > 0.0 {
-                    true => p.velocity_gradient[i],
-                    false => multiply(&rate, &inverse(&p.deformation[i])),
-                };
+        let gradient = |i: usize| {
+            // What the sums of thin parts do not see across them is that of the middle of the step.
+            if is_thin(&p.correction[i]) > 0.0 {
+                return p.velocity_gradient[i];
             }
-        });
+            let rate = corrected(&sum.rate(i, list.row(i)), &p.correction[i]);
+            multiply(&rate, &inverse(&p.deformation[i]))
+        };
+        if let Some(contacts) = contacts {
+            let blocks = gradients.par_chunks_mut(BLOCK).zip(contacts.foreign.blocks());
+            blocks.for_each(|(gradients, block)| block.rows().for_each(|(i, _)| gradients[i % BLOCK] = gradient(i)));
+        }
+        if let Some(facets) = &self.facets_on_walls {
+            let (model, states) = (&*self.model, &self.walls.states);
+            let near = |i: usize| facets.is_near_any(model, states, p, i);
+            let all = gradients.par_iter_mut().with_min_len(BLOCK).enumerate();
+            all.filter(|(i, _)| near(*i)).for_each(|(i, own)| *own = gradient(i));
+        }
         self.particles.evaluated_gradient = gradients;
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! Facets are those of the initial configuration ([`ReferenceFacets`]), and follow with the whole deformation since the
 //! start. A wall is rigid and has no facets to search for: each particle meets all walls by itself. A plane is a facet
-//! without end; a segment pushes with both sides and both ends ([`RigidSegment`]). Particles without a facet meet walls
-//! as they do where nothing has facets ([`super::walls`]), so that a wall also holds what has come out of a body.
+//! without end; particles without a facet meet it as they do where nothing has facets ([`super::walls`]), so that it also
+//! holds what has come out of a body. A segment pushes with both sides and both ends ([`RigidSegment`]). Its ends can
+//! cut into a body, and meet the faces of the cells inside, too.
 
 use super::faces::WholeDeformation;
 use super::facets::{MARGIN, MOBILITY};
@@ -16,13 +17,13 @@ use sphorge_physics::facet::{
     Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, Partner, RigidSegment,
     SlipDrive, damp_sliding, friction_force, moment_of_torn, press, slip_after, stress_of_moment,
 };
-use sphorge_physics::tensor::{apply, dot};
+use sphorge_physics::tensor::dot;
 use sphorge_physics::time_step::oscillator_limit;
 use sphorge_physics::wall::FacePushes;
 use sphorge_physics::{Dimension, Tensor, Vector};
 
 /// Width of the strip by which the end of a segment pushes, in spacings of the body.
-const WIDTH_OF_ENDS: f64 = 0.5;
+const WIDTH_OF_ENDS: f64 = 1.0;
 
 /// Facets of particles, and their laws against walls.
 pub(super) struct FacetsOnWalls {
@@ -31,6 +32,10 @@ pub(super) struct FacetsOnWalls {
     thickness: f64,
     /// By wall and body; nothing for walls that push particles.
     laws: Vec<Vec<FacetPairLaw<f64>>>,
+    /// Distance of the farthest corner of a facet from its particle at rest, by body, m.
+    farthest: Vec<f64>,
+    /// Whether the wall is thin and can cut into a body.
+    cuts: Vec<bool>,
     /// Damping of tangential springs, likewise, Pa s/m.
     sliding_damping: Vec<Vec<f64>>,
     has_friction: bool,
@@ -61,7 +66,7 @@ impl FacetsPush {
     pub(super) fn add_to(&self, sum: &mut FacePushes<f64>, p: &Particles, i: usize) -> WallLedger {
         let mass = p.mass[i];
         let of_force = dot(self.force, p.evaluated_velocity[i]);
-        let of_moment = (0..3).map(|k| dot(self.moment[k], p.velocity_gradient[i][k])).sum();
+        let of_moment = (0..3).map(|k| dot(self.moment[k], p.evaluated_gradient[i][k])).sum();
         let stress = stress_of_moment(&self.moment, &p.deformation[i]);
         let power = sum.add_at_facets(mass, (self.force, of_force), (stress, of_moment), self.heat);
         WallLedger { work: mass * power, friction_work: self.rubbed, damping_work: self.heat - self.rubbed }
@@ -123,7 +128,7 @@ impl AtWalls {
         Self {
             x: p.position[i],
             velocity: p.evaluated_velocity[i],
-            gradient: p.velocity_gradient[i],
+            gradient: p.evaluated_gradient[i],
             deformation: whole.at(i),
             cell: p.cell(i),
         }
@@ -176,20 +181,23 @@ impl FacetsOnWalls {
         };
         let of_wall = |wall| model.bodies.iter().filter_map(|body| law(wall, body)).unzip();
         let (laws, sliding_damping) = model.walls.iter().map(of_wall).unzip();
+        let reference = ReferenceFacets::new(model);
         Some(Self {
             dimension: model.dimensions.into(),
-            reference: ReferenceFacets::new(model),
+            farthest: (0..model.bodies.len()).map(|body| reference.farthest(body)).collect(),
+            reference,
             thickness,
             laws,
+            cuts: model.walls.iter().map(|wall| matches!(wall.surface, WallSurface::Segment { .. })).collect(),
             sliding_damping,
             has_friction: model.rubs_at_facets_of_walls(),
             rubbing: model.walls.iter().position(|wall| wall.is_at_facets() && wall.rubs()),
         })
     }
 
-    /// Whether a particle has no facets.
-    fn has_none(&self, (_, id, open): (u32, u32, u32)) -> bool {
-        open == 0 && self.reference.range(id).is_empty()
+    /// Whether a wall meets facets of a particle: a plane those that are exposed, a segment also what has been cut open.
+    fn is_met(&self, wall: usize, (_, id, open): (u32, u32, u32)) -> bool {
+        !self.laws[wall].is_empty() && (self.cuts[wall] || open != 0 || !self.reference.range(id).is_empty())
     }
 
     pub(super) fn has_friction(&self) -> bool {
@@ -200,21 +208,34 @@ impl FacetsOnWalls {
         &self.reference
     }
 
-    /// The facets of a particle: face of its cell, and facet in the initial configuration.
-    fn facets(&self, (body, id, open): (u32, u32, u32)) -> impl Iterator<Item = CellFacet> + '_ {
-        let inner = (0..6).filter(move |face| open >> face & 1 == 1);
-        let inner = inner.map(move |face| self.reference.inner(body as usize, id, face));
-        self.reference.of(id).iter().copied().chain(inner)
+    /// The facets of a particle and whether they are exposed: those that are, and if a wall cuts all others.
+    fn facets(&self, (body, id, open): (u32, u32, u32), cuts: bool) -> impl Iterator<Item = (CellFacet, bool)> + '_ {
+        let exposed = if cuts { self.reference.exposed(id) } else { u32::MAX };
+        let is_open = move |face: usize| open >> face & 1 == 1;
+        let faces = (0..self.reference.faces()).filter(move |&face| is_open(face) || exposed >> face & 1 == 0);
+        let inner = faces.map(move |face| (self.reference.inner(body as usize, id, face), is_open(face)));
+        self.reference.of(id).iter().map(|facet| (*facet, true)).chain(inner)
     }
 
-    /// A bound of the distance of the corners of the facets of a particle, m.
-    fn reach(&self, of: &AtWalls) -> f64 {
-        let sizes = of.deformation.map(|row| row.map(f64::abs));
-        let farthest = self.facets(of.cell).flat_map(|facet| facet.facet.corners).map(|corner| {
-            let arm = apply(&sizes, corner.map(f64::abs));
-            dot(arm, arm)
-        });
-        farthest.fold(0.0, f64::max).sqrt()
+    /// Whether a wall may reach the facets of a particle at this place (m) with this deformation since the start.
+    fn is_near(
+        &self,
+        model: &Model,
+        states: &[WallState],
+        wall: usize,
+        (body, x): (usize, Vector<f64>),
+        f: &Tensor<f64>,
+    ) -> bool {
+        let stretch = f.as_flattened().iter().map(|c| c * c).sum::<f64>().sqrt();
+        let reach = stretch * self.farthest[body] + WIDTH_OF_ENDS * model.bodies[body].spacing;
+        states[wall].gap(&model.walls[wall].surface, x).is_none_or(|gap| gap.distance <= reach)
+    }
+
+    /// Whether any wall may reach the facets of particle `i`.
+    pub(super) fn is_near_any(&self, model: &Model, states: &[WallState], p: &Particles, i: usize) -> bool {
+        let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
+        let (at, f) = ((p.body[i] as usize, p.position[i]), whole.at(i));
+        (0..self.laws.len()).any(|wall| self.is_met(wall, p.cell(i)) && self.is_near(model, states, wall, at, &f))
     }
 
     /// Calls `visit` with every facet of a particle that a wall presses.
@@ -228,16 +249,14 @@ impl FacetsOnWalls {
     ) {
         let body = of.cell.0 as usize;
         let width = WIDTH_OF_ENDS * model.bodies[body].spacing;
-        let mut reach = None;
-        for wall in walls.filter(|&wall| !self.laws[wall].is_empty()) {
-            let (surface, state) = (&model.walls[wall].surface, &states[wall]);
-            let reach = *reach.get_or_insert_with(|| self.reach(of) + width);
-            if state.gap(surface, of.x).is_some_and(|gap| gap.distance > reach) {
+        for wall in walls.filter(|&wall| self.is_met(wall, of.cell)) {
+            if !self.is_near(model, states, wall, (body, of.x), &of.deformation) {
                 continue;
             }
+            let (surface, state) = (&model.walls[wall].surface, &states[wall]);
             let law = &self.laws[wall][body];
             let mut lead: Option<(u8, Facet<f64>)> = None;
-            for CellFacet { side, facet: reference } in self.facets(of.cell) {
+            for (CellFacet { side, facet: reference }, is_exposed) in self.facets(of.cell, self.cuts[wall]) {
                 let (facet, stretch) = Facet::now(of.x, &of.deformation, &reference).held(reference.depth);
                 let first = match lead {
                     Some((known, first)) if known == side => first,
@@ -253,7 +272,8 @@ impl FacetsOnWalls {
                         let ends = [state.at(from), state.at(to)];
                         let segment = RigidSegment { ends, thickness: self.thickness };
                         let end = |end| Some(segment.press_end(&facet, end, width, law));
-                        [Some(segment.press_side(&facet, law)), end(0), end(1)]
+                        // What is inside is beside the segment without being on either side of it.
+                        [is_exposed.then(|| segment.press_side(&facet, law)), end(0), end(1)]
                     }
                 };
                 for press in presses.into_iter().flatten().filter(|press| press.energy > 0.0) {
@@ -276,9 +296,6 @@ impl FacetsOnWalls {
         mut springs: Springs,
         dt: f64,
     ) -> Springs {
-        if self.has_none(p.cell(i)) {
-            return springs;
-        }
         let mut drives = [SlipDrive::none(); 6];
         let mut leads: [Option<Facet<f64>>; 6] = [None; 6];
         self.each(model, states, 0..self.laws.len(), &AtWalls::new(p, i), |met| {
@@ -306,7 +323,7 @@ impl FacetsOnWalls {
         p: &Particles,
         i: usize,
     ) -> Option<FacetsPush> {
-        if self.laws[wall].is_empty() || self.has_none(p.cell(i)) {
+        if !self.is_met(wall, p.cell(i)) {
             return None;
         }
         let mut push = FacetsPush::default();

@@ -206,6 +206,15 @@ impl ReferenceFacets {
         &self.facets[self.range(id)]
     }
 
+    /// Distance of the farthest corner of a facet of a body from its particle at the start, m; of cubes inside at least.
+    pub(crate) fn farthest(&self, body: usize) -> f64 {
+        let ids = self.first[body] as usize..self.first.get(body + 1).map_or(self.starts.len() - 1, |&id| id as usize);
+        let facets = &self.facets[self.starts[ids.start] as usize..self.starts[ids.end] as usize];
+        let arms = facets.iter().flat_map(|facet| facet.facet.corners);
+        let of_cube = 0.75 * self.edge[body] * self.edge[body];
+        arms.map(|arm| dot(arm, arm)).fold(of_cube, f64::max).sqrt()
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         let of_each = |frames: &Frames| match frames {
             Frames::Common(_) => 0,

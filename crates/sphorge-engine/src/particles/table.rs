@@ -353,7 +353,7 @@ columns! {
     // Bit k: face k of the cell.
     pub(crate) open_faces: u32 = 0, Cells,
         Internal("", "faces of the cell that are exposed since the body came apart"), Same[Search], None;
-    pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Faces,
+    pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Cells,
         Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;
     // A row for each axis of the cell: along the first edge of the facet and square to it, m, and the stiffness, N/m.
     pub(crate) slip_of_low_faces: Tensor<f64> = [[0.0; 3]; 3], FacetFriction,

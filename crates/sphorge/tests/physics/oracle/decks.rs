@@ -140,8 +140,37 @@ segment = { from = ["100 mm", "-9 mm"], to = ["120 mm", "3 mm"] }
 contact = { penalty = { friction = 0.4 } }
 "#;
 
+/// A ball that strikes a plane, on which it rubs, and another plane that moves, beside a plane of symmetry.
+const BALL: &str = r#"
+dimensions = "3d"
+particles = { spacing = "1 mm" }
+numerics = { precision = "double" }
+time = { end = "4 us" }
+symmetry = [{ axis = "x" }]
+
+[[body]]
+name = "ball"
+material = "ofhc-copper"
+shape = { intersection = [
+    { sphere = { centre = ["0 mm", "0 mm", "3 mm"], radius = "3 mm" } },
+    { box = { min = ["0 mm", "-3 mm", "0 mm"], max = ["3 mm", "3 mm", "6 mm"] } },
+] }
+velocity = ["0 m/s", "60 m/s", "-150 m/s"]
+
+[[wall]]
+name = "anvil"
+plane = { point = ["0 mm", "0 mm", "0 mm"], normal = [0, 0.1, 1] }
+contact = { penalty = { friction = 0.2 } }
+
+[[wall]]
+name = "hammer"
+plane = { point = ["0 mm", "0 mm", "6 mm"], normal = [0, 0.3, -1] }
+velocity = ["0 m/s", "-20 m/s", "-40 m/s"]
+"#;
+
 /// Walls, motion, gravity.
 pub(super) const PRESS: &[Case] = &[
+    case("a ball on planes, total lagrangian", BALL, &[], 30),
     case("walls and motion", WALLS, &[], 40),
     case("walls and motion, predictor-corrector", WALLS, &[PREDICTOR], 40),
     // Rounding grows tenfold every ten steps here: 7e-14, 5e-13, 7e-12 and 6e-11 after 10, 20, 30 and 40.
