@@ -57,6 +57,11 @@ impl WallFacets {
     }
 }
 
+/// Largest stable step over the margin of a particle of that mass (kg) for the sums of its facets on all walls, s.
+pub(crate) fn limit_on_walls([stiffness, damping]: [f64; 2], mass: f64) -> f64 {
+    MARGIN * oscillator_limit(MOBILITY * stiffness / mass, MOBILITY * damping / mass)
+}
+
 impl Oracle {
     /// Whether a wall pushes a particle at facets.
     pub(crate) fn is_pushed_at_facets(&self, wall: &Wall, i: usize) -> bool {
@@ -217,8 +222,17 @@ impl Oracle {
         let power = (dot(force, self.evaluated[i]) + of_moment + damped + rubbed) / mass;
         let stress =
             stress_of_moment(&moment, &self.deformation[i]).map(|row| row.map(|c| -c / self.initial_volume[i]));
-        let limit = MARGIN * oscillator_limit(MOBILITY * stiffness / mass, MOBILITY * damping / mass);
         let push = force.map(|f| f / mass);
-        (AtFace { push, power, rubbed: rubbed / mass, damped: damped / mass, stress, limit }, held)
+        (
+            AtFace {
+                push,
+                power,
+                rubbed: rubbed / mass,
+                damped: damped / mass,
+                stress,
+                stability: [stiffness, damping],
+            },
+            held,
+        )
     }
 }

@@ -1,5 +1,6 @@
 //! What is not a kernel sum of stress: contact between bodies, walls, gravity, heat, and the accounts of all of it.
 
+use super::facets_on_walls::limit_on_walls;
 use super::pairs::{apply, minus, plus};
 use super::{Oracle, elastic_energy};
 use sphorge_engine::model::{
@@ -47,19 +48,19 @@ pub(crate) struct Accounts {
 }
 
 /// What a wall does to a particle: acceleration, m/s^2, power and heat of friction and of damping, W/kg, the stress that its moment is, Pa, and
-/// the step over the margin that it allows, s, where that depends on the particle.
+/// sums of its facets for the limit of the step: pressed area times stiffness, N/m, and times damping, N s/m.
 pub(crate) struct AtFace {
     pub(crate) push: Vector<f64>,
     pub(crate) power: f64,
     pub(crate) rubbed: f64,
     pub(crate) damped: f64,
     pub(crate) stress: Tensor<f64>,
-    pub(crate) limit: f64,
+    pub(crate) stability: [f64; 2],
 }
 
 impl Default for AtFace {
     fn default() -> Self {
-        Self { push: [0.0; 3], power: 0.0, rubbed: 0.0, damped: 0.0, stress: [[0.0; 3]; 3], limit: f64::INFINITY }
+        Self { push: [0.0; 3], power: 0.0, rubbed: 0.0, damped: 0.0, stress: [[0.0; 3]; 3], stability: [0.0; 2] }
     }
 }
 
@@ -276,7 +277,7 @@ impl Oracle {
                 let scale = self.p.mass[i] / self.initial_volume[i];
                 let stress = push.acceleration.map(|f| xi.map(|c| scale * f * c));
                 let (held, push, rubbed) = (penalty_energy(parameters, &gap, radius), push.acceleration, push.rubbed);
-                (AtFace { push, power, rubbed, damped, stress, limit: f64::INFINITY }, self.p.mass[i] * held)
+                (AtFace { push, power, rubbed, damped, stress, stability: [0.0; 2] }, self.p.mass[i] * held)
             }
         }
     }
@@ -290,12 +291,13 @@ impl Oracle {
         self.face_stress = vec![[[0.0; 3]; 3]; self.p.len()];
         self.friction_heat = vec![0.0; self.p.len()];
         self.accounts.wall_power = vec![WallLedger::default(); walls.len()];
-        self.accounts.wall_limit = f64::INFINITY;
+        let mut stability = vec![[0.0; 2]; self.p.len()];
         self.slip_on_walls(time);
         for (k, wall) in walls.iter().enumerate() {
             for i in 0..self.p.len() {
-                let (AtFace { push, power, rubbed, damped, stress, limit }, _) = self.wall_push(wall, time, i);
-                self.accounts.wall_limit = self.accounts.wall_limit.min(limit);
+                let (AtFace { push, power, rubbed, damped, stress, stability: of_wall }, _) =
+                    self.wall_push(wall, time, i);
+                (0..2).for_each(|k| stability[i][k] += of_wall[k]);
                 self.external[i] = plus(self.external[i], 1.0, push);
                 // Walls are adiabatic: what friction takes heats the particle.
                 self.friction_heat[i] += rubbed;
@@ -309,6 +311,8 @@ impl Oracle {
                 }
             }
         }
+        let limit = |(sums, mass): (&[f64; 2], &f64)| limit_on_walls(*sums, *mass);
+        self.accounts.wall_limit = stability.iter().zip(&self.p.mass).map(limit).fold(f64::INFINITY, f64::min);
     }
 
     /// Adds them to the rates of the pair sums.

@@ -209,7 +209,15 @@ fn segments_as_walls_are_those_of_the_processor() {
                   { name = \"edge\", segment = { from = [\"2 mm\", \"-0.4 mm\"], to = [\"9 mm\", \"-6 mm\"] }, \
                     contact = { penalty = { friction = 0.2 } }, velocity = [\"0 m/s\", \"30 m/s\"] }]";
     compare(PLATE.0, &[PLATE.1[0], ("wall", walls)], 6e-6, 1e-4);
-    compare(IRON.0, &[IRON.1[0], ("wall", walls)], 6e-6, 1e-4);
+    // In the default method cards refuse those that push facets.
+    let at_particles = walls.replace("friction = 0.2", "surfaces = \"particles\", friction = 0.2").replace(
+        "[\"1 mm\", \"-0.3 mm\"] }",
+        "[\"1 mm\", \"-0.3 mm\"] }, contact = { penalty = { surfaces = \"particles\" } }",
+    );
+    let overrides = [IRON.1[0], ("wall", walls)].map(|(path, value)| (path.to_owned(), value.to_owned()));
+    let model = load_text(IRON.0, decks::find(IRON.0).unwrap().text, &overrides).unwrap().model;
+    assert!(Gpu::default().supports(&model).is_err_and(|refusal| refusal.help.contains("particles")));
+    compare(IRON.0, &[IRON.1[0], ("wall", &at_particles)], 6e-6, 1e-4);
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn the_ledger_is_that_of_columns_read_back_with_walls() {
 
 #[test]
 fn the_ledger_is_that_of_columns_read_back_in_the_reference_configuration() {
-    let rubs = ("wall.0.contact", "{ penalty = { friction = 0.2 } }");
+    let rubs = ("wall.0.contact", "{ penalty = { friction = 0.2, surfaces = \"particles\" } }");
     let renews = ("search.total-lagrangian.renewal", "1.1");
     let (fine, falls) = (("particles.spacing", "\"0.3 mm\""), ("gravity", "[\"2e6 m/s^2\", \"0 m/s^2\"]"));
     compare((shipped("iron-plate"), &[fine, rubs]), 25, &["force 0 of wall", "account 4", "account 2"]);
