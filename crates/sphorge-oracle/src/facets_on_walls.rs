@@ -65,8 +65,7 @@ pub(crate) fn limit_on_walls([stiffness, damping]: [f64; 2], mass: f64) -> f64 {
 impl Oracle {
     /// Whether a wall pushes a particle at facets.
     pub(crate) fn is_pushed_at_facets(&self, wall: &Wall, i: usize) -> bool {
-        let cuts = matches!(wall.surface, WallSurface::Segment { .. });
-        let has_facets = |facets: &WallFacets| cuts || facets.open[i] != 0 || !facets.all.of(self.p.id[i]).is_empty();
+        let has_facets = |facets: &WallFacets| facets.open[i] != 0 || !facets.all.of(self.p.id[i]).is_empty();
         wall.is_at_facets() && self.wall_facets.as_ref().is_some_and(has_facets)
     }
 
@@ -95,13 +94,7 @@ impl Oracle {
     fn pressed_by_wall(&self, wall: &Wall, time: f64, i: usize) -> Vec<Met> {
         let Some(facets) = &self.wall_facets else { return Vec::new() };
         let (id, body) = (self.p.id[i], self.p.body[i] as usize);
-        // Ends of segments meet the faces of cells inside bodies, too, into which they can cut.
-        let exposed = match wall.surface {
-            WallSurface::Plane { .. } => u32::MAX,
-            WallSurface::Segment { .. } => facets.all.exposed(id),
-        };
-        let is_inner = |face: &usize| facets.open[i] >> face & 1 == 1 || exposed >> face & 1 == 0;
-        let inner = (0..facets.all.faces()).filter(is_inner);
+        let inner = (0..6).filter(|face| facets.open[i] >> face & 1 == 1);
         let inner = inner.map(|face| facets.all.inner(body, id, face));
         let cells: Vec<_> = facets.all.of(id).iter().copied().chain(inner).collect();
         let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
@@ -126,11 +119,7 @@ impl Oracle {
                     let segment = RigidSegment { ends, thickness: facets.thickness };
                     let width = WIDTH * self.model.bodies[body].spacing;
                     let of_end = |end| segment.press_end(&facet, end, width, &law);
-                    let mut all = vec![of_end(0), of_end(1)];
-                    if exposed >> cells[k].side & 1 == 1 || facets.open[i] >> cells[k].side & 1 == 1 {
-                        all.insert(0, segment.press_side(&facet, &law));
-                    }
-                    all
+                    vec![segment.press_side(&facet, &law), of_end(0), of_end(1)]
                 }
             };
             for press in presses.into_iter().filter(|press| press.energy > 0.0) {

@@ -2,9 +2,8 @@
 //!
 //! Facets are those of the initial configuration ([`ReferenceFacets`]), and follow with the whole deformation since the
 //! start. A wall is rigid and has no facets to search for: each particle meets all walls by itself. A plane is a facet
-//! without end; particles without a facet meet it as they do where nothing has facets ([`super::walls`]), so that it also
-//! holds what has come out of a body. A segment pushes with both sides and both ends ([`RigidSegment`]). Its ends can
-//! cut into a body, and meet the faces of the cells inside, too.
+//! without end; a segment pushes with both sides and both ends ([`RigidSegment`]). Particles without a facet meet walls
+//! as they do where nothing has facets ([`super::walls`]), so that a wall also holds what has come out of a body.
 
 use super::faces::WholeDeformation;
 use super::facets::{MARGIN, MOBILITY};
@@ -34,8 +33,6 @@ pub(super) struct FacetsOnWalls {
     laws: Vec<Vec<FacetPairLaw<f64>>>,
     /// Distance of the farthest corner of a facet from its particle at rest, by body, m.
     farthest: Vec<f64>,
-    /// Whether the wall is thin and can cut into a body.
-    cuts: Vec<bool>,
     /// Damping of tangential springs, likewise, Pa s/m.
     sliding_damping: Vec<Vec<f64>>,
     has_friction: bool,
@@ -188,16 +185,15 @@ impl FacetsOnWalls {
             reference,
             thickness,
             laws,
-            cuts: model.walls.iter().map(|wall| matches!(wall.surface, WallSurface::Segment { .. })).collect(),
             sliding_damping,
             has_friction: model.rubs_at_facets_of_walls(),
             rubbing: model.walls.iter().position(|wall| wall.is_at_facets() && wall.rubs()),
         })
     }
 
-    /// Whether a wall meets facets of a particle: a plane those that are exposed, a segment also what has been cut open.
+    /// Whether a wall meets facets of a particle.
     fn is_met(&self, wall: usize, (_, id, open): (u32, u32, u32)) -> bool {
-        !self.laws[wall].is_empty() && (self.cuts[wall] || open != 0 || !self.reference.range(id).is_empty())
+        !self.laws[wall].is_empty() && (open != 0 || !self.reference.range(id).is_empty())
     }
 
     pub(super) fn has_friction(&self) -> bool {
@@ -208,13 +204,11 @@ impl FacetsOnWalls {
         &self.reference
     }
 
-    /// The facets of a particle and whether they are exposed: those that are, and if a wall cuts all others.
-    fn facets(&self, (body, id, open): (u32, u32, u32), cuts: bool) -> impl Iterator<Item = (CellFacet, bool)> + '_ {
-        let exposed = if cuts { self.reference.exposed(id) } else { u32::MAX };
-        let is_open = move |face: usize| open >> face & 1 == 1;
-        let faces = (0..self.reference.faces()).filter(move |&face| is_open(face) || exposed >> face & 1 == 0);
-        let inner = faces.map(move |face| (self.reference.inner(body as usize, id, face), is_open(face)));
-        self.reference.of(id).iter().map(|facet| (*facet, true)).chain(inner)
+    /// The facets of a particle: the faces of its cell that are exposed.
+    fn facets(&self, (body, id, open): (u32, u32, u32)) -> impl Iterator<Item = CellFacet> + '_ {
+        let inner = (0..6).filter(move |face| open >> face & 1 == 1);
+        let inner = inner.map(move |face| self.reference.inner(body as usize, id, face));
+        self.reference.of(id).iter().copied().chain(inner)
     }
 
     /// Whether a wall may reach the facets of a particle at this place (m) with this deformation since the start.
@@ -256,7 +250,7 @@ impl FacetsOnWalls {
             let (surface, state) = (&model.walls[wall].surface, &states[wall]);
             let law = &self.laws[wall][body];
             let mut lead: Option<(u8, Facet<f64>)> = None;
-            for (CellFacet { side, facet: reference }, is_exposed) in self.facets(of.cell, self.cuts[wall]) {
+            for CellFacet { side, facet: reference } in self.facets(of.cell) {
                 let (facet, stretch) = Facet::now(of.x, &of.deformation, &reference).held(reference.depth);
                 let first = match lead {
                     Some((known, first)) if known == side => first,
@@ -272,8 +266,7 @@ impl FacetsOnWalls {
                         let ends = [state.at(from), state.at(to)];
                         let segment = RigidSegment { ends, thickness: self.thickness };
                         let end = |end| Some(segment.press_end(&facet, end, width, law));
-                        // What is inside is beside the segment without being on either side of it.
-                        [is_exposed.then(|| segment.press_side(&facet, law)), end(0), end(1)]
+                        [Some(segment.press_side(&facet, law)), end(0), end(1)]
                     }
                 };
                 for press in presses.into_iter().flatten().filter(|press| press.energy > 0.0) {
