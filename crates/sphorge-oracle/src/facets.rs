@@ -162,10 +162,6 @@ impl Oracle {
             facets.list(&self.p);
             self.facets = Some(facets);
         }
-        if let Some(mut facets) = self.wall_facets.take() {
-            self.find_open(&facets.all, &mut facets.open);
-            self.wall_facets = Some(facets);
-        }
     }
 
     fn find_open(&self, all: &ReferenceFacets, open: &mut [u32]) {

@@ -25,7 +25,6 @@ pub(crate) struct WallFacets {
     pub(crate) all: ReferenceFacets,
     thickness: f64,
     /// Faces of the cell of each particle that were inside its body.
-    pub(crate) open: Vec<u32>,
     /// Velocity gradients at the velocities at which forces are evaluated, 1/s.
     pub(crate) gradient: Vec<Tensor<f64>>,
     /// By particle and face of its cell: the spring, and its power of friction over its stiffness, m^2/s; the power itself, W, if it has let go.
@@ -50,7 +49,6 @@ impl WallFacets {
         model.meets_walls_at_facets().then(|| Self {
             all: ReferenceFacets::new(model),
             thickness: facet_thickness(model),
-            open: vec![0; p.len()],
             gradient: vec![[[0.0; 3]; 3]; p.len()],
             springs: vec![[(FacetSlip::none(), 0.0); 6]; p.len()],
         })
@@ -65,7 +63,7 @@ pub(crate) fn limit_on_walls([stiffness, damping]: [f64; 2], mass: f64) -> f64 {
 impl Oracle {
     /// Whether a wall pushes a particle at facets.
     pub(crate) fn is_pushed_at_facets(&self, wall: &Wall, i: usize) -> bool {
-        let has_facets = |facets: &WallFacets| facets.open[i] != 0 || !facets.all.of(self.p.id[i]).is_empty();
+        let has_facets = |facets: &WallFacets| !facets.all.of(self.p.id[i]).is_empty();
         wall.is_at_facets() && self.wall_facets.as_ref().is_some_and(has_facets)
     }
 
@@ -94,9 +92,7 @@ impl Oracle {
     fn pressed_by_wall(&self, wall: &Wall, time: f64, i: usize) -> Vec<Met> {
         let Some(facets) = &self.wall_facets else { return Vec::new() };
         let (id, body) = (self.p.id[i], self.p.body[i] as usize);
-        let inner = (0..6).filter(|face| facets.open[i] >> face & 1 == 1);
-        let inner = inner.map(|face| facets.all.inner(body, id, face));
-        let cells: Vec<_> = facets.all.of(id).iter().copied().chain(inner).collect();
+        let cells = facets.all.of(id);
         let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
         let here = |k: usize| {
             let facet = cells[k].facet;

@@ -31,7 +31,7 @@ impl Walled<'_> {
     }
 
     /// Whether a wall pushes at facets where the deck does not say: where particles would be wrong.
-    fn needs_facets(&self, surface: &WallSurface, friction: f64) -> bool {
+    fn needs_facets(&self, surface: &WallSurface) -> bool {
         let is_round = |normal: &[f64; 3]| {
             let towards = normal.map(|c| -c);
             let of = |body: &Body| (self.has_strength)(body.material) && body.shape.is_round_towards(towards);
@@ -40,7 +40,7 @@ impl Walled<'_> {
         self.has_facets()
             && match surface {
                 WallSurface::Segment { .. } => true,
-                WallSurface::Plane { normal, .. } => friction > 0.0 || is_round(normal),
+                WallSurface::Plane { normal, .. } => is_round(normal),
             }
     }
 }
@@ -113,14 +113,13 @@ fn contact(
     problems: &mut Problems,
 ) -> Option<WallContact> {
     let spacing = walled.spacing;
-    let usual = |friction| surface.is_some_and(|surface| walled.needs_facets(surface, friction));
+    let usual = surface.is_some_and(|surface| walled.needs_facets(surface));
     let strength = |at_facets| if at_facets { defaults::FACET_PENALTY } else { defaults::PENALTY };
     let of_kind = |kind| match kind {
         WallContactKind::MonaghanKos => spacing.map(|range| WallContact::MonaghanKos { range }),
         WallContactKind::Penalty => {
-            let at_facets = usual(0.0);
-            let (stiffness, damping, friction) = strength(at_facets);
-            Some(WallContact::Penalty { stiffness, damping, friction, at_facets })
+            let (stiffness, damping, friction) = strength(usual);
+            Some(WallContact::Penalty { stiffness, damping, friction, at_facets: usual })
         }
     };
     let (table, at) = match raw {
@@ -146,7 +145,7 @@ fn contact(
             let friction = p.friction.as_ref().map_or(Some(friction), |f| f.within(Bound::NonNegative, problems));
             let at_facets = match &p.surfaces {
                 Some(word) => word.get(problems)?,
-                None => usual(friction.unwrap_or(0.0)),
+                None => usual,
             };
             if let (true, false, Some(word)) = (at_facets, walled.has_facets(), &p.surfaces) {
                 let message = "facets follow the deformation of cells, which the updated Lagrangian form does not have";

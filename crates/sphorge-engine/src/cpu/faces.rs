@@ -6,7 +6,6 @@
 
 use super::CpuEngine;
 use super::facets::open_faces;
-use super::facets_on_walls::FacetsOnWalls;
 use super::ghosts::WithGhosts;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
@@ -41,8 +40,7 @@ impl<T: PairScalar> CpuEngine<T> {
     /// Finds the faces of cells that are exposed since their bodies came apart.
     fn open_faces(&mut self) {
         let of_contacts = self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref());
-        let of_walls = self.facets_on_walls.as_ref().map(FacetsOnWalls::reference);
-        let Some(facets) = of_contacts.map(|facets| &facets.reference).or(of_walls) else { return };
+        let Some(facets) = of_contacts.map(|facets| &facets.reference) else { return };
         let (list, points, apart) = (&self.lists.list, &self.lists.points, &self.has_come_apart);
         let mut open = std::mem::take(&mut self.particles.open_faces);
         let p = &self.particles;

@@ -115,8 +115,8 @@ struct AtWalls {
     gradient: Tensor<f64>,
     /// Since the start.
     deformation: Tensor<f64>,
-    /// Body, number, and faces that are exposed since the body came apart.
-    cell: (u32, u32, u32),
+    body: usize,
+    id: u32,
 }
 
 impl AtWalls {
@@ -127,7 +127,8 @@ impl AtWalls {
             velocity: p.evaluated_velocity[i],
             gradient: p.evaluated_gradient[i],
             deformation: whole.at(i),
-            cell: p.cell(i),
+            body: p.body[i] as usize,
+            id: p.id[i],
         }
     }
 }
@@ -192,23 +193,12 @@ impl FacetsOnWalls {
     }
 
     /// Whether a wall meets facets of a particle.
-    fn is_met(&self, wall: usize, (_, id, open): (u32, u32, u32)) -> bool {
-        !self.laws[wall].is_empty() && (open != 0 || !self.reference.range(id).is_empty())
+    fn is_met(&self, wall: usize, id: u32) -> bool {
+        !self.laws[wall].is_empty() && !self.reference.range(id).is_empty()
     }
 
     pub(super) fn has_friction(&self) -> bool {
         self.has_friction
-    }
-
-    pub(super) fn reference(&self) -> &ReferenceFacets {
-        &self.reference
-    }
-
-    /// The facets of a particle: the faces of its cell that are exposed.
-    fn facets(&self, (body, id, open): (u32, u32, u32)) -> impl Iterator<Item = CellFacet> + '_ {
-        let inner = (0..6).filter(move |face| open >> face & 1 == 1);
-        let inner = inner.map(move |face| self.reference.inner(body as usize, id, face));
-        self.reference.of(id).iter().copied().chain(inner)
     }
 
     /// Whether a wall may reach the facets of a particle at this place (m) with this deformation since the start.
@@ -229,7 +219,7 @@ impl FacetsOnWalls {
     pub(super) fn is_near_any(&self, model: &Model, states: &[WallState], p: &Particles, i: usize) -> bool {
         let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
         let (at, f) = ((p.body[i] as usize, p.position[i]), whole.at(i));
-        (0..self.laws.len()).any(|wall| self.is_met(wall, p.cell(i)) && self.is_near(model, states, wall, at, &f))
+        (0..self.laws.len()).any(|wall| self.is_met(wall, p.id[i]) && self.is_near(model, states, wall, at, &f))
     }
 
     /// Calls `visit` with every facet of a particle that a wall presses.
@@ -241,16 +231,16 @@ impl FacetsOnWalls {
         of: &AtWalls,
         mut visit: impl FnMut(Met<'a>),
     ) {
-        let body = of.cell.0 as usize;
+        let body = of.body;
         let width = WIDTH_OF_ENDS * model.bodies[body].spacing;
-        for wall in walls.filter(|&wall| self.is_met(wall, of.cell)) {
+        for wall in walls.filter(|&wall| self.is_met(wall, of.id)) {
             if !self.is_near(model, states, wall, (body, of.x), &of.deformation) {
                 continue;
             }
             let (surface, state) = (&model.walls[wall].surface, &states[wall]);
             let law = &self.laws[wall][body];
             let mut lead: Option<(u8, Facet<f64>)> = None;
-            for CellFacet { side, facet: reference } in self.facets(of.cell) {
+            for &CellFacet { side, facet: reference } in self.reference.of(of.id) {
                 let (facet, stretch) = Facet::now(of.x, &of.deformation, &reference).held(reference.depth);
                 let first = match lead {
                     Some((known, first)) if known == side => first,
@@ -316,7 +306,7 @@ impl FacetsOnWalls {
         p: &Particles,
         i: usize,
     ) -> Option<FacetsPush> {
-        if !self.is_met(wall, p.cell(i)) {
+        if !self.is_met(wall, p.id[i]) {
             return None;
         }
         let mut push = FacetsPush::default();

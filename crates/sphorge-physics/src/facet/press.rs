@@ -107,7 +107,7 @@ pub struct FacetPress<T> {
     pub moment_b: Tensor<T>,
     /// Integral of the pressure over the common polygon, N (N/m), never negative: the normal force that friction is limited by.
     pub normal_force: T,
-    /// Area over which the pair presses, m^2 (m), zero where it does not; it grows over next to nothing of the distance of the owners at touch.
+    /// Area over which the pair presses, m^2 (m), zero where it does not; it grows over a millionth of the distance of the owners at touch.
     pub area: T,
     /// The same with less weight where the closure is less than a thousandth of the distance of the owners at touch: the area of
     /// damping, which so does not jump at touch.
@@ -274,12 +274,8 @@ fn stiffening<T: Real>(x: T) -> [T; 3] {
 /// Closure over `D` over which damping sets in.
 const ONSET: f64 = 1e-3;
 
-/// Closure over `D` over which a place comes to be in contact, so that the area does not jump either: far less than under a body's own weight (2e-9 of a
-/// steel block on steel, 1e-12 m), or friction would have no stiffness there. Single precision cannot tell so little.
-#[inline(always)]
-fn touch<T: Elementary>() -> T {
-    T::of(1e-6).min(T::of(1e4) * T::epsilon())
-}
+/// Closure over `D` over which a place comes to be in contact, so that the area does not jump either.
+const TOUCH: f64 = 1e-6;
 
 /// Share of the facet's area below which there is no common polygon.
 const NOTHING: f64 = 1e-12;
@@ -561,7 +557,7 @@ impl<T: Elementary> Surfaces<T> {
             energy,
             pressure,
             stiffness: law.stiffness * stiffness,
-            closed: (closure / (touch::<T>() * depth)).min(T::one()),
+            closed: (closure / (T::of(TOUCH) * depth)).min(T::one()),
             damped: (closure / (T::of(ONSET) * depth)).min(T::one()),
             gradient,
             by_depth: (energy + energy - pressure * closure) / depth,

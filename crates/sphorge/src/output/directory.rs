@@ -196,6 +196,11 @@ impl RunDirectory {
         }
     }
 
+    /// Fails where the folder was taken while a file was written, which so does not get its name.
+    fn still_held(&self) -> io::Result<()> {
+        self.held.as_ref().map_or(Ok(()), |held| held.claim.check().map(drop).map_err(io::Error::other))
+    }
+
     /// Says that the folder is lost where that is why a file cannot be written: it may have been taken since it was looked at.
     pub(crate) fn explain<T>(&self, written: Result<T, OutputError>) -> Result<T, OutputError> {
         if let Some(held) = self.held.as_ref().filter(|_| matches!(written, Err(OutputError::Write { .. }))) {
@@ -224,6 +229,7 @@ impl RunDirectory {
     ) -> Result<(), OutputError> {
         let folder = self.folder()?;
         self.note_name(name)?;
+        let content = |out: &mut dyn Sink| content(out).and_then(|()| self.still_held());
         self.explain(folder.write(name, durability, content).writing(&self.path.join(name)))
     }
 
@@ -236,6 +242,7 @@ impl RunDirectory {
     ) -> Result<Sum, OutputError> {
         let folder = self.folder()?;
         self.note_name(name)?;
+        let content = |out: &mut dyn Sink| content(out).and_then(|()| self.still_held());
         self.explain(folder.write_and(name, durability, content, sum_of).writing(&self.path.join(name)))
     }
 

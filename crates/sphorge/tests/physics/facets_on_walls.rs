@@ -114,7 +114,7 @@ velocity = ["{along} m/s", "-10 m/s"]
 [[wall]]
 name = "wall"
 plane = {{ point = ["0 mm", "0 mm"], normal = [0, 1] }}
-contact = {{ penalty = {{ friction = {friction} }} }}
+contact = {{ penalty = {{ surfaces = "facets", friction = {friction} }} }}
 "#
     );
     simulation(&text, &[])
@@ -177,7 +177,7 @@ fn a_block_sticks_on_a_slope_that_is_not_steep_enough() {
         let text = format!(
             "{BLADE}gravity = [\"4905 m/s^2\", \"-8495.709 m/s^2\"]\n[[wall]]\nname = \"slope\"\n\
              plane = {{ point = [\"0 mm\", \"0.1 mm\"], normal = [0, 1] }}\n\
-             contact = {{ penalty = {{ friction = {friction}, damping = 1.0 }} }}\n"
+             contact = {{ penalty = {{ surfaces = \"facets\", friction = {friction}, damping = 1.0 }} }}\n"
         );
         // Keys of the deck itself come before its tables.
         let (gravity, rest) = (text.lines().find(|line| line.starts_with("gravity")).unwrap(), text.clone());

@@ -313,7 +313,6 @@ pub(super) const BLOCKS: &[Case] = &[
     case("contact, predictor-corrector", SLIDING, &[PREDICTOR, OF_ENERGY], 40),
     case("contact, total lagrangian", SLIDING, &[TOTAL], 40),
     case("contact, neo-Hookean", SLIDING, &[TOTAL, HYPERELASTIC, OF_ENERGY], 40),
-    case("contact, neo-Hookean, renewed", SLIDING, &[RENEWED, HYPERELASTIC], 40),
     case("contact, total lagrangian, neither damping nor friction", SLIDING, &[TOTAL, ELASTIC], 40),
     case("contact, following smoothing lengths", SLIDING, &[FOLLOW], 40),
     case("contact, following smoothing lengths, skin", SLIDING, &[FOLLOW, ("search", "skin"), PREDICTOR], 40),
