@@ -7,16 +7,17 @@ use sphorge_physics::facet::{FacetMaterial, FacetPairLaw, FacetStrength};
 
 /// The laws of the pairs of bodies, by kinds of bodies.
 #[derive(Clone, Debug)]
-pub(crate) struct FacetLaws {
+pub struct FacetLaws {
     kinds: Vec<usize>,
     count: usize,
     laws: Vec<FacetPairLaw<f64>>,
     /// Whether bodies rub each other.
-    pub(crate) has_friction: bool,
+    pub has_friction: bool,
 }
 
 impl FacetLaws {
-    pub(crate) fn new(model: &Model, strength: ContactStrength) -> Self {
+    /// Of the bodies of a model.
+    pub fn new(model: &Model, strength: ContactStrength) -> Self {
         let ContactStrength { stiffness, damping, friction } = strength;
         let strength = FacetStrength { stiffness, damping, friction };
         let mut examples: Vec<FacetMaterial> = Vec::new();
@@ -51,7 +52,7 @@ impl FacetLaws {
     }
 
     /// Of the facets of two bodies, in either order.
-    pub(crate) fn of(&self, a: usize, b: usize) -> &FacetPairLaw<f64> {
+    pub fn of(&self, a: usize, b: usize) -> &FacetPairLaw<f64> {
         &self.laws[self.kinds[a] * self.count + self.kinds[b]]
     }
 }

@@ -29,6 +29,7 @@ pub use cpu::{
     complete_initial_state, heat_of_released, largest_change,
 };
 pub use engine::{Engine, EngineKind, InPieces, Part, PartKind, SearchReport, TimeStepLimit, Unsupported};
+pub use facet_laws::FacetLaws;
 pub use failure::RunFailure;
 pub use heat_clock::HeatClock;
 pub use model::Model;

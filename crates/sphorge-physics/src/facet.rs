@@ -33,11 +33,13 @@
 
 mod clip;
 mod friction;
+mod limit;
 mod press;
 mod segment;
 mod torn;
 
 pub use friction::{FacetSlip, FrictionShare, SlipDrive, damp_sliding, friction_force, slip_after};
+pub use limit::{FacetStiffness, MARGIN, MOBILITY};
 pub use press::{FacetMaterial, FacetPairLaw, FacetPress, FacetStrength, Partner, press};
 pub use segment::RigidSegment;
 pub use torn::moment_of_torn;

@@ -30,18 +30,13 @@ use sphorge_physics::thin::is_thin;
 use sphorge_physics::time_step::oscillator_limit;
 use sphorge_physics::{Dimension, SymmetricTensor, Tensor, Vector};
 
+pub(super) use sphorge_physics::facet::{MARGIN, MOBILITY};
+
 /// Cosine between normals below which facets can press each other.
 const FACING: f64 = -0.3;
 
 /// Distance from where the next particle was, over that of it, within which a neighbour covers a face.
 const COVERED: f64 = 0.7;
-
-/// Largest eigenvalue of the mobility of faces, which are carried by `x + F arm`, times the mass of a particle.
-pub(super) const MOBILITY: f64 = 2.5;
-
-/// Share of the contact's stability limit that counts as that of the step, before Courant's number: half of the limit at
-/// the usual number of 0.3, at which impacts keep their energy within half a per cent.
-pub(super) const MARGIN: f64 = 1.5;
 
 /// Where a facet comes from.
 #[derive(Clone, Copy, Debug)]
