@@ -507,10 +507,15 @@ fn clipped<T: Elementary, const N: usize, const M: usize>(
     cutter: &Vertex<T>,
 ) -> [Vertex<T>; M] {
     let outside = core::array::from_fn(|k| turn(difference(polygon[k].place, cutter.place), cutter.edge.tangent));
-    // Coincident edges within rounding.
     let size = (0..N).fold(T::zero(), |most, k| most.max(extent(polygon[k].place)));
-    clip(polygon, outside, T::epsilon().sqrt() * size, cutter.edge)
+    let tolerance = T::of(COINCIDENT).max(T::of(ROUNDING) * T::epsilon());
+    clip(polygon, outside, tolerance * size, cutter.edge)
 }
+
+/// Distance over the size of a facet within which edges coincide.
+const COINCIDENT: f64 = 1.0 / 67_108_864.0;
+/// The same in roundings, where numbers have few digits.
+const ROUNDING: f64 = 64.0;
 
 #[inline(always)]
 fn extent<T: Real>(place: Place<T>) -> T {
