@@ -109,7 +109,7 @@ words! {
         "penalty" => true, "bodies push each other but never pull; damping and friction";
     }
     ContactSurfacesWord, "surfaces of a contact", bool {
-        "facets" => true, "the exposed faces of the cells of the particles, on the surfaces of the shapes: what touches presses nothing, whatever its lattices; only in the total Lagrangian form and on processors";
+        "facets" => true, "the exposed faces of the cells of the particles, on the surfaces of the shapes: what touches presses nothing, whatever its lattices; only in the total Lagrangian form";
         "overlap" => false, "the kernel-weighted overlap of the particles, which presses with up to 0.3 % of the bulk modulus where lattices in line touch";
     }
     WallSurfacesWord, "where a wall pushes", bool {

@@ -104,9 +104,17 @@ pub(super) enum Group {
     Overlap,
     /// Contact force, N, its power that becomes heat of the particle, W, speed of approach, m/s, limit of the step, s.
     Contact,
-    /// For the contact with each body: force, N, powers stored, of friction and of damping, W, and these works so far,
-    /// J, each with its rest.
+    /// For the contact with each body: force, N, powers stored, of friction and of damping, W, these works so far, J,
+    /// each with its rest, and the energy that facets hold, J.
     Meetings,
+    /// Facets of the initial configuration, of each particle the first, the one behind its last and its `id`, and for
+    /// particles velocity gradient, 1/s, and reach of facets, m: see [`super::kernels::facets`].
+    FacetTable,
+    Facets,
+    FacetMotion,
+    /// With friction, of each face of a cell the tangential spring, and sums over its pairs.
+    Slips,
+    Drives,
     /// Contact laws for all pairs of bodies.
     ContactLaws,
     /// Heat conduction: see [`super::kernels::conduction`]. For particles, for each boundary, the body that a particle
@@ -230,6 +238,9 @@ impl Group {
             | Self::Overlap
             | Self::Contact
             | Self::Meetings
+            | Self::FacetMotion
+            | Self::Slips
+            | Self::Drives
             | Self::Heat
             | Self::Boundaries
             | Self::Rows
@@ -259,6 +270,8 @@ impl Group {
             | Self::Sent
             | Self::Received => Extent::Columns,
             Self::Surface
+            | Self::FacetTable
+            | Self::Facets
             | Self::Members(_)
             | Self::ListStarts
             | Self::List
@@ -402,6 +415,11 @@ impl Writing {
             NOTHING
         };
         Recorded::if_lt(Recorded::zero(), power.abs(), book, || NOTHING);
+    }
+
+    /// A number of one of several groups of `length` columns each.
+    pub(super) fn get_in_group(self, (group, length): (Index, usize), field: usize, i: Index) -> Recorded {
+        self.buffer.at(self.at(group, length, field, i))
     }
 
     /// A number by its index in the whole group.

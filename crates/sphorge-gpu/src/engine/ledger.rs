@@ -3,8 +3,8 @@
 use super::columns::Group;
 use super::kernels::contact;
 use super::kernels::ledger::{
-    ACCOUNTS, ANGULAR, ELASTIC, FORCE, HELD, INTERNAL, KINETIC, LedgerSums, MEETING, MOMENTUM, OF_ACCOUNTS, PLACE,
-    PLASTIC, SPEED, numbers,
+    ACCOUNTS, ANGULAR, ELASTIC, FORCE, HELD, INTERNAL, KINETIC, LedgerSums, MEETING, MEETING_ENERGY, MOMENTUM,
+    OF_ACCOUNTS, PLACE, PLASTIC, SPEED, numbers,
 };
 use super::kernels::walls::SUMS;
 use super::made::SegmentSums;
@@ -97,12 +97,16 @@ impl<'a> Table<'a> {
         let work = |k: usize| meeting(a, b, 3 + k) + if a == b { 0.0 } else { meeting(b, a, 3 + k) };
         // On the second.
         let force = |axis: usize| if a == b { 0.0 } else { 0.0 - meeting(a, b, axis) };
+        let (taken_up, held) = (work(0), work(MEETING_ENERGY - 3));
+        // What facets hold is known; what else the contact has taken up is left to the steps.
+        let (stored_energy, integration_energy) =
+            if self.model.has_facets() { (held, taken_up - held) } else { (taken_up, 0.0) };
         ContactLedger {
             force: [0, 1, 2].map(force),
-            stored_energy: work(0),
+            stored_energy,
             friction_work: work(1),
             damping_work: work(2),
-            integration_energy: 0.0,
+            integration_energy,
         }
     }
 

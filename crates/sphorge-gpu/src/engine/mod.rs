@@ -5,6 +5,7 @@
 //! energies, strains) keep the rounding error in a second number, which gives them about double precision.
 
 mod columns;
+mod facets;
 mod heat;
 mod kernels;
 mod ledger;
@@ -32,6 +33,7 @@ pub use start::{KernelText, kernel_texts};
 
 use crate::device::{Card, Launch, Profile};
 use columns::{Columns, Group};
+use facets::Facets;
 use kernels::grid::Grid;
 use plan::Plan;
 use ranks::Domain;
@@ -128,7 +130,7 @@ struct Stages {
     correct: Stage,
     /// Moving least squares, in steps in which they are due.
     restore: Stage,
-    /// Walls and gravity.
+    /// Contact, walls and gravity.
     push: Stage,
     stress: Stage,
     forces: Stage,
@@ -152,6 +154,8 @@ struct GpuEngine {
     columns: Columns,
     plan: Plan,
     grid: Grid,
+    /// Where bodies meet at facets.
+    facets: Option<Facets>,
     stages: Stages,
     kept: Kept,
     /// By body, whether its reference configuration has been renewed.

@@ -6,8 +6,8 @@ use super::kernels::section::Through;
 use super::kernels::stress::StressOf;
 use super::kernels::sums::Portions;
 use super::kernels::{
-    audit, conduction, contact, grid, kept, leapfrog, ledger, limits, moving_least_squares, pairs, predictor_corrector,
-    reduce, reductions, reference, reference_forces, smoothing, stress, sums, walls, wrap,
+    audit, conduction, contact, facets, grid, kept, leapfrog, ledger, limits, moving_least_squares, pairs,
+    predictor_corrector, reduce, reductions, reference, reference_forces, smoothing, stress, sums, walls, wrap,
 };
 use super::ranks::wears_out;
 use super::search::WAYS_TOGETHER;
@@ -127,15 +127,30 @@ macro_rules! in_dimension {
     };
 }
 
+/// Cells in which particles are sorted, within the reach of kernels and of facets.
+#[derive(Clone, Copy)]
+pub(super) struct Grids<'a> {
+    pub(super) of_kernels: &'a Grid,
+    pub(super) of_facets: &'a Grid,
+}
+
+impl<'a> Grids<'a> {
+    /// The same cells for both.
+    pub(super) fn one(grid: &'a Grid) -> Self {
+        Self { of_kernels: grid, of_facets: grid }
+    }
+}
+
 impl Plan {
     /// Columns are `stride` long.
     pub(super) fn of(
         model: &Model,
         p: &Particles,
         rows: Rows,
-        grid: &Grid,
+        grids: Grids<'_>,
         references: References,
     ) -> Result<Self, KernelFault> {
+        let Grids { of_kernels: grid, of_facets } = grids;
         let (all, all_here) = (Threads::Of(p.len()), Threads::OfAllHere);
         let Rows { stride, portions, .. } = rows;
         let of_particles = |kernel| Planned { kernel, threads: all };
@@ -221,17 +236,33 @@ impl Plan {
         }
         let is_alone = model.walls.is_empty() && model.gravity == [0.0; 3];
         let meets = contact::meets(model);
-        if meets {
+        let has_facets = model.has_facets();
+        let of_contact_positions = || -> Result<Vec<Planned>, KernelFault> {
+            let mut planned = vec![of_surface(contact::stand(references, stride)?)];
+            planned.extend(sorting(grid, rows, Sorted::Surface, Threads::OfSurfaceHere)?);
+            Ok(planned)
+        };
+        if has_facets {
+            let follow = in_dimension!(model, facets::follow, model, references, stride);
+            plan.push.push(of_surface(follow));
+            plan.push.extend(sorting(of_facets, rows, Sorted::WithFacets, Threads::OfSurfaceHere)?);
+            if model.contact.has_friction() {
+                let slip = in_dimension!(model, facets::slip, model, of_facets, references, stride);
+                plan.push.push(of_surface(slip));
+            }
+        } else if meets {
             if model.has_faces() {
-                plan.push.push(of_surface(contact::stand(references, stride)?));
-                plan.push.extend(sorting(grid, rows, Sorted::Surface, Threads::OfSurfaceHere)?);
+                plan.push.extend(of_contact_positions()?);
             }
             plan.push.push(of_surface(in_dimension!(model, contact::overlap, model, grid, references, stride)));
         }
         if meets || !is_alone {
             plan.push.push(of_particles(walls::push(model, references, stride)?));
         }
-        if meets {
+        if has_facets {
+            let press = in_dimension!(model, facets::press, model, of_facets, None, references, stride);
+            plan.push.push(of_surface(press));
+        } else if meets {
             plan.push.push(of_surface(in_dimension!(model, contact::press, model, grid, None, references, stride)));
         }
         for k in 0..model.materials.len() {
@@ -293,7 +324,10 @@ impl Plan {
                     }
                 }
             }
-            if meets {
+            if has_facets {
+                let through = in_dimension!(model, facets::press, model, of_facets, through, references, stride);
+                kernels.push(of_surface(through));
+            } else if meets {
                 kernels.push(of_surface(in_dimension!(
                     model,
                     contact::press,
@@ -314,6 +348,10 @@ impl Plan {
         plan.reductions = reductions.into_iter().map(|kernel| Planned { kernel, threads: all }).collect();
         plan.ledger = summed(sums, lanes, (portions, ledger::LedgerSums::of(model).count));
         if model.thermal.conduction {
+            if has_facets && conduction::meets_others(model) {
+                // In place of the cells of the contact.
+                plan.sum_heat.extend(of_contact_positions()?);
+            }
             let sums = in_dimension!(model, conduction::sums, model, grid, stride);
             plan.sum_heat.extend(sums.into_iter().map(of_particles));
             plan.flow_heat.push(of_particles(conduction::flow(model, stride)?));

@@ -7,6 +7,7 @@
 
 use super::columns::Group;
 use super::kernels::contact::{MEETING, WORKS};
+use super::kernels::facets::ENERGY;
 use super::kernels::limits;
 use super::kernels::reference::References;
 use super::snapshot::read;
@@ -41,6 +42,13 @@ impl GpuEngine {
         }
         let is_due = self.on_any_rank(&is_due)?;
         let was_renewed = self.is_renewed();
+        if self.model.has_facets() && self.model.bodies.len() > 1 {
+            return Err(failure(
+                "a body that meets others at facets has come apart, from when on it meets them by overlap, which cards do not do in one \
+                 run: run it with `--engine cpu`, or let bodies meet by overlap from the start: \
+                 `contact = { penalty = { surfaces = \"overlap\" } }`",
+            ));
+        }
         for body in 0..is_due.len() {
             if is_due[body] && !self.has_come_apart[body] {
                 self.release(body)?;
@@ -92,7 +100,11 @@ impl GpuEngine {
         let array = |group: Group| self.columns.array(group).ok_or_else(|| failure(format!("no column {group:?}")));
         let column = |group| read(&self.card, &self.columns, group);
         let (mut meetings, mut energy) = (column(Group::Meetings)?, column(Group::Energy)?);
-        let (overlap, outward, stride) = (column(Group::Overlap)?, column(Group::Outward)?, self.stride);
+        let (has_facets, stride) = (self.model.has_facets(), self.stride);
+        let of_overlap = |group| if has_facets { Ok(Vec::new()) } else { column(group) };
+        let (overlap, outward) = (of_overlap(Group::Overlap)?, of_overlap(Group::Outward)?);
+        let held = |of: &[f32], i: usize| f64::from(of[(MEETING * body + ENERGY) * stride + i]);
+        let is_holding: Vec<bool> = (0..self.initial.len()).map(|i| held(&meetings, i) > 0.0).collect();
         let double = |of: &[f32], field: usize, i: usize| {
             f64::from(of[field * stride + i]) + f64::from(of[(field + 1) * stride + i])
         };
@@ -106,19 +118,24 @@ impl GpuEngine {
         let mut stored_by = Vec::new();
         for &i in &own {
             // Each particle of a pair has half.
-            let here = double(&meetings, stored, i);
+            let taken_up = double(&meetings, stored, i);
+            // What facets hold is known.
+            let here = if has_facets { held(&meetings, i) } else { taken_up };
             stored_by.push(here);
             let sum = double(&meetings, damped, i) + here;
             set(&mut meetings, damped, i, sum);
-            set(&mut meetings, stored, i, 0.0);
+            set(&mut meetings, stored, i, taken_up - here);
         }
         let pressed = |i: usize| {
+            if has_facets {
+                return f64::from(u8::from(is_holding[i]));
+            }
             let is_exposed = (0..3).any(|a| outward[a * stride + i] != 0.0);
             if is_exposed { share_of_released(f64::from(overlap[i])) } else { 0.0 }
         };
         let sum = |part: &dyn Fn(usize) -> f64| self.sum_in_order(own.iter().map(|i| self.initial.mass[*i] * part(*i)));
-        let held = self.sum_in_order(stored_by.into_iter())?;
-        let heat = heat_of_released(held, &pressed, sum)?;
+        let released = self.sum_in_order(stored_by.into_iter())?;
+        let heat = heat_of_released(released, &pressed, sum)?;
         for &i in &own {
             let after = double(&energy, 0, i) + heat(i);
             set(&mut energy, 0, i, after);

@@ -129,9 +129,9 @@ mod tests {
         let head = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"60 us\" }\n";
         let bodies: String = (0..30).map(block).collect();
         let model = load_text("blocks", &format!("{head}{bodies}"), &[]).unwrap().model;
-        // Twelve columns for each of thirty bodies.
-        assert!(refuse_what_is_too_long(&model, 11_930_464).is_ok());
-        let refusal = refuse_what_is_too_long(&model, 11_930_465).unwrap_err();
+        // Thirteen columns for each of thirty bodies.
+        assert!(refuse_what_is_too_long(&model, 11_012_736).is_ok());
+        let refusal = refuse_what_is_too_long(&model, 11_012_737).unwrap_err();
         assert!(refusal.message.contains("30 bodies") && refusal.message.contains("--engine cpu"), "{refusal}");
     }
 }

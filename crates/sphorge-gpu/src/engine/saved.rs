@@ -24,6 +24,7 @@ impl GpuEngine {
         self.extremes = extremes.try_into().map_err(|_| ArchiveError::Mismatch("extremes".to_owned()))?;
         self.persist_kept(archive)?;
         self.persist_references(archive)?;
+        self.persist_facets(archive)?;
         if let Some(clock) = &mut self.heat {
             clock.persist("heat", archive)?;
         }

@@ -1,7 +1,7 @@
 //! State of the card, read back in double precision.
 
 use super::columns::{Columns, Group};
-use super::kernels::{audit, conduction, contact, kept, limits, pairs, walls};
+use super::kernels::{audit, conduction, contact, facets, kept, limits, pairs, walls};
 use super::start::motions;
 use super::{GpuEngine, failure};
 use crate::device::Pending;
@@ -18,14 +18,19 @@ pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let (integrator, is_initial) = (model.numerics.integrator, walls::is_total_lagrangian(model));
     let is_corrected = pairs::is_corrected(model);
     let (meets, conducts, audits) = (contact::meets(model), model.thermal.conduction, model.audit.is_some());
+    let (has_facets, rubs) = (model.has_facets(), model.contact.has_friction());
+    let stands = stands(model);
     let is_needed = move |group: &Group| match group {
         Group::BasePlace | Group::BaseVelocity | Group::BaseDensity => integrator == Integrator::PredictorCorrector,
         Group::Ahead => integrator == Integrator::Leapfrog,
         Group::Correction => is_initial || is_corrected,
         Group::CorrectedStress => is_corrected,
         Group::Reference | Group::Deformation | Group::Stretch | Group::Springs | Group::FaceStress => is_initial,
-        Group::Standing => meets && is_initial,
-        Group::Overlap | Group::Contact => meets,
+        Group::Standing => meets && is_initial && stands,
+        Group::Overlap => meets && !has_facets,
+        Group::FacetMotion => has_facets,
+        Group::Slips | Group::Drives => has_facets && rubs,
+        Group::Contact => meets,
         Group::Heat => conducts,
         Group::Audit => audits,
         _ => true,
@@ -34,6 +39,11 @@ pub(super) fn fields(model: &Model) -> impl Iterator<Item = (Group, usize)> {
     let variables = HistoryVariables::of(model).variables.len();
     let of_laws = (variables > 0).then_some((Group::History, 2 * variables));
     FIELDS.iter().copied().filter(move |(group, _)| is_needed(group)).chain(of_bodies).chain(of_laws)
+}
+
+/// Whether particles are sorted by their contact positions: those of the overlap, and what heat flows between.
+pub(super) fn stands(model: &Model) -> bool {
+    !model.has_facets() || conduction::meets_others(model)
 }
 
 /// Columns of [`Group::Weight`]; the second is the number of neighbours.
@@ -71,6 +81,9 @@ const FIELDS: &[(Group, usize)] = &[
     (Group::Standing, 12),
     (Group::Overlap, 5),
     (Group::Contact, 6),
+    (Group::FacetMotion, facets::MOTION),
+    (Group::Slips, facets::SLIPS),
+    (Group::Drives, facets::DRIVES),
     (Group::Heat, conduction::HEAT),
     (Group::Audit, audit::AUDIT),
 ];
@@ -102,6 +115,8 @@ pub(super) const STATE: &[Group] = &[
     Group::Springs,
     Group::Contact,
     Group::Meetings,
+    Group::FacetMotion,
+    Group::Slips,
     Group::Kept,
     Group::Rows,
     Group::SearchedAt,

@@ -1,10 +1,11 @@
 //! Copies particles to the card and compiles its kernels.
 
 use super::columns::{Columns, Group, Recording, keeps_rests};
+use super::facets::Facets;
 use super::kernels::reference::References;
 use super::kernels::smoothing::{AT_START, largest_factor};
-use super::kernels::{conduction, contact, grid, kept, limits, reduce, walls};
-use super::plan::{Plan, Planned, Rows, Threads, keeps_lists, members};
+use super::kernels::{conduction, contact, facets, grid, kept, limits, reduce, walls};
+use super::plan::{Grids, Plan, Planned, Rows, Threads, keeps_lists, members};
 use super::ranks::agreement::made_on_all;
 use super::ranks::kept_rows::keeps_entries;
 use super::ranks::touched::{ALL, ColumnSet, Touched};
@@ -12,7 +13,7 @@ use super::ranks::{Domain, choose_at_start, exchange, stride_for, wears_out};
 use super::room::refuse_what_has_no_room;
 use super::search::Kept;
 use super::segments::{self, Segments};
-use super::snapshot::fields;
+use super::snapshot::{fields, stands};
 use super::{Gpu, GpuEngine, Stage, Staged, Stages, failure};
 use crate::device::{Array, Card, CardFault};
 use crate::record::KernelFault;
@@ -119,6 +120,7 @@ impl GpuEngine {
             stages: Stages::default(),
             kept: Kept::default(),
             has_come_apart: vec![false; model.bodies.len()],
+            facets: Facets::of(&model),
             initial: p,
             loaded_kept: None,
             own_surface: Vec::new(),
@@ -145,7 +147,8 @@ impl GpuEngine {
     pub(super) fn plan_of(&self, references: References) -> Result<Plan, RunFailure> {
         let portions = self.segments.portions();
         let rows = Rows { stride: self.stride, are_shared: self.domain.is_some(), portions };
-        let plan = Plan::of(&self.model, &self.initial, rows, &self.grid, references).map_err(failure)?;
+        let grids = Grids { of_kernels: &self.grid, of_facets: &self.grid_of_facets() };
+        let plan = Plan::of(&self.model, &self.initial, rows, grids, references).map_err(failure)?;
         self.card.compile_ahead(&plan.all().map(|recording| &recording.kernel).collect::<Vec<_>>());
         if !self.card.found().is_software {
             // With a software renderer, unneeded kernels cost more than they save.
@@ -315,7 +318,13 @@ pub(super) fn make_columns(
     }
     if model.has_faces() {
         columns.insert(Group::Surface, card.zeros(0)?);
-        columns.insert(Group::Outward, card.zeros(6 * stride)?);
+        if stands(model) {
+            columns.insert(Group::Outward, card.zeros(6 * stride)?);
+        }
+    }
+    if model.has_facets() {
+        columns.insert(Group::FacetTable, card.zeros(0)?);
+        columns.insert(Group::Facets, card.zeros(facets::FACETS * stride)?);
     }
     if is_shared {
         columns.insert(Group::Sends, card.zeros(0)?);
@@ -370,7 +379,8 @@ pub fn kernel_texts(model: &Model, particles: &Particles) -> Result<Vec<KernelTe
     let stride = particles.len().div_ceil(limits::CHUNK) * limits::CHUNK;
     let portions = Segments::of(model, particles, particles.len()).portions();
     let rows = Rows { stride, are_shared: false, portions };
-    let of = |references| Plan::of(model, particles, rows, &grid_of(model, particles), references);
+    let grid = grid_of(model, particles);
+    let of = |references| Plan::of(model, particles, rows, Grids::one(&grid), references);
     let text = |recording: &Recording| KernelText {
         name: recording.kernel.name.clone(),
         wgsl: crate::source::wgsl(&recording.kernel),
@@ -408,7 +418,7 @@ fn each_kernel_of_ranks(
 ) -> Result<(), KernelFault> {
     let portions = Segments::of(model, p, p.len()).portions();
     let rows = Rows { stride, are_shared: true, portions };
-    let plan = Plan::of(model, p, rows, &grid_of(model, p), References::Initial)?;
+    let plan = Plan::of(model, p, rows, Grids::one(&grid_of(model, p)), References::Initial)?;
     let mut gathered = ColumnSet::new();
     for recording in plan.all() {
         for (group, columns) in Touched::of(recording, stride, false).gathered {

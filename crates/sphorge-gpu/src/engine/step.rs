@@ -141,6 +141,7 @@ impl Engine for GpuEngine {
             let searches = self.model.search == Search::EveryStep;
             return Ok(SearchReport { searched_fraction: f64::from(u8::from(searches)) });
         }
+        self.widen_cells_of_facets()?;
         if self.model.formulation.renews() && self.renew_references()? {
             return Ok(SearchReport { searched_fraction: 1.0 });
         }

@@ -12,9 +12,9 @@ pub(super) fn supports(model: &Model) -> Result<(), Unsupported> {
             "leave `numerics.precision` out, or run it with `--engine cpu`",
         ),
         (
-            model.has_facets(),
-            "the contact of bodies at their facets",
-            "run it with `--engine cpu`, or let bodies meet by overlap: `contact = { penalty = { surfaces = \"overlap\" } }`",
+            model.audit.is_some() && model.has_facets(),
+            "audits of neighbour lists where bodies meet at facets",
+            "leave `audit` out, run it with `--engine cpu`, or let bodies meet by overlap: `contact = { penalty = { surfaces = \"overlap\" } }`",
         ),
         (
             model.meets_walls_at_facets(),

@@ -2,7 +2,7 @@
 
 use super::columns::Group;
 use super::kernels::images::Planes;
-use super::snapshot::read;
+use super::snapshot::{read, stands};
 use super::{GpuEngine, failure};
 use sphorge_engine::RunFailure;
 use sphorge_physics::Vector;
@@ -10,8 +10,15 @@ use sphorge_physics::surface::{NearFace, add_outward, exposed, outermost_arm};
 use sphorge_physics::tensor::dot;
 
 impl GpuEngine {
-    /// Finds the surface particles and their normals, and copies them to the card.
+    /// Finds the surface particles and their normals, and copies them to the card; and facets, if bodies meet there.
     pub(super) fn find_surfaces(&mut self) -> Result<(), RunFailure> {
+        if stands(&self.model) {
+            self.find_normals()?;
+        }
+        if self.model.has_facets() { self.find_facets() } else { Ok(()) }
+    }
+
+    fn find_normals(&mut self) -> Result<(), RunFailure> {
         let whole = |group: Group| -> Result<Vec<u32>, RunFailure> {
             Ok(read(&self.card, &self.columns, group)?.into_iter().map(f32::to_bits).collect())
         };
@@ -80,6 +87,10 @@ impl GpuEngine {
         if !self.model.has_faces() {
             return Ok(());
         }
+        self.write_facets()?;
+        if !stands(&self.model) {
+            return Ok(());
+        }
         let own = self.initial.len();
         let mut flags = vec![[0.0]; own];
         self.own_surface.iter().for_each(|i| flags[*i as usize] = [1.0]);
@@ -91,7 +102,7 @@ impl GpuEngine {
     }
 
     /// Values of the particles of this card, followed by those of its ghosts.
-    fn with_ghosts<const N: usize>(&self, own: &[[f64; N]]) -> Result<Vec<[f64; N]>, RunFailure> {
+    pub(super) fn with_ghosts<const N: usize>(&self, own: &[[f64; N]]) -> Result<Vec<[f64; N]>, RunFailure> {
         let mut all = own.to_vec();
         if let Some(domain) = &self.domain {
             all.extend(domain.of_ghosts(own)?);

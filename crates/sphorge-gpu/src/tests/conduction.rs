@@ -3,6 +3,7 @@
 use super::card::card;
 use super::contact::{RUBS, striking};
 use super::engine::{conserves_and_repeats, count_steps, start, start_text};
+use super::facet_contact;
 use crate::Gpu;
 use sphorge_deck::decks;
 use sphorge_engine::{Cpu, EngineKind, Simulation};
@@ -115,7 +116,11 @@ fn heat_passes_between_bodies_in_contact_as_on_the_processor() {
     if card().is_none() {
         return;
     }
-    for more in [RUBS.to_owned(), format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}")] {
+    for more in [
+        RUBS.to_owned(),
+        facet_contact::RUBS.to_owned(),
+        format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}"),
+    ] {
         let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
         compare_runs(kinds.map(|kind| start_text(kind, "striking", &striking(&more), &CONDUCT)), 6e-6, 3e-4);
     }

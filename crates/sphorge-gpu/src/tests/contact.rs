@@ -45,7 +45,7 @@ pub(crate) fn striking(more: &str) -> String {
 /// So that friction warms one more than the other.
 pub(super) const CONDUCT: [(&str, &str); 2] =
     [("material.ofhc-copper.conductivity", "\"400 W/(m K)\""), ("material.armco-iron.conductivity", "\"20 W/(m K)\"")];
-/// By overlap: cards do not have the contact of facets.
+/// By overlap; at facets: [`super::facet_contact`].
 pub(crate) const OVERLAP: &str = "contact = { penalty = { surfaces = \"overlap\" } }";
 pub(crate) const RUBS: &str = "contact = { penalty = { surfaces = \"overlap\", friction = 0.3 } }";
 /// So stiff that the contact limits the step.

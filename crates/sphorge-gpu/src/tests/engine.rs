@@ -448,21 +448,17 @@ pub(super) fn drifts(simulation: &Simulation, first: &Ledger) -> (f64, f64) {
 }
 
 #[test]
-fn every_shipped_deck_is_taken_but_for_those_in_double_precision_and_with_facets() {
+fn every_shipped_deck_is_taken_but_for_those_in_double_precision() {
     for deck in decks::DECKS {
         let load = |overrides: &[(String, String)]| load_text(deck.name, deck.text, overrides).unwrap().model;
         let refused = |model: &Model| Gpu::default().supports(model).err().map(|refusal| refusal.what);
         let model = load(&[]);
         let is_double = model.numerics.precision == Precision::Double;
         let what = refused(&model);
-        assert_eq!(what.is_some(), is_double || model.has_facets(), "{}: {what:?}", deck.name);
+        assert_eq!(what.is_some(), is_double, "{}: {what:?}", deck.name);
         assert!(!is_double || what.is_some_and(|what| what.contains("double precision")), "{}", deck.name);
-        let mut overrides = vec![("numerics.precision".to_owned(), "\"mixed\"".to_owned())];
-        if model.has_facets() {
-            assert!(refused(&load(&overrides)).is_some_and(|what| what.contains("facets")), "{}", deck.name);
-            overrides.push(("contact".to_owned(), "{ penalty = { surfaces = \"overlap\" } }".to_owned()));
-        }
-        assert_eq!(refused(&load(&overrides)), None, "{}", deck.name);
+        let mixed = ("numerics.precision".to_owned(), "\"mixed\"".to_owned());
+        assert_eq!(refused(&load(&[mixed])), None, "{}", deck.name);
     }
 }
 

@@ -12,6 +12,8 @@ pub(crate) mod contact;
 mod detached;
 #[cfg(feature = "device")]
 pub(crate) mod engine;
+#[cfg(feature = "device")]
+pub(crate) mod facet_contact;
 mod facets;
 #[cfg(feature = "device")]
 mod history;

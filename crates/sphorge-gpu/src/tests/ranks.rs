@@ -3,6 +3,7 @@
 use super::card::card;
 use super::contact::{CONDUCT, PRESENT, RUBS, in_space, slabs, striking};
 use super::engine::{IRON, components, start_text};
+use super::facet_contact;
 use super::kept::BULLET;
 use super::periodic::{ACROSS, JOINED, LEAVES};
 use super::renewal::PULLED;
@@ -191,6 +192,14 @@ fn smoothing_lengths_that_follow_the_density_in_lists_that_are_kept() {
     compare(Deck::shipped("penetration", &disc), 60, &[2]);
     let text = striking(&format!("{PRESENT}\n{RUBS}"));
     compare(Deck { name: "striking", text: &text, overrides: &skin }, 100, &[3]);
+}
+
+#[test]
+fn bodies_that_meet_at_facets() {
+    let text = striking(facet_contact::RUBS);
+    compare(Deck { name: "striking", text: &text, overrides: &CONDUCT }, 120, &[3]);
+    let text = in_space(facet_contact::RUBS);
+    compare(Deck { name: "striking", text: &text, overrides: &[] }, 60, &[2]);
 }
 
 #[test]

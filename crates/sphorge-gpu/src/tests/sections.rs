@@ -3,6 +3,7 @@
 use super::card::card;
 use super::contact::{RUBS, striking};
 use super::engine::{count_steps, start, start_text};
+use super::facet_contact;
 use crate::Gpu;
 use sphorge_engine::{Cpu, EngineKind, ParticleSource, Reduction, Simulation};
 
@@ -61,7 +62,11 @@ fn the_contact_goes_through_sections() {
     // Between the upper and the middle block, and through both for the middle one alone.
     let sections = "[{ name = \"between\", point = [\"0 mm\", \"0.5 mm\"], normal = [0, 1] }, \
                     { name = \"down\", body = \"middle\", point = [\"0.1 mm\", \"0 mm\"], normal = [1, 0] }]";
-    for more in [RUBS.to_owned(), format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}")] {
+    for more in [
+        RUBS.to_owned(),
+        facet_contact::RUBS.to_owned(),
+        format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}"),
+    ] {
         let kinds = [&Cpu as &dyn EngineKind, &Gpu::default()];
         let text = striking(&more);
         compare_runs(kinds.map(|kind| start_text(kind, "striking", &text, &[("section", sections)])), 8e-6, 2e-3);

@@ -87,7 +87,7 @@ pub(in crate::engine) fn is_joined(model: &Model) -> bool {
 }
 
 /// Whether particles of other bodies are searched in the cells because they are not among the neighbours of the sums.
-fn meets_others(model: &Model) -> bool {
+pub(in crate::engine) fn meets_others(model: &Model) -> bool {
     is_joined(model) && contact::meets(model)
 }
 

@@ -1,15 +1,17 @@
-//! Contact between bodies, and of a body with itself where surface particles meet that were not neighbours. In the
-//! total Lagrangian form contact acts at the faces of particles.
+//! Contact between bodies by overlap, and of a body with itself where surface particles meet that were not neighbours. In
+//! the total Lagrangian form contact acts at the faces of particles. Contact at facets: [`super::facets`].
 
+use super::facets;
 use super::grid::Grid;
+use super::images::Image;
 use super::neighbors::{Pair, apart, at_start, different, over_cells, places};
 use super::reference::{Apart, Deformations, References};
 use super::section::{Crossing, Through};
 use crate::engine::columns::{Binder, Fields, Group, NOTHING, Reading, Recording, added, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, Indices, KernelFault, Recorded};
-use sphorge_engine::ContactLaws;
-use sphorge_engine::model::{BodyContact, Model};
+use sphorge_engine::model::Model;
+use sphorge_engine::{ContactLaws, FacetLaws};
 use sphorge_physics::contact::{
     ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
 };
@@ -22,10 +24,10 @@ pub(in crate::engine) const LIMIT: usize = 5;
 
 /// Columns of [`Group::Meetings`] for each body; indices of the works among them, each before its rest, and of their
 /// powers.
-pub(in crate::engine) const MEETING: usize = 12;
+pub(in crate::engine) const MEETING: usize = 13;
 pub(in crate::engine) const WORKS: [(usize, usize); 3] = [(6, 3), (8, 4), (10, 5)];
 
-/// Numbers of the law of two bodies.
+/// Numbers of the law of two bodies, the last of them the share of the heat of friction that the first receives.
 const LAW: usize = 6;
 
 /// Whether there is a contact.
@@ -44,14 +46,23 @@ pub(super) fn each_body(bodies: usize, act: impl Fn(Index)) {
 
 /// The laws of all pairs of bodies, if there is a contact.
 pub(in crate::engine) fn laws(model: &Model) -> Option<Vec<f32>> {
-    let BodyContact::Penalty(strength) = model.contact else { return None };
+    let strength = model.contact.strength()?;
     let (laws, count) = (ContactLaws::new(model, strength), model.bodies.len());
+    let at_facets = model.has_facets().then(|| FacetLaws::new(model, strength));
     let numbers = |a: usize, b: usize| {
+        if let Some(at_facets) = &at_facets {
+            return facets::law_numbers(at_facets, (a, b), laws.friction_share(a, b));
+        }
         let ContactLaw { inverse_sums, modulus, damping, friction } = *laws.law(a, b);
         [inverse_sums.0, inverse_sums.1, modulus, damping, friction, laws.friction_share(a, b)]
     };
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
     meets(model).then(|| pairs.flat_map(|(a, b)| numbers(a, b)).map(|number| number as f32).collect())
+}
+
+/// A number of the law of a pair of bodies.
+pub(super) fn law_number(laws: Reading, pair: Index, k: usize) -> Recorded {
+    laws.get(0, pair * Index::of(LAW as u32) + Index::of(k as u32))
 }
 
 /// Contact positions of particles near faces.
@@ -137,6 +148,36 @@ impl SelfContact {
     }
 }
 
+/// Pairs of particles of one body that meet at their facets.
+#[derive(Clone, Copy)]
+pub(super) struct SelfPairs {
+    reference: Reading,
+    constants: Reading,
+    apart: Option<Apart>,
+}
+
+impl SelfPairs {
+    /// Nothing without self-contact.
+    pub(super) fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Option<Self> {
+        let of = |bind: &mut Binder<'_>| Self {
+            reference: bind.read(Group::Reference),
+            constants: bind.read(Group::Constants),
+            apart: Apart::of(bind, model, references),
+        };
+        model.has_self_contact().then(|| of(bind))
+    }
+
+    /// One if particles of a body may meet: they were not neighbours, and the body has not come apart; else zero.
+    pub(super) fn meet<const D: usize>(self, model: &Model, i: Index, image: &Image, j: Index) -> Recorded {
+        let (zero, one) = (Recorded::zero(), Recorded::one());
+        let x = apart::<D>(image, &places(self.reference, i), &places(self.reference, j));
+        let reach = Recorded::of(model.numerics.kernel.support()) * at_start(self.constants)(i);
+        let meet = Recorded::select_lt(dot(x, x), reach * reach, zero, one);
+        // A body that has come apart is renewed often, and meets itself in the sums.
+        self.apart.map_or(meet, |apart| Recorded::select_lt(apart.has_come_apart(i), Recorded::of(0.5), meet, zero))
+    }
+}
+
 impl Bodies {
     fn of(bind: &mut Binder<'_>, model: &Model, references: References) -> Self {
         let surfaces = model.has_faces().then(|| Surfaces::of(bind));
@@ -182,7 +223,7 @@ impl Bodies {
     /// The law of two particles, and the share of the heat of friction that the first receives.
     fn law(self, i: Index, j: Index) -> (ContactLaw<Recorded>, Recorded) {
         let pair = self.body.at(i) * Index::of(self.count) + self.body.at(j);
-        let number = |k: usize| self.laws.get(0, pair * Index::of(LAW as u32) + Index::of(k as u32));
+        let number = |k: usize| law_number(self.laws, pair, k);
         let inverse_sums = (number(0), number(1));
         (ContactLaw { inverse_sums, modulus: number(2), damping: number(3), friction: number(4) }, number(5))
     }

@@ -101,6 +101,8 @@ pub(in crate::engine) enum Sorted {
     Reference,
     /// Those of the surface, at their contact positions.
     Surface,
+    /// Those with facets.
+    WithFacets,
 }
 
 /// Number of threads of a kernel of the sorting.
@@ -118,6 +120,7 @@ impl Sorted {
             Self::Particles => of.to_owned(),
             Self::Reference => format!("{of}_of_reference"),
             Self::Surface => format!("{of}_of_surface"),
+            Self::WithFacets => format!("{of}_with_facets"),
         }
     }
 
@@ -127,6 +130,7 @@ impl Sorted {
             Self::Particles => (thread, bind.read(Group::Place)),
             Self::Reference => (thread, bind.read(Group::Reference)),
             Self::Surface => (bind.indices(Group::Surface).at(thread), bind.read(Group::Standing)),
+            Self::WithFacets => (bind.indices(Group::Surface).at(thread), bind.read(Group::Place)),
         };
         (i, grid.cell(grid.steps(&|axis| place.get(axis, i))))
     }

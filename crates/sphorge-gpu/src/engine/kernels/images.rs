@@ -3,7 +3,7 @@
 use crate::engine::columns::added;
 use crate::record::{Index, Recorded};
 use sphorge_engine::model::Model;
-use sphorge_physics::{Real, SymmetricTensor, Tensor, Vector};
+use sphorge_physics::{Elementary, Real, SymmetricTensor, Tensor, Vector};
 
 /// First of the bits of an entry of a list, two for each axis, that encode the image of its neighbour; the bits below
 /// are the index of the neighbour.
@@ -127,6 +127,19 @@ impl Planes {
         image >> (BITS * axis as u32) & ((1 << BITS) - 1)
     }
 
+    /// The image with a code that is a value on the card.
+    pub(super) fn coded(self, code: Recorded) -> Image {
+        let code = Index::floor(code);
+        Image([0, 1, 2].map(|axis| {
+            if self.0[axis].iter().all(Option::is_none) {
+                return Choice::None;
+            }
+            let unit = 1u32 << (BITS * axis as u32);
+            let of_axis = code.and(Index::of(((1 << BITS) - 1) * unit)).number() * Recorded::of(1.0 / f64::from(unit));
+            Choice::Either(of_axis, self.0[axis])
+        }))
+    }
+
     /// Neighbour and image of an entry of a list.
     pub(super) fn entry(self, entry: Index) -> (Index, Image) {
         if self.0.as_flattened().iter().all(Option::is_none) {
@@ -228,6 +241,17 @@ impl Image {
     /// particle itself.
     pub(super) fn farthest<const D: usize>(&self, place: &Vector<[Recorded; 2]>) -> Option<Recorded> {
         self.kinds::<D>(place).map(|(kind, place)| kind.distance(place)).reduce(Real::max)
+    }
+
+    /// Distance along an axis of a position, with its rest, from the region of such images, m; negative inside, and far
+    /// below zero where this is none.
+    pub(super) fn distance(&self, axis: usize, place: [Recorded; 2]) -> Recorded {
+        self.0[axis].choose(|| -Recorded::largest(), |kind| kind.distance(place))
+    }
+
+    /// The first if the image is mirrored along an axis, else the second.
+    pub(super) fn if_mirrored(&self, axis: usize, then: Recorded, otherwise: Recorded) -> Recorded {
+        self.0[axis].choose(|| otherwise, |kind| if kind.turns() { then } else { otherwise })
     }
 
     /// Kinds of a constant image, along the axes computed in.

@@ -3,7 +3,7 @@
 use super::reference::References;
 use super::sums::{Lane, Portions, Term, given, of_columns, of_lanes};
 use super::walls::{AtWall, Deformed, is_total_lagrangian, of_wall};
-use super::{conduction, contact, walls};
+use super::{conduction, contact, facets, walls};
 use crate::engine::columns::{Fields, Group, NOTHING, Recording, recording};
 use crate::record::{Double, Index, KernelFault, Recorded};
 use sphorge_engine::model::{Formulation, Model};
@@ -30,8 +30,9 @@ const ENERGIES: usize = 4;
 pub(in crate::engine) const ACCOUNTS: usize = MOTION + ENERGIES;
 pub(in crate::engine) const OF_ACCOUNTS: usize = 9;
 
-/// Sums of the contact with each body: force, N, and works, J.
-pub(in crate::engine) const MEETING: usize = 3 + contact::WORKS.len();
+/// Sums of the contact with each body: force, N, works, J, and energy that facets hold, J.
+pub(in crate::engine) const MEETING: usize = MEETING_ENERGY + 1;
+pub(in crate::engine) const MEETING_ENERGY: usize = 3 + contact::WORKS.len();
 
 /// Numbers the ledger is given with their rests: the length of the step, of each wall displacement and velocity, of each body smoothing length, spacing and
 /// sound speed at rest.
@@ -196,6 +197,7 @@ fn meetings(bodies: usize, (portions, first): (Portions, usize), count: usize) -
                 core::array::from_fn(|k| {
                     let term = match k.checked_sub(3) {
                         None => Double::from(at(k)),
+                        Some(_) if k == MEETING_ENERGY => Double::from(at(facets::ENERGY)),
                         Some(work) => Double::new([0, 1].map(|rest| at(contact::WORKS[work].0 + rest))),
                     };
                     all[k] + term

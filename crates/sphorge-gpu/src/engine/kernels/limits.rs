@@ -1,9 +1,9 @@
 //! Limits of the next step, and changes by the last one.
 
-use super::contact;
 use super::motion::Motions;
 use super::reduce::{Together, carry};
 use super::walls::is_total_lagrangian;
+use super::{contact, facets};
 use crate::engine::columns::{Fields, Group, Recording, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, KernelFault, Recorded};
@@ -23,15 +23,16 @@ pub(in crate::engine) const CHUNK: usize = 256;
 const EACH: usize = 32;
 
 /// Numbers of a particle: the limits, four changes, one if a value is not a number, one if it is stretched beyond a
-/// bound, and its neighbours.
-pub(in crate::engine) const FIELDS: usize = 10;
+/// bound, how far its facets reach, m, and its neighbours.
+pub(in crate::engine) const FIELDS: usize = 11;
 
 /// Limits among them: by sound, by acceleration and by the contact.
 pub(in crate::engine) const LIMITS: usize = 3;
 
 /// The last of them.
 pub(in crate::engine) const STRETCHED: usize = 8;
-pub(in crate::engine) const NEIGHBORS: usize = 9;
+pub(in crate::engine) const REACH: usize = 9;
+pub(in crate::engine) const NEIGHBORS: usize = 10;
 
 /// Numbers of [`Group::Extremes`]: the same, followed by the [units](super::reduce::UNITS) of the neighbours.
 pub(in crate::engine) const EXTREMES: usize = FIELDS + 1;
@@ -91,6 +92,8 @@ pub(in crate::engine) fn of_particles(model: &Model, count: usize) -> Result<Rec
         limits.set(2, i, if contact::meets(model) { by_contact() } else { Recorded::of(BEYOND) });
         limits.set_all(LIMITS, i, &[change.density, change.stretch, change.energy, change.jump, one - sound]);
         limits.set(STRETCHED, i, stretch.map_or(zero, |stretch| stretch.get(2, i)));
+        let mut reach = || bind.read(Group::FacetMotion).get(facets::REACH, i);
+        limits.set(REACH, i, if model.has_facets() { reach() } else { zero });
         limits.set(NEIGHBORS, i, bind.read(Group::Weight).get(1, i));
     })
 }

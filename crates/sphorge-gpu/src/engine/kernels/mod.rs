@@ -3,6 +3,7 @@
 pub(super) mod audit;
 pub(super) mod conduction;
 pub(super) mod contact;
+pub(super) mod facets;
 pub(super) mod grid;
 pub(super) mod images;
 pub(super) mod kept;

@@ -12,7 +12,7 @@ use sphorge_physics::kernel::{PairScale, pair_smoothing_length};
 use sphorge_physics::{Elementary, Numbers, Real, Vector};
 
 /// A particle on a symmetry plane is its own image: within this share of the reach it has none.
-const ON_PLANE: f64 = 1e-9;
+pub(super) const ON_PLANE: f64 = 1e-9;
 
 /// Positions of pairs, and the reach of their kernel.
 pub(super) struct Pair {
@@ -141,7 +141,7 @@ pub(super) fn over_cells<S: Numbers<Recorded>, const D: usize>(
 /// How far from a plane or an end there are images, over the edge of a cell. Particles leave a periodic cell before all
 /// are wrapped, and a renewed reference configuration is that of before a drift; those that have passed a symmetry plane,
 /// by up to the reach of a kernel, see images of what is farther in front of it by the same distance.
-fn strays(model: &Model) -> f64 {
+pub(super) fn strays(model: &Model) -> f64 {
     let of_ends = match model.periodic.iter().all(Option::is_none) {
         true => 1.0,
         false if model.formulation.renews() => 2.0,

@@ -380,7 +380,7 @@ impl GpuEngine {
             Ok((0..self.initial.len()).map(|i| [0, 1, 2].map(|a| numbers.at(a, i) + numbers.at(3 + a, i))).collect())
         };
         let sets = sets(&self.model, || places(Group::Place), || places(Group::Reference))?;
-        let cells = cells(&self.model, self.grid.edge);
+        let cells = cells(&self.model, self.grid_of_facets().edge);
         let entries = match self.loaded_kept.take() {
             Some(kept) => Some(self.loaded_entries(&kept)?),
             None if keeps_entries(&self.model) && self.kept.is_made => Some(self.kept_entries()?),

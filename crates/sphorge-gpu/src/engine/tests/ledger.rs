@@ -7,6 +7,7 @@ use crate::engine::GpuEngine;
 use crate::tests::card::card;
 use crate::tests::contact::{RUBS, striking};
 use crate::tests::engine::IRON;
+use crate::tests::facet_contact;
 use crate::tests::motion::driven;
 use sphorge_engine::{BodyLedger, Ledger};
 
@@ -68,9 +69,12 @@ fn numbers(engine: &GpuEngine, ledger: &Ledger) -> Vec<(String, f64, f64)> {
         }
     }
     for (k, contact) in ledger.contacts.iter().enumerate() {
-        for (what, work) in
-            [("held", contact.stored_energy), ("friction", contact.friction_work), ("damping", contact.damping_work)]
-        {
+        for (what, work) in [
+            ("held", contact.stored_energy),
+            ("friction", contact.friction_work),
+            ("damping", contact.damping_work),
+            ("rest", contact.integration_energy),
+        ] {
             add(format!("{what} by contact {k}"), work, energy);
         }
         for a in 0..3 {
@@ -148,6 +152,8 @@ fn the_ledger_is_that_of_columns_read_back_with_bodies_that_meet() {
     // A twentieth of a millimetre apart.
     let near = ("body.upper.shape", "{ box = { min = [\"-3 mm\", \"0.65 mm\"], max = [\"5 mm\", \"5 mm\"] } }");
     compare((&striking(RUBS), &[near]), 30, &held);
+    let with_rest = [&held[..], &["rest by contact"]].concat();
+    compare((&striking(facet_contact::RUBS), &[near]), 30, &with_rest);
     let present = format!("method = \"patino\"\nsearch = \"every-step\"\n{RUBS}");
     compare((&striking(&present), &[near]), 30, &held);
     compare(

@@ -3,7 +3,7 @@
 use crate::engine::GpuEngine;
 use crate::engine::columns::Group;
 use crate::engine::kernels::walls::{AtWall, Deformed, of_wall};
-use crate::engine::kernels::{conduction, contact, walls};
+use crate::engine::kernels::{conduction, contact, facets, walls};
 use crate::engine::snapshot::Group64;
 use sphorge_engine::model::{Formulation, Wall};
 use sphorge_engine::{BodyLedger, ContactLedger, Energies, HeatLedger, Ledger, Particles, RunFailure, WallLedger};
@@ -43,14 +43,21 @@ impl GpuEngine {
                 let own = (0..count).filter(|i| a != b && p.body[*i] as usize == a);
                 own.map(|i| of.at(contact::MEETING * b + axis, i)).sum()
             };
-            let [stored_energy, friction_work, damping_work] = contact::WORKS.map(|(field, _)| work(field));
+            let [taken_up, friction_work, damping_work] = contact::WORKS.map(|(field, _)| work(field));
+            let held = |one: usize, other: usize| -> f64 {
+                let own = (0..count).filter(|i| p.body[*i] as usize == one);
+                own.map(|i| of.at(contact::MEETING * other + facets::ENERGY, i)).sum()
+            };
+            let held = held(a, b) + if a == b { 0.0 } else { held(b, a) };
+            let (stored_energy, integration_energy) =
+                if self.model.has_facets() { (held, taken_up - held) } else { (taken_up, 0.0) };
             // On the second.
             ContactLedger {
                 force: [0, 1, 2].map(|axis| 0.0 - force(axis)),
                 stored_energy,
                 friction_work,
                 damping_work,
-                integration_energy: 0.0,
+                integration_energy,
             }
         };
         let contacts =
