@@ -1,7 +1,7 @@
 //! Contact at facets, in the total Lagrangian form: every facet with every facet, and with the images of all.
 
 use super::Oracle;
-use super::pairs::{Image, apply, minus, plus};
+use super::pairs::{Image, minus, plus};
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::{ReferenceFacets, facet_thickness};
 use sphorge_engine::model::{BodyContact, Model};
@@ -18,9 +18,6 @@ use sphorge_physics::{SymmetricTensor, Tensor, Vector};
 const MARGIN: f64 = 1.5;
 const MOBILITY: f64 = 2.5;
 
-/// Distance from where the next particle was, over that of it, within which a neighbour covers a face.
-const COVERED: f64 = 0.7;
-
 /// The facets of all particles, and their springs of friction.
 pub(crate) struct Facets {
     all: ReferenceFacets,
@@ -34,8 +31,6 @@ pub(crate) struct Facets {
     springs: Vec<[(FacetSlip<f64>, f64); 6]>,
     /// Velocity gradients at the velocities at which forces are evaluated, 1/s.
     gradient: Vec<Tensor<f64>>,
-    /// Faces of the cell of each particle that were inside its body.
-    open: Vec<u32>,
 }
 
 /// A face of a cell, or a part of one.
@@ -94,7 +89,6 @@ impl Facets {
             has_friction: friction > 0.0,
             springs: vec![[(FacetSlip::none(), 0.0); 6]; p.len()],
             gradient: vec![[[0.0; 3]; 3]; p.len()],
-            open: vec![0; p.len()],
         };
         facets.list(p);
         Some(facets)
@@ -104,11 +98,8 @@ impl Facets {
     fn list(&mut self, p: &Particles) {
         self.reference.clear();
         for owner in 0..p.len() {
-            let (id, body) = (p.id[owner], p.body[owner] as usize);
-            let known = self.all.range(id).map(|place| (place, *self.all.at(place)));
-            let inner = (0..6).filter(|face| self.open[owner] >> face & 1 == 1);
-            let inner = inner.map(|face| (self.all.count() + face, self.all.inner(body, id, face)));
-            for (place, of_cell) in known.chain(inner) {
+            for place in self.all.range(p.id[owner]) {
+                let of_cell = self.all.at(place);
                 let (face, index) = (usize::from(of_cell.side), self.reference.len());
                 let same = self.reference.iter().position(|part| (part.owner, part.face) == (owner, face));
                 self.reference.push(Part { owner, face, place, facet: of_cell.facet, lead: same.unwrap_or(index) });
@@ -153,35 +144,6 @@ impl Oracle {
         let apart = minus(self.searched_at[i], image.point(self.searched_at[j]));
         let reach = self.model.numerics.kernel.support() * self.model.bodies[body].smoothing_length;
         self.model.has_self_contact() && !self.has_come_apart[body] && dot(apart, apart) >= reach * reach
-    }
-
-    /// Finds faces that were inside a body that has come apart, and have no neighbour any more where the next particle was.
-    pub(crate) fn open_faces(&mut self) {
-        if let Some(mut facets) = self.facets.take() {
-            self.find_open(&facets.all, &mut facets.open);
-            facets.list(&self.p);
-            self.facets = Some(facets);
-        }
-    }
-
-    fn find_open(&self, all: &ReferenceFacets, open: &mut [u32]) {
-        for i in (0..self.p.len()).filter(|&i| self.has_come_apart[self.p.body[i] as usize]) {
-            let (id, body) = (self.p.id[i], self.p.body[i] as usize);
-            let known = open[i] | all.exposed(id);
-            let whole = multiply(&self.deformation[i], &self.earlier_deformation[i]);
-            for face in (0..all.faces()).filter(|face| known >> face & 1 == 0) {
-                let at_rest = all.across(body, id, face);
-                let across = apply(&whole, at_rest);
-                let reach = COVERED * dot(at_rest, at_rest).max(dot(across, across)).sqrt();
-                let covers = |x: Vector<f64>| {
-                    let apart = plus(across, 1.0, x);
-                    dot(apart, apart) < reach * reach
-                };
-                if !self.pairs(i, &self.searched_at).any(|n| covers(n.x)) {
-                    open[i] |= 1 << face;
-                }
-            }
-        }
     }
 
     /// All facets that press one.

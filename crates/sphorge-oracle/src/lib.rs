@@ -306,9 +306,6 @@ impl Engine for Oracle {
         if self.total_lagrangian().is_some() && !self.rows.is_empty() && self.renew() {
             self.rows = self.near(&self.searched_at).0;
             self.is_renewed = true;
-            if self.has_come_apart.contains(&true) {
-                self.open_faces();
-            }
         }
         let due = self.rows.is_empty() || !(self.is_idle() || self.model.search == Search::Initial);
         if due {

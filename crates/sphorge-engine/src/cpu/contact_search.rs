@@ -140,7 +140,7 @@ impl ContactSearch {
     fn largest_growth(&self, particles: &Particles, facets: &FacetContacts) -> f64 {
         let whole = whole_deformation(particles);
         let growth = |(i, then): (usize, &f64)| {
-            if *then > 0.0 { facets.reach(particles.cell(i), &whole.at(i)) - then } else { 0.0 }
+            if *then > 0.0 { facets.reach(particles.id[i], &whole.at(i)) - then } else { 0.0 }
         };
         self.reaches.par_iter().with_min_len(BLOCK).enumerate().map(growth).reduce(|| 0.0, f64::max)
     }
@@ -173,7 +173,7 @@ impl ContactSearch {
         if let Some(facets) = facets {
             let whole = whole_deformation(particles);
             let all = (0..particles.len()).into_par_iter().with_min_len(BLOCK);
-            all.map(|i| facets.reach(particles.cell(i), &whole.at(i))).collect_into_vec(&mut self.reaches);
+            all.map(|i| facets.reach(particles.id[i], &whole.at(i))).collect_into_vec(&mut self.reaches);
             let farthest = over_all(self.reaches.iter().copied().fold(0.0, f64::max))?;
             ghost_reach = 2.0 * (farthest + MARGIN * largest(&self.spacing_of));
         }
@@ -331,14 +331,11 @@ impl ContactSearch {
     /// Finds the members that are searched; returns how many of them are particles.
     fn find_members(&mut self, particles: &Particles, facets: Option<&FacetContacts>) -> usize {
         let id = WithGhosts::new(&particles.id, &self.ghosts.columns.id);
-        let open = WithGhosts::new(&particles.open_faces, &self.ghosts.columns.open_faces);
         let normal = WithGhosts::new(&particles.reference_normal, &self.ghosts.columns.reference_normal);
         let is_one_body = self.smoothing_length_of.len() == 1;
         let by_kernels = self.by_kernels;
         let is_member = |i: &u32| match facets {
-            Some(facets) => {
-                by_kernels || open.at(*i as usize) != 0 || !facets.reference.of(id.at(*i as usize)).is_empty()
-            }
+            Some(facets) => by_kernels || !facets.reference.of(id.at(*i as usize)).is_empty(),
             None => !is_one_body || normal.at(*i as usize) != [0.0; 3],
         };
         let (count, all) = (particles.len() as u32, (particles.len() + self.ghosts.count()) as u32);
@@ -376,7 +373,7 @@ fn whole_deformation(particles: &Particles) -> WholeDeformation<'_> {
 /// Reaches of the facets of particles and ghosts, if bodies meet there.
 pub(super) struct Reaches<'a> {
     facets: Option<&'a FacetContacts>,
-    cell: [WithGhosts<'a, u32>; 3],
+    id: WithGhosts<'a, u32>,
     since: WithGhosts<'a, Tensor<f64>>,
     earlier: Option<WithGhosts<'a, Tensor<f64>>>,
 }
@@ -386,11 +383,7 @@ impl<'a> Reaches<'a> {
         let earlier = || WithGhosts::new(&own.earlier_deformation, &ghosts.earlier_deformation);
         Self {
             facets,
-            cell: [
-                WithGhosts::new(&own.body, &ghosts.body),
-                WithGhosts::new(&own.id, &ghosts.id),
-                WithGhosts::new(&own.open_faces, &ghosts.open_faces),
-            ],
+            id: WithGhosts::new(&own.id, &ghosts.id),
             since: WithGhosts::new(&own.deformation, &ghosts.deformation),
             earlier: (!own.earlier_deformation.is_empty()).then(earlier),
         }
@@ -402,8 +395,7 @@ impl<'a> Reaches<'a> {
         let facets = self.facets?;
         let f = self.since.at(i);
         let f = self.earlier.map_or(f, |earlier| WholeDeformation::product(&f, &earlier.at(i)));
-        let [body, id, open] = self.cell.map(|column| column.at(i));
-        Some(facets.reach((body, id, open), &f))
+        Some(facets.reach(self.id.at(i), &f))
     }
 }
 

@@ -5,7 +5,6 @@
 //! of the particle ([`FaceShift`]).
 
 use super::CpuEngine;
-use super::facets::open_faces;
 use super::ghosts::WithGhosts;
 use crate::halo::FieldSet;
 use crate::lanes::PairScalar;
@@ -20,39 +19,17 @@ use sphorge_physics::tensor::{dot, multiply};
 impl<T: PairScalar> CpuEngine<T> {
     /// Finds the surfaces of the reference configuration, whose lists were just made, and the faces of the initial one.
     pub(super) fn find_surfaces(&mut self) {
-        if !self.model.has_faces() && self.facets_on_walls.is_none() {
+        if !self.model.has_faces() {
             return;
         }
-        if self.model.has_faces() {
-            self.find_normals();
-        }
-        if self.has_come_apart.contains(&true) {
-            self.open_faces();
-        } else if self.model.has_faces() {
+        self.find_normals();
+        if !self.has_come_apart.contains(&true) {
             self.ghosts.exchange(&[FieldSet::Search], &self.particles);
             self.find_depths();
         }
         if let Some(search) = self.contacts.as_mut().and_then(|contacts| contacts.search.as_mut()) {
             search.forget();
         }
-    }
-
-    /// Finds the faces of cells that are exposed since their bodies came apart.
-    fn open_faces(&mut self) {
-        let of_contacts = self.contacts.as_ref().and_then(|contacts| contacts.facets.as_ref());
-        let Some(facets) = of_contacts.map(|facets| &facets.reference) else { return };
-        let (list, points, apart) = (&self.lists.list, &self.lists.points, &self.has_come_apart);
-        let mut open = std::mem::take(&mut self.particles.open_faces);
-        let p = &self.particles;
-        let whole = WholeDeformation { since: &p.deformation, earlier: &p.earlier_deformation };
-        open.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, open)| {
-            if apart[p.body[i] as usize] {
-                let from_here = |&j: &u32| [0, 1, 2].map(|a| points[j as usize][a] - points[i][a]);
-                let cell = (p.body[i], p.id[i], *open);
-                *open = open_faces(facets, cell, &whole.at(i), list.row(i).iter().map(from_here));
-            }
-        });
-        self.particles.open_faces = open;
     }
 
     fn find_normals(&mut self) {

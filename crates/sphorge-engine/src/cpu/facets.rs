@@ -35,37 +35,26 @@ pub(super) use sphorge_physics::facet::{MARGIN, MOBILITY};
 /// Cosine between normals below which facets can press each other.
 const FACING: f64 = -0.3;
 
-/// Distance from where the next particle was, over that of it, within which a neighbour covers a face.
-const COVERED: f64 = 0.7;
-
 /// Where a facet comes from.
 #[derive(Clone, Copy, Debug)]
 struct Source {
     /// Particle or ghost.
     point: u32,
-    /// Place among the facets of the initial configuration, or beyond them the number of a face inside the body.
+    /// Place among the facets of the initial configuration.
     place: u32,
-    body: u32,
-    id: u32,
     /// Signs of the image that the point is.
     sign: Vector<f64>,
 }
 
 impl Source {
     /// The facet in the initial configuration.
-    fn facet(&self, reference: &ReferenceFacets) -> CellFacet {
-        match (self.place as usize).checked_sub(reference.count()) {
-            None => *reference.at(self.place as usize),
-            Some(face) => reference.inner(self.body as usize, self.id, face),
-        }
+    fn facet<'a>(&self, reference: &'a ReferenceFacets) -> &'a CellFacet {
+        reference.at(self.place as usize)
     }
 
     /// Axis and side of its face of the cell.
     fn face(&self, reference: &ReferenceFacets) -> (usize, usize) {
-        let face = match (self.place as usize).checked_sub(reference.count()) {
-            None => usize::from(reference.at(self.place as usize).side),
-            Some(face) => face,
-        };
+        let face = usize::from(self.facet(reference).side);
         (face / 2, face % 2)
     }
 
@@ -255,12 +244,9 @@ impl FacetContacts {
 
     /// A bound of the distance of the corners of the facets of a particle, m, the same for all its images; zero
     /// without any.
-    pub(super) fn reach(&self, (body, id, open): (u32, u32, u32), f: &Tensor<f64>) -> f64 {
+    pub(super) fn reach(&self, id: u32, f: &Tensor<f64>) -> f64 {
         let sizes = f.map(|row| row.map(f64::abs));
-        let inner =
-            (0..6).filter(|face| open >> face & 1 == 1).map(|face| self.reference.inner(body as usize, id, face).facet);
-        let corners =
-            self.reference.of(id).iter().map(|facet| facet.facet).chain(inner).flat_map(|facet| facet.corners);
+        let corners = self.reference.of(id).iter().flat_map(|facet| facet.facet.corners);
         let squared = corners.map(|corner| {
             let arm = apply(&sizes, corner.map(f64::abs));
             dot(arm, arm)
@@ -285,8 +271,6 @@ impl FacetContacts {
             None => [1.0; 3],
         };
         let id = WithGhosts::new(&particles.id, &ghosts.columns.id);
-        let body = WithGhosts::new(&particles.body, &ghosts.columns.body);
-        let open = WithGhosts::new(&particles.open_faces, &ghosts.columns.open_faces);
         self.first.clear();
         self.first.resize(count + ghosts.count() + 1, 0);
         for (own, row) in foreign.blocks().iter().flat_map(|block| block.rows()) {
@@ -305,11 +289,8 @@ impl FacetContacts {
             let is_used = self.first[point] == 1;
             self.first[point] = self.sources.len() as u32;
             if is_used {
-                let (body, id, open) = (body.at(point), id.at(point), open.at(point));
-                let inner = (0..6).filter(|face| open >> face & 1 == 1).map(|face| self.reference.count() + face);
-                let source =
-                    |place: usize| Source { point: point as u32, place: place as u32, body, id, sign: sign(point) };
-                self.sources.extend(self.reference.range(id).chain(inner).map(source));
+                let source = |place: usize| Source { point: point as u32, place: place as u32, sign: sign(point) };
+                self.sources.extend(self.reference.range(id.at(point)).map(source));
             }
         }
         if let Some(last) = self.first.last_mut() {
@@ -625,28 +606,6 @@ impl FacetContacts {
             + size_of::<[u32; 4]>() * self.found_of.capacity()
             + self.slips.iter().map(Vec::capacity).sum::<usize>() * size_of::<(usize, CellSlips)>()
     }
-}
-
-/// Faces of the cell of a particle of a body that has come apart that are exposed now, with those that are since
-/// earlier: no neighbour is where the next particle was. `neighbours` are at these places from it, m.
-pub(super) fn open_faces(
-    reference: &ReferenceFacets,
-    (body, id, open): (u32, u32, u32),
-    f: &Tensor<f64>,
-    neighbours: impl Iterator<Item = Vector<f64>> + Clone,
-) -> u32 {
-    let known = open | reference.exposed(id);
-    let is_open = |face: &usize| {
-        let at_rest = reference.across(body as usize, id, *face);
-        let across = apply(f, at_rest);
-        let reach = COVERED * dot(at_rest, at_rest).max(dot(across, across)).sqrt();
-        !neighbours.clone().any(|x| {
-            let apart: Vector<f64> = std::array::from_fn(|k| x[k] - across[k]);
-            dot(apart, apart) < reach * reach
-        })
-    };
-    let found = (0..reference.faces()).filter(|face| known >> face & 1 == 0).filter(is_open);
-    found.fold(open, |faces, face| faces | 1 << face)
 }
 
 /// The facet of an image.

@@ -104,23 +104,10 @@ pub struct ReferenceFacets {
     /// Of each particle the first.
     starts: Vec<u32>,
     facets: Vec<CellFacet>,
-    /// Axes of the cells of the particles of each body.
-    frames: Vec<Frames>,
     /// Number of the first particle of each body.
     first: Vec<u32>,
     /// Edge of the cell of a particle, by body, m.
     edge: Vec<f64>,
-    dimensions: usize,
-    thickness: f64,
-}
-
-/// Axes of cells.
-#[derive(Clone, Debug)]
-enum Frames {
-    /// Of a lattice: of all.
-    Common(Tensor<f64>),
-    /// Of rings: of each particle.
-    Each(Vec<Tensor<f64>>),
 }
 
 impl ReferenceFacets {
@@ -129,14 +116,11 @@ impl ReferenceFacets {
         let mut all = Self {
             starts: vec![0],
             facets: Vec::new(),
-            frames: Vec::new(),
             first: Vec::new(),
             edge: model.bodies.iter().map(|body| body.spacing).collect(),
-            dimensions: model.dimensions.count(),
-            thickness: facet_thickness(model),
         };
         let space = Space { dimensions: model.dimensions, symmetry: &model.symmetry, periodic: &model.periodic };
-        let thickness = all.thickness;
+        let thickness = facet_thickness(model);
         for body in &model.bodies {
             all.add_body(&Near { space, pattern: pattern(model, body), shape: &body.shape, thickness });
         }
@@ -160,47 +144,6 @@ impl ReferenceFacets {
         self.facets.len()
     }
 
-    /// Faces of the cell of a particle that are exposed at the start: bit `k` for face `k`.
-    pub fn exposed(&self, id: u32) -> u32 {
-        self.of(id).iter().fold(0, |faces, facet| faces | 1 << facet.side)
-    }
-
-    /// Number of faces of a cell.
-    pub fn faces(&self) -> usize {
-        2 * self.dimensions
-    }
-
-    /// From the particle of a body with this number to where the next one is across a face of its cell, in the initial configuration, m.
-    pub fn across(&self, body: usize, id: u32, face: usize) -> Vector<f64> {
-        let frame = match &self.frames[body] {
-            Frames::Common(frame) => *frame,
-            Frames::Each(frames) => frames[(id - self.first[body]) as usize],
-        };
-        let edge = if face.is_multiple_of(2) { -self.edge[body] } else { self.edge[body] };
-        frame[face / 2].map(|c| edge * c)
-    }
-
-    /// The facet of a face of the cell of a particle that was not exposed at the start: that of a cube.
-    pub fn inner(&self, body: usize, id: u32, face: usize) -> CellFacet {
-        let along = |face: usize| self.across(body, id, face);
-        let (axis, b, c) = (face / 2, (face / 2 + 1) % 3, (face / 2 + 2) % 3);
-        let outward = along(face);
-        let place = |sides: [f64; 2]| -> Vector<f64> {
-            let beside = |axis: usize| if axis < self.dimensions { along(2 * axis + 1) } else { [0.0; 3] };
-            let (b, c) = (beside(b), beside(c));
-            std::array::from_fn(|k| 0.5 * (outward[k] + sides[0] * b[k] + sides[1] * c[k]))
-        };
-        let sides: &[[f64; 2]] = match (self.dimensions, axis) {
-            (3, _) => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
-            (2, 0) => &[[-1.0, 0.0], [1.0, 0.0]],
-            (2, _) => &[[0.0, -1.0], [0.0, 1.0]],
-            _ => &[],
-        };
-        let corners = sides.iter().map(|sides| place(*sides)).collect();
-        let normal = outward.map(|c| c / self.edge[body]);
-        CellFacet::new(face as u8, corners, outward.map(|c| 0.5 * c), normal, [[0.0; 3]; 3], self.thickness)
-    }
-
     /// Those of the particle with this number that are exposed at the start.
     pub fn of(&self, id: u32) -> &[CellFacet] {
         &self.facets[self.range(id)]
@@ -216,18 +159,12 @@ impl ReferenceFacets {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let of_each = |frames: &Frames| match frames {
-            Frames::Common(_) => 0,
-            Frames::Each(frames) => size_of::<Tensor<f64>>() * frames.capacity(),
-        };
-        let frames: usize = self.frames.iter().map(of_each).sum();
-        4 * self.starts.capacity() + size_of::<CellFacet>() * self.facets.capacity() + frames
+        4 * self.starts.capacity() + size_of::<CellFacet>() * self.facets.capacity()
     }
 
     fn add_body(&mut self, near: &Near<'_>) {
         let Near { space, pattern, shape, .. } = near;
         self.first.push(self.starts.len() as u32 - 1);
-        let mut frames = Vec::new();
         let mut sites = Sites::new(pattern.spacing);
         pattern.for_each_cell(shape, |site, _, _| {
             if near.surface(site, 3.0) {
@@ -235,11 +172,6 @@ impl ReferenceFacets {
             }
         });
         pattern.for_each_cell(shape, |site, _, cell| {
-            match cell {
-                Cell::Brick { frame, .. } if frames.is_empty() => frames.push(frame),
-                Cell::Brick { .. } => {}
-                Cell::Sector { frame, .. } => frames.push(frame),
-            }
             if near.surface(site, 2.0) {
                 let exposed: [bool; FACES] = std::array::from_fn(|face| {
                     let across = cell.across(site, face, space.dimensions);
@@ -254,12 +186,6 @@ impl ReferenceFacets {
                 }
             }
             self.starts.push(self.facets.len() as u32);
-        });
-        let unturned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        self.frames.push(match frames.len() {
-            0 => Frames::Common(unturned),
-            1 => Frames::Common(frames[0]),
-            _ => Frames::Each(frames),
         });
     }
 }

@@ -350,9 +350,6 @@ columns! {
     pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Tensor[Contact], None;
 
-    // Bit k: face k of the cell.
-    pub(crate) open_faces: u32 = 0, Cells,
-        Internal("", "faces of the cell that are exposed since the body came apart"), Same[Search], None;
     pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Cells,
         Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;
     // A row for each axis of the cell: along the first edge of the facet and square to it, m, and the stiffness, N/m.
@@ -375,11 +372,6 @@ columns! {
 }
 
 impl Particles {
-    /// Body and number of a particle, and the faces of its cell that are exposed since its body came apart.
-    pub(crate) fn cell(&self, i: usize) -> (u32, u32, u32) {
-        (self.body[i], self.id[i], self.open_faces[i])
-    }
-
     /// Index and distance, m, of the particle nearest to a point, of one body if given; of several as near the one with the least id.
     pub fn nearest(&self, point: Vector<f64>, body: Option<usize>) -> Option<(usize, f64)> {
         self.nearest_squared(point, body).map(|(i, squared)| (i, squared.sqrt()))

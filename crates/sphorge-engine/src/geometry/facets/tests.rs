@@ -31,15 +31,7 @@ fn facets(
     let lattice = Lattice { arrangement, placement: LatticePlacement::CellCentres };
     let pattern = Pattern { dimensions, spacing: 1.0, density: 1.0, lattice };
     let near = Near { space: Space { dimensions, symmetry, periodic: &[None; 3] }, pattern, shape, thickness: 1.0 };
-    let mut all = ReferenceFacets {
-        starts: vec![0],
-        facets: Vec::new(),
-        frames: Vec::new(),
-        first: Vec::new(),
-        edge: vec![1.0],
-        dimensions: dimensions.count(),
-        thickness: 1.0,
-    };
+    let mut all = ReferenceFacets { starts: vec![0], facets: Vec::new(), first: Vec::new(), edge: vec![1.0] };
     all.add_body(&near);
     let mut placed = Vec::new();
     let mut id = 0;
@@ -191,30 +183,4 @@ fn rows_of_a_hexagonal_lattice_leave_no_gaps_in_a_face() {
     let all = facets(&cuboid([0.0; 3], [20.0, 12.0, 0.0]), Dimensions::PlaneStrain, Arrangement::Hexagonal, &[]);
     let share = total(&all) / 64.0;
     assert!((share - 1.0).abs() < 0.02, "{share}");
-}
-
-#[test]
-fn faces_inside_a_body_are_those_of_cubes_that_fill_it() {
-    let along = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let turned = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]];
-    let cases = [(Dimensions::One, 2, along), (Dimensions::PlaneStrain, 4, turned), (Dimensions::Three, 6, turned)];
-    for (dimensions, faces, frame) in cases {
-        let all = ReferenceFacets {
-            starts: vec![0],
-            facets: Vec::new(),
-            frames: vec![Frames::Common(frame)],
-            first: vec![0],
-            edge: vec![2.0],
-            dimensions: dimensions.count(),
-            thickness: 2.0,
-        };
-        assert_eq!(all.faces(), faces);
-        for face in 0..faces {
-            let CellFacet { side, facet } = all.inner(0, 0, face);
-            assert_eq!(usize::from(side), face);
-            assert!((facet.area() - 4.0).abs() < 1e-12 && (facet.depth - 1.0).abs() < 1e-12, "{facet:?}");
-            let across = all.across(0, 0, face);
-            assert!((0..3).all(|k| (across[k] - 2.0 * facet.normal[k]).abs() < 1e-12));
-        }
-    }
 }
