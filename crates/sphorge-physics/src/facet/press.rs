@@ -107,7 +107,7 @@ pub struct FacetPress<T> {
     pub moment_b: Tensor<T>,
     /// Integral of the pressure over the common polygon, N (N/m), never negative: the normal force that friction is limited by.
     pub normal_force: T,
-    /// Area over which the pair presses, m^2 (m), zero where it does not; it grows over a millionth of the distance of the owners at touch.
+    /// Area over which the pair presses, m^2 (m), zero where it does not; it grows over a ten-millionth of the distance of the owners at touch.
     pub area: T,
     /// The same with less weight where the closure is less than a thousandth of the distance of the owners at touch: the area of
     /// damping, which so does not jump at touch.
@@ -274,8 +274,12 @@ fn stiffening<T: Real>(x: T) -> [T; 3] {
 /// Closure over `D` over which damping sets in.
 const ONSET: f64 = 1e-3;
 
-/// Closure over `D` over which a place comes to be in contact, so that the area does not jump either.
-const TOUCH: f64 = 1e-6;
+/// Closure over `D` over which a place comes to be in contact, so that the area does not jump either: so little that friction has its stiffness
+/// under small loads (a steel block of 10 mm closes 2e-9 under its own weight, and bounces over as much), and more than what is rounded.
+#[inline(always)]
+fn touch<T: Elementary>() -> T {
+    T::of(1e-7).max(T::of(8.0) * T::epsilon())
+}
 
 /// Share of the facet's area below which there is no common polygon.
 const NOTHING: f64 = 1e-12;
@@ -562,7 +566,7 @@ impl<T: Elementary> Surfaces<T> {
             energy,
             pressure,
             stiffness: law.stiffness * stiffness,
-            closed: (closure / (T::of(TOUCH) * depth)).min(T::one()),
+            closed: (closure / (touch::<T>() * depth)).min(T::one()),
             damped: (closure / (T::of(ONSET) * depth)).min(T::one()),
             gradient,
             by_depth: (energy + energy - pressure * closure) / depth,

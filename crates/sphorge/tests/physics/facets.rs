@@ -118,12 +118,16 @@ fn blocks_bounce_with_their_energy_and_their_spin() {
     }
 }
 
-/// A block on a slope of 30 degrees, with a thousand times the weight.
-fn on_slope(friction: &str, steps_until: f64) -> (Simulation, f64) {
-    let gravity = "[\"4905 m/s^2\", \"-8495.709 m/s^2\"]";
+/// Acceleration along a slope of 30 degrees, and towards it, m/s^2.
+const SLOPE: [f64; 2] = [4.905, -8.495709];
+
+/// A block on this slope, with so many times its weight.
+fn on_slope(friction: &str, weights: f64, steps_until: f64) -> (Simulation, f64) {
+    let [along, towards] = SLOPE.map(|g| weights * g);
+    let gravity = format!("[\"{along} m/s^2\", \"{towards} m/s^2\"]");
     // The load comes at once: damping ends the bounce.
     let contact = format!("{{ penalty = {{ friction = {friction}, damping = 1.0 }} }}");
-    let overrides = [("gravity", gravity), ("contact", contact.as_str()), ("numerics.precision", "double")];
+    let overrides = [("gravity", gravity.as_str()), ("contact", contact.as_str()), ("numerics.precision", "double")];
     let text = format!(
         "{BLOCKS}\n[[region]]\nname = \"base\"\nbody = \"lower\"\n[[motion]]\nregion = \"base\"\nvelocity = [\"0 m/s\", \"0 m/s\"]\n"
     );
@@ -137,9 +141,9 @@ fn on_slope(friction: &str, steps_until: f64) -> (Simulation, f64) {
 #[test]
 fn a_block_slides_down_a_slope_by_the_law_of_coulomb() {
     let end = 200e-6;
-    let (simulation, speed) = on_slope("0.3", end);
+    let (simulation, speed) = on_slope("0.3", 1e3, end);
     // The block is let go without weight on the slope; the load is there after a few of its oscillations.
-    let expected = (4905.0 - 0.3 * 8495.709) * end;
+    let expected = 1e3 * (SLOPE[0] + 0.3 * SLOPE[1]) * end;
     assert!((speed / expected - 1.0).abs() < 0.02, "{speed} of {expected}");
     let ledger = simulation.ledger().unwrap();
     // Heat is what the weight does on the way less what became motion and went elsewhere.
@@ -148,6 +152,19 @@ fn a_block_slides_down_a_slope_by_the_law_of_coulomb() {
     let elsewhere = energies.kinetic + energies.elastic + contact.stored_energy + contact.damping_work;
     let expected = ledger.external_work - elsewhere - ledger.viscous_energy;
     assert!((contact.friction_work / expected - 1.0).abs() < 0.01, "{contact:?} of {expected}");
+}
+
+#[test]
+fn a_block_slides_down_a_slope_under_its_own_weight() {
+    // It closes some 1e-9 of a spacing, over which friction must have its stiffness. While it still bounces, at first, it is held less.
+    let half = 500e-6;
+    let (mut simulation, early) = on_slope("0.3", 1.0, half);
+    run_to(&mut simulation, 2.0 * half);
+    let ledger = simulation.ledger().unwrap();
+    let gained = ledger.bodies[0].momentum[0] / ledger.bodies[0].mass - early;
+    let expected = (SLOPE[0] + 0.3 * SLOPE[1]) * half;
+    assert!((gained / expected - 1.0).abs() < 0.01, "{gained} of {expected}");
+    assert!((early / expected - 1.0).abs() < 0.1, "{early} of {expected}");
 }
 
 #[test]
