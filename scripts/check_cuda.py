@@ -3,7 +3,7 @@
 
 usage: check_cuda.py FOLDER [ARCHITECTURE]      needs: pip install nvidia-cuda-nvrtc nvidia-cuda-nvcc (13.0)
 
-FOLDER has *.cu, in folders of decks. Fails if one does not compile, or spills registers.
+FOLDER has *.cu, in folders of decks. Fails if one does not compile, or spills registers that it may not.
 """
 
 import ctypes
@@ -15,6 +15,9 @@ from pathlib import Path
 
 # Of a multiprocessor of compute capability 9.0: registers, and threads at most.
 REGISTERS, THREADS, BLOCK = 65536, 2048, 64
+# Bytes that may be spilled, stores and loads together. The contact at facets clips quadrilaterals of two bodies against each other: their corners do not fit
+# the 255 registers that a thread can have. Of all kernels of a step it alone runs over the particles of surfaces only.
+MAY_SPILL = {"press_facets": 2560, "press_facets_renewed": 2560}
 OPTIONS = [b"--fmad=false", b"--prec-div=false", b"--prec-sqrt=false"]
 
 
@@ -53,7 +56,7 @@ def main():
     if not kernels:
         sys.exit(f"no kernels in {folder}")
     spilled = []
-    print(f"{'deck':<14}{'kernel':<18}{'registers':>10}{'spilled':>9}{'occupancy':>11}")
+    print(f"{'deck':<22}{'kernel':<32}{'registers':>10}{'spilled':>9}{'occupancy':>11}")
     for path in kernels:
         with tempfile.NamedTemporaryFile(suffix=".ptx") as file:
             file.write(ptx(nvrtc, path, architecture))
@@ -63,8 +66,8 @@ def main():
         registers = int(re.search(r"Used (\d+) registers", told)[1])
         spills = sum(map(int, re.findall(r"(\d+) bytes spill", told)))
         fit = min(THREADS, REGISTERS // (-(-registers // 8) * 8 * BLOCK) * BLOCK)
-        print(f"{path.parent.name:<14}{path.stem:<18}{registers:>10}{spills:>9}{fit / THREADS:>11.0%}")
-        if spills:
+        print(f"{path.parent.name:<22}{path.stem:<32}{registers:>10}{spills:>9}{fit / THREADS:>11.0%}")
+        if spills > MAY_SPILL.get(path.stem, 0):
             spilled.append(path)
     if spilled:
         sys.exit("registers are spilled: " + ", ".join(map(str, spilled)))
