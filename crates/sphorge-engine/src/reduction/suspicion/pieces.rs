@@ -31,20 +31,36 @@ impl Pieces {
         if any && reach > 0.0 && reach.is_finite() {
             let mut grid = CellGrid::default();
             grid.sort(position, reach);
-            for i in (0..p.len()).filter(|&i| is_whole(i)) {
-                for (begin, end) in grid.runs_around(&position[i]) {
-                    // Each pair once.
-                    for j in grid.order()[begin..end]
-                        .iter()
-                        .map(|&j| j as usize)
-                        .filter(|&j| j < i && p.body[j] == p.body[i])
-                    {
-                        let (a, b) = (pieces.root(i), pieces.root(j));
-                        let h = p.smoothing_length[i].max(p.smoothing_length[j]);
-                        let squared = || (0..3).map(|a| (position[i][a] - position[j][a]).powi(2)).sum::<f64>();
-                        // Most are together already.
-                        if a != b && squared() < (support * h).powi(2) {
-                            pieces.piece[a.max(b)] = a.min(b) as u32;
+            let within = |i: usize, j: usize| {
+                let h = p.smoothing_length[i].max(p.smoothing_length[j]);
+                (0..3).map(|a| (position[i][a] - position[j][a]).powi(2)).sum::<f64>() < (support * h).powi(2)
+            };
+            // The fewest pieces there can be, one of each body that may not come apart: where one neighbour of each row of cells has
+            // joined all to as few, none of the others needs to be looked at.
+            let whole = || (0..p.len()).filter(|&i| is_whole(i));
+            let fewest = (0..model.bodies.len() as u32).filter(|body| whole().any(|i| p.body[i] == *body)).count();
+            let mut count = whole().count();
+            'search: for only_first in [true, false] {
+                for i in whole() {
+                    for (begin, end) in grid.runs_around(&position[i]) {
+                        // Each pair once.
+                        let before = grid.order()[begin..end].iter().map(|&j| j as usize);
+                        for j in before.filter(|&j| j < i && p.body[j] == p.body[i]) {
+                            let (a, b) = (pieces.root(i), pieces.root(j));
+                            // Most are together already.
+                            if a != b {
+                                if !within(i, j) {
+                                    continue;
+                                }
+                                pieces.piece[a.max(b)] = a.min(b) as u32;
+                                count -= 1;
+                                if count == fewest {
+                                    break 'search;
+                                }
+                            }
+                            if only_first {
+                                break;
+                            }
                         }
                     }
                 }

@@ -327,6 +327,43 @@ fn a_zone_of_pairs_in_tension_tears_and_nothing_else_does() {
 }
 
 #[test]
+fn pieces_are_those_of_all_pairs() {
+    let model = model(vec![material("linear"), material("linear")]);
+    let mut random = 1u64;
+    let mut next = |below: u64| {
+        random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (random >> 33) % below
+    };
+    // From sparse dust, in which nearly all are alone, to one piece.
+    for width in [6, 12, 18, 24, 40, 90] {
+        let places: Vec<_> =
+            (0..150).map(|_| [next(10 * width) as f64 / 10.0, next(10 * width) as f64 / 10.0]).collect();
+        let mut p = particles(&places);
+        p.smoothing_length.fill(1.2);
+        p.body = (0..150).map(|_| next(2) as u32).collect();
+        p.material.clone_from(&p.body);
+        let mut piece: Vec<usize> = (0..150).collect();
+        for _ in 0..150 {
+            for (i, j) in (0..150).flat_map(|i| (0..150).map(move |j| (i, j))) {
+                let [x, y] = [0, 1].map(|a| p.position[i][a] - p.position[j][a]);
+                if p.body[i] == p.body[j] && x.hypot(y) < 2.4 {
+                    piece[i] = piece[i].min(piece[j]);
+                }
+            }
+        }
+        let of_body = |body: u32| {
+            let size = |of: usize| piece.iter().filter(|piece| **piece == of).count() as u64;
+            let sizes = (0..150).filter(|&i| p.body[i] == body && piece[i] == i).map(size);
+            let particles = p.body.iter().filter(|of| **of == body).count() as u64;
+            (particles, particles - sizes.max().unwrap())
+        };
+        let found = find(Suspicion::Apart, &model, &p);
+        let found = [0, 1].map(|body| (found[body].particles, found[body].suspects));
+        assert_eq!(found, [of_body(0), of_body(1)], "{width}");
+    }
+}
+
+#[test]
 fn only_particles_of_one_body_that_choose_each_other_pair() {
     let model = model(vec![material("linear"), material("linear")]);
     let mut p = particles(&[[0.0, 0.0], [0.4, 0.0], [9.0, 0.0], [9.4, 0.0]]);
