@@ -6,6 +6,7 @@
 //! difference sum ignores it and loops need no masks.
 
 use crate::persist::{Archive, ArchiveError, persist_pieces_or_none, require};
+use rayon::prelude::*;
 
 /// Rows in a block.
 pub const BLOCK: usize = 128;
@@ -38,6 +39,20 @@ impl NeighborList {
     pub fn resize(&mut self, particles: usize) {
         self.blocks.resize_with(particles.div_ceil(BLOCK), Block::default);
         self.changes += 1;
+    }
+
+    /// Rows of `particles` particles, each from what `row` adds to the empty list that it is given, on all threads.
+    pub fn fill(&mut self, particles: usize, row: impl Fn(usize, &mut Vec<u32>) + Sync) {
+        self.resize(particles);
+        self.blocks_mut().par_iter_mut().enumerate().for_each_init(Vec::new, |neighbors, (b, block)| {
+            block.clear();
+            for i in b * BLOCK..particles.min((b + 1) * BLOCK) {
+                neighbors.clear();
+                row(i, neighbors);
+                block.push_all(neighbors);
+                block.end_row(i as u32);
+            }
+        });
     }
 
     /// The blocks, particle `i` in block `i / BLOCK`.
@@ -105,6 +120,12 @@ impl Block {
     pub fn push(&mut self, j: u32) {
         self.room(1)[0] = j;
         self.used += 1;
+    }
+
+    /// Adds several neighbours to the row being written.
+    fn push_all(&mut self, neighbors: &[u32]) {
+        self.room(neighbors.len())[..neighbors.len()].copy_from_slice(neighbors);
+        self.used += neighbors.len();
     }
 
     /// Ends the row of particle `own` and pads it.
@@ -313,6 +334,29 @@ impl NeighborList {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_that_are_filled_together_are_those_filled_one_by_one() {
+        // More than one block, rows of every length around that of a SIMD vector, none among them.
+        let row = |i: usize| (0..(7 * i % 40) as u32).map(|k| k + i as u32).collect::<Vec<u32>>();
+        let count = 2 * BLOCK + 3;
+        let (mut filled, mut pushed) = (NeighborList::default(), NeighborList::default());
+        filled.fill(count, |i, neighbors| neighbors.extend(row(i)));
+        pushed.resize(count);
+        for (b, block) in pushed.blocks_mut().iter_mut().enumerate() {
+            block.clear();
+            for i in b * BLOCK..count.min((b + 1) * BLOCK) {
+                row(i).into_iter().for_each(|j| block.push(j));
+                block.end_row(i as u32);
+            }
+        }
+        assert_eq!(filled.pairs(), pushed.pairs());
+        for i in 0..count {
+            assert_eq!(filled.row(i), pushed.row(i), "{i}");
+            let padded = |list: &NeighborList| list.blocks()[i / BLOCK].padded_row(i % BLOCK, PAD).to_vec();
+            assert_eq!(padded(&filled), padded(&pushed), "{i}");
+        }
+    }
 
     #[test]
     fn a_row_is_replaced_in_its_place_or_the_block_is_rebuilt() {

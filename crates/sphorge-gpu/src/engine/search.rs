@@ -4,7 +4,7 @@ use super::columns::Group;
 use super::kernels::audit;
 use super::kernels::images::Planes;
 use super::kernels::kept::{
-    HIGH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS, follows, keeps_distances,
+    HIGH, LENGTH, LONGEST, LONGEST_ROW, LOW, MARKED_ROWS, THINNEST_SKIN, WAYS, follows, keeps_distances,
 };
 use super::kernels::limits::CHUNK;
 use super::kernels::reduce::{self, Together};
@@ -12,7 +12,7 @@ use super::ranks::has_images;
 use super::snapshot::read;
 use super::{GpuEngine, Stage, failure};
 use sphorge_engine::model::{AdaptiveSearch, Search};
-use sphorge_engine::neighbors::{BLOCK, NeighborList};
+use sphorge_engine::neighbors::NeighborList;
 use sphorge_engine::persist::{Archive, ArchiveError, Persist};
 use sphorge_engine::{Audit, ContactCandidates, RunFailure, SearchReport, SearchedMaterial, audit_of};
 use sphorge_physics::Vector;
@@ -165,22 +165,32 @@ impl GpuEngine {
 
     /// The lists of the particles of all ranks, without images.
     fn lists_of_all(&self) -> Result<NeighborList, RunFailure> {
+        let mut list = NeighborList::default();
+        let without_images = |entries: &mut dyn Iterator<Item = u32>, row: &mut Vec<u32>| {
+            let neighbors = entries.map(Planes::split).filter(|(_, image)| *image == 0);
+            row.extend(neighbors.map(|(j, _)| j as u32));
+        };
+        if self.domain.is_none() {
+            let (kept, rows) =
+                (read(&self.card, &self.columns, Group::Kept)?, read(&self.card, &self.columns, Group::Rows)?);
+            let (stride, lengths) = (self.stride, &rows[LENGTH * self.stride..]);
+            list.fill(self.initial.len(), |i, row| {
+                let mut entries = (0..lengths[i] as usize).map(|k| kept[k * stride + i].to_bits());
+                without_images(&mut entries, row);
+            });
+            return Ok(list);
+        }
         let own = self.kept_entries()?;
         let lengths = self.of_all_ranks(&own.iter().map(Vec::len).collect::<Vec<usize>>())?;
         let entries = self.joined_of_ranks(&own.concat())?;
-        let mut list = NeighborList::default();
-        list.resize(lengths.len());
-        let mut rest = &entries[..];
-        for (b, block) in list.blocks_mut().iter_mut().enumerate() {
-            block.clear();
-            for (i, length) in lengths.iter().enumerate().skip(b * BLOCK).take(BLOCK) {
-                let (row, behind) = rest.split_at(*length);
-                rest = behind;
-                let neighbors = row.iter().map(|entry| Planes::split(*entry)).filter(|(_, image)| *image == 0);
-                neighbors.for_each(|(j, _)| block.push(j as u32));
-                block.end_row(i as u32);
-            }
-        }
+        let mut starts = vec![0];
+        starts.extend(lengths.iter().scan(0, |end, length| {
+            *end += length;
+            Some(*end)
+        }));
+        list.fill(lengths.len(), |i, row| {
+            without_images(&mut entries[starts[i]..starts[i + 1]].iter().copied(), row);
+        });
         Ok(list)
     }
 

@@ -350,7 +350,7 @@ impl Fragments {
             for &j in list.row(k) {
                 let j = seen.point(j);
                 // Those already joined, as most are, need not be examined again.
-                if j < i && self.of[i] != self.of[j] && is_held(seen, i, j, support) {
+                if j < i && self.root(i as u32) != self.root(j as u32) && is_held(seen, i, j, support) {
                     self.join(i as u32, j as u32);
                 }
             }
