@@ -2,10 +2,12 @@
 
 use super::library::Versions;
 use cudarc::nvrtc::{result, sys};
+use std::collections::HashMap;
 use std::ffi::{CStr, CString};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// What code is made for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Architecture {
     /// This card.
     Own(i32),
@@ -61,8 +63,25 @@ impl Drop for Program {
     }
 }
 
+/// Machine code by the architecture and the text that it is of.
+type Known = Mutex<HashMap<(Architecture, String), Arc<Vec<u8>>>>;
+
+/// What this process has compiled: engines that follow one another mostly have the same kernels.
+static KNOWN: LazyLock<Known> = LazyLock::new(Known::default);
+
 /// Machine code of a text, or what the compiler has against it.
-pub(super) fn compile(name: &str, text: &str, architecture: &Architecture) -> Result<Vec<u8>, String> {
+pub(super) fn compile(name: &str, text: &str, architecture: &Architecture) -> Result<Arc<Vec<u8>>, String> {
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let key = (architecture.clone(), text.to_owned());
+    if let Some(code) = known().get(&key) {
+        return Ok(code.clone());
+    }
+    let code = Arc::new(compile_anew(name, text, architecture)?);
+    known().insert(key, code.clone());
+    Ok(code)
+}
+
+fn compile_anew(name: &str, text: &str, architecture: &Architecture) -> Result<Vec<u8>, String> {
     let source = CString::new(text).map_err(|error| error.to_string())?;
     let file = CString::new(format!("{name}.cu")).map_err(|error| error.to_string())?;
     let program = Program(result::create_program(&source, Some(&file)).map_err(|error| error.to_string())?);

@@ -3,7 +3,11 @@
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys::{self, CUcontext, CUdevice, CUdeviceptr, CUevent, CUfunction, CUmodule, CUstream};
 use std::ffi::{CString, c_void};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Blocks of page-locked memory that are kept for the next copy: taking and returning one makes the driver wait, and a
+/// history row and the frame beside it need two.
+const KEPT_BLOCKS: usize = 2;
 
 /// A context with the one stream everything goes through.
 #[derive(Debug)]
@@ -11,6 +15,14 @@ pub(super) struct Context {
     device: CUdevice,
     context: CUcontext,
     stream: CUstream,
+    page_locked: Mutex<Vec<PageLocked>>,
+}
+
+/// Page-locked memory of the driver.
+#[derive(Debug)]
+struct PageLocked {
+    pointer: *mut u8,
+    bytes: usize,
 }
 
 // SAFETY: the driver's handles may be used on every thread on which the context is current; `enter` makes it so before each use.
@@ -22,7 +34,7 @@ impl Context {
     pub(super) fn new(device: CUdevice) -> Result<Arc<Self>, DriverError> {
         // SAFETY: the device is one the driver has given; the context is given back when this is dropped.
         let context = unsafe { result::primary_ctx::retain(device) }?;
-        let mut new = Self { device, context, stream: std::ptr::null_mut() };
+        let mut new = Self { device, context, stream: std::ptr::null_mut(), page_locked: Mutex::default() };
         new.enter()?;
         // Nobody else waits for it.
         new.stream = result::stream::create(result::stream::StreamKind::NonBlocking)?;
@@ -42,6 +54,31 @@ impl Context {
         unsafe { result::stream::synchronize(self.stream) }
     }
 
+    /// Page-locked memory of at least so many bytes, a kept block if one is large enough and not far too large.
+    fn page_locked(&self, bytes: usize) -> Option<PageLocked> {
+        let mut kept = self.page_locked.lock().unwrap_or_else(PoisonError::into_inner);
+        let fits = |of: &PageLocked| (bytes..=bytes.saturating_mul(4)).contains(&of.bytes);
+        if let Some(k) = kept.iter().position(fits) {
+            return Some(kept.swap_remove(k));
+        }
+        drop(kept);
+        // SAFETY: freed in `put_back` or when this is dropped.
+        let pointer = unsafe { result::malloc_host(bytes, 0) }.ok()?;
+        Some(PageLocked { pointer: pointer.cast(), bytes })
+    }
+
+    /// Keeps memory to which no copy is under way for the next one that needs some; what is too much is freed.
+    fn put_back(&self, memory: PageLocked) {
+        let mut kept = self.page_locked.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.push(memory);
+        if kept.len() > KEPT_BLOCKS {
+            let oldest = kept.remove(0);
+            drop(kept);
+            // SAFETY: taken in `page_locked`, and nobody has it.
+            let _ = unsafe { result::free_host(oldest.pointer.cast()) };
+        }
+    }
+
     /// Free and all memory of the card, bytes.
     pub(super) fn memory(&self) -> Result<(usize, usize), DriverError> {
         self.enter()?;
@@ -53,6 +90,10 @@ impl Drop for Context {
     fn drop(&mut self) {
         // There is nobody to tell of a card that is lost by now.
         let _ = self.enter();
+        for memory in self.page_locked.get_mut().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            // SAFETY: taken in `page_locked`, and nobody has it.
+            let _ = unsafe { result::free_host(memory.pointer.cast()) };
+        }
         if !self.stream.is_null() {
             // SAFETY: made in `new`, and nothing that uses it is left: blocks and modules hold the context.
             let _ = unsafe { result::stream::destroy(self.stream) };
@@ -114,9 +155,9 @@ impl Block {
 #[derive(Debug)]
 pub(super) struct HostCopy {
     context: Arc<Context>,
-    pointer: *mut u8,
-    bytes: usize,
-    /// How many of them copies were queued for.
+    /// None once it has been given back.
+    memory: Option<PageLocked>,
+    /// How many of its bytes copies were queued for.
     filled: usize,
     /// When all of it is there.
     done: Option<Event>,
@@ -129,17 +170,17 @@ impl HostCopy {
     /// Room for so many bytes, more than none; none where there is no page-locked memory for it.
     pub(super) fn room(context: &Arc<Context>, bytes: usize) -> Result<Option<Self>, DriverError> {
         context.enter()?;
-        // SAFETY: freed when the copy is dropped.
-        let Ok(pointer) = (unsafe { result::malloc_host(bytes, 0) }) else { return Ok(None) };
-        Ok(Some(Self { context: context.clone(), pointer: pointer.cast(), bytes, filled: 0, done: None }))
+        let new = |memory| Self { context: context.clone(), memory: Some(memory), filled: 0, done: None };
+        Ok(context.page_locked(bytes).map(new))
     }
 
     /// Queues a copy of the first bytes of a block behind everything that was asked for, as far as there is room.
     pub(super) fn add(&mut self, block: &Block, bytes: usize) -> Result<(), DriverError> {
         self.context.enter()?;
-        let bytes = bytes.min(block.bytes).min(self.bytes - self.filled);
-        // SAFETY: within the room, and nobody else has it. It is freed when the driver has written it.
-        let target = unsafe { std::slice::from_raw_parts_mut(self.pointer.add(self.filled), bytes) };
+        let Some(memory) = &self.memory else { return Ok(()) };
+        let bytes = bytes.min(block.bytes).min(memory.bytes - self.filled);
+        // SAFETY: within the room, and nobody else has it. It is given back when the driver has written it.
+        let target = unsafe { std::slice::from_raw_parts_mut(memory.pointer.add(self.filled), bytes) };
         self.filled += bytes;
         // SAFETY: within the block, and the target is page-locked and stays until the copy is done.
         unsafe { result::memcpy_dtoh_async(target, block.pointer, self.context.stream) }
@@ -157,9 +198,10 @@ impl HostCopy {
             Some(done) => done.wait()?,
             None => self.context.wait()?,
         }
+        let Some(memory) = &self.memory else { return Ok(()) };
         let length = into.len().min(self.filled);
         // SAFETY: so many were asked for, and the driver has written them.
-        into[..length].copy_from_slice(unsafe { std::slice::from_raw_parts(self.pointer, length) });
+        into[..length].copy_from_slice(unsafe { std::slice::from_raw_parts(memory.pointer, length) });
         Ok(())
     }
 }
@@ -171,9 +213,11 @@ impl Drop for HostCopy {
             Some(done) => done.wait().is_ok(),
             None => self.context.wait().is_ok(),
         };
-        if is_done && self.context.enter().is_ok() {
-            // SAFETY: taken in `room`, and no copy to it is under way.
-            let _ = unsafe { result::free_host(self.pointer.cast()) };
+        if is_done
+            && self.context.enter().is_ok()
+            && let Some(memory) = self.memory.take()
+        {
+            self.context.put_back(memory);
         }
     }
 }
