@@ -120,7 +120,7 @@ tests() {
     # Of a software renderer the laws and two whole runs.
     local only=()
     [ $small = 0 ] || only=(laws the_leapfrog a_melt)
-    # In several processes, since NVIDIA's compiler takes one kernel of a process at a time; each takes every n-th test.
+    # In several processes, whose compilers do not wait for one another; each takes every n-th test.
     local shards k names
     shards=$((($(nproc) + 1) / 2))
     for ((k = 0; k < shards; k++)); do
