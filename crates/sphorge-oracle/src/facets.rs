@@ -8,7 +8,7 @@ use sphorge_engine::model::{BodyContact, Model};
 use sphorge_physics::conduction::friction_share;
 use sphorge_physics::facet::{
     Facet, FacetMaterial, FacetPairLaw, FacetPress, FacetSlip, FacetStrength, FrictionShare, Partner, ReferenceFacet,
-    SlipDrive, friction_force, moment_of_torn, press, slip_after, stress_of_moment,
+    SlipDrive, edges_reversed, friction_force, moment_of_torn, press, slip_after, stress_of_moment,
 };
 use sphorge_physics::tensor::{dot, multiply};
 use sphorge_physics::time_step::oscillator_limit;
@@ -130,6 +130,7 @@ fn reflected(facet: &Facet<f64>, image: &Image) -> Facet<f64> {
         middle: image.vector(facet.middle),
         normal: image.vector(facet.normal),
         curvature: SymmetricTensor::symmetric_part(&curvature),
+        free: if image.is_mirrored() { edges_reversed(facet.free) } else { facet.free },
         ..*facet
     }
 }

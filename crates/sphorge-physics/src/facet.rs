@@ -33,9 +33,11 @@
 
 mod clip;
 mod friction;
+mod lap;
 mod limit;
 mod press;
 mod segment;
+mod spread;
 mod torn;
 
 pub use friction::{FacetSlip, FrictionShare, SlipDrive, damp_sliding, friction_force, slip_after};
@@ -68,6 +70,15 @@ pub struct ReferenceFacet<T> {
     pub curvature: SymmetricTensor<T>,
     /// Distance of the owner from the plane, m.
     pub depth: T,
+    /// One for each edge, from a corner to the next, at which the body ends in another face of the same cell that looks elsewhere; zero for one at which
+    /// its surface goes on.
+    pub free: [T; 4],
+}
+
+/// What belongs to the edges of four corners, for the same corners the other way round, `[b, a, d, c]` for `[a, b, c, d]`.
+#[inline(always)]
+pub fn edges_reversed<V>([ab, bc, cd, da]: [V; 4]) -> [V; 4] {
+    [ab, da, cd, bc]
 }
 
 impl<T: Real> ReferenceFacet<T> {
@@ -75,7 +86,8 @@ impl<T: Real> ReferenceFacet<T> {
     pub fn flat(corners: [Vector<T>; 4], normal: Vector<T>) -> Self {
         let quarter = T::of(0.25);
         let middle = [0, 1, 2].map(|a| quarter * (corners[0][a] + corners[1][a] + (corners[2][a] + corners[3][a])));
-        Self { corners, middle, normal, curvature: SymmetricTensor::zero(), depth: dot(middle, normal) }
+        let free = [T::zero(); 4];
+        Self { corners, middle, normal, curvature: SymmetricTensor::zero(), depth: dot(middle, normal), free }
     }
 
     /// A flat facet in the plane, of unit thickness, between two ends (m, from the owner); its outward normal is to the right of the way from
@@ -126,6 +138,8 @@ pub struct Facet<T> {
     pub depth: T,
     /// Area, m^2; m in the plane.
     pub area: T,
+    /// [`ReferenceFacet::free`].
+    pub free: [T; 4],
 }
 
 impl<T: Real> Facet<T> {
@@ -143,6 +157,7 @@ impl<T: Real> Facet<T> {
             curvature: reference.curvature.congruence(&transpose(&back)),
             depth: reference.depth / length,
             area: reference.area() * determinant(f) * length,
+            free: reference.free,
         }
     }
 
@@ -161,6 +176,7 @@ impl<T: Real> Facet<T> {
             curvature: SymmetricTensor::zero(),
             depth: zero,
             area: zero,
+            free: [zero; 4],
         }
     }
 
@@ -182,6 +198,7 @@ impl<T: Real> Facet<T> {
             curvature: SymmetricTensor::zero(),
             depth,
             area: flat.area().max(zero),
+            free: [zero; 4],
         }
     }
 }
@@ -195,7 +212,7 @@ pub fn stress_of_moment<T: Real>(moment: &Tensor<T>, f: &Tensor<T>) -> Tensor<T>
 impl<T: Real> Numbers<T> for Facet<T> {
     #[inline(always)]
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
-        let Self { owner, corners, middle, normal, curvature, depth, area } = self;
+        let Self { owner, corners, middle, normal, curvature, depth, area, free } = self;
         owner.each(visit);
         corners.each(visit);
         middle.each(visit);
@@ -203,6 +220,7 @@ impl<T: Real> Numbers<T> for Facet<T> {
         curvature.each(visit);
         visit(depth);
         visit(area);
+        free.each(visit);
     }
 }
 

@@ -20,8 +20,8 @@ use crate::particles::Particles;
 use rayon::prelude::*;
 use sphorge_physics::contact::ContactStrength;
 use sphorge_physics::facet::{
-    Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, friction_force,
-    moment_of_torn, press, slip_after, stress_of_moment,
+    Facet, FacetPairLaw, FacetPress, FacetSlip, FrictionShare, Partner, ReferenceFacet, SlipDrive, edges_reversed,
+    friction_force, moment_of_torn, press, slip_after, stress_of_moment,
 };
 use sphorge_physics::gradient_correction::corrected;
 use sphorge_physics::kernel::{Kernel, pair_smoothing_length};
@@ -311,6 +311,7 @@ impl FacetContacts {
             curvature: SymmetricTensor::zero(),
             depth: 0.0,
             area: 0.0,
+            free: [0.0; 4],
         };
         self.now.clear();
         self.now.resize(self.sources.len(), none);
@@ -620,6 +621,7 @@ fn mirrored(facet: &ReferenceFacet<f64>, source: &Source) -> ReferenceFacet<f64>
         normal: turned(facet.normal),
         curvature: facet.curvature.congruence(&mirror),
         depth: facet.depth,
+        free: if source.is_reversed() { edges_reversed(facet.free) } else { facet.free },
     }
 }
 

@@ -29,6 +29,10 @@ const FACING: f64 = 0.1;
 const ONE_SURFACE: f64 = 0.95;
 /// Distance from a surface, in spacings, that is rounding.
 const ON_SURFACE: f64 = 1e-6;
+/// Cosine between the normals of two faces of a cell below which an edge between them is one of the body.
+const ELSEWHERE: f64 = 0.5;
+/// Distance of an edge from the plane of a face that begins there, in spacings.
+const BESIDE: f64 = 0.25;
 /// Facets smaller than this share of the face of a cube are left out.
 const SMALLEST: f64 = 1e-6;
 
@@ -81,7 +85,7 @@ impl CellFacet {
             corners.rotate_left((k + 2) % 4);
         }
         let curvature = SymmetricTensor::symmetric_part(&curvature);
-        let facet = ReferenceFacet { corners, middle, normal, curvature, depth: dot(middle, normal) };
+        let facet = ReferenceFacet { corners, middle, normal, curvature, depth: dot(middle, normal), free: [0.0; 4] };
         // Anticlockwise as seen from outside.
         let facet = if facet.area() < 0.0 { ReferenceFacet { corners: reversed(corners), ..facet } } else { facet };
         Self { side, facet }
@@ -178,15 +182,32 @@ impl ReferenceFacets {
                     across.is_some_and(|place| !space.folded(place).iter().any(|place| sites.has(*place)))
                 });
                 let is_missing = |place| !space.folded(place).iter().any(|place| sites.has(*place));
+                let first = self.facets.len();
                 for face in (0..FACES).filter(|&face| exposed[face]) {
                     for part in 0..cell.parts(face) {
                         let of_cell = cell.face(site, (face, part), exposed, space.dimensions);
                         self.facets.extend(near.facet(site, &of_cell, &cell, is_missing));
                     }
                 }
+                find_free_edges(&mut self.facets[first..], pattern.spacing);
             }
             self.starts.push(self.facets.len() as u32);
         });
+    }
+}
+
+/// Marks the edges of the facets of a cell at which another one of the cell begins that looks elsewhere.
+fn find_free_edges(facets: &mut [CellFacet], spacing: f64) {
+    let planes: Vec<(Vector<f64>, f64)> = facets.iter().map(|of| (of.facet.normal, of.facet.depth)).collect();
+    for CellFacet { facet, .. } in facets {
+        for k in 0..4 {
+            let (from, to) = (facet.corners[k], facet.corners[(k + 1) % 4]);
+            let middle = std::array::from_fn(|a| 0.5 * (from[a] + to[a]));
+            let begins = |(normal, depth): &(Vector<f64>, f64)| {
+                dot(*normal, facet.normal) < ELSEWHERE && (dot(middle, *normal) - depth).abs() < BESIDE * spacing
+            };
+            facet.free[k] = f64::from(u8::from(from != to && planes.iter().any(begins)));
+        }
     }
 }
 

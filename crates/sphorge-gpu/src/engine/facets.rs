@@ -41,6 +41,7 @@ fn numbers(facets: &[CellFacet]) -> Vec<f32> {
         numbers.extend(facet.corners.as_flattened());
         numbers.extend(facet.middle.into_iter().chain(facet.normal).chain(facet.curvature.to_array()));
         numbers.extend([facet.depth, f64::from(*side), parts_before as f64]);
+        numbers.extend(facet.free);
     }
     numbers.into_iter().map(|number: f64| number as f32).collect()
 }

@@ -37,7 +37,7 @@ impl<T: Real> Numbers<T> for Line<T> {
     }
 }
 
-/// A vertex and the edge from there to the next one. Of slots with the same vertex the last has the edge.
+/// A vertex and the edge from there to the next one. Edges between slots with the same vertex have no length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex<T> {
     pub place: Place<T>,
@@ -49,17 +49,6 @@ impl<T: Real> Numbers<T> for Vertex<T> {
     fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
         self.place.each(visit);
         self.edge.each(visit);
-    }
-}
-
-impl<T: Real> Vertex<T> {
-    /// Zero for the same vertex with the same edge.
-    #[inline(always)]
-    pub(super) fn distance(&self, other: &Self) -> T {
-        let far = |a: Place<T>, b: Place<T>| (a[0] - b[0]).abs() + (a[1] - b[1]).abs();
-        far(self.place, other.place)
-            + far(self.edge.tangent, other.edge.tangent)
-            + (self.edge.owner - other.edge.owner).abs()
     }
 }
 
@@ -78,7 +67,7 @@ fn choose<T: Real>(a: T, b: T, then: Vertex<T>, otherwise: Vertex<T>) -> Vertex<
 
 /// Unit vector and length from one place to another; the unit vector is zero where there is no length.
 #[inline(always)]
-fn tangent<T: Real>(from: Place<T>, to: Place<T>) -> (Place<T>, T) {
+pub(super) fn tangent<T: Real>(from: Place<T>, to: Place<T>) -> (Place<T>, T) {
     let way = difference(to, from);
     let length = along(way, way).sqrt();
     let unit = |c: T| T::select_lt(T::zero(), length, c / length, T::zero());

@@ -1,6 +1,8 @@
 //! Energy, force and moments of a pair of facets.
 
 use super::clip::{Line, Place, Vertex, along, clip, difference, polygon, turn};
+use super::lap::{Lap, Lapped};
+use super::spread::{NODES, Spread};
 use super::{Facet, cross};
 use crate::tensor::{apply, dot};
 use crate::time_step::oscillator_limit;
@@ -265,7 +267,7 @@ const STIFFEST: f64 = 0.8;
 #[inline(always)]
 fn stiffening<T: Real>(x: T) -> [T; 3] {
     let (one, half) = (T::one(), T::of(0.5));
-    let (x, beyond) = (x.max(T::zero()).min(T::of(STIFFEST)), (x - T::of(STIFFEST)).max(T::zero()));
+    let (x, beyond) = (x.min(T::of(STIFFEST)), (x - T::of(STIFFEST)).max(T::zero()));
     let left = one / (one - x);
     let [energy, pressure, stiffness] = [half * x * x * left, x * (one - half * x) * left * left, left * left * left];
     [energy + beyond * (pressure + half * beyond * stiffness), pressure + beyond * stiffness, stiffness]
@@ -450,9 +452,6 @@ impl<T: Real> EdgeMoments<T> {
 /// Slots of the common polygon: four corners, one more for each edge of the other facet, one for the line where both planes meet.
 const SLOTS: usize = 9;
 
-/// Slots that are enough for most pairs.
-const FEW: usize = 5;
-
 /// What a pair of facets stores, and the exact derivative of it. For a given pair of owners always call it in the same order: in the other one
 /// the result differs in the last bits, and coincident edges belong to `a`.
 #[inline]
@@ -500,7 +499,8 @@ fn press_facing<T: Elementary>(
     let outline_a = [3, 2, 1, 0].map(|k: usize| project(from_a(a.corners[k])));
     let outline_b = b.corners.map(|arm| project(from_b(arm)));
     let surfaces = Surfaces { a: surface_a, b: surface_b, partner };
-    let press = || surfaces.clip_and_press(outline_a, outline_b, (a, b), between, law, (m, opening, &t), cosine);
+    let frame = Frame { m, opening, t, edge, length };
+    let press = || surfaces.clip_and_press(outline_a, outline_b, (a, b), between, law, &frame, cosine);
     T::if_lt(surfaces.clearance(&outline_a, &outline_b), T::zero(), press, FacetPress::none)
 }
 
@@ -532,6 +532,18 @@ fn bent<T: Real>(curvature: &SymmetricTensor<T>) -> T {
     curvature.to_array().iter().fold(T::zero(), |sum, c| sum + c.abs())
 }
 
+/// The plane of projection.
+struct Frame<T> {
+    /// Unit normal, and how far both unit normals of the facets are from each other.
+    m: Vector<T>,
+    opening: T,
+    /// Axes; the first along the first edge of `a`.
+    t: [Vector<T>; 2],
+    /// That edge, and its length in the plane.
+    edge: Vector<T>,
+    length: T,
+}
+
 struct Surfaces<T> {
     a: Surface<T>,
     b: Surface<T>,
@@ -541,7 +553,10 @@ struct Surfaces<T> {
 /// The quadrature at a place.
 struct At<T> {
     energy: T,
+    /// Derivative by how far the surfaces are behind each other; by the closure that this leaves; by the lap.
     pressure: T,
+    by_closure: T,
+    by_lap: T,
     stiffness: T,
     closed: T,
     /// Share of the damping.
@@ -554,22 +569,26 @@ struct At<T> {
 
 impl<T: Elementary> Surfaces<T> {
     #[inline(always)]
-    fn at(&self, place: Place<T>, law: &FacetPairLaw<T>, depth: T) -> At<T> {
+    fn at(&self, place: Place<T>, law: &FacetPairLaw<T>, depth: T, least: T, lap: T) -> At<T> {
         let (behind_a, slope_a) = self.a.behind(place);
         let (behind_b, slope_b) = self.b.behind(place);
         let gap = (self.a.plane(place) - self.b.plane(place)) + (behind_a + behind_b);
-        let closure = (-gap).max(T::zero());
+        let apart = (-gap).max(least);
+        let lapped = Lapped::of(apart, lap, depth);
+        let closure = lapped.closure;
         let [energy, pressure, stiffness] = stiffening(closure / depth);
         let [energy, pressure] = [law.stiffness * depth * depth * energy, law.stiffness * depth * pressure];
         let gradient = [0, 1].map(|i: usize| (self.a.slope[i] - self.b.slope[i]) + (slope_a[i] + slope_b[i]));
         At {
             energy,
-            pressure,
+            pressure: pressure * lapped.by_apart,
+            by_closure: pressure,
+            by_lap: pressure * lapped.by_lap,
             stiffness: law.stiffness * stiffness,
-            closed: (closure / (touch::<T>() * depth)).min(T::one()),
-            damped: (closure / (T::of(ONSET) * depth)).min(T::one()),
+            closed: (closure / (touch::<T>() * depth)).max(T::zero()).min(T::one()),
+            damped: (closure / (T::of(ONSET) * depth)).max(T::zero()).min(T::one()),
             gradient,
-            by_depth: (energy + energy - pressure * closure) / depth,
+            by_depth: (energy + energy - pressure * closure) / depth + pressure * lapped.by_depth,
         }
     }
 
@@ -607,7 +626,7 @@ impl<T: Elementary> Surfaces<T> {
         (a, b): (&Facet<T>, &Facet<T>),
         between: Vector<T>,
         law: &FacetPairLaw<T>,
-        (m, opening, t): (Vector<T>, T, &[Vector<T>; 2]),
+        frame: &Frame<T>,
         cosine: T,
     ) -> FacetPress<T> {
         let whole = polygon(outline_a, T::one());
@@ -629,170 +648,155 @@ impl<T: Elementary> Surfaces<T> {
         let bent = bent(&a.curvature) + bent(&b.curvature);
         let outside = common.map(|v| T::select_lt(T::zero(), bent, -T::one(), self.gap(v.place)));
         let pressed: [Vertex<T>; SLOTS] = clip(common, outside, T::zero(), meeting);
-        // Most polygons need few slots.
-        let few: [Vertex<T>; FEW] = core::array::from_fn(|k| pressed[k]);
-        T::if_lt(
-            T::zero(),
-            (FEW..SLOTS).fold(T::zero(), |most, k| most.max(pressed[k].distance(&few[FEW - 1]))),
-            || self.press(&pressed, steepest, (a, b), between, law, (m, opening, t), cosine),
-            || self.press(&few, steepest, (a, b), between, law, (m, opening, t), cosine),
-        )
-    }
-
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "what was found out about the pair on the way here")]
-    fn press<const N: usize>(
-        &self,
-        polygon: &[Vertex<T>; N],
-        steepest: T,
-        (a, b): (&Facet<T>, &Facet<T>),
-        between: Vector<T>,
-        law: &FacetPairLaw<T>,
-        (m, opening, t): (Vector<T>, T, &[Vector<T>; 2]),
-        cosine: T,
-    ) -> FacetPress<T> {
-        let reference = polygon[0].place;
+        // Where the polygon ends at that line, what its quadrature finds beyond is the continuation of a quadratic function.
+        let least = T::select_lt(T::zero(), bent, T::zero(), -T::largest());
+        let reference = pressed[0].place;
         let (mut area, mut centre) = (T::zero(), [T::zero(); 2]);
-        let half = T::of(0.5);
-        let next = |k: usize| (k + 1) % N;
-        for k in 0..N {
-            let (p, q) = (difference(polygon[k].place, reference), difference(polygon[next(k)].place, reference));
+        for k in 0..SLOTS {
+            let (p, q) = (difference(pressed[k].place, reference), difference(pressed[next(k)].place, reference));
             let twice = turn(p, q);
-            area += half * twice;
+            area += T::of(0.5) * twice;
             (0..2).for_each(|i| centre[i] += twice * (p[i] + q[i]));
         }
         T::if_lt(
             T::of(NOTHING) * a.area,
             area,
             || {
-                let centre = [0, 1].map(|i: usize| centre[i] / (T::of(6.0) * area));
-                self.press_over(polygon, steepest, (area, centre), (a, b), between, law, (m, opening, t), cosine)
+                let centre = [0, 1].map(|i: usize| reference[i] + centre[i] / (T::of(6.0) * area));
+                // In the order of the outlines.
+                let free_a = [2, 1, 0, 3].map(|edge: usize| a.free[edge]);
+                let lap = Lap::of([(&outline_a, free_a), (&outline_b, b.free)], centre);
+                self.press(&pressed, steepest, (area, centre), (a, b), between, law, frame, least, &lap, cosine)
             },
             FacetPress::none,
         )
     }
 
-    /// Energy by triangles from the centre of area to the edges, with the middles of their sides; its derivative by the vertices, by what moves them
-    /// and by what moves the surfaces.
+    /// Energy by a product of Gauss rules with three points over the rectangle that has the polygon's area, centre and second moments, so that it is exact
+    /// for quadratic functions, and nothing depends on where the polygon's edges are divided. Its derivative by the edges and by what moves the surfaces.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "what was found out about the pair on the way here")]
-    fn press_over<const N: usize>(
+    fn press(
         &self,
-        polygon: &[Vertex<T>; N],
+        polygon: &[Vertex<T>; SLOTS],
         steepest: T,
         (area, centre): (T, Place<T>),
         (a, b): (&Facet<T>, &Facet<T>),
         between: Vector<T>,
         law: &FacetPairLaw<T>,
-        (m, opening, t): (Vector<T>, T, &[Vector<T>; 2]),
+        frame: &Frame<T>,
+        least: T,
+        lap: &Lap<T>,
         cosine: T,
     ) -> FacetPress<T> {
-        let (zero, half, third) = (T::zero(), T::of(0.5), T::of(1.0 / 3.0));
-        let next = |k: usize| (k + 1) % N;
-        let before = |k: usize| (k + N - 1) % N;
+        let (zero, half) = (T::zero(), T::of(0.5));
+        let Frame { m, opening, t, edge, length } = *frame;
         let depth = a.depth + b.depth;
-        let reference = polygon[0].place;
-        let centre_place = [0, 1].map(|i: usize| reference[i] + centre[i]);
-        // From the centre to the vertices, and triangles over the edges.
-        let rays: [Place<T>; N] = core::array::from_fn(|k| difference(polygon[k].place, centre_place));
-        let triangles: [T; N] = core::array::from_fn(|k| half * turn(rays[k], rays[next(k)]));
-        let middle = |p: Place<T>, q: Place<T>| [half * (p[0] + q[0]), half * (p[1] + q[1])];
-        let mut pressure = Moments::none();
-        let mut by_vertex = [[zero; 2]; N];
-        let mut by_centre = [zero; 2];
+        // From the centre to the vertices.
+        let rays: [Place<T>; SLOTS] = core::array::from_fn(|k| difference(polygon[k].place, centre));
+        let spread = Spread::of(&rays, area);
+        let (mut pressure, mut whole) = (Moments::none(), Moments::none());
         let (mut energy, mut closed, mut damped) = (zero, zero, zero);
-        let (mut by_depth, mut stiffness) = (zero, zero);
-        let mut density = [zero; N];
-        for k in 0..N {
-            let own = polygon[k].place;
-            let side = middle(own, polygon[next(k)].place);
-            let ray = middle(own, centre_place);
-            for (place, weight, on_side) in
-                [(side, third * triangles[k], true), (ray, third * (triangles[before(k)] + triangles[k]), false)]
-            {
-                let at = self.at(place, law, depth);
+        let (mut by_depth, mut by_lap, mut stiffness) = (zero, zero, zero);
+        // Derivatives of the mean energy by the centre and, not symmetric, by the root of the second moments.
+        let mut by_centre = [zero; 2];
+        let mut by_root = [[zero; 2]; 2];
+        for (u, weight_u) in NODES {
+            for (v, weight_v) in NODES {
+                let (node, weight) = ([T::of(u), T::of(v)], T::of(weight_u * weight_v));
+                let place = [0, 1].map(|i: usize| centre[i] + along(spread.root[i], node));
+                let at = self.at(place, law, depth, least, lap.distance);
                 energy += weight * at.energy;
                 closed += weight * at.closed;
                 damped += weight * at.damped;
                 by_depth += weight * at.by_depth;
                 stiffness = stiffness.max(T::select_lt(zero, weight * at.closed, at.stiffness, zero));
                 let force = weight * at.pressure;
-                pressure.add(force, place);
+                pressure.add(area * force, place);
+                whole.add(area * weight * at.by_closure, place);
+                by_lap += weight * at.by_lap;
                 for i in 0..2 {
-                    let share = -half * force * at.gradient[i];
-                    by_vertex[k][i] += share;
-                    if on_side {
-                        by_vertex[next(k)][i] += share;
-                    } else {
-                        by_centre[i] += share;
-                    }
+                    let share = -(force * at.gradient[i]);
+                    by_centre[i] += share;
+                    (0..2).for_each(|j| by_root[i][j] += share * node[j]);
                 }
-                let mean = third * at.energy;
-                density[k] += mean;
-                if !on_side {
-                    density[before(k)] += mean;
-                }
-            }
-        }
-        for k in 0..N {
-            let (p, q) = (rays[k], rays[next(k)]);
-            let weight = half * density[k];
-            let (by_p, by_q) = ([weight * q[1], -weight * q[0]], [-weight * p[1], weight * p[0]]);
-            for i in 0..2 {
-                by_vertex[k][i] += by_p[i];
-                by_vertex[next(k)][i] += by_q[i];
-                by_centre[i] += -(by_p[i] + by_q[i]);
-            }
-        }
-        // The centre moves with the vertices.
-        let fixed = half * along(centre, by_centre);
-        for k in 0..N {
-            let (p, q) = (difference(polygon[k].place, reference), difference(polygon[next(k)].place, reference));
-            let twice = turn(p, q) / (T::of(6.0) * area);
-            let sum = [p[0] + q[0], p[1] + q[1]];
-            let weight = (along(by_centre, sum) * T::of(1.0 / 6.0) - fixed) / area;
-            let (by_p, by_q) = ([weight * q[1], -weight * q[0]], [-weight * p[1], weight * p[0]]);
-            for i in 0..2 {
-                let shared = twice * by_centre[i];
-                by_vertex[k][i] += by_p[i] + shared;
-                by_vertex[next(k)][i] += by_q[i] + shared;
             }
         }
         let mut edges = [EdgeMoments::none(); 2];
+        let by_lap = by_lap * lap.share;
+        for side in 0..2 {
+            let push = -(area * by_lap);
+            edges[side].add(lap.outward[side].map(|c| push * c), lap.feet[side]);
+            (0..2).for_each(|i| by_centre[i] -= by_lap * lap.outward[side][i]);
+        }
+        let by_second = spread.by_second(&by_root);
+        // What an edge adds to the energy where it moves outwards.
+        let level = energy - spread.contracted(&by_second);
+        let density =
+            |r: Place<T>| level + along(by_centre, r) + along([along(by_second[0], r), along(by_second[1], r)], r);
         let mut moved = pressure;
-        vertices(polygon, steepest, by_vertex, a.area, &mut moved, &mut edges);
+        let at_vertices: [T; SLOTS] = core::array::from_fn(|k| density(rays[k]));
+        for k in 0..SLOTS {
+            let (p, q) = (rays[k], rays[next(k)]);
+            let way = difference(q, p);
+            let owner = polygon[k].edge.owner;
+            let belongs = |side: T| T::select_lt(half, side * owner, T::one(), zero);
+            // The line along which the planes meet moves by the rate of the gap over its slope, as if the pressure were larger there.
+            let none = T::select_lt(owner.abs(), half, T::one(), zero);
+            let far = T::select_lt(zero, none * steepest, along(way, way).sqrt() / steepest, zero);
+            let middle = [half * (p[0] + q[0]), half * (p[1] + q[1])];
+            // Simpson's rule is exact.
+            let sixth = T::of(1.0 / 6.0);
+            for (weight, r) in [
+                (sixth * at_vertices[k], p),
+                (T::of(4.0) * sixth * density(middle), middle),
+                (sixth * at_vertices[next(k)], q),
+            ] {
+                let place = [centre[0] + r[0], centre[1] + r[1]];
+                for (facet, side) in [T::one(), -T::one()].into_iter().enumerate() {
+                    let share = -belongs(side) * weight;
+                    edges[facet].add([share * way[1], -share * way[0]], place);
+                }
+                moved.add(far * weight, place);
+            }
+        }
         T::if_lt(
             zero,
             energy,
             || {
                 let (chi, by_cosine) = facing(cosine);
-                let (force, about_a) = self.a.act(&moved, &edges[0], t, a.middle);
-                let (_, about_b) = self.b.act(&moved, &edges[1], t, b.middle);
+                let (force, about_a) = self.a.act(&moved, &edges[0], &t, a.middle);
+                let (_, about_b) = self.b.act(&moved, &edges[1], &t, b.middle);
                 let force = force.map(|f| chi * f);
                 let [mut moment_a, mut moment_b] =
                     [about_a, about_b].map(|moment| moment.map(|row| row.map(|c| chi * c)));
+                // The rectangle turns with the first edge of a.
+                let turn = chi * area * spread.by_turn(&by_root) / length;
+                for i in 0..3 {
+                    (0..3).for_each(|j| moment_a[i][j] -= turn * t[1][i] * edge[j]);
+                }
                 // m follows both normals: what is left of the torque of the forces turns it. The force on b is the opposite of that on a.
                 let (of_a, of_b, of_both) = (torque(&moment_a), torque(&moment_b), cross(between, force));
                 let left = [0, 1, 2].map(|i: usize| of_a[i] + of_b[i] - of_both[i]);
                 let turned = cross(left, m).map(|c| c / opening);
-                let facing = by_cosine * energy;
+                let facing = by_cosine * area * energy;
                 let by_normal_a = [0, 1, 2].map(|i: usize| -turned[i] - facing * b.normal[i]);
                 let by_normal_b = [0, 1, 2].map(|i: usize| turned[i] - facing * a.normal[i]);
-                add_of_normal(&mut moment_a, a, by_normal_a, chi * by_depth);
-                add_of_normal(&mut moment_b, b, by_normal_b, chi * by_depth);
-                let place = [0, 1].map(|i: usize| pressure.first[i] / pressure.sum);
+                add_of_normal(&mut moment_a, a, by_normal_a, chi * area * by_depth);
+                add_of_normal(&mut moment_b, b, by_normal_b, chi * area * by_depth);
+                let place = [0, 1].map(|i: usize| whole.first[i] / whole.sum);
                 let high =
                     (self.a.plane(place) + self.a.behind(place).0) + (self.b.plane(place) - self.b.behind(place).0);
                 let point = [0, 1, 2].map(|i: usize| half * high * m[i] + (place[0] * t[0][i] + place[1] * t[1][i]));
                 let centre_a = [0, 1, 2].map(|i: usize| a.middle[i] + point[i]);
                 FacetPress {
-                    energy: chi * energy,
+                    energy: chi * area * energy,
                     force,
                     moment_a,
                     moment_b,
-                    normal_force: chi * pressure.sum,
-                    area: chi * closed,
-                    damped_area: chi * damped,
+                    normal_force: chi * whole.sum,
+                    area: chi * area * closed,
+                    damped_area: chi * area * damped,
                     normal: m,
                     centre_a,
                     centre_b: [0, 1, 2].map(|i: usize| centre_a[i] - between[i]),
@@ -804,61 +808,11 @@ impl<T: Elementary> Surfaces<T> {
     }
 }
 
-/// Hands the derivative of the energy by the vertices to the lines that meet there. A line moves along its outward normal `nu` by `nu.u` with the velocity
-/// `u` of its facet; that along which the planes meet, by the rate of the gap over its slope, as if the pressure were larger there.
+/// The next vertex.
 #[inline(always)]
-fn vertices<T: Elementary, const N: usize>(
-    polygon: &[Vertex<T>; N],
-    steepest: T,
-    mut derivative: [Place<T>; N],
-    size: T,
-    moved: &mut Moments<T>,
-    edges: &mut [EdgeMoments<T>; 2],
-) {
-    let (zero, one, half) = (T::zero(), T::one(), T::of(0.5));
-    let next = |k: usize| (k + 1) % N;
-    let rounding = T::epsilon() * T::epsilon() * size;
-    let same: [T; N] = core::array::from_fn(|k| {
-        let way = difference(polygon[next(k)].place, polygon[k].place);
-        T::select_lt(rounding, along(way, way), zero, one)
-    });
-    // What meets in one place meets in its last slot. Twice round, since it may be at the end of the slots and at the start.
-    let mut incoming: [Line<T>; N] = core::array::from_fn(|k| polygon[(k + N - 1) % N].edge);
-    for step in 0..2 * N {
-        let (k, n) = (step % N, next(step % N));
-        let merge = |then: T, otherwise: T| T::select_lt(half, same[k], then, otherwise);
-        for i in 0..2 {
-            derivative[n][i] += merge(derivative[k][i], zero);
-            derivative[k][i] = merge(zero, derivative[k][i]);
-            incoming[n].tangent[i] = merge(incoming[k].tangent[i], incoming[n].tangent[i]);
-        }
-        incoming[n].owner = merge(incoming[k].owner, incoming[n].owner);
-    }
-    for k in 0..N {
-        let (before, after, by) = (incoming[k], polygon[k].edge, derivative[k]);
-        let sine = turn(before.tangent, after.tangent);
-        let outward = |line: &Line<T>| [line.tangent[1], -line.tangent[0]];
-        // Of lines that are one, the first takes all.
-        let parallel = T::of(PARALLEL);
-        let of_first =
-            T::select_lt(parallel, sine.abs(), -along(by, after.tangent) / sine, along(by, outward(&before)));
-        let of_second = T::select_lt(parallel, sine.abs(), along(by, before.tangent) / sine, zero);
-        for (weight, line) in [(of_first, &before), (of_second, &after)] {
-            let nu = outward(line);
-            let force = [-weight * nu[0], -weight * nu[1]];
-            let belongs = |side: T| T::select_lt(half, side * line.owner, one, zero);
-            for (facet, side) in [one, -one].into_iter().enumerate() {
-                let share = belongs(side);
-                edges[facet].add([share * force[0], share * force[1]], polygon[k].place);
-            }
-            let none = T::select_lt(line.owner.abs(), half, one, zero);
-            moved.add(T::select_lt(zero, none * steepest, weight / steepest, zero), polygon[k].place);
-        }
-    }
+fn next(k: usize) -> usize {
+    (k + 1) % SLOTS
 }
-
-/// Sine of the angle between lines below which they are one.
-const PARALLEL: f64 = 1e-12;
 
 /// Torque of a moment, `sum y x f` of `sum f (x) y`.
 #[inline(always)]

@@ -58,6 +58,103 @@ fn what_touches_at_the_start_stays_at_rest() {
     }
 }
 
+#[test]
+fn what_rests_on_edges_by_less_than_a_spacing_stays_there() {
+    // A beam on two ledges, whose sides lie beside theirs, closer to be pressed apart sideways than its particles are to each other.
+    let beam = r#"
+dimensions = "plane-strain"
+gravity = ["0 m/s^2", "-1000 m/s^2"]
+particles = { spacing = "1 mm" }
+time = { end = "1 ms" }
+
+[material.soft]
+density = "1000 kg/m^3"
+young-modulus = "1 GPa"
+poisson-ratio = 0.3
+equation-of-state = "linear"
+strength = "elastic"
+
+[[body]]
+name = "beam"
+material = "soft"
+shape = { box = { min = ["-0.5 mm", "0 mm"], max = ["12.5 mm", "6 mm"] } }
+
+[[body]]
+name = "left"
+material = "soft"
+shape = { box = { min = ["-10 mm", "-6 mm"], max = ["0 mm", "0 mm"] } }
+
+[[body]]
+name = "right"
+material = "soft"
+shape = { box = { min = ["12 mm", "-6 mm"], max = ["22 mm", "0 mm"] } }
+
+[[region]]
+name = "feet"
+shape = { box = { min = ["-11 mm", "-6 mm"], max = ["23 mm", "-5 mm"] } }
+
+[[motion]]
+region = "feet"
+velocity = ["0 m/s", "0 m/s"]
+"#;
+    for overlap in ["-0.5 mm", "-0.1 mm", "-1 mm"] {
+        let right = format!("{} mm", 12.0 - overlap.trim_end_matches(" mm").parse::<f64>().unwrap());
+        let overrides = [(
+            "body.beam.shape",
+            &*format!("{{ box = {{ min = [\"{overlap}\", 0], max = [\"{right}\", \"6 mm\"] }} }}"),
+        )];
+        let mut simulation = simulation(beam, &overrides);
+        run_to(&mut simulation, 0.3e-3);
+        // It falls by what the corners give: at a speed below that of a free fall.
+        let ledger = simulation.ledger().unwrap();
+        let mass = 1000.0 * 13.0 * 6e-6;
+        let fallen = ledger.bodies[0].energies.kinetic / (0.5 * mass * (1000.0f64 * 0.3e-3).powi(2));
+        assert!(fallen < 0.5, "{overlap}: {fallen}");
+        assert!(ledger.bodies[0].momentum[0].abs() < 1e-3 * mass, "{overlap}: {:?}", ledger.bodies[0].momentum);
+        assert!(fastest(&simulation) < 0.5, "{overlap}: {}", fastest(&simulation));
+    }
+}
+
+#[test]
+fn a_roller_on_slices_as_wide_rebounds_with_what_it_brought() {
+    // Edges of both lie along each other, and all but parallel where the roller deforms.
+    let roller = r#"
+dimensions = "3d"
+particles = { spacing = "1 mm" }
+time = { end = "30 us" }
+
+[material.steel]
+density = "7800 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+strength = "elastic"
+
+[[body]]
+name = "roller"
+material = "steel"
+shape = { cylinder = { from = ["0 mm", "0 mm", "4 mm"], to = ["2 mm", "0 mm", "4 mm"], radius = "4 mm" } }
+velocity = ["0 m/s", "3 m/s", "-20 m/s"]
+
+[[body]]
+name = "plate"
+material = "steel"
+shape = { box = { min = ["0 mm", "-5 mm", "-4 mm"], max = ["2 mm", "5 mm", "0 mm"] } }
+"#;
+    let mut simulation = simulation(roller, &[]);
+    simulation.next_step_estimate().unwrap();
+    let kinetic = simulation.ledger().unwrap().total.energies.kinetic;
+    let mut pushed = 0.0f64;
+    while simulation.time() < 15e-6 {
+        simulation.step(Some(15e-6)).unwrap();
+        let ledger = simulation.ledger().unwrap();
+        assert!(ledger.total.energies.kinetic < 1.001 * kinetic, "{:e} s", simulation.time());
+        let [x, y, z] = ledger.contacts[1].force;
+        pushed = pushed.max(z.abs());
+        assert!(x.abs().max(y.abs()) < 0.05 * z.abs() + 10.0, "{x} {y} {z}");
+    }
+    assert!(pushed > 1e3, "{pushed}");
+}
+
 /// A ring in a bore, a ball in a socket: round bodies that touch all around.
 #[test]
 fn a_rod_rests_in_its_sleeve() {

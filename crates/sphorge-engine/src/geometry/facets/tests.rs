@@ -77,6 +77,37 @@ fn faces_of_a_box_lie_where_the_deck_says() {
     assert!(ends.len() == 2 && ends[0] == (0.0, -1.0) && (ends[1].0 - 5.3).abs() < 1e-12, "{ends:?}");
 }
 
+/// Length of the free edges of facets.
+fn free_length(all: &[ReferenceFacet<f64>]) -> f64 {
+    let length = |facet: &ReferenceFacet<f64>, k: usize| {
+        let (from, to) = (facet.corners[k], facet.corners[(k + 1) % 4]);
+        (0..3).map(|a| (to[a] - from[a]).powi(2)).sum::<f64>().sqrt()
+    };
+    all.iter().flat_map(|facet| (0..4).map(move |k| facet.free[k] * length(facet, k))).sum()
+}
+
+#[test]
+fn edges_are_free_where_the_body_has_an_edge() {
+    // Of a box each edge is that of two faces; where a plane of symmetry is, there is none.
+    let whole = cuboid([0.0; 3], [2.0, 3.0, 4.0]);
+    let (three, square) = (Dimensions::Three, Arrangement::Square);
+    let length = free_length(&facets(&whole, three, square, &[]));
+    assert!((length - 8.0 * (2.0 + 3.0 + 4.0)).abs() < 1e-9, "{length}");
+    let length = free_length(&facets(&whole, three, square, &PLANES[..1]));
+    assert!((length - (8.0 * 2.0 + 4.0 * (3.0 + 4.0))).abs() < 1e-9, "{length}");
+    // A strip is a unit thick; the inner edge of an angle is no edge at which it ends.
+    let angle = composed(Operation::Union, vec![cuboid([0.0; 3], [6.0, 2.0, 0.0]), cuboid([0.0; 3], [2.0, 6.0, 0.0])]);
+    let length = free_length(&facets(&angle, Dimensions::PlaneStrain, square, &[]));
+    assert!((length - 10.0).abs() < 1e-9, "{length}");
+    // A ball has none, however it is filled; a rod those of its ends.
+    assert_eq!(free_length(&facets(&ball(6.0), three, square, &[])), 0.0);
+    let rod = shape(Solid::Cylinder { from: [0.0; 3], to: [0.0, 0.0, 4.0], radius: 5.0, inner_radius: 0.0 });
+    for arrangement in [Arrangement::Rings, square] {
+        let length = free_length(&facets(&rod, three, arrangement, &[])) / (4.0 * 2.0 * PI * 5.0);
+        assert!((0.9..1.1).contains(&length), "{arrangement:?}: {length}");
+    }
+}
+
 #[test]
 fn a_ball_of_cubes_is_round() {
     for (radius, tolerance) in [(5.0, 0.015), (10.0, 0.004)] {

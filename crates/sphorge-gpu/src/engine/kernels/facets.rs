@@ -18,7 +18,7 @@ use sphorge_engine::FacetLaws;
 use sphorge_engine::model::Model;
 use sphorge_physics::facet::{
     Facet, FacetPairLaw, FacetPress, FacetSlip, FacetStiffness, FrictionShare, Partner, ReferenceFacet, SlipDrive,
-    friction_force, moment_of_torn, press as press_of_pair, slip_after, stress_of_moment,
+    edges_reversed, friction_force, moment_of_torn, press as press_of_pair, slip_after, stress_of_moment,
 };
 use sphorge_physics::gradient_correction::corrected;
 use sphorge_physics::pair::GradientSums;
@@ -27,14 +27,15 @@ use sphorge_physics::thin::is_thin;
 use sphorge_physics::{Elementary, Numbers, Real, SymmetricTensor, Tensor, Vector};
 
 /// Numbers of a facet in [`Group::FacetTable`]: corners, middle, m, normal, curvature, 1/m, depth, m, the face of the cell
-/// that it is a part of, and how many parts of this face precede it.
-pub(in crate::engine) const FACET: usize = 27;
+/// that it is a part of, how many parts of this face precede it, and one for each of its edges that is free.
+pub(in crate::engine) const FACET: usize = 31;
 const MIDDLE: usize = 12;
 const NORMAL: usize = 15;
 const CURVATURE: usize = 18;
 const DEPTH: usize = 24;
 const FACE: usize = 25;
 const PART: usize = 26;
+const FREE: usize = 27;
 
 /// Whole numbers of a particle in [`Group::Facets`]: the first of its facets, the one behind its last, and its `id`.
 pub(in crate::engine) const FACETS: usize = 3;
@@ -116,6 +117,7 @@ impl Table {
             normal: self.vector(facet, NORMAL),
             curvature: SymmetricTensor::from_array([0, 1, 2, 3, 4, 5].map(|k| self.number(facet, CURVATURE + k))),
             depth: self.number(facet, DEPTH),
+            free: [0, 1, 2, 3].map(|edge| self.number(facet, FREE + edge)),
         }
     }
 
@@ -153,6 +155,10 @@ fn mirrored(facet: &Facet<Recorded>, image: &Image) -> Facet<Recorded> {
         middle: image.vector(facet.middle),
         normal: image.vector(facet.normal),
         curvature: image.symmetric(facet.curvature),
+        free: {
+            let reversed = edges_reversed(facet.free);
+            [0, 1, 2, 3].map(|k| Recorded::select_lt(hand, Recorded::zero(), reversed[k], facet.free[k]))
+        },
         ..*facet
     }
 }
