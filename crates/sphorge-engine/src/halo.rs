@@ -101,8 +101,8 @@ pub trait Halo: Send + Sync {
     fn count(&self) -> usize;
     /// How far outside the particles a ghost may be beyond the reach for which it was created, m.
     fn longest_shift(&self) -> f64;
-    /// Moves particles that left a periodic cell back into it; returns whether there were any.
-    fn wrap(&self, positions: &mut [Vector<f64>]) -> bool;
+    /// Moves particles that left a periodic cell back into it, and where they `started` as far; returns whether there were any.
+    fn wrap(&self, positions: &mut [Vector<f64>], started: &mut [Vector<f64>]) -> bool;
     /// Creates the ghosts of all particles within `reach` (m) of where they are needed. Returns whether they differ
     /// from the previous ones; their indices then refer to other points.
     fn rebuild(&mut self, positions: &[Vector<f64>], reach: f64) -> bool;

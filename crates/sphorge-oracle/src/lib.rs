@@ -410,6 +410,11 @@ impl Engine for Oracle {
                 self.warm_by_friction();
             }
         }
+        if dt > 0.0 {
+            for (rate, increment) in self.p.plastic_strain_rate.iter_mut().zip(&self.p.plastic_strain_increment) {
+                *rate = increment / dt;
+            }
+        }
         self.flow_heat();
         self.time = end;
         Ok(())

@@ -13,16 +13,30 @@ use crate::suggest::listed;
 use crate::unit::parse_unit;
 use crate::value::{Choice, Word};
 use sphorge_engine::model::{
-    CloudExtent, CraterEdge, Dimensions, Extremum, Measure, MeasureKind, ParticleSelection, Perforation,
+    CloudExtent, CraterEdge, Dimensions, Extremum, Formulation, Measure, MeasureKind, ParticleSelection, Perforation,
 };
-use sphorge_engine::particles::{ColumnKind, FieldInfo};
+use sphorge_engine::particles::{ColumnKind, DEFORMATION_GRADIENT, FieldInfo};
 use sphorge_physics::parameter::Bound;
 
 /// What measures can refer to.
 pub(crate) struct Scene<'a> {
     pub(crate) dimensions: Dimensions,
+    /// None if the method could not be read.
+    pub(crate) formulation: Option<Formulation>,
     pub(crate) bodies: &'a Names,
     pub(crate) regions: &'a Names,
+}
+
+impl Scene<'_> {
+    /// Refuses a field that the formulation does not know.
+    pub(crate) fn check_field(&self, field: &str, at: std::ops::Range<usize>, problems: &mut Problems) {
+        if field == DEFORMATION_GRADIENT && self.formulation == Some(Formulation::UpdatedLagrangian) {
+            let message = format!("the updated Lagrangian form does not know the field `{field}`");
+            let help =
+                "leave it out, or choose the total Lagrangian form, the default: `search = \"total-lagrangian\"`";
+            problems.push(Fault::new("unsupported-field", message, at, "here").help(help));
+        }
+    }
 }
 
 /// All measures of a deck.
@@ -89,7 +103,7 @@ fn measure(raw: &RawMeasure, scene: &Scene<'_>, problems: &mut Problems) -> Opti
         }
         Given::Value(m) => {
             let selection = read_selection(m.selection(), scene, problems);
-            let field = read_field(&m.field, m.component.as_ref(), problems);
+            let field = read_field(&m.field, m.component.as_ref(), scene, problems);
             let point = vector(&m.point, scene.dimensions, problems);
             let (field, component) = field?;
             MeasureKind::Value { selection: selection?, field: field.name.to_owned(), component, point: point? }
@@ -140,12 +154,12 @@ fn of_field(
     scene: &Scene<'_>,
     problems: &mut Problems,
 ) -> (Option<ParticleSelection>, Option<(&'static FieldInfo, Option<usize>)>) {
-    (read_selection(raw.selection(), scene, problems), read_field(&raw.field, raw.component.as_ref(), problems))
+    (read_selection(raw.selection(), scene, problems), read_field(&raw.field, raw.component.as_ref(), scene, problems))
 }
 
 fn extreme(raw: &RawExtreme, extremum: Extremum, scene: &Scene<'_>, problems: &mut Problems) -> Option<MeasureKind> {
     let selection = read_selection(raw.selection(), scene, problems);
-    let field = read_field(&raw.field, raw.component.as_ref(), problems);
+    let field = read_field(&raw.field, raw.component.as_ref(), scene, problems);
     let over_time = raw.over_time.as_ref().map_or(Some(false), |o| o.get(problems));
     let (field, component) = field?;
     Some(MeasureKind::Extreme {
@@ -159,7 +173,7 @@ fn extreme(raw: &RawExtreme, extremum: Extremum, scene: &Scene<'_>, problems: &m
 
 fn front_speed(raw: &RawFrontSpeed, scene: &Scene<'_>, problems: &mut Problems) -> Option<MeasureKind> {
     let selection = read_selection(raw.selection(), scene, problems);
-    let field = read_field(&raw.field, raw.component.as_ref(), problems);
+    let field = read_field(&raw.field, raw.component.as_ref(), scene, problems);
     let axis = read_axis(&raw.axis, scene, problems);
     let direction = raw.side.as_ref().map_or(Some(1.0), |s| s.get(problems));
     let during = match &raw.during {
@@ -252,11 +266,13 @@ fn components(kind: ColumnKind) -> &'static [&'static str] {
 fn read_field(
     given: &Choice<FieldWord>,
     component: Option<&Word>,
+    scene: &Scene<'_>,
     problems: &mut Problems,
 ) -> Option<(&'static FieldInfo, Option<usize>)> {
     let field = given.get(problems);
     let word = component.map(|c| (c.text(problems).map(str::to_owned), c.span()));
     let field = field?;
+    scene.check_field(field.name, given.span(), problems);
     let Some((name, at)) = word else { return Some((field, None)) };
     let name = name?;
     let names = components(field.kind);

@@ -22,7 +22,7 @@ use super::strategy::Strategy;
 use super::suggest::suggest;
 use super::value::{Kind, ScalarOr, VectorOf, Word};
 use sphorge_engine::model::{BodyContact, Dimensions, Formulation, Integrator, Model, Numerics, Region, Search};
-use sphorge_engine::particles::is_kept;
+use sphorge_engine::particles::{DEFORMATION_GRADIENT, is_kept};
 use std::{collections::HashMap, ops::Range};
 
 /// Where the things of a model stand in the deck, for faults found only when particles exist.
@@ -260,7 +260,8 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let motions: Vec<_> = raw.motion.iter().map(|m| boundary::motion(m, &region_names, dimensions, problems)).collect();
     let contact = contact::contact(raw.contact.as_ref(), strategy.map(|s| s.formulation), raw.body.len(), problems);
     let gravity = raw.gravity.as_ref().map_or(Some([0.0; 3]), |g| vector(g, dimensions, problems));
-    let scene = measure::Scene { dimensions, bodies: &body_names, regions: &region_names };
+    let formulation = strategy.map(|strategy| strategy.formulation);
+    let scene = measure::Scene { dimensions, formulation, bodies: &body_names, regions: &region_names };
     let measures = measure::measures(&raw.measure, &scene, problems);
     let tracers = observed::tracers(&raw.tracer, &scene, problems);
     let sections = observed::sections(&raw.section, &scene, problems);
@@ -304,9 +305,17 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
     let mut notes = materials.notes().to_vec();
     let catalogue_notes = materials.catalogue_notes().to_vec();
     notes.extend(dropped);
-    let (materials, mut output) = (materials.into_materials(), output?);
+    let (materials, formulation, mut output) = (materials.into_materials(), strategy?.formulation, output?);
     if raw.output.fields.is_none() {
-        output.fields.retain(|field| is_kept(field, &materials));
+        output.fields.retain(|field| is_kept(field, formulation, &materials));
+    } else if !matches!(formulation, Formulation::TotalLagrangian { .. }) {
+        let listed = output.fields.len();
+        output.fields.retain(|field| field != DEFORMATION_GRADIENT);
+        if output.fields.len() < listed {
+            notes.push(format!(
+                "the updated Lagrangian form does not know the field `{DEFORMATION_GRADIENT}`, which is left out"
+            ));
+        }
     }
     let model = Model {
         title: title?,
@@ -314,7 +323,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         dimensions,
         spacing: spacing?,
         numerics: numerics?,
-        formulation: strategy?.formulation,
+        formulation,
         search: search?,
         audit: audit?,
         time: time?,

@@ -52,7 +52,11 @@ fn tracer(raw: &RawTracer, scene: &Scene<'_>, problems: &mut Problems) -> Option
                         .help("leave `fields` out for the default ones"),
                 );
             }
-            listed_fields(given, problems)
+            let fields = listed_fields(given, problems);
+            for (name, given) in fields.iter().flatten().zip(given) {
+                scene.check_field(name, given.span(), problems);
+            }
+            fields
         }
         None => {
             let usual = defaults::TRACER_FIELDS.iter().filter(|field| **field != "position" || is_fixed != Some(true));

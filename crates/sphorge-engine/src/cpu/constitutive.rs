@@ -613,6 +613,16 @@ impl<T: PairScalar> CpuEngine<T> {
         by_flow && self.heat.is_none() && self.particles.friction_heat.is_empty()
     }
 
+    /// Sets the rates of plastic strain of the step.
+    pub(super) fn know_flow_rates(&mut self) {
+        let dt = self.step.dt;
+        if dt > 0.0 {
+            let Particles { plastic_strain_rate, plastic_strain_increment, .. } = &mut self.particles;
+            let particles = plastic_strain_rate.par_iter_mut().zip(&*plastic_strain_increment);
+            particles.with_min_len(BLOCK).for_each(|(rate, increment)| *rate = increment / dt);
+        }
+    }
+
     /// Adds the strain of the step to the strain that the adaptive search looks at: with plain gradients only the
     /// plastic strain, since the first pair sum adds the corrected strain.
     pub(super) fn accumulate_strain(&mut self) {

@@ -30,6 +30,7 @@ pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
 pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bool, is_initial: bool) {
     let wanted = [
         (Owner::Step, true),
+        (Owner::Start, true),
         (Owner::Correction, is_corrected),
         (Owner::AdaptiveSearch, matches!(model.search, Search::Adaptive(_))),
         (Owner::PredictorCorrector, model.numerics.integrator == Integrator::PredictorCorrector),
@@ -46,6 +47,7 @@ pub(super) fn columns(model: &Model, particles: &mut Particles, is_corrected: bo
     for (owner, _) in wanted.into_iter().filter(|(_, wanted)| *wanted) {
         particles.allocate(owner);
     }
+    particles.initial_position.clone_from(&particles.position);
     particles.evaluated_velocity.clone_from(&particles.velocity);
     particles.motion = Motions::assign(model, particles);
     if matches!(model.search, Search::Adaptive(_)) {

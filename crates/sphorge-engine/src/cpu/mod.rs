@@ -442,6 +442,7 @@ impl<T: PairScalar> Engine for CpuEngine<T> {
             }
         }
         self.accumulate_strain();
+        self.know_flow_rates();
         self.flow_heat()?;
         self.step.time += self.step.dt;
         Ok(())

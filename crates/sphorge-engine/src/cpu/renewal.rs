@@ -73,7 +73,7 @@ impl<T: PairScalar> CpuEngine<T> {
             *apart |= due;
         }
         p.allocate(Owner::Renewal);
-        self.ghosts.halo.wrap(&mut p.position);
+        self.ghosts.halo.wrap(&mut p.position, &mut p.initial_position);
         let of_now = (&p.body, (&p.position, &p.velocity), &p.mass, &p.density);
         let reference = (&mut p.reference_position, &mut p.reference_volume, &mut p.earlier_deformation);
         let springs = (&mut p.yielded_stretch, &mut p.spring_misfit, &mut p.spring_moment);

@@ -246,13 +246,17 @@ impl Halo for Images {
         self.periodic.iter().flatten().fold(0.0, |longest: f64, (low, high)| longest.max(high - low))
     }
 
-    fn wrap(&self, positions: &mut [Vector<f64>]) -> bool {
+    fn wrap(&self, positions: &mut [Vector<f64>], started: &mut [Vector<f64>]) -> bool {
         let mut left = false;
         for (axis, cell) in self.periodic.iter().enumerate() {
             let Some((low, high)) = *cell else { continue };
-            for p in positions.iter_mut() {
+            for (i, p) in positions.iter_mut().enumerate() {
                 if p[axis] < low || p[axis] >= high {
-                    p[axis] = low + (p[axis] - low).rem_euclid(high - low);
+                    let inside = low + (p[axis] - low).rem_euclid(high - low);
+                    if let Some(start) = started.get_mut(i) {
+                        start[axis] += inside - p[axis];
+                    }
+                    p[axis] = inside;
                     left = true;
                 }
             }
@@ -449,8 +453,11 @@ mod tests {
     fn periodic_copies_and_wrapping() {
         let mut halo = Images { periodic: [Some((1.0, 3.0)), None, None], ..Images::default() };
         let mut p = [[3.25, 0.0, 0.0], [0.5, 0.0, 0.0], [2.0, 0.0, 0.0]];
-        assert!(halo.wrap(&mut p) && !halo.wrap(&mut p));
+        let mut started = [[2.0, 0.0, 0.0]; 3];
+        assert!(halo.wrap(&mut p, &mut started) && !halo.wrap(&mut p, &mut started));
         assert_eq!(p, [[1.25, 0.0, 0.0], [2.5, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+        // The way from the start stays what it was.
+        assert_eq!(started, [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
         assert!(halo.rebuild(&p, 0.6));
         let mut images = vec![[0.0; 3]; halo.count()];
         fill(&halo, GhostColumn::Point(&p, &mut images));

@@ -109,8 +109,8 @@ impl Halo for Remote {
         self.planes.longest_shift()
     }
 
-    fn wrap(&self, positions: &mut [Vector<f64>]) -> bool {
-        self.planes.wrap(positions)
+    fn wrap(&self, positions: &mut [Vector<f64>], started: &mut [Vector<f64>]) -> bool {
+        self.planes.wrap(positions, started)
     }
 
     /// The ghosts follow from the rows, which are searched among the particles of all ranks.

@@ -3,8 +3,8 @@
 use super::history::{all_declared, declared, kept_by};
 use super::table::{Access, COLUMNS};
 use super::{Column, ColumnKind, Particles};
-use crate::model::Material;
-use sphorge_physics::{Real, SymmetricTensor, Tensor};
+use crate::model::{Formulation, Material};
+use sphorge_physics::{Real, SymmetricTensor, Tensor, tensor};
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
@@ -24,7 +24,17 @@ pub struct FieldInfo {
 }
 
 /// Derived fields, each with the stored one it stands behind in lists.
-const DERIVED: [(&str, FieldInfo); 4] = [
+const DERIVED: [(&str, FieldInfo); 7] = [
+    (
+        "position",
+        FieldInfo {
+            name: "displacement",
+            unit: "m",
+            kind: ColumnKind::Vector,
+            default_output: false,
+            meaning: "way from the position at the start",
+        },
+    ),
     (
         "velocity",
         FieldInfo {
@@ -56,6 +66,26 @@ const DERIVED: [(&str, FieldInfo); 4] = [
         },
     ),
     (
+        "deviator",
+        FieldInfo {
+            name: "triaxiality",
+            unit: "",
+            kind: ColumnKind::Scalar,
+            default_output: false,
+            meaning: "mean stress over von Mises stress, positive in tension; zero without von Mises stress",
+        },
+    ),
+    (
+        "velocity_gradient",
+        FieldInfo {
+            name: DEFORMATION_GRADIENT,
+            unit: "",
+            kind: ColumnKind::Tensor,
+            default_output: true,
+            meaning: "deformation gradient F from the start; total Lagrangian form only",
+        },
+    ),
+    (
         "velocity_gradient",
         FieldInfo {
             name: "equivalent_strain_rate",
@@ -66,6 +96,9 @@ const DERIVED: [(&str, FieldInfo); 4] = [
         },
     ),
 ];
+
+/// Field of the deformation gradient, which the total Lagrangian form alone knows.
+pub const DEFORMATION_GRADIENT: &str = "deformation_gradient";
 
 /// All fields a user can name.
 pub static FIELDS: LazyLock<Vec<FieldInfo>> = LazyLock::new(|| {
@@ -94,8 +127,12 @@ pub static FIELDS: LazyLock<Vec<FieldInfo>> = LazyLock::new(|| {
     fields
 });
 
-/// Whether a field is more than its initial value for bodies of these materials: all are but histories that none of their laws keeps.
-pub fn is_kept(field: &str, materials: &[Material]) -> bool {
+/// Whether a field is more than its initial value in this formulation for bodies of these materials: all are but the deformation
+/// gradient of the updated Lagrangian form and histories that none of their laws keeps.
+pub fn is_kept(field: &str, formulation: Formulation, materials: &[Material]) -> bool {
+    if field == DEFORMATION_GRADIENT && !matches!(formulation, Formulation::TotalLagrangian { .. }) {
+        return false;
+    }
     let keeps = |material: &Material| kept_by(material).any(|variable| variable.name == field);
     declared(field).is_none() || materials.iter().any(keeps)
 }
@@ -111,7 +148,9 @@ pub fn stored_behind(field: &str) -> Vec<&str> {
         "speed" => vec!["velocity"],
         "von_mises_stress" => vec!["deviator"],
         "equivalent_strain_rate" => vec!["velocity_gradient"],
-        "stress" => vec!["deviator", "pressure"],
+        "stress" | "triaxiality" => vec!["deviator", "pressure"],
+        "displacement" => vec!["position", "initial_position"],
+        DEFORMATION_GRADIENT => vec!["deformation", "earlier_deformation"],
         _ => vec![field],
     }
 }
@@ -127,10 +166,27 @@ impl Particles {
             "stress" => Some(Column::Symmetric(Cow::Owned(
                 (0..self.len()).map(|i| self.deviator[i] - SymmetricTensor::isotropic(self.pressure[i])).collect(),
             ))),
+            "triaxiality" => scalar(&|i| triaxiality(self.pressure[i], self.deviator[i].von_mises())),
+            "displacement" => {
+                // Nothing has moved before there is an engine.
+                let from = |i: usize| self.initial_position.get(i).unwrap_or(&self.position[i]);
+                let way = |i: usize| std::array::from_fn(|k| self.position[i][k] - from(i)[k]);
+                Some(Column::Vector(Cow::Owned((0..self.len()).map(way).collect())))
+            }
+            DEFORMATION_GRADIENT => {
+                let part = |of: &[Tensor<f64>], i: usize| of.get(i).copied().unwrap_or(tensor::identity());
+                let whole = |i| tensor::multiply(&part(&self.deformation, i), &part(&self.earlier_deformation, i));
+                Some(Column::Tensor(Cow::Owned((0..self.len()).map(whole).collect())))
+            }
             // What no law of the model keeps stays as it would start.
             _ => self.stored(name).or_else(|| declared(name).and_then(|variable| scalar(&|_| variable.initial))),
         }
     }
+}
+
+/// Mean stress over von Mises stress; zero without the latter.
+fn triaxiality(pressure: f64, von_mises: f64) -> f64 {
+    if von_mises > 0.0 { -pressure / von_mises } else { 0.0 }
 }
 
 /// `sqrt(2/3 D' : D')` of a velocity gradient, 1/s (Patiño et al., Equation 27): that of plastic strain where elastic rates are small.
@@ -161,12 +217,45 @@ mod tests {
         particles.deviator = vec![SymmetricTensor { xx: 5e6, yy: -3e6, zz: -2e6, xy: 1e6, xz: -4e6, yz: 7e6 }];
         particles.pressure = vec![9e6];
         particles.velocity_gradient = vec![[[1.0, 2.0, 3.0], [4.0, -5.0, 6.0], [7.0, 8.0, -9.0]]];
+        particles.position = vec![[1.0, 2.0, 3.0]];
+        particles.initial_position = vec![[0.5, 2.5, 1.0]];
+        particles.deformation = vec![[[2.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]]];
+        particles.earlier_deformation = vec![[[1.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
         for field in FIELDS.iter().map(|field| field.name) {
             let of_all = format!("{:?}", particles.column(field));
             let alone = particles.with_fields(&stored_behind(field)).unwrap();
             assert_eq!(format!("{:?}", alone.column(field)), of_all, "{field}");
         }
         assert_ne!(particles.column("von_mises_stress").unwrap().component(0, 0), 0.0);
+    }
+
+    #[test]
+    fn displacement_and_deformation_are_from_the_start() {
+        let mut particles = Particles::new(1);
+        particles.position = vec![[1.0, 2.0, 3.0]];
+        let components = |particles: &Particles, field: &str| {
+            let column = particles.column(field).unwrap();
+            (0..column.kind().width()).map(|k| column.component(0, k)).collect::<Vec<_>>()
+        };
+        assert_eq!(components(&particles, "displacement"), [0.0; 3]);
+        assert_eq!(components(&particles, DEFORMATION_GRADIENT), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        particles.initial_position = vec![[0.5, 2.5, 1.0]];
+        assert_eq!(components(&particles, "displacement"), [0.5, -0.5, 2.0]);
+        // A shear by 3 along y, then another configuration: stretched by 2 and sheared by 0.5 along x.
+        particles.deformation = vec![[[2.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]]];
+        particles.earlier_deformation = vec![[[1.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 1.0]]];
+        assert_eq!(components(&particles, DEFORMATION_GRADIENT), [3.5, 0.5, 0.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.5]);
+    }
+
+    #[test]
+    fn triaxiality_is_positive_in_tension_and_nothing_without_stress() {
+        let mut particles = Particles::new(2);
+        // 3 MPa of tension along x: a third.
+        particles.deviator[0] = SymmetricTensor { xx: 2e6, yy: -1e6, zz: -1e6, xy: 0.0, yz: 0.0, xz: 0.0 };
+        particles.pressure = vec![-1e6, 5e6];
+        let triaxiality = particles.column("triaxiality").unwrap();
+        assert!((triaxiality.component(0, 0) - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!(triaxiality.component(1, 0), 0.0);
     }
 
     #[test]

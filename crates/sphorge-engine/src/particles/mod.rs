@@ -8,7 +8,7 @@ mod table;
 mod value;
 
 pub use column::{Column, ColumnKind};
-pub use fields::{FIELDS, FieldInfo, equivalent_strain_rate, find_field, is_kept, stored_behind};
+pub use fields::{DEFORMATION_GRADIENT, FIELDS, FieldInfo, equivalent_strain_rate, find_field, is_kept, stored_behind};
 pub use history::{History, HistoryVariables};
 pub use permutation::Permutation;
 pub use table::{Access, COLUMNS, Check, ColumnInfo, Owner, Particles};

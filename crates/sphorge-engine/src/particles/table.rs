@@ -42,6 +42,8 @@ pub enum Owner {
     Reference,
     /// Its renewal; there from the first on.
     Renewal,
+    /// Where particles started.
+    Start,
 }
 
 /// Who may name a field.
@@ -264,6 +266,8 @@ columns! {
     pub plastic_strain: f64 = 0.0, State, Written("", "accumulated equivalent plastic strain"), Same[Stress], None;
     pub plastic_strain_increment: f64 = 0.0, State, OnRequest("", "plastic strain added in the last step"),
         Unmirrored[], None;
+    pub plastic_strain_rate: f64 = 0.0, State, OnRequest("1/s", "plastic strain added in the last step over its duration"),
+        Unmirrored[], None;
     pub yield_stress: f64 = 0.0, State, OnRequest("Pa", "yield stress at the end of the last step"), Same[Stress], None;
     pub plastic_work: f64 = 0.0, State, OnRequest("J/kg", "plastic work per mass"), Unmirrored[], None;
     pub neighbors: u32 = 0, State, OnRequest("", "neighbours inside the kernel support"), Unmirrored[], None;
@@ -325,7 +329,7 @@ columns! {
     pub(crate) reference_position: Vector<f64> = [0.0; 3], Reference, Internal("m", "initial position X"), Point[Search], None;
     // m² in plane strain, m in one dimension.
     pub(crate) reference_volume: f64 = 0.0, Reference, Internal("m^3", "initial volume"), Same[Search], None;
-    pub deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient F"), Tensor[Contact, Stress], None;
+    pub deformation: Tensor<f64> = UNDEFORMED, Reference, Internal("", "deformation gradient from the reference configuration"), Tensor[Contact, Stress], None;
     pub(crate) face_stress: Tensor<f64> = [[0.0; 3]; 3], Reference,
         Internal("Pa", "first Piola-Kirchhoff stress of the forces of walls and contacts, which act on faces"), Unmirrored[], None;
     pub(crate) smallest_stretch: f64 = 1.0, Reference,
@@ -349,6 +353,8 @@ columns! {
     pub(crate) contact_shift_rate: Vector<f64> = [0.0; 3], Faces, Internal("m/s", "its rate"), Vector[Contact], None;
     pub earlier_deformation: Tensor<f64> = UNDEFORMED, Renewal,
         Internal("", "deformation gradient of the reference configuration"), Tensor[Contact], None;
+    // Wrapped with the position: behind a periodic end it is a period farther.
+    pub initial_position: Vector<f64> = [0.0; 3], Start, Internal("m", "position at the start"), Unmirrored[], None;
 
     pub(crate) evaluated_gradient: Tensor<f64> = [[0.0; 3]; 3], Cells,
         Internal("1/s", "velocity gradient at which the facets of the last force sum moved"), Tensor[Contact], None;

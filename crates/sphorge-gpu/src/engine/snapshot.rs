@@ -168,6 +168,7 @@ const CHANGING: [&str; 20] = [
     "velocity_gradient",
     "plastic_strain",
     "plastic_strain_increment",
+    "plastic_strain_rate",
     "yield_stress",
     "plastic_work",
     "neighbors",
@@ -202,6 +203,8 @@ struct ColumnReader<'a> {
     /// Number of steps begun, and the step of the last full search.
     steps: u32,
     last_searched: u32,
+    /// Duration of the last step, s.
+    dt: f64,
     is_renewed: bool,
 }
 
@@ -269,6 +272,19 @@ impl ColumnReader<'_> {
                 let of = group(Group::Plastic)?;
                 scalars(&|i| of.at(2, i))
             }
+            "plastic_strain_rate" => {
+                let of = group(Group::Plastic)?;
+                scalars(&|i| if self.dt > 0.0 { of.at(2, i) / self.dt } else { 0.0 })
+            }
+            "initial_position" => {
+                // Positions stay in their periodic cells: a particle takes the short way.
+                let of = group(Group::Place)?;
+                vectors(&|a, i| {
+                    let start = self.initial.position[i][a];
+                    let period = self.model.periodic.get(a).copied().flatten().map(|(low, high)| high - low);
+                    period.map_or(start, |l| start + l * ((of.double(a, 3 + a, i) - start) / l).round())
+                })
+            }
             "yield_stress" => {
                 let of = group(Group::Plastic)?;
                 // A law that never yields has the largest number.
@@ -319,7 +335,7 @@ impl ColumnReader<'_> {
     ) -> Result<Particles, RunFailure> {
         let mut p = Particles::clone(&self.initial);
         let variables = HistoryVariables::of(&self.model).variables.into_iter().map(|variable| variable.name);
-        let deformed = ["deformation", "earlier_deformation"].into_iter();
+        let deformed = ["deformation", "earlier_deformation", "initial_position"].into_iter();
         for field in CHANGING.into_iter().chain(variables).chain(deformed) {
             if let Some(column) = self.column(field, read)? {
                 p.set_column(field, &column);
@@ -341,6 +357,7 @@ impl GpuEngine {
             stride: self.stride,
             steps: self.steps,
             last_searched,
+            dt: self.dt,
             is_renewed: self.is_renewed(),
         }
     }

@@ -158,7 +158,8 @@ impl<T: PairScalar> CpuEngine<T> {
     fn search_all(&mut self) -> Result<SearchReport, RunFailure> {
         let reach_factor = self.reach_factor();
         let ghost_reach = self.largest_reach() * self.ghost_reach_factor();
-        let wrapped = self.ghosts.halo.wrap(&mut self.particles.position);
+        let Particles { position, initial_position, .. } = &mut self.particles;
+        let wrapped = self.ghosts.halo.wrap(position, initial_position);
         let wraps = self.model.periodic.iter().any(Option::is_some);
         if self.domain.as_ref().filter(|_| wraps).map_or(Ok(wrapped), |domain| domain.any(wrapped))? {
             self.lists.searcher.forget();

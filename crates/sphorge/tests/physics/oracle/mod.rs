@@ -20,7 +20,7 @@ const SINGLE_ROUNDING: f64 = 1e-4;
 const EDGE: f64 = 3e-6;
 
 /// Fields that are compared.
-const FIELDS: [&str; 14] = [
+const FIELDS: [&str; 15] = [
     "position",
     "velocity",
     "acceleration",
@@ -32,6 +32,7 @@ const FIELDS: [&str; 14] = [
     "deviator",
     "velocity_gradient",
     "plastic_strain",
+    "plastic_strain_rate",
     "plastic_work",
     "yield_stress",
     "smoothing_length",
