@@ -32,7 +32,7 @@ pub(super) struct Curve {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chart {
     /// Name and SI unit along the page.
-    pub(super) along: (&'static str, &'static str),
+    pub(super) along: (String, String),
     pub(super) quantity: String,
     pub(super) unit: String,
     pub(super) curves: Vec<Curve>,
@@ -43,7 +43,9 @@ pub(super) struct Chart {
 }
 
 /// Time along the page.
-pub(super) const TIME: (&str, &str) = ("time", "s");
+pub(super) fn time() -> (String, String) {
+    ("time".to_owned(), "s".to_owned())
+}
 
 /// The k-th curve; where colours come round again, dashed.
 fn stroke(page: &mut Page, points: Vec<(f64, f64)>, width: f64, k: usize, marked: bool) {
@@ -108,7 +110,7 @@ impl Chart {
             let lines_below = (heading.len() - 1 - k) as f64;
             page.text((area.x, axes.y - 11.0 - LEADING * TEXT * lines_below), TEXT, Anchor::Left, line);
         }
-        let along = AxisScale::level(ends, self.along.1, axes.width, SMALL);
+        let along = AxisScale::level(ends, &self.along.1, axes.width, SMALL);
         let x = |t: f64| axes.x + along.share(t) * axes.width;
         let y = |value: f64| axes.bottom() - up.share(value) * axes.height;
         for (tick, label) in up.ticks.iter().zip(&up.labels) {
@@ -119,7 +121,7 @@ impl Chart {
             page.line((x(*tick), axes.y), (x(*tick), axes.bottom()), 1.0, GRID);
             page.text((x(*tick), axes.bottom() + 20.0), SMALL, Anchor::Centre, label);
         }
-        let (name, size) = (along.title(self.along.0), TEXT);
+        let (name, size) = (along.title(&self.along.0), TEXT);
         let half = 0.5 * text_width(&name, size);
         let middle = (axes.x + 0.5 * axes.width).min(area.right() - half).max(area.x + half);
         page.text((middle, axes.bottom() + 42.0), size, Anchor::Centre, &name);
@@ -181,7 +183,7 @@ impl Plan {
         let lines = ups.iter().map(|(chart, up)| wrap(&up.title(&chart.quantity), TEXT, width).len());
         let left = ups.iter().map(|(_, up)| widest(&up.labels, SMALL)).fold(0.0, f64::max) + GAP;
         let lasts = charts.iter().filter_map(|chart| {
-            let along = AxisScale::level(chart.ends()?, chart.along.1, width - left, SMALL);
+            let along = AxisScale::level(chart.ends()?, &chart.along.1, width - left, SMALL);
             Some(0.5 * widest(&along.labels, SMALL))
         });
         let label = lasts.fold(0.0, f64::max) + 2.0;
@@ -284,7 +286,7 @@ mod tests {
         let points: Vec<_> = values.iter().enumerate().map(|(k, value)| (1e-6 * k as f64, *value)).collect();
         let curve = |name: &&str| Curve { name: (*name).to_owned(), points: points.clone(), marked: false };
         Chart {
-            along: TIME,
+            along: time(),
             quantity: names.join(", "),
             unit: unit.into(),
             curves: names.iter().map(curve).collect(),

@@ -102,7 +102,7 @@ pub(super) fn draw_line(scene: &Scene, picture: &FieldPicture, title: &str) -> R
             walls.push(*wall);
         }
     }
-    let chart = Chart { along: ("x", "m"), quantity, unit, curves, limits: picture.range, walls };
+    let chart = Chart { along: ("x".to_owned(), "m".to_owned()), quantity, unit, curves, limits: picture.range, walls };
     page(&[chart], 1, &title, picture.size, picture.paper)
 }
 

@@ -1,8 +1,8 @@
 //! Curves of the history.
 
 use super::{
-    Paper, PlotError,
-    chart::{Chart, Curve, TIME, page},
+    ColumnsPicture, Paper, PlotError,
+    chart::{Chart, Curve, page, time},
     title::{run_title, title_of},
 };
 use crate::{
@@ -53,7 +53,7 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, paper: Paper, t
         let some: Vec<_> = curves.iter().filter(|c| size(c) > 1e-6 * largest).cloned().collect();
         let unit = columns.first().and_then(|(column, _)| table.column(column)).map(|(column, _)| column.unit.clone());
         Chart {
-            along: TIME,
+            along: time(),
             limits: None,
             walls: Vec::new(),
             quantity: quantity.into(),
@@ -105,7 +105,7 @@ pub fn plot_history(run: &RunDirectory, picture: HistoryPicture, paper: Paper, t
 /// [`plot_history`].
 pub fn plot_columns(run: &RunDirectory, columns: &[String], paper: Paper, to: &Path) -> Result<(), PlotError> {
     let title = run_title(run);
-    page(&charts(&[("", run)], columns)?, 1, &title, None, paper)?.save(to)
+    page(&of(columns).charts(&[("", run)])?, 1, &title, None, paper)?.save(to)
 }
 
 /// Draws columns of the history of several runs, under the given names, over each other: a chart for each column.
@@ -120,47 +120,15 @@ pub fn plot_columns_of_runs(
 ) -> Result<(), PlotError> {
     let runs: Vec<_> = runs.iter().map(|(name, run)| (name.as_str(), run)).collect();
     let title = title_of(&runs);
-    page(&charts(&runs, columns)?, 1, &title, None, paper)?.save(to)
+    page(&of(columns).charts(&runs)?, 1, &title, None, paper)?.save(to)
 }
 
-/// A chart for each unit of a run, or for each column of several.
-pub(super) fn charts(runs: &[(&str, &RunDirectory)], columns: &[String]) -> Result<Vec<Chart>, PlotError> {
-    let mut charts: Vec<Chart> = Vec::new();
-    for (k, (run_name, run)) in runs.iter().enumerate() {
-        let table = HistoryTable::read(run)?;
-        for name in columns {
-            let (column, _) = table.column(name).ok_or_else(|| unknown_column(&table, name))?;
-            let words = words(name);
-            let label = if run_name.is_empty() { &words } else { *run_name };
-            let Some(curve) = curve(&table, name, label) else { continue };
-            let same =
-                |chart: &&mut Chart| if runs.len() > 1 { chart.quantity == words } else { chart.unit == column.unit };
-            match charts.iter_mut().find(same) {
-                Some(chart) => {
-                    if k == 0 {
-                        chart.quantity = format!("{}, {words}", chart.quantity);
-                    }
-                    chart.curves.push(curve);
-                }
-                None => charts.push(Chart {
-                    along: TIME,
-                    quantity: words,
-                    unit: column.unit.clone(),
-                    curves: vec![curve],
-                    limits: None,
-                    walls: Vec::new(),
-                }),
-            }
-        }
-    }
-    if !charts.iter().any(Chart::has_values) {
-        return Err(PlotError::Empty { reason: "the columns contain no numbers".into() });
-    }
-    Ok(charts)
+fn of(columns: &[String]) -> ColumnsPicture {
+    ColumnsPicture { columns: columns.to_vec(), ..ColumnsPicture::default() }
 }
 
 /// A column for people.
-fn words(column: &str) -> String {
+pub(super) fn words(column: &str) -> String {
     column.trim_start_matches("measure.").replace('_', " ")
 }
 
@@ -190,7 +158,7 @@ pub fn plot_overlay(
     to: &Path,
 ) -> Result<(), PlotError> {
     let mut chart = Chart {
-        along: TIME,
+        along: time(),
         quantity: words(column),
         unit: String::new(),
         curves: Vec::new(),
@@ -212,7 +180,7 @@ pub fn plot_overlay(
     page(&[chart], 1, &title_of(&runs), None, paper)?.save(to)
 }
 
-fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
+pub(super) fn unknown_column(table: &HistoryTable, name: &str) -> PlotError {
     let available = table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
     let near = did_you_mean(names_like(name, table.columns.iter().map(|column| column.name.as_str())));
     PlotError::Column { name: name.to_owned(), near, available }

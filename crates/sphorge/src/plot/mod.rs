@@ -7,6 +7,7 @@ mod chart;
 mod clip;
 mod color;
 mod color_bar;
+mod columns;
 mod error;
 mod field;
 mod field_page;
@@ -32,6 +33,7 @@ mod view;
 mod walls;
 
 pub use color::ColorMap;
+pub use columns::ColumnsPicture;
 pub use error::PlotError;
 pub use field::{animate_field, plot_each_frame, plot_field, plot_field_of_runs};
 pub use field_picture::FieldPicture;

@@ -20,7 +20,7 @@ impl Page {
     }
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
     if let Some(parent) = path.parent() {
         note_in_run(path, parent)?;
         std::fs::create_dir_all(parent)

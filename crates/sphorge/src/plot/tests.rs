@@ -543,7 +543,7 @@ fn curves_of_several_runs_share_a_chart_for_each_column() {
         .into();
     let borrowed: Vec<_> = runs.iter().map(|(name, run)| (name.as_str(), run)).collect();
     let columns = ["height", "width"].map(str::to_owned);
-    let charts = history::charts(&borrowed, &columns).unwrap();
+    let charts = ColumnsPicture { columns: columns.to_vec(), ..ColumnsPicture::default() }.charts(&borrowed).unwrap();
     let found: Vec<_> = charts
         .iter()
         .map(|chart| {
