@@ -11,8 +11,8 @@ use sphorge::{
     output::{OutputError, RunDirectory, read_series},
     particles::find_field,
     plot::{
-        ColorMap, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, View, animate_field, common_measures,
-        plot_columns, plot_columns_of_runs, plot_each_frame, plot_field, plot_field_of_runs, plot_run,
+        ColorMap, ColumnsPicture, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, Section, View,
+        animate_field, common_measures, plot_each_frame, plot_field, plot_field_of_runs, plot_run,
     },
 };
 use std::path::{Path, PathBuf};
@@ -26,10 +26,13 @@ Examples:
   sphorge plot out/iron-plate --field pressure --time \"12 us\" --range=-1,1GPa
   sphorge plot out/taylor-bar --field plastic_strain --view xz --section --range 0,1.5
   sphorge plot out/copper-bar --field plastic_strain --view xz --section --mirror
+  sphorge plot out/bullet --field body --view 1,0.4,-2 --section=\"x at 0 mm\"
   sphorge plot out/penetration --field plastic_strain --measures
   sphorge plot out/penetration --field velocity --animate
   sphorge plot out/penetration --field velocity --frames all --dpi 200
   sphorge plot out/iron-plate --column height --column width
+  sphorge plot out/tensile --column motion.grip.force_x --x length --from-start length
+  sphorge plot out/iron-plate --column height --x width -o height.csv
   sphorge plot out/1mm out/05mm --column height --width \"85 mm\" -o height.svg
 
 Without --field and --column a standard set of pictures is drawn. Several runs
@@ -57,12 +60,12 @@ pub(crate) struct PlotArguments {
     /// Length of the animation
     #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "6 s", requires = "animate")]
     duration: Duration,
-    /// Direction of view: xy, xz, yz or corner [default: the plane of a plane problem, otherwise corner]
-    #[arg(long, value_name = "VIEW", requires = "fields")]
+    /// Direction of view: xy, xz, yz, corner, or any direction towards the eye such as "1,0.5,2" or "1,-2,1 up z" [default: the plane of a plane problem, otherwise corner]
+    #[arg(long, value_name = "VIEW", allow_hyphen_values = true, requires = "fields")]
     view: Option<View>,
-    /// Cut the bodies in the middle, or at the symmetry plane, and show the inside
-    #[arg(long, requires = "fields")]
-    section: bool,
+    /// Cut the bodies and show the inside: in the middle or at the symmetry plane, or along a plane such as --section="x at 3 mm" or --section="1,1,0 at 0,0,5 mm" (normal and point)
+    #[arg(long, value_name = "PLANE", num_args = 0..=1, require_equals = true, default_missing_value = "middle", value_parser = parse_section, requires = "fields")]
+    section: Option<Section>,
     /// Add the images in the deck's symmetry planes: the whole of a half or quarter model
     #[arg(long, requires = "fields")]
     mirror: bool,
@@ -78,10 +81,19 @@ pub(crate) struct PlotArguments {
     /// Colour map [default: automatic]
     #[arg(long, value_name = "COLOURS", requires = "fields")]
     colors: Option<ColorArgument>,
-    /// Draw a column of history.csv over time; can be repeated, columns of the same unit share a chart
+    /// Draw a column of history.csv over time or --x; can be repeated, columns of the same unit share a chart
     #[arg(long = "column", value_name = "COLUMN")]
     columns: Vec<String>,
-    /// Output file, PNG or SVG by its extension, or output folder
+    /// Draw the columns over this one instead of time: a force over a displacement
+    #[arg(long, value_name = "COLUMN", requires = "columns")]
+    x: Option<String>,
+    /// Multiply a column that is drawn: --scale height=-1, or all of --column: --scale 4; can be repeated
+    #[arg(long = "scale", value_name = "[COLUMN=]FACTOR", value_parser = parse_scale, allow_hyphen_values = true, requires = "columns")]
+    scales: Vec<(Option<String>, f64)>,
+    /// Draw the change of a column since the first row: the elongation where a column is a length; can be repeated
+    #[arg(long = "from-start", value_name = "COLUMN", requires = "columns")]
+    from_start: Vec<String>,
+    /// Output file, PNG, SVG or (for columns) CSV by its extension, or output folder
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
     /// Picture format [default: png, or the extension of -o]
@@ -150,6 +162,34 @@ fn parse_window(text: &str) -> Result<[(f64, f64); 2], String> {
         [left, right, bottom, top] if left < right && bottom < top => Ok([(left, right), (bottom, top)]),
         _ => Err("write left before right and bottom before top: `-60,60,-100,20 mm`".to_owned()),
     }
+}
+
+fn parse_scale(text: &str) -> Result<(Option<String>, f64), String> {
+    let (name, factor) = text.rsplit_once('=').map_or((None, text), |(name, factor)| (Some(name.to_owned()), factor));
+    match factor.trim().parse() {
+        Ok(factor) if f64::is_finite(factor) && factor != 0.0 => Ok((name, factor)),
+        _ => Err("write a factor, or a column and its factor: `4`, `height=-1`".to_owned()),
+    }
+}
+
+fn parse_section(text: &str) -> Result<Section, String> {
+    if text == "middle" {
+        return Ok(Section::Middle);
+    }
+    let bad = || "write an axis or a normal, and where: `x at 3 mm`, `1,1,0 at 0,0,5 mm`".to_owned();
+    let (direction, place) =
+        text.split_once(" at ").map_or((text, None), |(direction, place)| (direction, Some(place)));
+    if let Some(axis) = ["x", "y", "z"].iter().position(|name| *name == direction.trim()) {
+        let along = |length: f64| std::array::from_fn(|k| if k == axis { length } else { 0.0 });
+        let place = place.map(|place| read_quantities::<1>(place, "m")).transpose()?;
+        return Ok(Section::Across { normal: along(1.0), point: place.map(|[place]| along(place)) });
+    }
+    let normal = read_quantities::<3>(direction, "").map_err(|_| bad())?;
+    if normal.iter().all(|x| *x == 0.0) {
+        return Err(bad());
+    }
+    let point = place.map(|place| read_quantities::<3>(place, "m")).transpose()?;
+    Ok(Section::Across { normal, point })
 }
 
 pub(crate) fn execute(arguments: PlotArguments) -> Ending {
@@ -229,6 +269,16 @@ impl<'a> Job<'a> {
     }
 
     fn check_file(&self, file: &Path) -> Result<(), Failure> {
+        if is_table(file) {
+            return match (self.arguments.fields.is_empty(), self.arguments.format) {
+                (true, None) => Ok(()),
+                (false, _) => Err(Failure::bad_input(
+                    "a field is drawn, not written as numbers",
+                    "end the name with .png or .svg; the frames in `fields` have the numbers",
+                )),
+                (true, Some(_)) => Err(Failure::bad_input("a table has no picture format", "leave out `--format`")),
+            };
+        }
         let format = PictureFormat::of(file).map_err(failure)?;
         if format != self.format {
             let ending = self.format.extension();
@@ -292,12 +342,22 @@ impl<'a> Job<'a> {
         if name.len() > 100 {
             name = format!("history-{}-columns", columns.len());
         }
-        let file = self.file(&name);
-        match self.runs {
-            [(_, run)] => plot_columns(run, columns, self.paper, &file),
-            several => plot_columns_of_runs(several, columns, self.paper, &file),
+        if let Some(x) = &self.arguments.x {
+            name = format!("{name}-over-{x}");
         }
-        .map_err(failure)?;
+        let file = self.file(&name);
+        let factors = self.arguments.scales.iter().flat_map(|(name, factor)| match name {
+            Some(name) => vec![(name.clone(), *factor)],
+            None => columns.iter().map(|column| (column.clone(), *factor)).collect(),
+        });
+        let picture = ColumnsPicture {
+            columns: columns.to_vec(),
+            along: self.arguments.x.clone(),
+            factors: factors.collect(),
+            from_start: self.arguments.from_start.clone(),
+            paper: self.paper,
+        };
+        picture.save(self.runs, &file).map_err(failure)?;
         Ok(file)
     }
 
@@ -376,6 +436,11 @@ impl<'a> Job<'a> {
         let folder = self.arguments.output.clone().or(own).unwrap_or_default();
         folder.join(format!("{name}{beside}.{}", self.format.extension()))
     }
+}
+
+/// Whether a file is to hold numbers.
+fn is_table(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
 }
 
 fn parse_range(text: &str, field: &str) -> Result<(f64, f64), Failure> {

@@ -125,7 +125,7 @@ fn notes(text: &str) -> Vec<String> {
 fn copper_bar(particles: &str) -> String {
     format!(
         "dimensions = \"3d\"\nsymmetry = [{{ axis = \"z\" }}]\ntime = {{ end = \"1 us\" }}\nparticles = {{ {particles} }}\n\
-         [[body]]\nname = \"bar\"\nmaterial = \"ofhc-copper\"\n\
+         [[body]]\nname = \"bar\"\nmaterial = \"ofhc-copper\"\nvelocity = [0, 0, -1]\n\
          [body.shape.cylinder]\nfrom = [\"0 mm\", \"0 mm\", \"0 mm\"]\nto = [\"0 mm\", \"0 mm\", \"25.4 mm\"]\nradius = \"3.81 mm\"\n"
     )
 }
@@ -182,7 +182,7 @@ fn rings_are_halved_and_quartered_by_symmetry_planes() {
     let tube = |planes: &str, low: &str| {
         format!(
             "dimensions = \"3d\"\nsymmetry = [{planes}]\ntime = {{ end = 1 }}\n\
-             particles = {{ spacing = 0.05, lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\n\
+             particles = {{ spacing = 0.05, lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\nvelocity = [0, 0, 1]\n\
              [[body.shape.intersection]]\n\
              cylinder = {{ from = [0, 0, 0], to = [0, 0, 0.2], radius = 0.52, inner-radius = 0.27 }}\n\
              [[body.shape.intersection]]\nbox = {{ min = {low}, max = [1, 1, 1] }}\n"
@@ -209,7 +209,7 @@ fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     // Three cells of 0.3 along either edge of a square of 1: 0.81 of its area.
     let square = |rest: &str| {
         let head = "dimensions = \"plane-strain\"\ntime = { end = 1 }\nparticles = { spacing = 0.3 }\n";
-        format!("{head}{}{rest}", BOX.replace("\"m\"", "\"ofhc-copper\""))
+        format!("{head}{}velocity = [1, 0]\n{rest}", BOX.replace("\"m\"", "\"ofhc-copper\""))
     };
     let told = notes(&square(""));
     let spacings = "spacings that fit better: 250 mm, 333.33 mm";
@@ -230,7 +230,7 @@ fn a_layer_is_told_of_where_the_body_has_a_face_in_a_wall() {
     let square = |spacing: &str, height: &str| {
         format!(
             "dimensions = \"plane-strain\"\ntime = {{ end = 1 }}\nparticles = {{ spacing = {spacing} }}\n\
-             [[wall]]\nname = \"floor\"\nplane = {{ point = [0, {height}], normal = [0, 1] }}\n{}",
+             [[wall]]\nname = \"floor\"\nplane = {{ point = [0, {height}], normal = [0, 1] }}\n{}velocity = [1, 0]\n",
             BOX.replace("\"m\"", "\"ofhc-copper\"")
         )
     };
@@ -243,4 +243,45 @@ fn a_layer_is_told_of_where_the_body_has_a_face_in_a_wall() {
     // A wall that the body has not reached is at none of its faces.
     let told = notes(&square("0.0284", "-0.001"));
     assert!(!told.iter().any(|note| note.contains("layer")), "{told:?}");
+}
+
+#[test]
+fn cells_are_where_their_particles_are_and_as_large_as_their_share() {
+    let volume = |corners: &[[f64; 3]; 8]| {
+        // Of a cell with plane faces: the mean edges span it, exactly for bricks and for sectors with straight edges.
+        let mean = |axis: usize, side: usize| -> [f64; 3] {
+            let of = (0..8).filter(|k| k >> axis & 1 == side);
+            of.fold([0.0; 3], |sum, k| std::array::from_fn(|a| sum[a] + 0.25 * corners[k][a]))
+        };
+        let edge = |axis: usize| -> [f64; 3] { std::array::from_fn(|a| mean(axis, 1)[a] - mean(axis, 0)[a]) };
+        let [u, v, w] = [edge(0), edge(1), edge(2)];
+        (0..3).map(|k| u[k] * (v[(k + 1) % 3] * w[(k + 2) % 3] - v[(k + 2) % 3] * w[(k + 1) % 3])).sum::<f64>()
+    };
+    let cells = |shape: &str, lattice: &str| {
+        let deck = format!(
+            "dimensions = \"3d\"\ntime = {{ end = 1 }}\nparticles = {{ spacing = 0.1, lattice = \"{lattice}\" }}\n[[body]]\nname = \"b\"\n\
+             material = \"ofhc-copper\"\nvelocity = [1, 0, 0]\nshape = {{ {shape} }}\n"
+        );
+        let setup = load_text("deck", &deck, &[]).unwrap_or_else(|report| panic!("{:?}", report.problems()));
+        let cells = sphorge_engine::geometry::cell_corners(&setup.model);
+        assert_eq!(cells.len(), setup.particles.len());
+        (cells, setup.particles)
+    };
+    let turned = "box = { min = [0, 0, 0], max = [0.5, 0.3, 0.2] }, rotate = { axis = [0, 0, 1], angle = \"30 deg\" }";
+    let (of_box, particles) = cells(turned, "square");
+    for (cell, mass) in of_box.iter().zip(&particles.mass) {
+        assert!((volume(cell) * 8960.0 / mass - 1.0).abs() < 1e-9);
+    }
+    // Along the turned axis: from (-1, -1, -1)/2 to (1, -1, -1)/2 of the spacing.
+    let along: [f64; 3] = std::array::from_fn(|k| of_box[0][1][k] - of_box[0][0][k]);
+    assert!((along[0] - 0.1 * 0.75f64.sqrt()).abs() < 1e-12 && (along[1] - 0.05).abs() < 1e-12, "{along:?}");
+    // Rings meet: the outer corners of a cell are on the surface, and cells lack what their arcs bulge.
+    let (of_rings, particles) = cells("cylinder = { from = [0, 0, 0], to = [0, 0, 0.2], radius = 0.5 }", "rings");
+    let reach = |cell: &[[f64; 3]; 8], x: &[f64; 3]| {
+        (0..8).map(|k| (cell[k][0] + x[0]).hypot(cell[k][1] + x[1])).fold(0.0, f64::max)
+    };
+    let farthest = of_rings.iter().zip(&particles.position).map(|(cell, x)| reach(cell, x)).fold(0.0, f64::max);
+    assert!((farthest - 0.5).abs() < 1e-12, "{farthest}");
+    let (cells, masses): (f64, f64) = (of_rings.iter().map(volume).sum(), particles.mass.iter().sum());
+    assert!((0.9..1.0).contains(&(cells * 8960.0 / masses)), "{}", cells * 8960.0 / masses);
 }

@@ -92,6 +92,26 @@ impl Cell {
         }
     }
 
+    /// Corners of the cell of the particle at `site`, m, from there: bit `k` of a corner's number is its side along axis `k`. Sides of
+    /// sectors have straight edges; there is no width along axes that the deck does not have.
+    pub(super) fn corners(&self, site: [f64; 3], dimensions: Dimensions) -> [[f64; 3]; 8] {
+        let count = dimensions.count();
+        std::array::from_fn(|corner| {
+            let side = |a: usize| if a >= count { 0.0 } else { f64::from(corner as u32 >> a & 1) - 0.5 };
+            match self {
+                Self::Brick { frame, pitch, .. } => {
+                    combine([0.0; 3], frame, std::array::from_fn(|a| side(a) * pitch[a]))
+                }
+                Self::Sector { centre, frame, radii, half_angle, half_thickness, .. } => {
+                    let radius = radii[usize::from(side(0) > 0.0)];
+                    let (sin, cos) = (2.0 * side(1) * half_angle).sin_cos();
+                    let place = combine(*centre, frame, [radius * cos, radius * sin, 2.0 * side(2) * half_thickness]);
+                    std::array::from_fn(|k| place[k] - site[k])
+                }
+            }
+        })
+    }
+
     /// Place at which the particle beyond a face is expected; none beyond a face that the cell does not have.
     pub(super) fn across(&self, site: [f64; 3], face: usize, dimensions: Dimensions) -> Option<[f64; 3]> {
         let (axis, side) = (face / 2, face % 2);

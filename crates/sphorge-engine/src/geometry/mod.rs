@@ -1,6 +1,7 @@
 //! Shapes, and the patterns of particles that fill them.
 
 mod cell;
+mod corners;
 mod error;
 mod facets;
 mod fill;
@@ -15,6 +16,7 @@ mod shape;
 mod surface;
 mod volume;
 
+pub use corners::cell_corners;
 pub use error::FillError;
 pub(crate) use facets::reversed;
 pub use facets::{CellFacet, ReferenceFacets, facet_thickness};

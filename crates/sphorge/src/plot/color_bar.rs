@@ -20,10 +20,27 @@ const THICKNESS: f64 = 18.0;
 const SWATCH: f64 = 16.0;
 /// Room for an arrow with an extreme beyond an end of the bar.
 const ARROW: f64 = 36.0;
+/// Bodies that a key names, if there are more than one more.
+const MOST_NAMES: usize = 12;
 /// Width of the words of a key, at most.
 const KEY_WIDTH: f64 = 130.0;
 /// Length of a bar beside panels, at least.
 const LEAST_LENGTH: f64 = 150.0;
+
+/// The colour of a body: light enough for light and shade, and to be told apart by the colour-blind (after Okabe and Ito 2008).
+fn body_color(index: usize) -> Rgb {
+    const COLORS: [Rgb; 8] = [
+        SINGLE_COLOR,
+        [230, 159, 0],
+        [60, 175, 135],
+        [204, 121, 167],
+        [240, 228, 120],
+        [150, 150, 154],
+        [120, 200, 235],
+        [213, 110, 50],
+    ];
+    COLORS[index % COLORS.len()]
+}
 
 /// From values to colours.
 pub(super) struct Colors {
@@ -35,6 +52,8 @@ pub(super) struct Colors {
     extremes: (f64, f64),
     /// Colours with their words, where the field has but these.
     key: Option<Vec<(Rgb, String)>>,
+    /// Colours of the values 0, 1 and so on of such a field.
+    whole: Vec<Rgb>,
 }
 
 impl Colors {
@@ -57,7 +76,16 @@ impl Colors {
             None if map == ColorMap::Diverging => (-high.abs().max(low.abs()), high.abs().max(low.abs())),
             None => (low, high),
         };
+        let names = scene.bodies.iter().enumerate().map(|(k, name)| (body_color(k), name.clone()));
         let key = match scene.flag {
+            _ if !scene.bodies.is_empty() => {
+                let mut names: Vec<_> = names.take(MOST_NAMES + 1).collect();
+                if scene.bodies.len() > MOST_NAMES + 1 {
+                    names.truncate(MOST_NAMES);
+                    names.push(([255; 3], format!("{} others", scene.bodies.len() - MOST_NAMES)));
+                }
+                Some(names)
+            }
             Some([zero, one]) => Some(vec![(FLAG_COLORS[1], one.to_owned()), (FLAG_COLORS[0], zero.to_owned())]),
             None if single => {
                 // The mean of round-off around zero is zero.
@@ -66,13 +94,18 @@ impl Colors {
             }
             None => None,
         };
-        Self { map, low, high, label: scene.label.clone(), unit: scene.unit, extremes, key }
+        let whole = match scene.flag {
+            _ if !scene.bodies.is_empty() => (0..scene.bodies.len()).map(body_color).collect(),
+            Some(_) => FLAG_COLORS.to_vec(),
+            None => vec![SINGLE_COLOR],
+        };
+        Self { map, low, high, label: scene.label.clone(), unit: scene.unit, extremes, key, whole }
     }
 
     pub(super) fn of(&self, value: f64) -> Rgb {
         match &self.key {
             _ if !value.is_finite() => NO_VALUE,
-            Some(key) => key[if key.len() > 1 && value <= 0.5 { 1 } else { 0 }].0,
+            Some(_) => self.whole[(value.round().max(0.0) as usize).min(self.whole.len() - 1)],
             None => self.map.color((value - self.low) / (self.high - self.low)),
         }
     }

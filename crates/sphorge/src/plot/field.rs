@@ -7,7 +7,7 @@ use super::{
     field_page::{Layout, draw},
     page::Page,
     save::save_animation,
-    scene::{Extent, Look, Panel, Scene, Source},
+    scene::{Extent, Panel, Scene, Source},
     title::{run_title, title_of},
     walls::PlacedWall,
 };
@@ -130,7 +130,7 @@ impl Film {
         }
         let mut extent: Option<Extent> = None;
         for (_, file) in &frames {
-            let own = source.panel(file, picture)?.0.extent();
+            let own = source.panel(file, picture)?.panel.extent();
             extent = extent.into_iter().chain(own).reduce(Extent::joined);
         }
         let title = picture.title.clone().unwrap_or_else(|| run_title(run));
@@ -138,7 +138,7 @@ impl Film {
     }
 
     fn page(&mut self, file: &Path) -> Result<Page, PlotError> {
-        let panel: (Panel, Look) = self.source.panel(file, &self.picture)?;
+        let panel = self.source.panel(file, &self.picture)?;
         let scene = Scene { frames: 1, ..Scene::of(vec![panel], self.extent, &self.picture)? };
         if scene.look.line {
             let range = self.picture.range.or(self.extent.map(|extent| extent.extremes));

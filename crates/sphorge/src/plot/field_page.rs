@@ -3,6 +3,7 @@
 use super::{
     FieldPicture, PlotError,
     axis::AxisScale,
+    cell::{HalfSpace, dot},
     chart::{draw_title, title_size},
     color_bar::Colors,
     font::{LEADING, text_width, widest, wrap},
@@ -297,9 +298,25 @@ fn draw_panel(page: &mut Page, scene: &Scene, k: usize, colors: &Colors, layout:
         let (x, y) = place([mark.right, mark.up]);
         // Balls close the surface.
         let radius = if mark.spacing * scale < 4.0 { 0.75 } else { 0.71 } * mark.spacing * scale;
-        Dot { x, y, depth: mark.towards * scale, radius, color: colors.of(mark.value), light: mark.light }
+        let down = |[right, up, towards]: [f32; 3]| [right, -up, towards].map(|x| x * scale as f32);
+        Dot {
+            x,
+            y,
+            depth: mark.towards * scale,
+            radius,
+            color: colors.of(mark.value),
+            light: mark.light,
+            body: mark.body,
+            spacing: mark.spacing * scale,
+            cell: mark.cell.map(|corners| corners.map(down)),
+        }
     });
-    page.image(splat(area, layout.paper.scale(), dots, scene.look.deep));
+    let cut = panel.cut.map(|HalfSpace { normal: [right, up, towards], offset }| {
+        let (x, y) = place([right * offset, up * offset]);
+        let normal = [right, -up, towards];
+        HalfSpace { normal, offset: dot(normal, [x, y, towards * offset * scale]) }
+    });
+    page.image(splat(area, layout.paper.scale(), dots, scene.look.deep, cut));
     for wall in panel.walls.iter().filter(|wall| !wall.is_behind()) {
         wall.draw(page, area, on_page);
     }

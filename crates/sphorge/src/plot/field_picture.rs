@@ -1,6 +1,6 @@
 //! What a picture of particles shall show.
 
-use super::{ColorMap, FrameChoice, Paper, View};
+use super::{ColorMap, FrameChoice, Paper, Section, View};
 
 /// A picture of particles; of a problem in one dimension, a curve over x for each frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,9 +11,8 @@ pub struct FieldPicture {
     pub frames: Vec<FrameChoice>,
     /// Direction of view; the plane of a plane problem, a corner of a solid one if not given.
     pub view: Option<View>,
-    /// Leave out what is in front of the middle, to show the inside. The middle is the plane of symmetry across the view where the
-    /// deck has one.
-    pub section: bool,
+    /// Leave out what is in front of a plane, to show the inside.
+    pub section: Option<Section>,
     /// Show the images of particles in the deck's planes of symmetry too.
     pub mirror: bool,
     /// Show the crater and cloud measures of the deck as lines on the particles, in views along an axis.
@@ -40,7 +39,7 @@ impl FieldPicture {
             field: field.into(),
             frames: vec![FrameChoice::Last],
             view: None,
-            section: false,
+            section: None,
             mirror: false,
             measures: false,
             range: None,

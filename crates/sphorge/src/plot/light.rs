@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use sphorge_engine::neighbors::CellGrid;
 
 /// Direction to the light: right, up, towards the eye; of length one.
-const LIGHT: [f64; 3] = [-0.36, 0.56, 0.746];
+pub(super) const LIGHT: [f64; 3] = [-0.36, 0.56, 0.746];
 /// Radius of the neighbourhood the normal is taken from, in spacings.
 const REACH: f64 = 1.8;
 /// Share of the light a surface turned away loses.
@@ -60,7 +60,7 @@ mod tests {
         for i in 0..343 {
             let at = |k: usize| (k % 7) as f64;
             let (right, up, towards) = (at(i), at(i / 7), at(i / 49));
-            marks.push(Mark { right, up, towards, spacing: 1.0, value: 0.0, light: 0.0 });
+            marks.push(Mark { right, up, towards, spacing: 1.0, value: 0.0, light: 0.0, body: 0, cell: None });
         }
         light(&mut marks);
         let at = |right: usize, up: usize, towards: usize| marks[right + 7 * up + 49 * towards].light;

@@ -3,11 +3,13 @@
 //! Everything is read back from the files of the run, so that a run can be pictured while it goes on, and later.
 
 mod axis;
+mod cell;
 mod chart;
 mod clip;
 mod color;
 mod color_bar;
 mod columns;
+mod derived;
 mod error;
 mod field;
 mod field_page;
@@ -24,6 +26,7 @@ mod paper;
 mod pixels;
 mod save;
 mod scene;
+mod section;
 mod spans;
 mod splat;
 mod standard;
@@ -40,6 +43,7 @@ pub use field_picture::FieldPicture;
 pub use frame_choice::FrameChoice;
 pub use history::{HistoryPicture, common_measures, plot_columns, plot_columns_of_runs, plot_history, plot_overlay};
 pub use paper::{Paper, PictureFormat};
+pub use section::Section;
 pub use standard::plot_run;
 pub use view::View;
 

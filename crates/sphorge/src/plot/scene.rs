@@ -2,18 +2,22 @@
 
 use super::{
     FieldPicture, PlotError, View,
+    cell::{Corners, HalfSpace, dot},
+    derived::Derived,
     light::light,
     mark::Mark,
     mirror::{Sample, mirror},
+    section::{Section, axis_of},
     spans::{NamedSpan, model_of, spans},
     view::Projection,
     walls::{Bounds, PlacedWall, walls},
 };
 use crate::{
     deck::{did_you_mean, load_model, names_like},
-    model::Model,
+    geometry::cell_corners,
+    model::{Formulation, Model},
     output::{FrameFile, RunDirectory, read_series},
-    particles::find_field,
+    particles::{DEFORMATION_GRADIENT, find_field},
 };
 use std::path::{Path, PathBuf};
 
@@ -28,6 +32,8 @@ pub(super) struct Panel {
     /// Number of particles of the frame that are shown, images in planes of symmetry left out.
     pub(super) count: usize,
     pub(super) marks: Vec<Mark>,
+    /// The plane of a section: to the right, up, towards the eye, m.
+    pub(super) cut: Option<HalfSpace>,
     pub(super) walls: Vec<PlacedWall>,
     /// Measures to show.
     pub(super) spans: Vec<NamedSpan>,
@@ -46,6 +52,13 @@ pub(super) struct Look {
     pub(super) line: bool,
     /// The field has several components, of which none is chosen.
     norm: bool,
+}
+
+/// A panel, what it has in common with others, and the names of its bodies.
+pub(super) struct Shown {
+    pub(super) panel: Panel,
+    pub(super) look: Look,
+    bodies: Vec<String>,
 }
 
 /// The places and values of panels.
@@ -68,6 +81,8 @@ pub(super) struct Scene {
     pub(super) frames: usize,
     /// Words for zero and one, where the field has no other values.
     pub(super) flag: Option<[&'static str; 2]>,
+    /// Names of bodies, where these are what is coloured.
+    pub(super) bodies: Vec<String>,
     pub(super) look: Look,
     pub(super) projection: Projection,
     /// Field and component for people, and its unit.
@@ -84,6 +99,8 @@ pub(super) struct Source {
     /// The deck, for walls and planes of symmetry; a run whose deck cannot be read is pictured without.
     model: Option<Model>,
     measures: bool,
+    /// Corners of the initial cells of the particles from these, m, where they follow from the deck.
+    cells: Vec<Corners<f64>>,
 }
 
 impl Source {
@@ -93,82 +110,110 @@ impl Source {
         if picture.mirror && model.as_ref().is_none_or(|model| model.symmetry.is_empty()) {
             return Err(PlotError::Empty { reason: "the deck has no plane of symmetry to mirror in".to_owned() });
         }
-        Ok(Self { name: name.to_owned(), series, model, measures: picture.measures })
+        let is_total = |model: &&Model| matches!(model.formulation, Formulation::TotalLagrangian { .. });
+        let cells = model.as_ref().filter(is_total).map_or_else(Vec::new, cell_corners);
+        Ok(Self { name: name.to_owned(), series, model, measures: picture.measures, cells })
     }
 
     /// Reads one frame.
-    pub(super) fn panel(&self, file: &Path, picture: &FieldPicture) -> Result<(Panel, Look), PlotError> {
+    pub(super) fn panel(&self, file: &Path, picture: &FieldPicture) -> Result<Shown, PlotError> {
         let (field, component) = split(&picture.field);
         let mut frame = FrameFile::open(file)?;
         let dimensions = frame.header.dimensions;
         let view = picture.view.unwrap_or(if dimensions == 3 { View::Corner } else { View::Xy });
-        let values = values(&mut frame, field, component, &picture.field)?;
+        let values = values(&mut frame, field, component, &picture.field, || self.start())?;
         let look = Look { view, deep: dimensions == 3, line: dimensions == 1, norm: values.width > 1 };
         let spans = match &self.model {
             Some(model) if self.measures => spans(model, &mut frame)?,
             _ => Vec::new(),
         };
         let mean = values.values.iter().sum::<f64>() / values.values.len().max(1) as f64;
-        let samples = samples(&mut frame, values.values)?;
-        let (samples, count) = self.shown(samples, picture, view);
+        let samples = samples(&mut frame, values.values, &self.cells)?;
+        let (samples, count, cut) = self.shown(samples, picture, &look);
         let projection = view.projection();
         let placed = match (&self.model, bounds(&samples)) {
             (Some(model), Some(bounds)) => walls(model, frame.header.time, &projection, &bounds),
             _ => Vec::new(),
         };
-        let project = |sample: &Sample| {
-            let [right, up, towards] = projection.apply(sample.position);
-            Mark { right, up, towards, spacing: sample.spacing, value: sample.value, light: 1.0 }
-        };
-        let mut marks: Vec<Mark> = samples.iter().map(project).collect();
+        let mut marks: Vec<Mark> = samples.iter().map(|sample| sample.mark(&projection)).collect();
         if look.deep {
             light(&mut marks);
         }
         let time = frame.header.time;
-        Ok((Panel { name: self.name.clone(), time, mean, count, marks, walls: placed, spans }, look))
+        let cut = cut.map(|cut| HalfSpace { normal: projection.apply(cut.normal), ..cut });
+        let panel = Panel { name: self.name.clone(), time, mean, count, marks, cut, walls: placed, spans };
+        let bodies = frame.bodies.iter().map(|body| body.name.clone());
+        Ok(Shown { panel, look, bodies: if picture.field == "body" { bodies.collect() } else { Vec::new() } })
     }
 
-    /// What a picture shows of the particles, and how many of them are no images.
-    fn shown(&self, mut samples: Vec<Sample>, picture: &FieldPicture, view: View) -> (Vec<Sample>, usize) {
+    /// Positions of the particles in the first frame, m.
+    fn start(&self) -> Result<Vec<[f64; 3]>, PlotError> {
+        let nothing = || PlotError::Empty { reason: "the run has no frame".to_owned() };
+        let (_, first) = self.series.first().ok_or_else(nothing)?;
+        Ok(FrameFile::open(first)?.positions()?)
+    }
+
+    /// What a picture shows of the particles, how many of them are no images, and the plane of its section.
+    fn shown(
+        &self,
+        mut samples: Vec<Sample>,
+        picture: &FieldPicture,
+        look: &Look,
+    ) -> (Vec<Sample>, usize, Option<HalfSpace>) {
         let planes = self.model.as_ref().map_or(&[][..], |model| &model.symmetry[..]);
         let (_, component) = split(&picture.field);
         let own = samples.len();
-        let across = picture.section.then(|| section_axis(view, &samples));
+        let size = bounds(&samples).map_or([0.0; 3], |bounds| bounds.map(|(low, high)| high - low));
+        let cut = picture.section.map(|section| (section, section.normal(look.view, size)));
+        let middle = picture.section == Some(Section::Middle);
+        let across = cut.and_then(|(_, normal)| axis_of(normal)).filter(|_| middle);
         for plane in planes {
             // A cut goes through the plane of symmetry, where the whole body has its middle.
             if picture.mirror || across == Some(plane.axis) {
                 mirror(&mut samples, plane, component.unwrap_or_default());
             }
         }
-        let Some(across) = across else { return (samples, own) };
-        let side = if view.projection().towards[across] < 0.0 { -1.0 } else { 1.0 };
-        let depth = |sample: &Sample| side * sample.position[across];
+        let Some((section, normal)) = cut else { return (samples, own, None) };
+        let depth = |sample: &Sample| dot(normal, sample.position);
         let span = samples.iter().map(depth).filter(|z| z.is_finite()).map(|z| (z, z)).reduce(wider);
-        let plane = planes.iter().find(|plane| plane.axis == across);
+        let given = match section {
+            Section::Across { point: Some(point), .. } => Some(dot(normal, point)),
+            Section::Across { point: None, .. } | Section::Middle => {
+                let plane = across.and_then(|axis| planes.iter().find(|plane| plane.axis == axis));
+                plane.map(|plane| normal[plane.axis] * plane.position)
+            }
+        };
         // The middle layer of an odd number stays.
-        let limit = span.map_or(f64::INFINITY, |(low, high)| {
-            plane.map_or(0.5 * (low + high), |plane| side * plane.position) + 1e-6 * (high - low)
-        });
-        let kept = |(k, sample): (usize, Sample)| (depth(&sample) <= limit).then_some((k, sample));
+        let offset =
+            span.map_or(f64::INFINITY, |(low, high)| given.unwrap_or(0.5 * (low + high)) + 1e-6 * (high - low));
+        // A cell in space is cut by the plane, a ball stays whole.
+        let lowest = |sample: &Sample| {
+            let corners = sample.cell.iter().flatten().filter(|_| look.deep);
+            let from_middle = corners.map(|corner| dot(normal, corner.map(f64::from))).fold(0.0, f64::min);
+            depth(sample) + from_middle
+        };
+        // A cell that only touches the plane is not seen.
+        let touching = |sample: &Sample| if sample.cell.is_some() && look.deep { 1e-3 * sample.spacing } else { 0.0 };
+        let kept =
+            |(k, sample): (usize, Sample)| (lowest(&sample) + touching(&sample) <= offset).then_some((k, sample));
         let kept: Vec<_> = samples.into_iter().enumerate().filter_map(kept).collect();
         // An image stands where its particle does in the order of a copy: those of one particle count once.
         let mut shown = vec![false; own];
         kept.iter().for_each(|(k, _)| shown[k % own] = true);
         let count = shown.into_iter().filter(|shown| *shown).count();
-        (kept.into_iter().map(|(_, sample)| sample).collect(), count)
+        let kept = kept.into_iter().map(|(_, sample)| sample).collect();
+        (kept, count, Some(HalfSpace { normal, offset }))
     }
 }
 
-/// The axis a section is across: towards the eye, and from a corner along the body where that is long.
-fn section_axis(view: View, samples: &[Sample]) -> usize {
-    match view {
-        View::Xy => 2,
-        View::Xz => 1,
-        View::Yz => 0,
-        View::Corner => {
-            let size = bounds(samples).map_or([0.0; 3], |bounds| bounds.map(|(low, high)| high - low));
-            if size[2] > 1.5 * size[0].max(size[1]) { 0 } else { 2 }
-        }
+impl Sample {
+    /// Where it is on the plane of a picture.
+    fn mark(&self, projection: &Projection) -> Mark {
+        let [right, up, towards] = projection.apply(self.position);
+        let turned = |corner: [f32; 3]| projection.apply(corner.map(f64::from)).map(|x| x as f32);
+        let cell = self.cell.map(|corners| corners.map(turned));
+        let (spacing, value, body) = (self.spacing, self.value, self.body);
+        Mark { right, up, towards, spacing, value, light: 1.0, body, cell }
     }
 }
 
@@ -181,32 +226,34 @@ impl Scene {
                 panels.push(source.panel(choice.pick(&source.series)?, picture)?);
             }
         }
-        let extent = panels.iter().filter_map(|(panel, _)| panel.extent()).reduce(Extent::joined);
+        let extent = panels.iter().filter_map(|shown: &Shown| shown.panel.extent()).reduce(Extent::joined);
         Self::of(panels, extent, picture)
     }
 
     /// A picture of panels at a given extent.
-    pub(super) fn of(
-        panels: Vec<(Panel, Look)>,
-        extent: Option<Extent>,
-        picture: &FieldPicture,
-    ) -> Result<Self, PlotError> {
+    pub(super) fn of(panels: Vec<Shown>, extent: Option<Extent>, picture: &FieldPicture) -> Result<Self, PlotError> {
         let nothing = || PlotError::Empty { reason: "no particle with a finite position and value".into() };
-        let (extent, first) = extent.zip(panels.first().map(|panel| panel.1)).ok_or_else(nothing)?;
+        let (extent, first) = extent.zip(panels.first().map(|shown| shown.look)).ok_or_else(nothing)?;
         // The view of the first frame is that of all; runs of unlike dimensions are seen together as the deepest.
-        let deep = panels.iter().any(|(_, look)| look.deep);
-        let line = panels.iter().all(|(_, look)| look.line);
+        let deep = panels.iter().any(|shown| shown.look.deep);
+        let line = panels.iter().all(|shown| shown.look.line);
         let look = Look { deep, line, ..first };
         let (name, component) = split(&picture.field);
         Ok(Self {
             frames: picture.frames.len(),
             flag: FLAGS.iter().find(|(field, _)| *field == name).map(|(_, words)| *words),
+            bodies: panels
+                .iter()
+                .map(|shown| &shown.bodies)
+                .max_by_key(|names| names.len())
+                .cloned()
+                .unwrap_or_default(),
             projection: look.view.projection(),
             label: field_label(name, component, look.norm),
             look,
             unit: find_field(name).map_or("", |field| field.unit),
             extent: Extent { window: picture.window.unwrap_or(roomy(extent.window)), ..extent },
-            panels: panels.into_iter().map(|(panel, _)| panel).collect(),
+            panels: panels.into_iter().map(|shown| shown.panel).collect(),
         })
     }
 }
@@ -222,11 +269,11 @@ impl Panel {
     /// Where its particles and walls are and what their values are; none without a particle that has a place and a value.
     pub(super) fn extent(&self) -> Option<Extent> {
         let mut values: Vec<f64> = self.marks.iter().map(|mark| mark.value).filter(|value| value.is_finite()).collect();
-        let side = |place: fn(&Mark) -> f64| {
-            let places = self.marks.iter().map(|mark| (place(mark), 0.5 * mark.spacing));
-            places.filter(|(x, _)| x.is_finite()).map(|(x, half)| (x - half, x + half)).reduce(wider)
+        let side = |place: fn(&Mark) -> f64, axis: usize| {
+            let places = self.marks.iter().map(|mark| (place(mark), mark.reach(axis)));
+            places.filter(|(x, _)| x.is_finite()).map(|(x, (low, high))| (x + low, x + high)).reduce(wider)
         };
-        let window = [side(|mark| mark.right)?, side(|mark| mark.up)?];
+        let window = [side(|mark| mark.right, 0)?, side(|mark| mark.up, 1)?];
         let (extremes, bulk) = ranges(&mut values)?;
         let reached = self.walls.iter().flat_map(|wall| wall.reach(window));
         let window = reached.fold(window, |[right, up], [x, y]| [wider(right, (x, x)), wider(up, (y, y))]);
@@ -271,19 +318,36 @@ struct Values {
     values: Vec<f64>,
 }
 
-/// One number a particle: the component, the scalar, or the norm.
-fn values(frame: &mut FrameFile, name: &str, component: Option<&str>, asked: &str) -> Result<Values, PlotError> {
-    let available = frame.arrays().iter().map(|array| array.name.as_str()).collect::<Vec<_>>().join(", ");
-    let names = || frame.arrays().iter().map(|array| array.name.as_str());
+/// One number a particle: the component, the scalar, or the norm. `start` reads where particles were.
+fn values(
+    frame: &mut FrameFile,
+    name: &str,
+    component: Option<&str>,
+    asked: &str,
+    start: impl Fn() -> Result<Vec<[f64; 3]>, PlotError>,
+) -> Result<Values, PlotError> {
+    let derived = Derived::of(name, frame);
+    let available: Vec<String> =
+        frame.arrays().iter().map(|array| array.name.clone()).chain(Derived::all(frame)).collect();
+    let names = || available.iter().map(String::as_str);
     // One that is there lacks the component.
     let near = if names().any(|known| known == name) { String::new() } else { did_you_mean(names_like(name, names())) };
-    let unknown = || PlotError::Field { name: asked.to_owned(), near, available };
-    let array = frame.arrays().iter().find(|array| array.name == name).cloned();
-    let Some((array, column)) = array.zip(frame.column(name)?) else { return Err(unknown()) };
+    let unknown = || PlotError::Field { name: asked.to_owned(), near, available: available.join(", ") };
+    let column = match derived {
+        Some(derived) => derived.column(frame, start)?,
+        None => frame.column(name)?,
+    };
+    let array = frame.arrays().iter().find(|array| array.name == name);
+    let components = match (array, derived) {
+        (Some(array), _) => array.components.clone(),
+        (None, Some(derived)) => derived.components().iter().map(|name| (*name).to_owned()).collect(),
+        (None, None) => Vec::new(),
+    };
+    let Some(column) = column else { return Err(unknown()) };
     let rows = column.values.chunks_exact(column.width.max(1));
     let values = match component {
         Some(component) => {
-            let k = array.components.iter().position(|c| c.eq_ignore_ascii_case(component)).ok_or_else(unknown)?;
+            let k = components.iter().position(|c| c.eq_ignore_ascii_case(component)).ok_or_else(unknown)?;
             rows.map(|row| f64::from(row[k])).collect()
         }
         None if column.width == 1 => rows.map(|row| f64::from(row[0])).collect(),
@@ -306,15 +370,36 @@ fn field_label(name: &str, component: Option<&str>, is_norm: bool) -> String {
     }
 }
 
-/// The particles of a frame.
-fn samples(frame: &mut FrameFile, values: Vec<f64>) -> Result<Vec<Sample>, PlotError> {
+/// The particles of a frame, with their cells where the frame has the deformation gradient of those of the deck.
+fn samples(frame: &mut FrameFile, values: Vec<f64>, cells: &[Corners<f64>]) -> Result<Vec<Sample>, PlotError> {
     let positions = frame.positions()?;
     let bodies = frame.column("body")?.map(|column| column.values);
+    let dimensions = frame.header.dimensions;
+    let gradient = frame.column(DEFORMATION_GRADIENT)?;
+    let gradient = gradient.filter(|f| f.width == 9 && cells.len() == positions.len() && dimensions > 1);
+    let gradient = gradient.map(|column| column.values);
     let spacings = &frame.header.body_spacing;
-    let spacing = |i: usize| {
-        let body = bodies.as_ref().map_or(0, |bodies| bodies[i] as usize);
-        spacings.get(body).or(spacings.first()).copied().unwrap_or(0.0)
+    let body = |i: usize| bodies.as_ref().map_or(0, |bodies| bodies[i] as usize);
+    let spacing = |i: usize| spacings.get(body(i)).or(spacings.first()).copied().unwrap_or(0.0);
+    let cell = |i: usize| {
+        let f: [f64; 9] = std::array::from_fn(|k| gradient.as_ref().map_or(0.0, |f| f64::from(f[9 * i + k])));
+        let corner = |k: usize| {
+            // As thick as the particles are apart where the deck has no such axis.
+            let thick = |a: usize| if a < dimensions { 0.0 } else { ((k >> a & 1) as f64 - 0.5) * spacing(i) };
+            let initial = cells[i][k];
+            std::array::from_fn(|a| {
+                let deformed: f64 = (0..3).map(|b| f[3 * a + b] * initial[b]).sum();
+                (deformed + thick(a)) as f32
+            })
+        };
+        std::array::from_fn(corner)
     };
-    let sample = |(i, (position, value))| Sample { position, value, spacing: spacing(i) };
+    let sample = |(i, (position, value))| Sample {
+        position,
+        value,
+        spacing: spacing(i),
+        body: body(i).min(usize::from(u16::MAX)) as u16,
+        cell: gradient.is_some().then(|| cell(i)),
+    };
     Ok(positions.into_iter().zip(values).enumerate().map(sample).collect())
 }

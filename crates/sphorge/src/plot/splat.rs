@@ -1,7 +1,10 @@
-//! Particles as balls, nearest first, on a raster finer than the page, with an outline around what stands alone.
+//! Particles as their deformed cells, or as balls where these are unknown, nearest first, on a raster finer than the page, with an outline
+//! around what stands alone and a line between bodies.
 
 use super::{
+    cell::{Corners, HalfSpace, Hit, Hull, dot},
     color::Rgb,
+    light::LIGHT,
     page::{Area, Image},
 };
 
@@ -15,6 +18,17 @@ const RIM_FROM: f64 = 4.0;
 /// Radius at which the rim begins, as a share of the ball.
 const RIM: f64 = 0.62;
 
+/// Half the width of the line between cells in units of the page, and the least half width of a cell that has one.
+const CELL_LINE: f64 = 0.35;
+const CELL_LINE_FROM: f64 = 2.5;
+/// Gaps between cells up to twice this share of the spacing are filled: the deformation gradients of neighbours are means over
+/// surroundings, so that their cells need not meet.
+const CLOSED: f64 = 0.2;
+/// Depth below the plane of a section, in spacings, that is flat with it.
+const NEAR_CUT: f64 = 0.4;
+/// Depth of what fills gaps, before all else is.
+const BEHIND_ALL: f64 = -1e6;
+
 /// A particle on the page: units from the upper left corner of its area, depth and radius too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Dot {
@@ -26,6 +40,11 @@ pub(super) struct Dot {
     pub(super) color: Rgb,
     /// Factor on the colour.
     pub(super) light: f64,
+    pub(super) body: u16,
+    /// Units of the page; of the initial cell.
+    pub(super) spacing: f64,
+    /// Corners of the deformed cell from the particle: to the right, down, towards the eye.
+    pub(super) cell: Option<Corners<f32>>,
 }
 
 struct Raster {
@@ -35,20 +54,38 @@ struct Raster {
     fine: f64,
     color: Vec<Rgb>,
     depth: Vec<f32>,
+    body: Vec<u16>,
+    /// Points beside a cell, which stay only in gaps.
+    is_beside: Vec<bool>,
 }
 
-/// Draws the dots for an area of a page of `scale` pixels a unit; `shaded` tells depth by light and dark edges. Clear where there is none.
-pub(super) fn splat(area: Area, scale: f64, dots: impl Iterator<Item = Dot>, shaded: bool) -> Image {
+/// Draws the dots for an area of a page of `scale` pixels a unit; `shaded` tells depth by light and dark edges; what is
+/// beyond the plane `cut`, in units of the page, is left out. Clear where there is none.
+pub(super) fn splat(
+    area: Area,
+    scale: f64,
+    dots: impl Iterator<Item = Dot>,
+    shaded: bool,
+    cut: Option<HalfSpace>,
+) -> Image {
     let pixels = |length: f64| (length * scale).round().max(1.0) as usize;
     let (columns, rows) = (pixels(area.width), pixels(area.height));
     // Points a pixel, each way: pages of many pixels are smooth by themselves.
     let each = (3.0 / scale).ceil().clamp(1.0, 3.0) as usize;
     let mut raster = Raster::new(columns * each, rows * each, scale * each as f64);
-    let mut largest = 0.0f64;
+    let fine = raster.fine;
+    let cut = cut.map(|cut| HalfSpace { offset: fine * cut.offset, ..cut });
+    let (mut largest, mut margin) = (0.0f64, 0.0f64);
     for dot in dots {
         largest = largest.max(dot.radius);
-        raster.ball(&dot, shaded);
+        if let Some(hull) = hull(&dot, fine) {
+            margin = margin.max(CLOSED * dot.spacing * fine);
+            raster.cell(&dot, &hull, shaded, cut.as_ref());
+        } else {
+            raster.ball(&dot, shaded);
+        }
     }
+    raster.open(margin.ceil() as usize);
     if shaded {
         raster.darken_edges(largest, each);
     }
@@ -56,10 +93,113 @@ pub(super) fn splat(area: Area, scale: f64, dots: impl Iterator<Item = Dot>, sha
     raster.image(area, each)
 }
 
+/// The deformed cell of a dot in points of the raster; none where it is unknown, flat, or too small to be seen.
+fn hull(dot: &Dot, fine: f64) -> Option<Hull> {
+    let centre = [dot.x, dot.y, dot.depth];
+    let corners = dot.cell.as_ref()?.map(|corner| std::array::from_fn(|a| fine * (centre[a] + f64::from(corner[a]))));
+    let hull = Hull::new(&corners)?;
+    let widest = hull.bounds.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
+    (widest >= 2.0 * LEAST_RADIUS * fine).then_some(hull)
+}
+
 impl Raster {
     fn new(width: usize, height: usize, fine: f64) -> Self {
         let count = width * height;
-        Self { width, height, fine, color: vec![[255; 3]; count], depth: vec![f32::NEG_INFINITY; count] }
+        Self {
+            width,
+            height,
+            fine,
+            color: vec![[255; 3]; count],
+            depth: vec![f32::NEG_INFINITY; count],
+            body: vec![0; count],
+            is_beside: vec![false; count],
+        }
+    }
+
+    /// Raster points whose centres (k + 1/2) may lie between places.
+    fn points((low, high): (f64, f64), limit: usize) -> std::ops::Range<usize> {
+        let low = (low - 0.5).ceil().max(0.0) as usize;
+        let high = (high + 0.5).floor().max(0.0) as usize;
+        low.min(limit)..high.min(limit)
+    }
+
+    fn cell(&mut self, dot: &Dot, hull: &Hull, shaded: bool, cut: Option<&HalfSpace>) {
+        let margin = CLOSED * dot.spacing * self.fine;
+        let [columns, rows] = hull.bounds.map(|(low, high)| (low - margin, high + margin));
+        let line = CELL_LINE * self.fine;
+        let has_line = hull.half_width >= CELL_LINE_FROM * self.fine;
+        let edge = ring(dot.color);
+        for row in Self::points(rows, self.height) {
+            for column in Self::points(columns, self.width) {
+                let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+                let at = row * self.width + column;
+                let (z, is_beside, color) = if shaded {
+                    let (hit, is_beside) = match hull.hit(x, y, 0.0, cut) {
+                        Some(hit) => (hit, false),
+                        // Behind all cells that are there.
+                        None => match hull.hit(x, y, margin, cut) {
+                            Some(hit) => (Hit { depth: hit.depth + BEHIND_ALL, ..hit }, true),
+                            None => continue,
+                        },
+                    };
+                    let on_line = has_line && !is_beside && hit.from_edge < line;
+                    let own = if on_line { edge } else { dot.color };
+                    // A cut has the colours of the bar, and is no less flat where cells end just before it.
+                    let is_near =
+                        cut.is_some_and(|cut| cut.depth([x, y, hit.depth]) < NEAR_CUT * dot.spacing * self.fine);
+                    let color = match hit.normal {
+                        // Down on the page is up for the light.
+                        Some([right, down, towards]) if !is_near => {
+                            shade(own, dot.light * light_on([right, -down, towards]))
+                        }
+                        Some(_) | None => own,
+                    };
+                    // Where cells overlap, each has what is nearer to its middle.
+                    let before = if hit.normal.is_none() { 1e-3 * hit.from_edge } else { 0.0 };
+                    (hit.depth + before, is_beside, color)
+                } else {
+                    // Where cells overlap, each has what is nearer to its middle.
+                    let inside = hull.inside(x, y);
+                    if inside < -margin {
+                        continue;
+                    }
+                    let on_line = has_line && (0.0..line).contains(&inside);
+                    (inside, inside < 0.0, if on_line { edge } else { dot.color })
+                };
+                if z as f32 > self.depth[at] {
+                    self.depth[at] = z as f32;
+                    self.color[at] = color;
+                    self.body[at] = dot.body;
+                    self.is_beside[at] = is_beside;
+                }
+            }
+        }
+    }
+
+    /// Takes away what is beside cells but in no gap: layer by layer, as deep as the margin.
+    fn open(&mut self, layers: usize) {
+        let (width, height) = (self.width, self.height);
+        let around = |at: usize| {
+            let (x, y) = (at % width, at / width);
+            let to = [
+                (x > 0).then(|| at - 1),
+                (x + 1 < width).then(|| at + 1),
+                (y > 0).then(|| at - width),
+                (y + 1 < height).then(|| at + width),
+            ];
+            to.into_iter().flatten()
+        };
+        let mut layer: Vec<usize> = (0..self.depth.len()).filter(|&at| self.is_beside[at]).collect();
+        layer.retain(|&at| around(at).any(|to| self.depth[to] == f32::NEG_INFINITY));
+        for _ in 0..layers {
+            for &at in &layer {
+                self.depth[at] = f32::NEG_INFINITY;
+                self.is_beside[at] = false;
+            }
+            layer = layer.into_iter().flat_map(around).filter(|&to| self.is_beside[to]).collect();
+            layer.sort_unstable();
+            layer.dedup();
+        }
     }
 
     fn ball(&mut self, dot: &Dot, shaded: bool) {
@@ -69,12 +209,7 @@ impl Raster {
             return;
         }
         let depth = dot.depth * self.fine;
-        // Raster points whose centres (k + 1/2) lie inside.
-        let range = |centre: f64, limit: usize| {
-            let low = (centre - radius - 0.5).ceil().max(0.0) as usize;
-            let high = (centre + radius + 0.5).floor().max(0.0) as usize;
-            low.min(limit)..high.min(limit)
-        };
+        let range = |centre: f64, limit: usize| Self::points((centre - radius, centre + radius), limit);
         let rim = if !shaded && units >= RIM_FROM { (RIM * radius).powi(2) } else { f64::INFINITY };
         let edge = ring(dot.color);
         for row in range(y, self.height) {
@@ -90,6 +225,7 @@ impl Raster {
                 let z = (depth + rise) as f32;
                 if z > self.depth[at] {
                     self.depth[at] = z;
+                    self.body[at] = dot.body;
                     self.color[at] = if shaded {
                         // Faint, for the colour carries the value.
                         let light = 0.86 + (0.14 * rise - 0.05 * (dx + dy)) / radius;
@@ -133,8 +269,25 @@ impl Raster {
         }
     }
 
-    /// Draws a line around all that is covered.
+    /// Draws a line around all that is covered, and where one body meets another.
     fn outline(&mut self) {
+        let (columns, count) = (self.width, self.depth.len());
+        let covered = |at: usize| self.depth[at] > f32::NEG_INFINITY;
+        let meets = |at: usize, to: usize| covered(at) && covered(to) && self.body[at] != self.body[to];
+        let meets_another = |at: usize| {
+            at % columns + 1 < columns && meets(at, at + 1) || at + columns < count && meets(at, at + columns)
+        };
+        let between: Vec<usize> = (0..count).filter(|&at| meets_another(at)).collect();
+        let wide = (OUTLINE * self.fine).round().max(1.0) as usize;
+        for at in between {
+            for (down, right) in (0..wide).flat_map(|down| (0..wide).map(move |right| (down, right))) {
+                let to = at + down * columns + right;
+                if at % columns + right < columns && to < count && self.depth[to] > f32::NEG_INFINITY {
+                    self.color[to] = OUTLINE_COLOR;
+                }
+            }
+        }
+
         let reach = (OUTLINE * self.fine).round().max(1.0) as isize;
         let (width, height) = (self.width as isize, self.height as isize);
         let clear = |depth: &[f32], x: isize, y: isize| {
@@ -184,6 +337,11 @@ impl Raster {
     }
 }
 
+/// Light on a plane face from its normal: right, up, towards the eye.
+fn light_on(normal: [f64; 3]) -> f64 {
+    0.9 + 0.1 * (dot(normal, LIGHT) / LIGHT[2]).clamp(0.0, 1.0)
+}
+
 /// How light a colour is to the eye, 0 to 1.
 fn lightness([r, g, b]: Rgb) -> f64 {
     (0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)) / 255.0
@@ -212,7 +370,8 @@ mod tests {
     use super::*;
 
     fn dot(x: f64, radius: f64) -> Dot {
-        Dot { x, y: 5.0, depth: 0.0, radius, color: [250, 250, 200], light: 1.0 }
+        let color = [250, 250, 200];
+        Dot { x, y: 5.0, depth: 0.0, radius, color, light: 1.0, body: 0, spacing: radius, cell: None }
     }
 
     #[test]
@@ -233,7 +392,7 @@ mod tests {
     fn balls_outside_or_nowhere_are_left_out() {
         let area = Area { x: 0.0, y: 0.0, width: 10.0, height: 10.0 };
         let nowhere = [(-50.0, 0.0), (1e9, 0.0), (f64::NAN, 0.0), (5.0, f64::NAN)];
-        let image = splat(area, 1.0, nowhere.into_iter().map(|(x, depth)| Dot { depth, ..dot(x, 2.0) }), false);
+        let image = splat(area, 1.0, nowhere.into_iter().map(|(x, depth)| Dot { depth, ..dot(x, 2.0) }), false, None);
         assert!(image.pixels.iter().all(|p| p[3] == 0));
     }
 
@@ -243,7 +402,7 @@ mod tests {
         for scale in [1.0, 3.0, 6.0] {
             for radius in [1e-6, 0.3, 3.0] {
                 for shaded in [false, true] {
-                    let image = splat(area, scale, std::iter::once(dot(5.0, radius)), shaded);
+                    let image = splat(area, scale, std::iter::once(dot(5.0, radius)), shaded, None);
                     let ink = |p: &&[u8; 4]| u32::from(255 - p[0]) * u32::from(p[3]) / 255 > 60;
                     let dark = image.pixels.iter().filter(ink).count() as f64 / (scale * scale);
                     assert!(dark > 2.0, "{scale} {radius} {shaded}: {dark} dark units");
@@ -264,7 +423,7 @@ mod tests {
             color: dark,
             ..dot(0.0, 7.1)
         });
-        let image = splat(area, 1.0, lattice, false);
+        let image = splat(area, 1.0, lattice, false, None);
         assert!(image.pixels.iter().all(|p| p[3] == 255));
         let [r, g, b] = ring(dark);
         let count = |color: [u8; 4]| image.pixels.iter().filter(|p| **p == color).count();

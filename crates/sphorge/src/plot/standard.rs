@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Fields pictured when none is named, where a run wrote them.
 const DEFAULT_FIELDS: [&str; 5] = ["plastic_strain", "von_mises_stress", "pressure", "temperature", "velocity"];
 
-/// Draws the standard pictures of a run in a folder: the last frame by several fields, plastic strain before and
+/// Draws the standard pictures of a run in a folder: the last frame by body, where there are several, and by several fields, plastic strain before and
 /// after, and the history. Returns their files.
 ///
 /// # Errors
@@ -23,8 +23,10 @@ pub fn plot_run(
     let series = read_series(run)?;
     let Some((_, last)) = series.last() else { return Ok(files) };
     let frame = FrameFile::open(last)?;
-    let present = |name: &&&str| frame.arrays().iter().any(|array| array.name == **name);
-    for &field in DEFAULT_FIELDS.iter().filter(present) {
+    let present = |name: &&str| frame.arrays().iter().any(|array| array.name == *name);
+    // Which body is which.
+    let bodies = (frame.bodies.len() > 1 && present(&&"body")).then_some("body");
+    for field in bodies.into_iter().chain(DEFAULT_FIELDS.into_iter().filter(|name| present(&name))) {
         let file = folder.join(format!("{field}-last.{ending}"));
         plot_field(run, &FieldPicture { paper, ..FieldPicture::new(field) }, &file)?;
         files.push(file);

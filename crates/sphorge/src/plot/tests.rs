@@ -156,7 +156,7 @@ fn several_frames_views_components_and_sections_are_drawn() {
         let picture = FieldPicture {
             frames: frames.clone(),
             view,
-            section: true,
+            section: Some(Section::Middle),
             paper: COARSE,
             ..FieldPicture::new("stress.xx")
         };
@@ -186,7 +186,7 @@ fn what_is_not_there_is_an_error_that_says_what_is() {
     for field in ["temperature", "velocity.q", "pressure.x"] {
         let error = plot_field(&run, &FieldPicture::new(field), &to).unwrap_err();
         let PlotError::Field { available, .. } = error else { panic!("{error}") };
-        assert_eq!(available, "body, pressure, velocity, stress");
+        assert_eq!(available, "body, pressure, velocity, stress, displacement, speed, triaxiality");
     }
     for (field, question) in
         [("presure", "did you mean `pressure`? "), ("stress.q", ""), ("Velocity.x", "did you mean `velocity`? ")]
@@ -384,7 +384,8 @@ fn seen(run: &RunDirectory, picture: &FieldPicture) -> scene::Scene {
 fn a_section_goes_through_the_plane_of_symmetry() {
     let folder = tempfile::tempdir().unwrap();
     let run = quarter(folder.path());
-    let from_front = FieldPicture { view: Some(View::Xz), section: true, ..FieldPicture::new("velocity.y") };
+    let from_front =
+        FieldPicture { view: Some(View::Xz), section: Some(Section::Middle), ..FieldPicture::new("velocity.y") };
     let scene = seen(&run, &from_front);
     // Towards the eye is -y: all of the quarter is behind its plane of symmetry, and its first layer shows.
     let panel = &scene.panels[0];
@@ -412,10 +413,10 @@ fn a_quarter_is_shown_whole_with_the_signs_of_its_images() {
     let scene = seen(&run, &whole);
     assert_eq!((scene.panels[0].marks.len(), scene.panels[0].count), (128, 32));
     assert_eq!(scene.extent.extremes, (-1.5, 1.5));
-    let cut = seen(&run, &FieldPicture { section: true, view: Some(View::Xz), ..whole.clone() });
+    let cut = seen(&run, &FieldPicture { section: Some(Section::Middle), view: Some(View::Xz), ..whole.clone() });
     assert_eq!((cut.panels[0].marks.len(), cut.panels[0].count), (64, 32));
     // Seen from +x only images are left: they count as the particles they are of.
-    let cut = seen(&run, &FieldPicture { section: true, view: Some(View::Yz), ..whole.clone() });
+    let cut = seen(&run, &FieldPicture { section: Some(Section::Middle), view: Some(View::Yz), ..whole.clone() });
     assert_eq!((cut.panels[0].marks.len(), cut.panels[0].count), (64, 32));
     fs::write(run.deck(), QUARTER.replace("[[symmetry]]\naxis = \"x\"\n[[symmetry]]\naxis = \"y\"\n", "")).unwrap();
     assert!(matches!(plot_field(&run, &whole, &folder.path().join("p.png")), Err(PlotError::Empty { .. })));
@@ -556,4 +557,122 @@ fn curves_of_several_runs_share_a_chart_for_each_column() {
     assert!(fs::read_to_string(&to).unwrap().contains("width=\"3.3465in\""));
     let missing = plot_columns_of_runs(&runs, &["depth".to_owned()], Paper::default(), &to);
     assert!(matches!(missing, Err(PlotError::Column { .. })));
+}
+
+/// A block of ten by ten particles a millimetre apart in two bodies, stretched four times along x and as much thinner, whose frames have the
+/// deformation gradient or not.
+fn stretched(folder: &Path, fields: &[&str]) -> RunDirectory {
+    let run = RunDirectory::create(folder, false).unwrap();
+    let body = |name: &str, low: u32| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = \"armco-iron\"\n\
+             shape = {{ box = {{ min = [0, \"{low} mm\"], max = [\"10 mm\", \"{} mm\"] }} }}\n",
+            low + 5
+        )
+    };
+    let head = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"1 us\" }\n";
+    fs::write(run.deck(), format!("{head}{}{}", body("lower", 0), body("upper", 5))).unwrap();
+    let mut particles = Particles::new(100);
+    particles.deformation = vec![[[4.0, 0.0, 0.0], [0.0, 0.25, 0.0], [0.0, 0.0, 1.0]]; 100];
+    for i in 0..100 {
+        let [x, y] = [(i % 10) as f64 + 0.5, (i / 10) as f64 + 0.5];
+        particles.position[i] = [4e-3 * x, 0.25e-3 * y, 0.0];
+        particles.body[i] = u32::from(i >= 50);
+    }
+    let fields: Vec<String> = fields.iter().map(|field| (*field).to_owned()).collect();
+    let header = FrameHeader { time: 0.0, step: 0, dimensions: 2, body_spacing: vec![1e-3, 1e-3] };
+    let bodies = ["lower", "upper"].map(|name| crate::output::FrameBody { name: name.into(), material: "iron".into() });
+    let writer = crate::output::FrameWriter { bodies: bodies.into(), is_compressed: true };
+    let file = RunDirectory::frame_name(0, false);
+    let mut content = std::io::Cursor::new(Vec::new());
+    writer.write(&mut content, &header, &particles, &fields).unwrap();
+    fs::create_dir_all(run.path().join("fields")).unwrap();
+    fs::write(run.path().join(&file), content.into_inner()).unwrap();
+    write_series(&run, &[SeriesEntry { time: 0.0, file }]).unwrap();
+    run
+}
+
+#[test]
+fn stretched_metal_is_drawn_whole_and_no_larger_than_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("p.png");
+    // Most of the white on the page is around the block: what changes is the paper seen between its particles.
+    let covered = |name: &str, fields: &[&str]| {
+        let run = stretched(&folder.path().join(name), fields);
+        let window = Some([(0.0, 0.04), (0.0, 0.0025)]);
+        let picture = FieldPicture { window, size: Some((900, 300)), ..FieldPicture::new("body") };
+        plot_field(&run, &picture, &to).unwrap();
+        let page = field::particles(&seen(&run, &picture), &picture, "t").unwrap();
+        let image = page.items.iter().find_map(|item| match item {
+            page::Item::Image(image) if image.columns > 300 => Some(image.clone()),
+            _ => None,
+        });
+        let image = image.unwrap();
+        let opaque = image.pixels.iter().filter(|pixel| pixel[3] > 127).count();
+        opaque as f64 / image.pixels.len() as f64
+    };
+    let whole = covered("known", &["body", "deformation_gradient"]);
+    let balls = covered("unknown", &["body"]);
+    // The window has a rim of 4 % of its width: 2.5 of 5.7 mm are the block, 40 of 43.2 mm.
+    let exact = 2.5 / 5.7 * 40.0 / 43.2;
+    // The outline adds two thirds of a pixel on either side; what fills gaps would add 0.4 mm if it were left.
+    assert!((whole - exact).abs() < 0.08 * exact, "{whole} {exact}");
+    assert!(balls < 0.8 * exact, "{balls} {exact}");
+}
+
+#[test]
+fn bodies_are_named_in_a_key_of_their_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = stretched(&folder.path().join("run"), &["body", "deformation_gradient"]);
+    let picture = FieldPicture::new("body");
+    let page = field::particles(&seen(&run, &picture), &picture, "t").unwrap();
+    let texts: Vec<_> = page.texts().map(|text| text.text.as_str()).collect();
+    assert!(texts.contains(&"body") && texts.contains(&"lower") && texts.contains(&"upper"), "{texts:?}");
+    let fills = page.items.iter().filter_map(|item| match item {
+        page::Item::Polygon { color, .. } => Some(*color),
+        _ => None,
+    });
+    let colors: Vec<_> = fills.collect();
+    assert!(colors.contains(&color_bar::SINGLE_COLOR) && colors.len() == 2 && colors[0] != colors[1], "{colors:?}");
+}
+
+#[test]
+fn what_frames_lack_is_computed_from_what_they_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    // The last frame has gone 3 mm along x and 4 mm along y, and has no stress but pressure.
+    let mut particles = Particles::new(200);
+    for i in 0..200 {
+        particles.position[i] = [1e-3 * (i % 20) as f64 + 3e-3, 1e-3 * (i / 20) as f64 + 4e-3, 1e-4 * i as f64];
+        particles.deviator[i].xx = 2e6;
+        (particles.deviator[i].yy, particles.deviator[i].zz) = (-1e6, -1e6);
+        particles.pressure[i] = -1e6;
+    }
+    let header = FrameHeader { time: 1e-5, step: 1, dimensions: 2, body_spacing: vec![1e-3] };
+    let fields = ["body", "stress"].map(str::to_owned);
+    write_frame_file(&run.path().join(RunDirectory::frame_name(1, false)), &header, &particles, &fields).unwrap();
+    for (field, value, unit) in
+        [("displacement", 5e-3, "m"), ("displacement.y", 4e-3, "m"), ("triaxiality", 1.0 / 3.0, "")]
+    {
+        let scene = scene::Scene::read(&[("", &run)], &FieldPicture::new(field)).unwrap();
+        let (low, high) = scene.extent.extremes;
+        assert!((low / value - 1.0).abs() < 1e-6 && (high / value - 1.0).abs() < 1e-6, "{field} {low} {high}");
+        assert_eq!(scene.unit, unit);
+    }
+}
+
+#[test]
+fn a_section_leaves_the_side_of_the_eye_out_and_cuts_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 3);
+    let count = |section: Section, view: View| {
+        let picture = FieldPicture { section: Some(section), view: Some(view), ..FieldPicture::new("pressure") };
+        scene::Scene::read(&[("", &run)], &picture).unwrap().panels[0].count
+    };
+    // Columns at 0 to 19 mm: ten of them are left of 9.5 mm.
+    let across = |x: f64, point: f64| Section::Across { normal: [x, 0.0, 0.0], point: Some([point, 0.0, 0.0]) };
+    let from = |x: f64| View::From { direction: [x, 0.2, 0.1], up: 1 };
+    assert_eq!(count(across(1.0, 9.5e-3), from(1.0)), 100);
+    assert_eq!(count(across(-5.0, 4.5e-3), from(1.0)), 50);
+    assert_eq!(count(across(1.0, 4.5e-3), from(-1.0)), 150);
 }

@@ -4,7 +4,8 @@ use super::runs::{Run, Runs};
 use crate::{
     output::RunDirectory,
     plot::{
-        FieldPicture, FrameChoice, Paper, PlotError, View, plot_columns, plot_field, plot_field_of_runs, plot_overlay,
+        FieldPicture, FrameChoice, Paper, PlotError, Section, View, plot_columns, plot_field, plot_field_of_runs,
+        plot_overlay,
     },
 };
 use std::path::Path;
@@ -81,7 +82,7 @@ impl Picture {
                 let picture = FieldPicture {
                     frames: times.iter().map(|&time| FrameChoice::Time(time)).collect(),
                     view: Some(settings.view),
-                    section: settings.section,
+                    section: settings.section.then_some(Section::Middle),
                     window: Some(settings.window),
                     range: settings.range,
                     ..FieldPicture::new(field)
