@@ -54,16 +54,14 @@ pub struct WarningInfo {
     pub is_floor: bool,
     /// What the number is.
     pub meaning: &'static str,
-    /// What to do about it.
-    pub cure: &'static str,
 }
 
-const fn above(name: &'static str, limit: f64, meaning: &'static str, cure: &'static str) -> WarningInfo {
-    WarningInfo { name, unit: "", limit, is_floor: false, meaning, cure }
+const fn above(name: &'static str, limit: f64, meaning: &'static str) -> WarningInfo {
+    WarningInfo { name, unit: "", limit, is_floor: false, meaning }
 }
 
-const fn below(name: &'static str, limit: f64, meaning: &'static str, cure: &'static str) -> WarningInfo {
-    WarningInfo { name, unit: "", limit, is_floor: true, meaning, cure }
+const fn below(name: &'static str, limit: f64, meaning: &'static str) -> WarningInfo {
+    WarningInfo { name, unit: "", limit, is_floor: true, meaning }
 }
 
 impl WarningKind {
@@ -92,117 +90,58 @@ impl WarningKind {
     /// What is known of it.
     pub fn info(self) -> WarningInfo {
         match self {
-            Self::PlasticWork => above(
-                "plastic-work",
-                1.01,
-                "plastic work over the energy supplied",
-                "use `search = \"total-lagrangian\"`, or change `artificial-stress`, which adds plastic work with XSPH or in tension; do not use the stresses and temperatures of this run",
-            ),
+            Self::PlasticWork => above("plastic-work", 1.01, "plastic work over the energy supplied"),
             Self::NegativeEnergy => above(
                 "negative-energy",
                 0.01,
                 "deficit of internal energy below the floor that heat can explain, over the energy supplied",
-                "lower `time.courant` if `integration_energy` in history.csv is as large, add artificial viscosity if `hourglass_energy` is, or set `energy-split = \"own-stress\"`",
             ),
             Self::HourglassWork => above(
                 "hourglass-work",
                 0.1,
                 "work of the hourglass springs that they do not hold, of either sign, beyond what the integrator booked, over the energy supplied",
-                "use a smaller spacing: springs take from motion that varies from particle to particle; or lower `search.total-lagrangian.hourglass`",
             ),
-            Self::Cold => WarningInfo {
-                unit: "K",
-                ..below(
-                    "cold",
-                    0.0,
-                    "temperature",
-                    "remove less heat at the boundary, or lower `time.courant`; the flow stress of this particle is wrong",
-                )
-            },
-            Self::Hot => above(
-                "hot",
-                2.0,
-                "temperature over the highest that the particle's energy allows",
-                "see `plastic-work`: the heat comes from work for which no energy was supplied",
-            ),
-            Self::WallEnergy => above(
-                "wall-energy",
-                0.2,
-                "work of walls at rest over the initial kinetic energy",
-                "lower the stiffness or damping of the wall, lower `time.courant`, or, where nothing leaves the wall again, use a symmetry plane instead",
-            ),
+            Self::Cold => WarningInfo { unit: "K", ..below("cold", 0.0, "temperature") },
+            Self::Hot => above("hot", 2.0, "temperature over the highest that the particle's energy allows"),
+            Self::WallEnergy => above("wall-energy", 0.2, "work of walls at rest over the initial kinetic energy"),
             Self::EnergyDrift => above(
                 "energy-drift",
                 1e-4,
                 "change of the total energy that neither work nor heat explains, over the energy in play",
-                "the sums of this run do not conserve energy: set `precision = \"double\"`; if the drift stays, do not use the run, and report its deck as a fault of the program",
             ),
             Self::MomentumDrift => above(
                 "momentum-drift",
                 1e-4,
                 "change of the linear momentum that no external impulse explains, over the sum of all m |v|",
-                "the sums of this run do not conserve momentum: set `precision = \"double\"`; if the drift stays, do not use the run, and report its deck as a fault of the program",
             ),
-            Self::Pairing => above(
-                "pairing",
-                0.1,
-                "share of the particles of a body that have clumped in pairs",
-                "numerical fracture: use `search = \"total-lagrangian\"`, more `artificial-stress`, or a Wendland kernel",
-            ),
+            Self::Pairing => above("pairing", 0.1, "share of the particles of a body that have clumped in pairs"),
             Self::Tearing => above(
                 "tearing",
                 1.0,
                 "number of particles of a body that cannot break in zones where more than 40 % have clumped in pairs in tension, over the number within one kernel",
-                "numerical fracture: see `pairing`; gaps open in the body without a fracture law: give the material a `spall-pressure` if it is meant to break",
             ),
             Self::Pieces => above(
                 "pieces",
                 0.01,
                 "share of the particles of a body that cannot break that have separated from its largest piece",
-                "numerical fracture: see `pairing`; give the material a `spall-pressure` if it is meant to break",
             ),
             Self::LostNeighbors => above(
                 "lost-neighbors",
                 0.001,
                 "share of the particles of a body that cannot break that have too few neighbours for a gradient",
-                "numerical fracture: refine, raise `particles.smoothing`, or give the material a `spall-pressure` if it is meant to break",
             ),
-            Self::BehindSymmetry => above(
-                "behind-symmetry",
-                0.5,
-                "depth of a particle behind a symmetry plane over the spacing",
-                "the body has folded through its image, or has come apart and mixes with it: choose a spacing with the first layer of particles half a spacing from the plane (`sphorge check` suggests some), or use a penalty wall instead of the plane",
-            ),
-            Self::FarAway => above(
-                "far-away",
-                3.0,
-                "distance from the initial bodies over the largest possible travel",
-                "lower `time.courant`, soften the contact, or check that bodies do not overlap at the start",
-            ),
-            Self::Compression => above(
-                "compression",
-                1.0,
-                "compression chi = 1 - rho_0/rho over the largest that a shock reaches, 1/S",
-                "lower `time.courant`, soften the contact, or use a pressure law that is valid at such compression",
-            ),
-            Self::Expansion => below(
-                "expansion",
-                0.5,
-                "density over the reference density",
-                "give the material a `spall-pressure`; the pressure law is not valid at so low a density",
-            ),
-            Self::TimeStep => below(
-                "time-step",
-                1e-3,
-                "time step over the first time step",
-                "the solution is breaking down: look at `dt_reason` in history.csv and at the fastest particle",
-            ),
-            Self::StepsLeft => above(
-                "steps-left",
-                1e8,
-                "steps to the end of the run at the present time step",
-                "use a larger spacing, end the run earlier, or raise `time.courant` or `time.max-step` where it was set low",
-            ),
+            Self::BehindSymmetry => {
+                above("behind-symmetry", 0.5, "depth of a particle behind a symmetry plane over the spacing")
+            }
+            Self::FarAway => {
+                above("far-away", 3.0, "distance from the initial bodies over the largest possible travel")
+            }
+            Self::Compression => {
+                above("compression", 1.0, "compression chi = 1 - rho_0/rho over the largest that a shock reaches, 1/S")
+            }
+            Self::Expansion => below("expansion", 0.5, "density over the reference density"),
+            Self::TimeStep => below("time-step", 1e-3, "time step over the first time step"),
+            Self::StepsLeft => above("steps-left", 1e8, "steps to the end of the run at the present time step"),
         }
     }
 

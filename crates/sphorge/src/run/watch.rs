@@ -4,6 +4,9 @@
 //! which need a search, at most every [`PAIR_STEPS`], pieces of bodies every [`PIECE_STEPS`]: all of it is less than a hundredth of the work of the steps. What a check says, and
 //! what to do about it, is in `docs/warnings.md`.
 
+mod cure;
+
+use self::cure::{cure, cure_of_collapse};
 use super::conservation::Conservation;
 use crate::{
     engine::{
@@ -32,9 +35,6 @@ const HOPELESS_STEPS: u64 = 100;
 const NO_ENERGY: f64 = 1e-12;
 /// A step below this share of the first is small because of the solution, not because the deck asks for small steps.
 const COLLAPSED: f64 = 0.1;
-/// What to do about that.
-const COLLAPSED_CURE: &str = "the time step has collapsed because the solution is breaking down: lower `time.courant`, use step control \
-                              (`time.step-control.repeats` above 0), soften the contact; `dt_reason` in history.csv names the limit of the step";
 /// Largest number a share of next to nothing is said to be.
 const LARGEST: f64 = 1e6;
 
@@ -233,16 +233,16 @@ impl Watch {
             ..RunFailure::of_engine(format!(
                 "the time step is {dt:.3e} s, which leaves {left:.1e} steps to the end: the run would not end; {}, \
                  or raise `warnings.stop-at-steps` to continue",
-                self.cure_of_steps(dt)
+                self.cure_of_steps(model, dt)
             ))
         })
     }
 
     /// What to do about too many steps of this size.
-    fn cure_of_steps(&self, dt: f64) -> &'static str {
+    fn cure_of_steps(&self, model: &Model, dt: f64) -> String {
         match self.first_step {
-            Some(first) if dt < COLLAPSED * first => COLLAPSED_CURE,
-            _ => WarningKind::StepsLeft.info().cure,
+            Some(first) if dt < COLLAPSED * first => cure_of_collapse(model),
+            _ => cure(WarningKind::StepsLeft, model, None),
         }
     }
 
@@ -418,8 +418,8 @@ impl Watch {
         let kind = WarningKind::ALL[usize::from(seen.kind)];
         let info = kind.info();
         let cure = match kind {
-            WarningKind::StepsLeft => self.cure_of_steps((model.time.end - seen.worst_time) / seen.worst),
-            _ => info.cure,
+            WarningKind::StepsLeft => self.cure_of_steps(model, (model.time.end - seen.worst_time) / seen.worst),
+            _ => cure(kind, model, seen.body.map(|body| body as usize)),
         };
         WarningRecord {
             name: info.name.to_owned(),
@@ -433,7 +433,7 @@ impl Watch {
             particle: seen.particle,
             body: seen.body.and_then(|body| model.bodies.get(body as usize)).map(|body| body.name.clone()),
             position: seen.position,
-            cure: cure.to_owned(),
+            cure,
         }
     }
 }

@@ -182,7 +182,8 @@ fn particles_are_named_with_their_place() {
     assert_eq!((records[0].step, records[0].time, records[0].particle), (40, 0.5, Some(3)));
     assert_eq!((records[0].body.as_deref(), records[0].position), (Some("bar"), Some([1.5, 0.0, 0.0])));
     let text = records[0].to_string();
-    for part in ["cold: temperature is -9 K, limit 0 K", "500 ms (step 40)", "particle 3 of `bar`", "remove less heat"]
+    for part in
+        ["cold: temperature is -9 K, limit 0 K", "500 ms (step 40)", "particle 3 of `bar`", "lower `time.courant`"]
     {
         assert!(text.contains(part), "`{part}` is not in: {text}");
     }
