@@ -171,6 +171,11 @@ impl Problems {
         self.faults.is_empty()
     }
 
+    /// How many there are so far.
+    pub(crate) fn count(&self) -> usize {
+        self.faults.len() + self.more
+    }
+
     /// Takes the faults so far for those of form: what is missing in their entries is not told.
     pub(crate) fn form_is_checked(&mut self, entries: Entries) {
         // Those of the deck as a whole have no place.

@@ -168,6 +168,10 @@ fn suggestion(name: &str) -> Option<String> {
         "watt" => Some("W"),
         "hz" | "khz" => Some("rpm` or `rad/s"),
         "inch" => Some("in"),
+        "cc" | "ccm" | "ml" => Some("cm^3"),
+        "l" | "liter" | "litre" => Some("dm^3"),
+        "tonne" | "to" => Some("t"),
+        "micron" => Some("um"),
         _ => None,
     };
     if let Some(unit) = spelled_out {
@@ -377,6 +381,8 @@ mod tests {
         assert_eq!((error.start, error.end, error.message.as_str()), (3, 6, "unknown unit `mmm`"));
         assert_eq!(parse_unit("mpa").unwrap_err().help.unwrap(), "did you mean `MPa`?");
         assert_eq!(parse_unit("MM").unwrap_err().help.unwrap(), "did you mean `mm`?");
+        assert_eq!(parse_unit("g/cc").unwrap_err().help.unwrap(), "did you mean `cm^3`?");
+        assert_eq!(parse_unit("tonnes/mm^3").unwrap_err().help.unwrap(), "did you mean `t`?");
         assert!(parse_unit("J/kg K").unwrap_err().help.unwrap().contains("J/(kg K)"));
         assert!(parse_unit("J/(kg degC)").unwrap_err().help.unwrap().contains('K'));
         for bad in [

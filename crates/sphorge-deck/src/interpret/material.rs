@@ -23,12 +23,14 @@ struct Own {
     base: Option<String>,
     base_at: Range<usize>,
     at: Range<usize>,
+    /// Whether some of its constants could not be read: what it then lacks is told already.
+    is_spoiled: bool,
 }
 
-/// All materials a deck can name.
 /// Longest name of a material, characters: it stands in every frame.
 const LONGEST_NAME: usize = 64;
 
+/// All materials a deck can name.
 pub(crate) struct Library {
     own: BTreeMap<String, Own>,
 }
@@ -47,8 +49,10 @@ impl Library {
             }
             let base = material.base.as_ref().and_then(|b| b.text(problems)).map(str::to_owned);
             let base_at = material.base.as_ref().map_or(name.span(), |b| b.span());
+            let before = problems.count();
             let constants = constants(material, problems);
-            own.insert(name.get_ref().clone(), Own { constants, base, base_at, at: name.span() });
+            let is_spoiled = problems.count() > before;
+            own.insert(name.get_ref().clone(), Own { constants, base, base_at, at: name.span(), is_spoiled });
         }
         let library = Self { own };
         for (name, material) in &library.own {
@@ -83,6 +87,19 @@ impl Library {
         )
         .help(format!("{near}`sphorge materials` lists the catalogue; [material.{name}] defines your own."))
         .if_all_entries_are_read()
+    }
+
+    /// Whether constants of a material or its bases could not be read.
+    fn is_spoiled(&self, name: &str) -> bool {
+        let mut next = self.own.get(name);
+        for _ in 0..LONGEST_CHAIN {
+            let Some(own) = next else { return false };
+            if own.is_spoiled {
+                return true;
+            }
+            next = own.base.as_ref().and_then(|base| self.own.get(base));
+        }
+        false
     }
 
     /// The constants of a material with those of its bases; `None` for an unknown or circular one, or a chain too long.
@@ -147,7 +164,14 @@ impl<'a> Chosen<'a> {
         // A circular base has been reported.
         let constants = self.library.constants(name)?;
         let own = self.library.own.get(name);
-        let material = build(name, &constants).map_err(|incomplete| report(name, incomplete, word, own, problems)).ok();
+        let is_spoiled = self.library.is_spoiled(name);
+        let material = build(name, &constants).map_err(|incomplete| {
+            // What a constant that cannot be read leaves out is no fault of its own.
+            if !is_spoiled {
+                report(name, incomplete, word, own, problems);
+            }
+        });
+        let material = material.ok();
         let notes = if own.is_some() { &mut self.notes } else { &mut self.catalogue_notes };
         notes.extend(material.iter().flat_map(|material| advice(&constants, material)));
         self.indices.insert(name.to_owned(), self.chosen.len());
