@@ -421,7 +421,7 @@ mod tests {
             let deck = format!(
                 "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\nnumerics = {{ precision = \
                  \"{precision}\" }}\n[[body]]\nname = \"a\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }} }}\n\
-                 [[body]]\nname = \"b\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }}, shift = [\"{shift}\", 0] }}\n"
+                 [[body]]\nname = \"b\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }}, shift = [\"{shift}\", 0] }}\nvelocity = [1, 0]\n"
             );
             let setup = load_text("far", &deck, &[]).unwrap();
             setup.notes
@@ -451,7 +451,7 @@ mod tests {
         assert_eq!(bird(&[("method", "updated-lagrangian")]), [""; 0]);
         // It flows, and does not splash; what flies away strikes nothing.
         assert_eq!(bird(&[("body.bird.velocity.1", "-10 m/s")]), [""; 0]);
-        assert_eq!(bird(&[("body.bird.velocity.1", "116 m/s")]), [""; 0]);
+        assert!(!bird(&[("body.bird.velocity.1", "116 m/s")]).join("").contains("splashes"));
     }
 
     #[test]

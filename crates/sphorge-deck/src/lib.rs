@@ -25,6 +25,7 @@ pub(crate) mod raw;
 mod report;
 mod scalar;
 mod schema;
+mod slips;
 mod strategy;
 mod suggest;
 mod unit;

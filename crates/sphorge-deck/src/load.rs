@@ -4,6 +4,7 @@ use super::fault::Problems;
 use super::interpret::{Interpreted, interpret};
 use super::raw::RawDeck;
 use super::report::DeckReport;
+use super::slips::slips;
 use super::{advice, closeness, keys, overrides, placement};
 use sphorge_engine::{
     Particles,
@@ -131,6 +132,7 @@ pub(super) fn read(
             problems.check()?;
             let masses = geometry::filled_masses(&model, &particles);
             notes.extend(placement::notes(&model, &particles, &masses));
+            notes.extend(slips(&model, &particles));
             notes.extend(advice::doubts(&model, &particles));
             notes.extend(closeness::notes(&model, &particles));
             let deck_text = with_whole_paths(deck_text, &model)?;

@@ -86,6 +86,14 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// What is said of more threads than there are processors, which wait for each other at every sum.
+pub(crate) fn too_many_threads(threads: usize) -> Option<String> {
+    let processors = std::thread::available_parallelism().ok()?.get();
+    (threads > processors).then(|| {
+        format!("note: {threads} threads on {processors} processors are slower than {processors}: leave out `--threads` to use all processors")
+    })
+}
+
 pub(crate) fn execute(arguments: RunArguments) -> Ending {
     let engine = arguments.engine.find()?;
     let Some(role) = arguments.ranks.join(arguments.threads, arguments.engine.device())? else {
@@ -112,6 +120,9 @@ pub(crate) fn execute(arguments: RunArguments) -> Ending {
     };
     if !arguments.told.quiet {
         setup.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
+        if let Some(note) = arguments.threads.and_then(too_many_threads) {
+            terminal::note(&note);
+        }
     }
     let result = sphorge::run::execute(setup, &*engine, &options, stop.flag(), &mut display);
     stop.finish();

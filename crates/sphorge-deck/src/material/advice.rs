@@ -23,16 +23,20 @@ fn beyond_matter(constants: &Constants, material: &Material) -> Vec<String> {
     let values = [
         ("density", material.density, (1.0, 3e5), "kg/m^3"),
         ("shear modulus", material.shear_modulus, (1.0, 1e13), "Pa"),
-        ("speed of sound", sound_speed, (1.0, 1e5), "m/s"),
+        ("speed of sound", sound_speed, (15.0, 3e4), "m/s"),
         ("specific heat", heat, (10.0, 1e5), "J/(kg K)"),
         ("conductivity", material.conductivity, (1e-4, 1e5), "W/(m K)"),
         ("reference temperature", material.reference_temperature, (0.0, 1e5), "K"),
     ];
     let odd = values.into_iter().filter(|(_, value, range, _)| !given(*value, *range));
+    // A speed of sound follows from the density.
+    let is_dense = values.iter().any(|(name, value, range, _)| *name == "density" && !given(*value, *range));
     let mut told: Vec<String> = odd
+        .filter(|(name, ..)| !is_dense || *name != "speed of sound")
         .map(|(name, value, _, unit)| {
             format!(
-                "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit",
+                "material `{}`: its {name} of {value:.3e} {unit} is that of no matter: check the unit; a number without one is in SI, and steel \
+                 has \"7.85e-9 t/mm^3\" and \"210 GPa\"",
                 material.name
             )
         })

@@ -1,0 +1,356 @@
+//! Numbers that no engineer means: a wrong unit, a wrong sign, a load that is not there. Said by `sphorge check` and `sphorge run`.
+
+use sphorge_engine::Particles;
+use sphorge_engine::model::{
+    Body, CloudParticle, CloudShare, Material, Model, MotionAxis, Solid, TimeTable, WallSurface,
+};
+use sphorge_physics::flow::FlowState;
+
+/// Yield stress over the shear modulus below which none of a solid is: pure single crystals have 1e-6.
+const LEAST_YIELD: f64 = 1e-6;
+/// Steps beyond which nobody waits.
+const MANY_STEPS: f64 = 1e8;
+/// Volume of a listed particle over that of the spacing, and the distance to the next one over the spacing, beyond which one of both is wrong.
+const VOLUMES: [f64; 2] = [0.1, 10.0];
+const DISTANCES: [f64; 2] = [0.6, 1.5];
+
+/// What in a deck cannot be meant.
+pub(crate) fn slips(model: &Model, particles: &Particles) -> Vec<String> {
+    let mut used: Vec<usize> = model.bodies.iter().map(|body| body.material).collect();
+    used.sort_unstable();
+    used.dedup();
+    let materials = used.into_iter().filter_map(|index| of_material(&model.materials[index]));
+    let bodies = || model.bodies.iter().enumerate();
+    materials
+        .chain(too_long(model))
+        .chain(at_rest(model, particles))
+        .chain(bodies().filter_map(|(b, _)| leaves_its_wall(model, particles, b)))
+        .chain(bodies().filter_map(|(b, body)| of_list(model, particles, b, body)))
+        .chain(empty_sections(model, particles))
+        .collect()
+}
+
+/// A flow stress that no metal has.
+fn of_material(material: &Material) -> Option<String> {
+    let history: Vec<f64> = material.flow_law.history().iter().map(|variable| variable.initial).collect();
+    let yields = material.flow_law.yield_stress(FlowState::at_rest(material.reference_temperature), &history).value;
+    (yields > 0.0 && yields < LEAST_YIELD * material.shear_modulus).then(|| {
+        format!(
+            "material `{}` yields at {yields:.3e} Pa, {:.0e} of its shear modulus, as no metal does: write the unit, as in `\"350 MPa\"`",
+            material.name,
+            yields / material.shear_modulus
+        )
+    })
+}
+
+/// An end that the steps of the model do not reach.
+fn too_long(model: &Model) -> Option<String> {
+    if !model.thermal.mechanics || model.time.max_steps.is_some() {
+        return None;
+    }
+    let step = |body: &Body| {
+        let material = &model.materials[body.material];
+        let bulk = material.equation_of_state.reference_sound_speed();
+        let speed = (bulk * bulk + 4.0 / 3.0 * material.shear_modulus / material.density).sqrt();
+        model.time.courant * body.smoothing_length / speed
+    };
+    let shortest = model.bodies.iter().map(step).fold(f64::INFINITY, f64::min);
+    let steps = model.time.end / model.time.fixed_step.unwrap_or(shortest);
+    (steps > MANY_STEPS).then(|| {
+        format!(
+            "to {} s the run takes some {steps:.0e} steps: a number without a unit is in seconds, and impacts take micro- or milliseconds, as in \
+             `end = \"20 us\"`",
+            model.time.end
+        )
+    })
+}
+
+/// Velocity of each body, m/s, the mean over its mass.
+fn velocities(model: &Model, particles: &Particles) -> Vec<[f64; 3]> {
+    let mut sums = vec![(0.0, [0.0; 3]); model.bodies.len()];
+    for ((&body, &mass), v) in particles.body.iter().zip(&particles.mass).zip(&particles.velocity) {
+        let (of, momentum) = &mut sums[body as usize];
+        *of += mass;
+        (0..3).for_each(|k| momentum[k] += mass * v[k]);
+    }
+    sums.into_iter().map(|(mass, momentum)| momentum.map(|p| if mass > 0.0 { p / mass } else { 0.0 })).collect()
+}
+
+fn moves(table: &TimeTable) -> bool {
+    table.points.iter().any(|(_, value)| *value != 0.0)
+}
+
+/// A deck in which nothing happens.
+fn at_rest(model: &Model, particles: &Particles) -> Option<String> {
+    let driven = |axis: &MotionAxis| matches!(axis, MotionAxis::Velocity(table) if moves(table));
+    // So many steps of anything are a measurement of speed.
+    let goes_on = !model.thermal.mechanics
+        || model.time.max_steps.is_some()
+        || model.thermal.conduction
+        || model.gravity != [0.0; 3]
+        || particles.velocity.iter().flatten().any(|v| *v != 0.0)
+        || model.walls.iter().any(|wall| wall.velocity.iter().any(moves))
+        || model.motions.iter().any(|motion| motion.axes.iter().any(driven))
+        || model.bodies.iter().any(|body| body.temperature != model.materials[body.material].reference_temperature);
+    (!goes_on).then(|| {
+        "nothing moves: no body has a velocity, and no wall, driven region, gravity or heat sets one in motion; give a body a `velocity`".to_owned()
+    })
+}
+
+/// A body that meets nothing and leaves a wall.
+fn leaves_its_wall(model: &Model, particles: &Particles, b: usize) -> Option<String> {
+    let all = velocities(model, particles);
+    let own = all[b];
+    let centre = |b: usize| {
+        let members = || (0..particles.len()).filter(move |&i| particles.body[i] as usize == b);
+        let count = members().count().max(1) as f64;
+        [0, 1, 2].map(|k| members().map(|i| particles.position[i][k]).sum::<f64>() / count)
+    };
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+    let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| a[k] - b[k]) };
+    let speed = dot(own, own).sqrt();
+    if speed == 0.0
+        || model.gravity != [0.0; 3]
+        || !model.motions.is_empty()
+        || model.periodic.iter().any(Option::is_some)
+    {
+        return None;
+    }
+    // Nothing else is met: no body comes nearer, and no plane of symmetry.
+    let here = centre(b);
+    let meets_body = (0..model.bodies.len())
+        .filter(|&other| other != b)
+        .any(|other| dot(minus(centre(other), here), minus(all[other], own)) < 0.0);
+    let meets_plane = model.symmetry.iter().any(|plane| plane.side * own[plane.axis] < -1e-9 * speed);
+    if meets_body || meets_plane {
+        return None;
+    }
+    let mut left = None;
+    for wall in &model.walls {
+        let WallSurface::Plane { normal, .. } = wall.surface else { return None };
+        if wall.velocity.iter().any(|table| table.points.len() > 1) {
+            return None;
+        }
+        let away = dot(minus(own, [0, 1, 2].map(|k| wall.velocity[k].at(0.0))), normal);
+        if away <= 1e-9 * speed {
+            return None;
+        }
+        left = left.or(Some((wall, away)));
+    }
+    left.map(|(wall, away)| {
+        format!(
+            "body `{}` flies away from wall `{}` at {away:.0} m/s and meets nothing else: check the signs of its velocity and of the normal, \
+             which points to the side where bodies are",
+            model.bodies[b].name, wall.name
+        )
+    })
+}
+
+/// A list of particles whose volumes or distances are not those of the spacing.
+fn of_list(model: &Model, particles: &Particles, b: usize, body: &Body) -> Option<String> {
+    let Solid::Cloud { particles: listed, .. } = &body.shape.solid else { return None };
+    let (name, spacing) = (&body.name, body.spacing);
+    let dimensions = model.dimensions.count();
+    let cell = spacing.powi(dimensions as i32);
+    let unit = ["m", "m^2", "m^3"][dimensions - 1];
+    let mean = |of: &dyn Fn(&CloudShare) -> Option<f64>| {
+        let volumes: Vec<f64> = listed.iter().filter_map(|particle| of(&particle.share)).collect();
+        (!volumes.is_empty()).then(|| volumes.iter().sum::<f64>() / volumes.len() as f64)
+    };
+    let density = model.materials[body.material].density;
+    let volume = mean(&|share| match *share {
+        CloudShare::Spacing => None,
+        CloudShare::Volume(volume) => Some(volume),
+        CloudShare::Mass(mass) => Some(mass / density),
+    });
+    if let Some(volume) = volume.filter(|volume| !(VOLUMES[0]..=VOLUMES[1]).contains(&(volume / cell))) {
+        return Some(format!(
+            "the particles listed for body `{name}` stand for {volume:.3e} {unit} each, where the spacing makes {cell:.3e} {unit}: give the unit, as in \
+             `{}`",
+            match has_masses(listed) {
+                true => "mass-unit = \"g\"".to_owned(),
+                false => format!("volume-unit = \"{}\"", ["mm", "mm^2", "mm^3"][dimensions - 1]),
+            }
+        ));
+    }
+    let places: Vec<[f64; 3]> = particles
+        .body
+        .iter()
+        .zip(&particles.position)
+        .filter(|(body, _)| **body as usize == b)
+        .map(|(_, x)| *x)
+        .collect();
+    let apart = typical_distance(&places, spacing)?;
+    (!(DISTANCES[0]..=DISTANCES[1]).contains(&(apart / spacing))).then(|| {
+        format!(
+            "the particles listed for body `{name}` are {:.3} mm apart, and the spacing is {:.3} mm: give the body a `spacing` that fits, or each \
+             particle its volume; check `length-unit`",
+            1e3 * apart,
+            1e3 * spacing
+        )
+    })
+}
+
+fn has_masses(listed: &[CloudParticle]) -> bool {
+    listed.iter().any(|particle| matches!(particle.share, CloudShare::Mass(_)))
+}
+
+/// The middle one of the distances of some particles to their nearest, m.
+fn typical_distance(places: &[[f64; 3]], spacing: f64) -> Option<f64> {
+    /// Particles that are asked.
+    const SAMPLE: usize = 200;
+    let stride = places.len().div_ceil(SAMPLE).max(1);
+    let squared = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
+    let nearest = |x: &[f64; 3]| {
+        let others = places.iter().map(|y| squared(x, y)).filter(|d| *d > 1e-12 * spacing * spacing);
+        others.fold(f64::INFINITY, f64::min).sqrt()
+    };
+    let mut distances: Vec<f64> = places.iter().step_by(stride).map(nearest).filter(|d| d.is_finite()).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).copied()
+}
+
+/// Sections that cut nothing.
+fn empty_sections(model: &Model, particles: &Particles) -> Vec<String> {
+    let empty = model.sections.iter().filter(|section| {
+        let of_body = |body: u32| section.body.is_none_or(|of| of == body as usize);
+        let side =
+            |i: usize| (0..3).map(|k| (particles.position[i][k] - section.point[k]) * section.normal[k]).sum::<f64>();
+        let places = (0..particles.len()).filter(|&i| of_body(particles.body[i])).map(side);
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        !(low < 0.0 && high > 0.0)
+    });
+    empty
+        .map(|section| {
+            let of = section
+                .body
+                .map_or_else(|| "no body".to_owned(), |body| format!("body `{}` nowhere", model.bodies[body].name));
+            format!(
+                "section `{}` cuts {of} at the start: its force is zero until material comes there; check its `point`",
+                section.name
+            )
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{decks, load_text};
+
+    /// A bar of steel on its way to a wall, with a section and a piece of it replaced.
+    fn notes(replaced: &[(&str, &str)]) -> Vec<String> {
+        let mut deck = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"20 us\" }\n\
+                        [material.m]\ndensity = \"7850 kg/m^3\"\nyoung-modulus = \"210 GPa\"\npoisson-ratio = 0.3\n\
+                        strength = { perfectly-plastic = { yield-stress = \"350 MPa\" } }\n\
+                        [[body]]\nname = \"bar\"\nmaterial = \"m\"\nshape = { box = { min = [0, 0], max = [\"6 mm\", \"12 mm\"] } }\n\
+                        velocity = [\"0 m/s\", \"-10 m/s\"]\n\
+                        [[wall]]\nname = \"anvil\"\nplane = { point = [0, 0], normal = [0, 1] }\n\
+                        [[section]]\nname = \"middle\"\npoint = [0, \"6 mm\"]\nnormal = [0, 1]\n"
+            .to_owned();
+        for (old, new) in replaced {
+            assert!(deck.contains(old), "{old}");
+            deck = deck.replace(old, new);
+        }
+        load_text("bar", &deck, &[]).unwrap().notes
+    }
+
+    #[track_caller]
+    fn told(replaced: &[(&str, &str)], words: &[&str]) {
+        let notes = notes(replaced);
+        let note = notes.first().expect("a note");
+        assert!(words.iter().all(|word| note.contains(word)), "{notes:?}");
+        assert_eq!(notes.len(), 1, "{notes:?}");
+    }
+
+    #[test]
+    fn a_deck_that_is_meant_hears_nothing() {
+        assert_eq!(notes(&[]), [""; 0]);
+        for deck in decks::DECKS {
+            let setup = load_text(deck.name, deck.text, &[]).unwrap();
+            let found = super::slips(&setup.model, &setup.particles);
+            assert_eq!(found, [""; 0], "{}", deck.name);
+        }
+    }
+
+    #[test]
+    fn numbers_in_tonnes_and_millimetres_are_told() {
+        told(
+            &[("\"7850 kg/m^3\"", "7.85e-9"), ("\"210 GPa\"", "210000"), ("\"350 MPa\"", "350")],
+            &["`m`", "density of 7.850e-9 kg/m^3", "in SI"],
+        );
+        // With the right density, the modulus alone.
+        told(&[("\"210 GPa\"", "210000"), ("\"350 MPa\"", "350")], &["speed of sound of 4.", "in SI"]);
+    }
+
+    #[test]
+    fn a_yield_stress_of_350_pascal_is_told() {
+        told(&[("\"350 MPa\"", "350")], &["`m` yields at 3.500e2 Pa", "350 MPa"]);
+        assert_eq!(notes(&[("\"350 MPa\"", "\"1 MPa\"")]), [""; 0]);
+    }
+
+    #[test]
+    fn an_end_in_seconds_is_told_where_steps_would_not_reach_it() {
+        told(&[("\"20 us\"", "20")], &["to 20 s", "steps", "20 us"]);
+        assert_eq!(notes(&[("\"20 us\"", "\"20 ms\"")]), [""; 0]);
+    }
+
+    #[test]
+    fn a_deck_in_which_nothing_moves_is_told() {
+        told(&[("\"-10 m/s\"", "\"0 m/s\"")], &["nothing moves"]);
+        assert_eq!(
+            notes(&[("\"-10 m/s\"", "\"0 m/s\""), ("[material.m]", "gravity = [0, \"-9.81 m/s^2\"]\n[material.m]")]),
+            [""; 0]
+        );
+        let driven = ("normal = [0, 1] }\n", "normal = [0, 1] }\nvelocity = [0, \"5 m/s\"]\n");
+        assert_eq!(notes(&[("\"-10 m/s\"", "\"0 m/s\""), driven]), [""; 0]);
+    }
+
+    #[test]
+    fn a_body_that_leaves_its_wall_is_told() {
+        told(&[("\"-10 m/s\"", "\"10 m/s\"")], &["`bar` flies away from wall `anvil` at 10 m/s"]);
+        // Past it, towards another, or after a wall that follows faster.
+        assert_eq!(notes(&[("[\"0 m/s\", \"-10 m/s\"]", "[\"5 m/s\", \"0 m/s\"]")]), [""; 0]);
+        let other = (
+            "[[section]]",
+            "[[wall]]\nname = \"lid\"\nplane = { point = [0, \"20 mm\"], normal = [0, -1] }\n[[section]]",
+        );
+        assert_eq!(notes(&[("\"-10 m/s\"", "\"10 m/s\""), other]), [""; 0]);
+        let follows = ("normal = [0, 1] }\n", "normal = [0, 1] }\nvelocity = [0, \"50 m/s\"]\n");
+        assert_eq!(notes(&[("\"-10 m/s\"", "\"10 m/s\""), follows]), [""; 0]);
+    }
+
+    #[test]
+    fn a_section_that_cuts_nothing_is_told() {
+        told(&[("\"6 mm\"]\nnormal", "\"60 mm\"]\nnormal")], &["`middle` cuts no body"]);
+        let of = ("normal = [0, 1]\n", "normal = [0, 1]\nbody = \"bar\"\n");
+        told(&[("\"6 mm\"]\nnormal", "\"60 mm\"]\nnormal"), of], &["`middle` cuts body `bar` nowhere"]);
+    }
+
+    #[test]
+    fn lists_whose_volumes_or_distances_are_not_those_of_the_spacing_are_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let notes = |name: &str, rows: &dyn Fn(u32) -> String, head: &str| {
+            let text: String = (0..36).map(|k| rows(k) + "\n").collect();
+            std::fs::write(folder.path().join(name), format!("{head}\n{text}")).unwrap();
+            let deck = format!(
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n[[body]]\nname = \"b\"\n\
+                 material = \"armco-iron\"\nshape = {{ table = {{ file = \"{name}\", length-unit = \"mm\" }} }}\nvelocity = [1, 0]\n"
+            );
+            let path = folder.path().join("deck.toml");
+            std::fs::write(&path, deck).unwrap();
+            crate::load(&path, &[], 1e6).unwrap().notes
+        };
+        let at = |k: u32, pitch: u32| format!("{},{}", pitch * (k % 6), pitch * (k / 6));
+        assert_eq!(notes("fits.csv", &|k| at(k, 1), "x,y"), [""; 0]);
+        let wide = notes("wide.csv", &|k| at(k, 2), "x,y");
+        assert!(
+            wide.len() == 1 && wide[0].contains("2.000 mm apart") && wide[0].contains("spacing is 1.000 mm"),
+            "{wide:?}"
+        );
+        let volume = notes("volume.csv", &|k| format!("{},1", at(k, 1)), "x,y,volume");
+        assert!(
+            volume.len() == 1 && volume[0].contains("1.000e0 m^2 each") && volume[0].contains("1.000e-6 m^2"),
+            "{volume:?}"
+        );
+    }
+}
