@@ -106,6 +106,19 @@ fn a_run_is_drawn_and_compared() {
     assert_eq!(place.run(&one).expect_code(0).out, "a/plots/stress.xy-first-2-1us.png\n");
     let curve = place.run(&["plot", "a", "--column", "height"]).expect_code(0).out;
     assert_eq!(curve, "a/plots/history-height.png\n");
+    let over =
+        ["plot", "a", "--column", "kinetic_energy", "--x", "height", "--scale", "height=-1", "--from-start", "height"];
+    let drawn = place.run(&over).expect_code(0).out;
+    assert_eq!(drawn, "a/plots/history-kinetic_energy-over-height.png\n");
+    let table = [&over[..], &["-o", "numbers.csv"]].concat();
+    assert_eq!(place.run(&table).expect_code(0).out, "numbers.csv\n");
+    let numbers = fs::read_to_string(place.path("numbers.csv")).unwrap();
+    assert!(numbers.starts_with("−1 × change of height (m),kinetic energy (J/m)\n0e0,"), "{numbers}");
+    // What is computed for pictures needs no run that writes it; the file says from which side it was drawn.
+    let from = ["plot", "a", "--field", "displacement", "--view", "1,0.5,2", "--section=x at 1 mm", "--dpi", "50"];
+    assert_eq!(place.run(&from).expect_code(0).out, "a/plots/displacement-last.png\n");
+    place.run(&["plot", "a", "--field", "body", "--section=x at 1 s"]).expect_code(2).expect_told(&["a length"]);
+    place.run(&["plot", "a", "--field", "body", "-o", "b.csv"]).expect_code(2).expect_told(&["not written as numbers"]);
     place.run(&["plot", "a", "--field", "stres"]).expect_code(2).expect_told(&["no field `stres`", "von_mises_stress"]);
     place.run(&["plot", "nowhere"]).expect_code(2).expect_told(&["cannot read nowhere"]);
     place.run(&["plot", "a", "--section"]).expect_code(2);

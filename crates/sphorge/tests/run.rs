@@ -69,6 +69,34 @@ fn frames_are_compressed_unless_the_deck_says_no() {
     assert_eq!(zlib.2, none.2);
 }
 
+/// A bar on its way to a wall that repels it from afar, which clumps as it is thrown back.
+const THROWN_BACK: &str = "dimensions = \"plane-strain\"\nparticles = { spacing = \"1 mm\" }\ntime = { end = \"20 us\" }\n\
+    method = \"updated-lagrangian\"\n[[body]]\nname = \"bar\"\nmaterial = \"armco-iron\"\n\
+    shape = { box = { min = [\"0 mm\", \"1 mm\"], max = [\"8 mm\", \"17 mm\"] } }\nvelocity = [\"0 m/s\", \"-200 m/s\"]\n\
+    [[wall]]\nname = \"anvil\"\nplane = { point = [0, 0], normal = [0, 1] }\ncontact = \"monaghan-kos\"\n";
+
+#[test]
+fn what_a_warning_recommends_cures_the_deck_that_raised_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let warnings = |name: &str, changes: &[(&str, &str)]| {
+        let changes: Vec<_> = changes.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
+        let setup = load_text("bar", THROWN_BACK, &changes).unwrap();
+        let options = RunOptions { directory: folder.path().join(name), threads: Some(1), ..RunOptions::default() };
+        let summary = execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap();
+        summary.warnings.into_iter().map(|warning| (warning.name, warning.cure)).collect::<Vec<_>>()
+    };
+    let found = warnings("ill", &[]);
+    let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["wall-energy", "pairing"]);
+    assert!(found[0].1.contains("use `contact = \"penalty\"` at the wall"), "{found:?}");
+    assert!(found[1].1.contains("use `search = \"total-lagrangian\"`"), "{found:?}");
+    // Each for itself, and both.
+    let (wall, form) = (("wall.anvil.contact", "penalty"), ("search", "total-lagrangian"));
+    assert!(warnings("wall", &[wall]).iter().all(|(name, _)| name != "wall-energy"));
+    assert!(warnings("form", &[form]).iter().all(|(name, _)| name != "pairing"));
+    assert_eq!(warnings("well", &[wall, form]), []);
+}
+
 #[test]
 fn a_deck_runs_and_its_folder_tells_the_story() {
     let folder = tempfile::tempdir().unwrap();

@@ -477,3 +477,29 @@ fn failure(error: PlotError) -> Failure {
         _ => Failure::BadInput(error.into()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_are_read_as_axes_or_normals_with_a_place() {
+        let across = |normal, point| Ok(Section::Across { normal, point });
+        assert_eq!(parse_section("middle"), Ok(Section::Middle));
+        assert_eq!(parse_section("y"), across([0.0, 1.0, 0.0], None));
+        assert_eq!(parse_section("y at -3 mm"), across([0.0, 1.0, 0.0], Some([0.0, -3e-3, 0.0])));
+        assert_eq!(parse_section("1,1,0 at 0,2,5 mm"), across([1.0, 1.0, 0.0], Some([0.0, 2e-3, 5e-3])));
+        for bad in ["w", "0,0,0", "1,1", "x at 3 s", "x at 1,2 mm", "1,0,0 at 3 mm"] {
+            assert!(parse_section(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn factors_are_those_of_a_column_or_of_all() {
+        assert_eq!(parse_scale("-4"), Ok((None, -4.0)));
+        assert_eq!(parse_scale("wall.anvil.force_y=2"), Ok((Some("wall.anvil.force_y".to_owned()), 2.0)));
+        for bad in ["", "height=", "0", "inf", "height=x"] {
+            assert!(parse_scale(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -33,6 +33,8 @@ pub(super) struct Hull {
     faces: [Option<HalfSpace>; FACES],
     /// Smallest and largest coordinates.
     pub(super) bounds: [(f64, f64); 2],
+    /// Largest coordinate towards the eye.
+    pub(super) top: f64,
     /// How far its middle is inside the faces that are seen from their edge, or all of them.
     pub(super) half_width: f64,
 }
@@ -79,7 +81,12 @@ impl Hull {
         };
         let faces: [Option<HalfSpace>; FACES] = std::array::from_fn(face);
         let half_width = faces.iter().flatten().map(|face| face.depth(middle)).fold(f64::INFINITY, f64::min);
-        (half_width > 0.0 && half_width.is_finite()).then_some(Self { faces, bounds: [side(0), side(1)], half_width })
+        (half_width > 0.0 && half_width.is_finite()).then_some(Self {
+            faces,
+            bounds: [side(0), side(1)],
+            top: side(2).1,
+            half_width,
+        })
     }
 
     /// How far inside all faces a point is, of a hull whose other faces are parallel to the page; negative outside.

@@ -62,7 +62,8 @@ impl ColumnsPicture {
         let words = if is_change { format!("change of {}", words(name)) } else { words(name) };
         let label =
             if factor == 1.0 { words } else { format!("{} × {words}", factor.to_string().replace('-', "−")) };
-        let values = values.iter().map(|x| factor * (x - start)).collect();
+        // A zero has no sign for people.
+        let values = values.iter().map(|x| factor * (x - start) + 0.0).collect();
         Ok(Shown { label, unit: column.unit.clone(), values })
     }
 

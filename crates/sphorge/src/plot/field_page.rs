@@ -294,7 +294,14 @@ fn draw_panel(page: &mut Page, scene: &Scene, k: usize, colors: &Colors, layout:
     for wall in panel.walls.iter().filter(|wall| wall.is_behind()) {
         wall.draw(page, area, on_page);
     }
-    let dots = panel.marks.iter().map(|mark| {
+    // The nearest first: what is behind them is passed over.
+    let mut order: Vec<u32> = (0..panel.marks.len() as u32).collect();
+    if scene.look.deep {
+        let depth = |k: &u32| panel.marks[*k as usize].towards;
+        order.sort_unstable_by(|a, b| depth(b).total_cmp(&depth(a)).then(a.cmp(b)));
+    }
+    let dots = order.into_iter().map(|k| {
+        let mark = &panel.marks[k as usize];
         let (x, y) = place([mark.right, mark.up]);
         // Balls close the surface.
         let radius = if mark.spacing * scale < 4.0 { 0.75 } else { 0.71 } * mark.spacing * scale;

@@ -28,6 +28,8 @@ const CLOSED: f64 = 0.2;
 const NEAR_CUT: f64 = 0.4;
 /// Depth of what fills gaps, before all else is.
 const BEHIND_ALL: f64 = -1e6;
+/// Depth that only what fills gaps is behind.
+const FARTHEST: f32 = -5e5;
 
 /// A particle on the page: units from the upper left corner of its area, depth and radius too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,14 +131,20 @@ impl Raster {
         let line = CELL_LINE * self.fine;
         let has_line = hull.half_width >= CELL_LINE_FROM * self.fine;
         let edge = ring(dot.color);
+        let top = hull.top as f32;
         for row in Self::points(rows, self.height) {
             for column in Self::points(columns, self.width) {
                 let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
                 let at = row * self.width + column;
+                // All of it is behind what is there.
+                if shaded && self.depth[at] >= top {
+                    continue;
+                }
                 let (z, is_beside, color) = if shaded {
                     let (hit, is_beside) = match hull.hit(x, y, 0.0, cut) {
                         Some(hit) => (hit, false),
                         // Behind all cells that are there.
+                        None if self.depth[at] > FARTHEST => continue,
                         None => match hull.hit(x, y, margin, cut) {
                             Some(hit) => (Hit { depth: hit.depth + BEHIND_ALL, ..hit }, true),
                             None => continue,

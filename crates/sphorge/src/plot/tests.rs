@@ -634,6 +634,12 @@ fn bodies_are_named_in_a_key_of_their_colours() {
     });
     let colors: Vec<_> = fills.collect();
     assert!(colors.contains(&color_bar::SINGLE_COLOR) && colors.len() == 2 && colors[0] != colors[1], "{colors:?}");
+    // Half of the block has one, half the other.
+    let to = folder.path().join("p.png");
+    plot_field(&run, &picture, &to).unwrap();
+    let drawn = pixels(&to);
+    let [lower, upper] = [colors[0], colors[1]].map(|color| count(&drawn, color));
+    assert!(lower > 5000 && upper.abs_diff(lower) < lower / 5, "{lower} {upper}");
 }
 
 #[test]
