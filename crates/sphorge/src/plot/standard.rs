@@ -25,8 +25,8 @@ pub fn plot_run(
     let frame = FrameFile::open(last)?;
     let present = |name: &&str| frame.arrays().iter().any(|array| array.name == *name);
     // Which body is which.
-    let bodies = (frame.bodies.len() > 1 && present(&&"body")).then_some("body");
-    for field in bodies.into_iter().chain(DEFAULT_FIELDS.into_iter().filter(|name| present(&name))) {
+    let bodies = (frame.bodies.len() > 1 && present(&"body")).then_some("body");
+    for field in bodies.into_iter().chain(DEFAULT_FIELDS.into_iter().filter(present)) {
         let file = folder.join(format!("{field}-last.{ending}"));
         plot_field(run, &FieldPicture { paper, ..FieldPicture::new(field) }, &file)?;
         files.push(file);
