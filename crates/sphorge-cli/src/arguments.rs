@@ -56,7 +56,8 @@ pub(crate) enum Command {
     /// List the material catalogue, or print the constants and sources of one material
     Materials(materials::MaterialsArguments),
     /// Draw pictures of runs: particles and history curves
-    Plot(plot::PlotArguments),
+    // It has by far the most options.
+    Plot(Box<plot::PlotArguments>),
     /// Compare runs side by side: status, measures, cost, conservation
     Compare(compare::CompareArguments),
     /// Run the validation cases and compare the results with published and exact ones
@@ -84,7 +85,7 @@ impl Command {
             Self::Check(arguments) => check::execute(arguments),
             Self::Decks(arguments) => decks::execute(arguments),
             Self::Materials(arguments) => materials::execute(arguments),
-            Self::Plot(arguments) => plot::execute(arguments),
+            Self::Plot(arguments) => plot::execute(&arguments),
             Self::Compare(arguments) => compare::execute(arguments),
             Self::Validate(arguments) => validate::execute(arguments),
             Self::Devices(arguments) => devices::execute(arguments),

@@ -192,7 +192,7 @@ fn parse_section(text: &str) -> Result<Section, String> {
     Ok(Section::Across { normal, point })
 }
 
-pub(crate) fn execute(arguments: PlotArguments) -> Ending {
+pub(crate) fn execute(arguments: &PlotArguments) -> Ending {
     let open = |path: &PathBuf| {
         let run = RunDirectory::open(path).map_err(|error| Failure::BadInput(error.into()))?;
         // The folder itself, where the path says `..`.
@@ -201,7 +201,7 @@ pub(crate) fn execute(arguments: PlotArguments) -> Ending {
         Ok((name, run))
     };
     let runs = arguments.directories.iter().map(open).collect::<Result<Vec<_>, Failure>>()?;
-    let job = Job::new(&runs, &arguments)?;
+    let job = Job::new(&runs, arguments)?;
     let files = job.draw()?;
     let list: String = files.iter().map(|file| format!("{}\n", terminal::path(file))).collect();
     terminal::print(&list)?;
