@@ -17,7 +17,7 @@ from pathlib import Path
 REGISTERS, THREADS, BLOCK = 65536, 2048, 64
 # Bytes that may be spilled, stores and loads together. The contact at facets clips quadrilaterals of two bodies against each other: their corners do not fit
 # the 255 registers that a thread can have. Of all kernels of a step it alone runs over the particles of surfaces only.
-MAY_SPILL = {"press_facets": 2560, "press_facets_renewed": 2560}
+MAY_SPILL = {"press_facets": 1280, "press_facets_renewed": 1280}
 OPTIONS = [b"--fmad=false", b"--prec-div=false", b"--prec-sqrt=false"]
 
 
