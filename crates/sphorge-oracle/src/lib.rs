@@ -6,9 +6,7 @@
 use facets::Facets;
 use facets_on_walls::WallFacets;
 use pairs::{Image, plus};
-use sphorge_engine::model::{
-    Integrator, Material, Model, MotionAxis, Precision, Search, SmoothingLength, TemperatureSource,
-};
+use sphorge_engine::model::{Integrator, Material, Model, MotionAxis, Precision, Search, SmoothingLength};
 use sphorge_engine::persist::{Archive, ArchiveError};
 use sphorge_engine::reduction::{self, Reduction};
 use sphorge_engine::{Audit, Column, Engine, EngineKind, Ledger, RunFailure, SearchReport, TimeStepLimit, Unsupported};
@@ -128,11 +126,12 @@ impl EngineKind for OracleKind {
         let material = |i: usize| &model.materials[p.material[i] as usize];
         let history = (0..n).map(|i| material(i).flow_law.history().iter().map(|v| v.initial).collect()).collect();
         let integrity = vec![1.0; n];
-        if model.numerics.temperature == TemperatureSource::Energy {
-            let warmth = |i: usize| material(i).specific_heat * (p.temperature[i] - material(i).reference_temperature);
-            let energies: Vec<f64> = (0..n).map(|i| p.energy[i] + warmth(i)).collect();
-            p.energy = energies;
-        }
+        let warmth = |i: usize| match material(i).heats() {
+            true => material(i).cold_energies().of_temperature(p.density[i], p.temperature[i]),
+            false => 0.0,
+        };
+        let energies: Vec<f64> = (0..n).map(|i| p.energy[i] + warmth(i)).collect();
+        p.energy = energies;
         let mut oracle = Oracle {
             dimension,
             images: Image::all(&model),

@@ -23,7 +23,8 @@ tables! {
         velocity_profile: Option<RawVelocityProfile>;
         /// Initial outward velocity as a table of the radius, added to the velocity.
         radial_velocity: Option<RawRadialVelocity>;
-        /// Initial temperature.
+        /// Initial temperature. The body starts at rest: with the density of zero pressure at this temperature, by the pressure law and the specific
+        /// heat of its material.
         temperature: Option<Given<Temperature>>, example "20 degC", otherwise "the material's `reference-temperature`";
         /// Particle spacing of this body.
         spacing: Option<Given<Length>>, example "0.3 mm", otherwise "that of `particles`";

@@ -16,7 +16,7 @@ tables! {
         reference: Option<Word>, example "Johnson & Cook 1983", default "";
         /// Notes for users, such as constants that are not published.
         note: Option<Word>, example "no equation of state", default "";
-        /// Density at rest.
+        /// Density at rest at the reference temperature.
         density: Option<Given<Density>>, example "7890 kg/m^3", otherwise "must be given";
         /// Shear modulus G.
         shear_modulus: Option<Given<Stress>>, example "80 GPa", otherwise "from two others";

@@ -2,19 +2,19 @@
 
 use super::conduction::hold;
 use super::integrate::Motions;
-use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Model, Search, TemperatureSource, Wall};
+use crate::model::{ArtificialStress, Body, BodyContact, Integrator, Material, Model, Search, Wall};
 use crate::particles::{History, Owner, Particles};
 use sphorge_physics::artificial_stress;
 
 /// Completes the state of particles that have position, velocity, density and temperature: energy, prescribed
 /// temperatures, pressure and sound speed, and history variables of flow laws.
 pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
-    if model.numerics.temperature == TemperatureSource::Energy {
-        // The temperature follows from the energy from the start.
-        for i in 0..particles.len() {
-            let material = &model.materials[particles.material[i] as usize];
-            let warmer = particles.temperature[i] - material.reference_temperature;
-            particles.energy[i] += material.specific_heat * warmer;
+    // That of the temperature, whatever the source of temperatures to come: pressure depends on it.
+    let energies: Vec<_> = model.materials.iter().map(Material::cold_energies::<f64>).collect();
+    for i in 0..particles.len() {
+        let material = particles.material[i] as usize;
+        if model.materials[material].heats() {
+            particles.energy[i] += energies[material].of_temperature(particles.density[i], particles.temperature[i]);
         }
     }
     hold(model, particles);

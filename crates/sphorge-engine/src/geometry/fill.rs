@@ -19,7 +19,7 @@ pub fn bytes_per_particle(model: &Model) -> f64 {
 }
 
 pub(super) fn pattern(model: &Model, body: &Body) -> Pattern {
-    let density = model.materials[body.material].density;
+    let density = model.density_at_start(body);
     Pattern { dimensions: model.dimensions, spacing: body.spacing, density, lattice: body.lattice }
 }
 
@@ -31,7 +31,7 @@ pub fn estimated_count(model: &Model) -> Vec<f64> {
 /// Fills every body and selects the regions, with no more particles than there is memory for or [`MAX_PARTICLES`]; `most_particles` is that memory
 /// over [`BYTES_PER_PARTICLE`].
 ///
-/// Particles are numbered body by body. Mass is density times the volume a particle stands for, on a lattice spacing to the
+/// Particles are numbered body by body. Mass is the density at the start ([`Model::density_at_start`]) times the volume a particle stands for, on a lattice spacing to the
 /// power of the dimensions: per metre of thickness in plane strain, per square metre in one dimension.
 ///
 /// # Errors
@@ -112,20 +112,20 @@ fn placed(positions: Vec<[f64; 3]>, volumes: Vec<f64>) -> Particles {
 /// State of the particles of a body; their mass still is the volume they stand for.
 fn initialise(particles: &mut Particles, range: std::ops::Range<usize>, index: usize, body: &Body, model: &Model) {
     let material = &model.materials[body.material];
-    let first = range.start;
+    let (first, density) = (range.start, model.density_at_start(body));
     for i in range {
         let x = particles.position[i];
         particles.id[i] = i as u32;
         particles.body[i] = index as u32;
         particles.material[i] = body.material as u32;
-        particles.mass[i] *= material.density;
+        particles.mass[i] *= density;
         particles.smoothing_length[i] = body.smoothing_length;
         particles.velocity[i] = body.initial_velocity(x);
         if let Solid::Cloud { particles: own, .. } = &body.shape.solid {
             let turned = body.shape.transform.turn(own[i - first].velocity);
             particles.velocity[i] = std::array::from_fn(|k| particles.velocity[i][k] + turned[k]);
         }
-        particles.density[i] = material.density;
+        particles.density[i] = density;
         particles.temperature[i] = body.temperature;
         particles.sound_speed[i] = material.equation_of_state.reference_sound_speed();
     }

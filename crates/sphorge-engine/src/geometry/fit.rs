@@ -55,7 +55,7 @@ pub fn filled_masses(model: &Model, particles: &Particles) -> Vec<FilledMass> {
     }
     let rows = model.bodies.iter().zip(sums);
     rows.map(|(body, (particles, mass))| {
-        let density = model.materials[body.material].density;
+        let density = model.density_at_start(body);
         let volume = match &body.shape.solid {
             Solid::Cloud { .. } => Volume { size: mass / density, is_exact: true },
             _ => body.shape.volume(model.dimensions),

@@ -120,6 +120,11 @@ impl Material {
         ColdEnergy::new(&self.equation_of_state, self.spall_pressure, self.reference_temperature, self.specific_heat)
     }
 
+    /// Density of zero pressure at a temperature (K), kg/m³; `None` where the pressure law has none.
+    pub fn density_at_rest(&self, temperature: f64) -> Option<f64> {
+        if self.heats() { self.cold_energies().density_at_rest(temperature) } else { Some(self.density) }
+    }
+
     /// Temperature of an internal energy, K, from it and what of it is no heat: the energy of the density on the isotherm
     /// ([`Self::cold_energies`]), that of shape change, and a share of the plastic work; all J/kg.
     #[inline(always)]

@@ -60,6 +60,13 @@ pub struct Model {
 }
 
 impl Model {
+    /// Density of the particles of a body at the start, kg/m³: that of zero pressure at its temperature. Where the law has none, as far beyond
+    /// boiling, that of the reference state.
+    pub fn density_at_start(&self, body: &Body) -> f64 {
+        let material = &self.materials[body.material];
+        material.density_at_rest(body.temperature).unwrap_or(material.density)
+    }
+
     /// Pairs of bodies that have a contact of their own, the lower index first, in order; a body with itself among them where it has one.
     pub fn contact_pairs(&self) -> Vec<(usize, usize)> {
         let count = match self.contact {

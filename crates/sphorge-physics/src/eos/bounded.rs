@@ -1,4 +1,5 @@
-//! The bound of a pressure law, the energy of absolute zero, and the energy of its isotherm up to where the material spalls.
+//! The bound of a pressure law, the energy of absolute zero, the energy of its isotherm up to where the material spalls, and the state of
+//! zero pressure at a temperature.
 
 use super::{EquationOfState, PressureState};
 use crate::{Elementary, Real};
@@ -86,6 +87,53 @@ impl<T: Real> ColdEnergy<T> {
             rest: T::of(rest),
             to_cut_off: to_cut_off.map(T::of),
         }
+    }
+}
+
+/// Most times the density is doubled or halved in search of that of zero pressure.
+const FARTHEST_DOUBLINGS: u32 = 8;
+
+impl ColdEnergy<f64> {
+    /// Specific internal energy, J/kg, of whole material without stored plastic work at a density (kg/m³) and a temperature (K).
+    pub fn of_temperature(&self, density: f64, temperature: f64) -> f64 {
+        self.at(density, 1.0) + self.specific_heat * (temperature - self.reference_temperature)
+    }
+
+    /// Density of zero pressure at a temperature (K), kg/m³: warmer material is less dense. Where the pressure does not depend on the energy, that
+    /// of the reference state. `None` where there is none from half to twice that, as far beyond boiling.
+    pub fn density_at_rest(&self, temperature: f64) -> Option<f64> {
+        let pressure_at = |density: f64| self.law.pressure(density, self.of_temperature(density, temperature)).pressure;
+        let start = (self.rest, pressure_at(self.rest));
+        let factor = match start.1 {
+            0.0 => return Some(self.rest),
+            pressed if pressed > 0.0 => 0.5,
+            _ => 2.0,
+        };
+        // Small steps first: where the law is stretched far its pressure may rise again.
+        let near = (1..=FARTHEST_DOUBLINGS).map(|k| 1.0 + (factor - 1.0) / f64::from(1u32 << (FARTHEST_DOUBLINGS - k)));
+        let mut inner = start;
+        let outer = near.map(|share| (share * self.rest, pressure_at(share * self.rest))).find(|at| {
+            let is_beyond = at.1 * start.1 <= 0.0;
+            if !is_beyond {
+                inner = *at;
+            }
+            is_beyond
+        })?;
+        let (mut a, mut b) = (inner, outer);
+        let stiffness = self.rest * self.law.reference_sound_speed().powi(2);
+        for _ in 0..STEPS_TO_CUT_OFF {
+            if a.1 == b.1 || (a.0 - b.0).abs() <= 1e-15 * self.rest {
+                break;
+            }
+            let share = (a.1 / (a.1 - b.1)).clamp(0.0, 1.0);
+            let density = a.0 + (b.0 - a.0) * if (0.05..0.95).contains(&share) { share } else { 0.5 };
+            let middle = (density, pressure_at(density));
+            if middle.1.abs() <= 1e-15 * stiffness {
+                return Some(density);
+            }
+            if middle.1 * a.1 > 0.0 { a = middle } else { b = middle }
+        }
+        Some(if a.1.abs() < b.1.abs() { a.0 } else { b.0 })
     }
 }
 
@@ -195,6 +243,30 @@ mod tests {
             let pressure = aluminium().pressure(density, cold.at(density, 1.0)).pressure;
             assert!((pressure / spall_pressure + 1.0).abs() < 1e-9, "{pressure:e}");
         }
+    }
+
+    #[test]
+    fn warm_material_is_at_rest_at_a_lower_density() {
+        let law = aluminium();
+        for spall_pressure in [1.5e9, f64::INFINITY] {
+            let cold = ColdEnergy::<f64>::new(&law, spall_pressure, 300.0, 900.0);
+            for (temperature, is_denser) in [(100.0, true), (299.0, true), (310.0, false), (900.0, false)] {
+                let density = cold.density_at_rest(temperature).unwrap();
+                assert_eq!(density > 2700.0, is_denser, "{temperature} {density}");
+                let energy = cold.of_temperature(density, temperature);
+                let pressure = law.pressure(density, energy).pressure;
+                assert!(pressure.abs() < 1e-12 * 2700.0 * 5300.0 * 5300.0, "{temperature}: {pressure:e}");
+                let found = crate::heat::temperature_from_energy(300.0, energy, cold.at(density, 1.0), 0.0, 0.0, 900.0);
+                assert!((found - temperature).abs() < 1e-9, "{found}");
+            }
+            // By hand for little heat: of each kelvin Gamma c_p/(c_0^2 - Gamma^2 c_p T_0) = 1530/(28.09e6 - 0.7803e6) = 5.6024e-5.
+            let share = 1.0 - cold.density_at_rest(301.0).unwrap() / 2700.0;
+            assert!((share / 5.602_4e-5 - 1.0).abs() < 1e-3, "{share:e}");
+            assert_eq!(cold.density_at_rest(300.0), Some(2700.0));
+        }
+        // What energy does not press stays as it is; there is no metal at a million kelvin.
+        assert_eq!(ColdEnergy::<f64>::new(&steel(), 2e9, 300.0, 450.0).density_at_rest(900.0), Some(8000.0));
+        assert_eq!(ColdEnergy::<f64>::new(&law, 1.5e9, 300.0, 900.0).density_at_rest(1e6), None);
     }
 
     #[test]

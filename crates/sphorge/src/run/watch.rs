@@ -16,8 +16,8 @@ use crate::{
         reduction::{Suspects, Suspicion, TEARING_RADIUS},
     },
     model::{
-        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, Search, TemperatureSource,
-        TimeTable, WarningKind, WarningLimits,
+        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, Search, TimeTable, WarningKind,
+        WarningLimits,
     },
     output::WarningRecord,
 };
@@ -61,6 +61,7 @@ pub(super) struct Watch {
 #[derive(Clone, Debug, Default)]
 struct Start {
     kinetic: f64,
+    /// Beyond that of bodies at rest at the temperatures they start with.
     internal: f64,
     external_work: f64,
     /// Energy (J) and momentum (kg m/s) that are next to nothing.
@@ -268,9 +269,12 @@ impl Watch {
         let floor = floors.iter().sum::<f64>();
         // Heat that may leave is in play as well.
         let in_play = supplied - floor;
-        let mut worst = (share(floor - ledger.total.energies.internal, in_play), Place::default());
-        for (body, (sums, floor)) in ledger.bodies.iter().zip(&floors).enumerate() {
-            let missing = share(floor - sums.energies.internal, in_play);
+        let at_rest: Vec<f64> =
+            (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).collect();
+        let gained = ledger.total.energies.internal - at_rest.iter().sum::<f64>();
+        let mut worst = (share(floor - gained, in_play), Place::default());
+        for (body, ((sums, floor), at_rest)) in ledger.bodies.iter().zip(&floors).zip(&at_rest).enumerate() {
+            let missing = share(floor - (sums.energies.internal - at_rest), in_play);
             if missing > worst.0 {
                 worst = (missing, Place { body: Some(body), ..Place::default() });
             }
@@ -495,7 +499,8 @@ impl Start {
         let bodies = model.bodies.len().min(ledger.bodies.len());
         Ok(Self {
             kinetic: ledger.total.energies.kinetic,
-            internal: ledger.total.energies.internal,
+            internal: ledger.total.energies.internal
+                - (0..bodies).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).sum::<f64>(),
             // Regions that are driven from the start have been given their velocity: it is in the kinetic energy.
             external_work: ledger.external_work,
             nothing: NO_ENERGY * (0..bodies).map(energy).sum::<f64>(),
@@ -528,9 +533,15 @@ fn is_zero(table: &TimeTable) -> bool {
     table.points.iter().all(|point| point.1 == 0.0)
 }
 
-/// Specific internal energy that heat can leave a body, J/kg, zero or less: that of the coldest that anything starts with or a boundary
-/// has. It is zero where that is the temperature of no internal energy: the reference temperature if temperature is that of the energy, else
-/// that the body starts with.
+/// Specific internal energy of a body at rest at the temperature it starts with, J/kg; that of the reference temperature is zero.
+fn energy_at_start(model: &Model, body: usize) -> f64 {
+    let Some(body) = model.bodies.get(body) else { return 0.0 };
+    let Some(material) = model.materials.get(body.material).filter(|material| material.heats()) else { return 0.0 };
+    material.cold_energies().of_temperature(model.density_at_start(body), body.temperature)
+}
+
+/// What heat can leave a body of the internal energy it starts with, J/kg, zero or less: it may become as cold as the coldest that anything
+/// starts with or a boundary has.
 fn least_energy(model: &Model, body: usize) -> f64 {
     let Some(body) = model.bodies.get(body) else { return 0.0 };
     let Some(material) = model.materials.get(body.material).filter(|material| material.heats()) else { return 0.0 };
@@ -545,11 +556,7 @@ fn least_energy(model: &Model, body: usize) -> f64 {
         });
         coldest = bodies.chain(boundaries).fold(coldest, f64::min);
     }
-    let of_no_energy = match model.numerics.temperature {
-        TemperatureSource::Energy => material.reference_temperature,
-        TemperatureSource::PlasticWork => body.temperature,
-    };
-    material.specific_heat * (coldest - of_no_energy).min(0.0)
+    material.specific_heat * (coldest - body.temperature)
 }
 
 fn share_of(found: &Suspects) -> f64 {

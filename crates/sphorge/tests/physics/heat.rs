@@ -162,6 +162,8 @@ conductivity = "80 W/(m K)"
     let pair = pair.replace(&pair[cut], "");
     for contact in ["kernel-sum", "penalty"] {
         let mut simulation = simulation(&pair, &[("contact", contact), ("particles.spacing", "2.5 mm")]);
+        simulation.next_step_estimate().unwrap();
+        let before = internal(&simulation);
         run_to(&mut simulation, 5.0);
         // Two half spaces meet at the mean of their temperatures weighted by effusivity, 1 and 2; the error function has not
         // reached the ends.
@@ -173,7 +175,7 @@ conductivity = "80 W/(m K)"
         };
         assert!((flux_weighted - 200.0 / 3.0).abs() < 0.5, "{contact}: {flux_weighted}");
         let ledger = simulation.ledger().unwrap();
-        assert!(internal(&simulation).abs() < 1e-12 * ledger.heat.exchanged, "{contact}: {ledger:?}");
+        assert!((internal(&simulation) - before).abs() < 1e-12 * ledger.heat.exchanged, "{contact}: {ledger:?}");
     }
 }
 
@@ -455,4 +457,54 @@ velocity-profile = {{ along = "x", amplitude = ["0 m/s", "1 m/s"], rows = [{}] }
     }
     println!("held {held:e}, warmth {warmest:e}");
     assert!(held > 0.0 && warmest < 0.05 * held, "{warmest:e} of {held:e}");
+}
+
+/// A hot bar of copper that nothing touches.
+const HOT: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm" }
+time = { end = "10 us" }
+
+[[body]]
+name = "bar"
+material = "ofhc-copper"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["6 mm", "12 mm"] } }
+temperature = "700 K"
+"#;
+
+#[test]
+fn a_body_that_starts_hot_or_cold_starts_at_rest_by_every_source_of_temperature() {
+    for temperature in ["700 K", "77 K"] {
+        let mut densities = Vec::new();
+        for method in ["total-lagrangian", "updated-lagrangian", "patino"] {
+            for source in ["plastic-work", "energy"] {
+                let overrides =
+                    [("method", method), ("numerics.temperature", source), ("body.bar.temperature", temperature)];
+                let mut simulation = simulation(HOT, &overrides);
+                simulation.next_step_estimate().unwrap();
+                let start = simulation.ledger().unwrap();
+                run_to(&mut simulation, 10e-6);
+                let case = format!("{method} {source} {temperature}");
+                let p = &simulation.particles().unwrap();
+                let most = |of: &dyn Fn(usize) -> f64| (0..p.len()).map(of).fold(0.0, f64::max);
+                // Of 140 GPa; 1 m/s would be 35 MPa.
+                assert!(most(&|i| p.pressure[i].abs()) < 1e3, "{case}: {:e}", most(&|i| p.pressure[i].abs()));
+                assert!(most(&|i| p.velocity[i].iter().map(|v| v.abs()).sum()) < 1e-4, "{case}");
+                assert_eq!(most(&|i| p.plastic_strain[i]), 0.0, "{case}");
+                let kelvin: f64 = temperature.trim_end_matches(" K").parse().unwrap();
+                assert!(most(&|i| (p.temperature[i] - kelvin).abs()) < 1e-3, "{case}");
+                // 383 (700 - 293.15) J/kg, and what the expansion takes at constant temperature: T Gamma c_p of each share of the volume, 3 %.
+                let mass = start.total.mass;
+                let energy = start.total.energies.internal / mass;
+                assert!((energy / (383.0 * (kelvin - 293.15)) - 1.0).abs() < 0.06, "{case}: {energy}");
+                densities.push(p.density[17]);
+            }
+        }
+        // 2 383 dT/c_0^2, c_0 = 3940 m/s: 2.0 % less dense, 1.1 % denser.
+        let (least, most) = densities.iter().fold((f64::MAX, 0f64), |(a, b), d| (a.min(*d), b.max(*d)));
+        assert!(most / least - 1.0 < 1e-6, "{densities:?}");
+        let share = 1.0 - least / 8960.0;
+        let expected = if temperature == "700 K" { 0.020 } else { -0.0107 };
+        assert!((share - expected).abs() < 1e-3, "{share} {temperature}");
+    }
 }
