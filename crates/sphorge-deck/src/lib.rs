@@ -12,6 +12,7 @@ mod declare;
 pub(crate) mod defaults;
 mod expected;
 mod fault;
+mod heat;
 mod interpret;
 mod keys;
 mod load;

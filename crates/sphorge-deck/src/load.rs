@@ -5,7 +5,7 @@ use super::interpret::{Interpreted, interpret};
 use super::raw::RawDeck;
 use super::report::DeckReport;
 use super::slips::slips;
-use super::{advice, closeness, keys, overrides, placement};
+use super::{advice, closeness, heat, keys, overrides, placement};
 use sphorge_engine::{
     Particles,
     geometry::{self, FilledMass},
@@ -128,12 +128,14 @@ pub(super) fn read(
     match geometry::fill(&model, most_particles) {
         Ok(particles) => {
             placement::check_tracers(&model, &particles, &places, &mut problems);
+            heat::check_faces(&model, &particles, &places, &mut problems);
             notes.extend(placement::check_pressed(&model, &particles, &places, &mut problems));
             problems.check()?;
             let masses = geometry::filled_masses(&model, &particles);
             notes.extend(placement::notes(&model, &particles, &masses));
             notes.extend(slips(&model, &particles));
             notes.extend(advice::doubts(&model, &particles));
+            notes.extend(heat::notes(&model, &particles));
             notes.extend(closeness::notes(&model, &particles));
             let deck_text = with_whole_paths(deck_text, &model)?;
             Ok(Setup { deck_text, model, particles, masses, notes, catalogue_notes })

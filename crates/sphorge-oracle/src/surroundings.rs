@@ -3,14 +3,15 @@
 use super::facets_on_walls::limit_on_walls;
 use super::pairs::{apply, minus, plus};
 use super::{Oracle, elastic_energy};
+use sphorge_engine::geometry::HeatFaces;
 use sphorge_engine::model::{
     BodyContact, Formulation, HeatBoundaryKind, Integrator, Model, MotionAxis, TemperatureSource, TimeTable, Wall,
     WallContact, WallSurface,
 };
 use sphorge_engine::{BodyLedger, ContactLedger, Ledger, LimitReason, TimeStepLimit, WallLedger};
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, friction_share, lattice,
-    pair_conductivity, surface_area, surface_conductance, touch,
+    HeatPair, Inflow, Lattice, add_temperature_gradient, added_flow, best_flow, cell_size, face_area, friction_share,
+    lattice, pair_conductivity, surface_area, surface_conductance, touch,
 };
 use sphorge_physics::contact::{
     ContactBody, ContactKernel, ContactLaw, ContactPair, ContactStiffness, Overlap, contact_force, stopping,
@@ -444,14 +445,18 @@ impl Oracle {
             (sum, self.material(i).conductivity)
         });
         self.heat_rate.clear();
+        let faces = HeatFaces::new(&model);
         for (i, (mut sum, conductivity)) in rates.into_iter().enumerate() {
             let present = p.mass[i] / p.density[i];
             let flat = lattice_of(i).surface_moment / lattice_of(i).moment;
-            for (boundary, total) in model.thermal.boundaries.iter().zip(&mut powers) {
+            for (k, (boundary, total)) in model.thermal.boundaries.iter().zip(&mut powers).enumerate() {
                 if !boundary.claims(p.body[i], p.regions[i]) {
                     continue;
                 }
-                let area = surface_area(d, present, sum.filled, flat);
+                let area = match faces.at_unit_density(k, p.id[i]) {
+                    Some(face) => face_area(d, face, p.density[i]),
+                    None => surface_area(d, present, sum.filled, flat),
+                };
                 let through = |film| area * surface_conductance(film, conductivity, cell_size(d, present));
                 let (power, conductance) = match boundary.kind {
                     HeatBoundaryKind::HeldTemperature(_) => (0.0, 0.0),

@@ -229,6 +229,18 @@ pub fn surface_area<T: Elementary>(dimension: Dimension, volume: T, filled: T, f
     T::select_lt(lacking, T::of(0.5), T::zero(), faces)
 }
 
+/// Area at unit density of a face that boundaries name, m^(d-1) (kg/m^d)^((d-1)/d), from its area (m^(d-1)) and density (kg/m^d) at the start.
+#[inline(always)]
+pub fn face_at_unit_density<T: Elementary>(dimension: Dimension, area: T, density: T) -> T {
+    area / cell_size(dimension, T::one() / density).powu(dimension.count() as u32 - 1)
+}
+
+/// Area of such a face at a density, m^(d-1): it grows as the faces of cells do that expand in all directions alike.
+#[inline(always)]
+pub fn face_area<T: Elementary>(dimension: Dimension, at_unit_density: T, density: T) -> T {
+    at_unit_density * cell_size(dimension, T::one() / density).powu(dimension.count() as u32 - 1)
+}
+
 /// Edge of a cell of this volume (m^d), m.
 #[inline(always)]
 pub fn cell_size<T: Elementary>(dimension: Dimension, volume: T) -> T {
@@ -251,6 +263,16 @@ mod tests {
         assert!((friction_share(steel, aluminium) - 0.377_941_35).abs() < 1e-7, "{}", friction_share(steel, aluminium));
         assert_eq!((friction_share(3.0, 1.0), friction_share(1.0, 3.0)), (0.75, 0.25));
         assert_eq!((friction_share(0.0, 3.0), friction_share(f64::INFINITY, f64::INFINITY)), (0.5, 0.5));
+    }
+
+    #[test]
+    fn faces_grow_with_the_cells_behind_them() {
+        // At an eighth of the density edges are twice as long in space, faces four times as large.
+        for (dimension, times) in [(Dimension::One, 1.0), (Dimension::Two, 8f64.sqrt()), (Dimension::Three, 4.0)] {
+            let face = face_at_unit_density(dimension, 3e-6, 8000.0);
+            assert!((face_area(dimension, face, 8000.0) / 3e-6 - 1.0).abs() < 1e-14);
+            assert!((face_area(dimension, face, 1000.0) / (times * 3e-6) - 1.0).abs() < 1e-14, "{dimension:?}");
+        }
     }
 
     #[test]

@@ -38,6 +38,7 @@ pub(crate) struct SourceSpans {
     pub(crate) periodic: [Range<usize>; 3],
     pub(crate) motions: Vec<Range<usize>>,
     pub(crate) tracers: Vec<Range<usize>>,
+    pub(crate) heat_boundaries: Vec<Range<usize>>,
 }
 
 /// More than one of what names name.
@@ -276,7 +277,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         problems.push(fault.help("it appears in terminals, pictures and files"));
     }
     check_together(raw, dimensions, strategy, numerics.as_ref(), contact, problems);
-    let thermal = thermal::thermal(raw.thermal.as_ref(), &body_names, &region_names, problems);
+    let thermal = thermal::thermal(raw.thermal.as_ref(), dimensions, &body_names, &region_names, problems);
     if let Some(thermal) = thermal.as_ref().filter(|t| t.conduction) {
         let at = raw.thermal.as_ref().map_or(0..0, |t| t.span());
         materials.need_conduction(thermal.mechanics, at, problems);
@@ -299,6 +300,7 @@ pub(crate) fn interpret(raw: &RawDeck, name: &str, problems: &mut Problems) -> O
         symmetry: raw.symmetry.iter().map(|s| s.axis.span()).collect(),
         periodic: periodic_places,
         motions: raw.motion.iter().map(|m| m.region.span()).collect(),
+        heat_boundaries: raw.thermal.iter().flat_map(|thermal| &thermal.boundary).map(|b| b.name.span()).collect(),
         tracers: raw.tracer.iter().map(|t| t.point.span.clone()).collect(),
     };
     let dropped = strategy.zip(numerics.as_mut()).and_then(|(strategy, n)| strategy.normalise(n));

@@ -18,7 +18,8 @@ tables! {
     }
 
     /// A heat boundary: `hold`, `surface-temperature`, `flux` or `convection`. All but `hold` act on free surfaces, which are
-    /// detected as they form.
+    /// detected as they form, in all directions: particles of a region at the end of a block also take heat through the sides of the block.
+    /// With `normal` they act on the faces of that direction alone.
     RawHeatBoundary {
         /// Name of the boundary: column `heat.NAME` of `history.csv`.
         name: Word, example "hot-end";
@@ -26,6 +27,9 @@ tables! {
         body: Option<Word>, example "bar", otherwise "all bodies";
         /// Only particles of this region.
         region: Option<Word>, example "left-end", otherwise "everywhere";
+        /// Only the faces that look this way within 45 degrees, as they are at the start: whether other bodies cover them or not, and not those that
+        /// form later. Their area is that of the shape, and follows the density. Not with `hold`.
+        normal: Option<VectorOf<Number>>, example [-1, 0], otherwise "free surfaces in all directions, the side faces of a region among them";
         /// All its particles, not only those on a surface, are kept at this temperature.
         hold: Option<Given<Temperature>>, example "100 degC", otherwise "one of the four kinds is needed";
         /// Free surfaces, half a spacing outside of the outermost particles, have this temperature.

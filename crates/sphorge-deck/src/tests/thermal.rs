@@ -65,6 +65,16 @@ fn faults_of_contact_and_heat_are_told() {
         ("[contact]\n", "exactly-one", "a contact needs `penalty`"),
         ("[[thermal.boundary]]\nname = \"a\"", "exactly-one", "a heat boundary needs one of `hold`"),
         ("[[thermal.boundary]]\nname = \"a\"\nhold = 300\nflux = 3", "exactly-one", "only one of `hold`"),
+        (
+            "[[thermal.boundary]]\nname = \"a\"\nhold = 300\nnormal = [0, 1]",
+            "conflict",
+            "keeps particles at a temperature, not faces",
+        ),
+        (
+            "[[thermal.boundary]]\nname = \"a\"\nflux = 3\nnormal = [0, 0]",
+            "out-of-range",
+            "the normal has no direction",
+        ),
         ("[[thermal.boundary]]\nname = \"a\"\nhold = \"-300 degC\"", "out-of-range", "absolute zero or above"),
         ("[[thermal.boundary]]\nname = \"a\"\nflux = \"3 W/m\"", "wrong-quantity", "heat flux"),
         ("[[thermal.boundary]]\nname = \"a\"\nbody = \"car\"\nflux = 3", "unknown-name", "`bar`"),
@@ -90,4 +100,57 @@ fn faults_of_contact_and_heat_are_told() {
     assert!(code == "missing-constant" && text.contains("`specific-heat`, and conduction needs it"), "{text}");
     let (code, text) = refused(&(mine("specific-heat = 500") + "[thermal]\nmechanics = false\n"));
     assert!(code == "missing-constant" && text.contains("no material conducts"), "{text}");
+}
+
+/// A block of 20 by 10 cells with a region of one layer at its left end.
+fn block(boundary: &str, law: &str, mechanics: bool) -> String {
+    format!(
+        "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"5 mm\" }}\ntime = {{ end = \"1 s\" }}\nthermal = {{ mechanics = {mechanics}, \
+         boundary = [{{ name = \"hot\", flux = \"10 kW/m^2\", {boundary} }}] }}\nregion = [{{ name = \"end\", shape = {{ box = {{ min = [-1, -1], \
+         max = [\"5 mm\", 1] }} }} }}, {{ name = \"middle\", shape = {{ box = {{ min = [\"20 mm\", \"20 mm\"], max = [\"40 mm\", \"30 mm\"] }} }} }}]\n\
+         [material.m]\ndensity = 1000\npoisson-ratio = 0.3\nspecific-heat = 500\nconductivity = 300\nstrength = \"elastic\"\n{law}\n[[body]]\nname = \
+         \"block\"\nmaterial = \"m\"\nshape = {{ box = {{ min = [0, 0], max = [\"100 mm\", \"50 mm\"] }} }}\n"
+    )
+}
+
+const LINEAR: &str = "young-modulus = 200e9";
+
+fn notes(deck: &str) -> Vec<String> {
+    load_text("block", deck, &[]).unwrap_or_else(|report| panic!("{report}")).notes
+}
+
+#[test]
+fn what_the_side_faces_of_a_region_take_is_told() {
+    let told = notes(&block("region = \"end\"", LINEAR, false));
+    assert!(
+        told.len() == 1
+            && told[0].contains("of region `end`: 50.0000 mm towards -x, 5.0000 mm towards -y, 5.0000 mm towards +y")
+            && told[0].contains("`normal = [-1, 0]`"),
+        "{told:?}"
+    );
+    for named in ["region = \"end\", normal = [-1, 0]", "body = \"block\""] {
+        assert_eq!(notes(&block(named, LINEAR, false)), [""; 0], "{named}");
+    }
+}
+
+#[test]
+fn a_boundary_that_names_no_face_is_refused() {
+    for nothing in ["region = \"end\", normal = [1, 0]", "region = \"middle\", normal = [-1, 0]"] {
+        let (code, text) = refused(&block(nothing, LINEAR, false));
+        assert!(code == "no-face" && text.contains("looks along its `normal`"), "{code} {text}");
+    }
+}
+
+#[test]
+fn heat_that_does_not_expand_is_told() {
+    let named = "body = \"block\"";
+    let told = notes(&block(named, LINEAR, true));
+    // K = 200e9/(3 (1 - 0.6)) = 166.67 GPa: 3 K/(1000 500) = 1e6 K.
+    assert!(
+        told.len() == 1 && told[0].contains("law `linear`") && told[0].contains("1.0000e6 K times alpha"),
+        "{told:?}"
+    );
+    assert_eq!(notes(&block(named, LINEAR, false)), [""; 0]);
+    let gruneisen = "shear-modulus = 8e10\nequation-of-state = { mie-gruneisen = { sound-speed = 12000, shock-slope = 1.5, gruneisen = 2 } }";
+    assert!(notes(&block(named, gruneisen, true)).iter().all(|note| !note.contains("expand")));
 }

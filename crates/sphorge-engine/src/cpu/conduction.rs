@@ -9,6 +9,7 @@ use super::conduction_table::ConductionTable;
 use super::domain::Share;
 use super::ghosts::{Ghosts, WithGhosts};
 use super::reference_conduction::{ReferencePoints, sum_reference_flow};
+use crate::geometry::HeatFaces;
 use crate::halo::{self, Exchanged, GhostColumn};
 use crate::lanes::PairScalar;
 use crate::model::{HeatBoundaryKind, Model, TemperatureSource};
@@ -18,7 +19,7 @@ use crate::persist::{Archive, ArchiveError, Persist, persist_column};
 use crate::{HeatClock, HeatLedger, RunFailure};
 use rayon::prelude::*;
 use smallvec::smallvec;
-use sphorge_physics::conduction::{Inflow, cell_size, surface_area, touch};
+use sphorge_physics::conduction::{Inflow, cell_size, face_area, surface_area, touch};
 use sphorge_physics::kernel::pair_smoothing_length;
 use sphorge_physics::time_step::conduction_limit;
 use sphorge_physics::{Dimension, Vector, tensor::dot};
@@ -27,6 +28,7 @@ use sphorge_physics::{Dimension, Vector, tensor::dot};
 #[derive(Clone, Debug)]
 pub(super) struct HeatFlow {
     table: ConductionTable,
+    faces: HeatFaces,
     /// Power of each boundary by block, W, and its heat in a step by block, J.
     partial: Vec<f64>,
     /// Heat exchanged in a step by block, J.
@@ -59,6 +61,7 @@ impl HeatFlow {
         let on_surface = |kind| !matches!(kind, HeatBoundaryKind::HeldTemperature(_));
         model.thermal.conduction.then(|| Self {
             table: ConductionTable::new(model),
+            faces: HeatFaces::new(model),
             // At least one column, so that every block has a chunk.
             partial: vec![0.0; blocks * boundaries.max(1)],
             moved: vec![0.0; blocks],
@@ -104,7 +107,8 @@ impl HeatFlow {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let touched = self.touched.capacity() + self.touched_near.capacity() + self.touched_far.capacity();
-        8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity()) + 4 * touched
+        let columns = 8 * (self.partial.capacity() + self.moved.capacity() + self.limits.capacity());
+        columns + self.faces.bytes() + 4 * touched
     }
 
     /// Sets the smallest limit and adds up the power of each boundary, over all ranks if there are several.
@@ -221,11 +225,22 @@ impl ConductionTable {
         }
     }
 
-    /// Power and conductance of a boundary at a particle on a surface, W and W/K.
-    fn through_surface(&self, kind: HeatBoundaryKind, i: usize, sum: &Inflow<f64>, p: &Particles) -> (f64, f64) {
+    /// Power and conductance of a boundary at a particle on a surface, W and W/K: of its `face` (area at unit density) where the boundary names
+    /// faces.
+    fn through_surface(
+        &self,
+        kind: HeatBoundaryKind,
+        i: usize,
+        face: Option<f64>,
+        sum: &Inflow<f64>,
+        p: &Particles,
+    ) -> (f64, f64) {
         let body = p.body[i] as usize;
         let volume = p.mass[i] / p.density[i];
-        let area = surface_area(self.dimension, volume, sum.filled, self.flat[body]);
+        let area = match face {
+            Some(face) => face_area(self.dimension, face, p.density[i]),
+            None => surface_area(self.dimension, volume, sum.filled, self.flat[body]),
+        };
         let cell = cell_size(self.dimension, volume);
         kind.through_surface(area, p.temperature[i], self.conductivity[body], cell)
     }
@@ -256,7 +271,7 @@ impl<T: PairScalar> CpuEngine<T> {
         let reference = self.formulation.is_initial().then(|| ReferencePoints::new(p, &self.ghosts.columns));
         let (list, foreign) = (&self.lists.list, self.contacts.as_ref().map(|c| c.foreign()));
         let touching = self.contacts.as_ref().map_or(&self.ghosts, |c| c.ghosts(&self.ghosts));
-        let HeatFlow { table, partial, limits, surfaces, touched, touched_near, touched_far, .. } = &mut *heat;
+        let HeatFlow { table, faces, partial, limits, surfaces, touched, touched_near, touched_far, .. } = &mut *heat;
         if !touched.is_empty() {
             let untouched = WithGhosts::new(&[], &[]);
             let (near, far) = (HeatPoints::new(p, &self.ghosts, untouched), HeatPoints::new(p, touching, untouched));
@@ -282,7 +297,7 @@ impl<T: PairScalar> CpuEngine<T> {
         }
         let points = HeatPoints::new(p, &self.ghosts, WithGhosts::new(touched, touched_near));
         let touching = HeatPoints::new(p, touching, WithGhosts::new(touched, touched_far));
-        let (table, boundaries) = (&*table, &self.model.thermal.boundaries);
+        let (table, faces, boundaries) = (&*table, &*faces, &self.model.thermal.boundaries);
         let parts = partial.par_chunks_mut(boundaries.len().max(1));
         (rates.par_chunks_mut(BLOCK), limits.par_iter_mut(), parts).into_par_iter().enumerate().for_each(
             |(b, (rate, limit, powers))| {
@@ -302,9 +317,10 @@ impl<T: PairScalar> CpuEngine<T> {
                         table.add(&mut sum, i, other_bodies, &touching);
                     }
                     if *surfaces {
-                        for (boundary, total) in boundaries.iter().zip(powers.iter_mut()) {
+                        for (k, (boundary, total)) in boundaries.iter().zip(powers.iter_mut()).enumerate() {
                             if boundary.claims(p.body[i], p.regions[i]) {
-                                let (power, conductance) = table.through_surface(boundary.kind, i, &sum, p);
+                                let face = faces.at_unit_density(k, p.id[i]);
+                                let (power, conductance) = table.through_surface(boundary.kind, i, face, &sum, p);
                                 sum.power += power;
                                 sum.conductance += conductance;
                                 *total += power;

@@ -143,6 +143,16 @@ impl ReferenceFacets {
         &self.facets[place]
     }
 
+    /// Number of the particles.
+    pub(super) fn particles(&self) -> u32 {
+        self.starts.len() as u32 - 1
+    }
+
+    /// Index of the body of the particle with this number.
+    pub(super) fn body_of(&self, id: u32) -> usize {
+        self.first.partition_point(|first| *first <= id) - 1
+    }
+
     /// Number of the facets.
     pub fn count(&self) -> usize {
         self.facets.len()

@@ -6,6 +6,7 @@ mod error;
 mod facets;
 mod fill;
 mod fit;
+mod heat_faces;
 mod lattice;
 mod overlap;
 mod parts;
@@ -25,6 +26,7 @@ pub use fit::{
     BoundingPlane, FilledMass, LAYER_TOLERANCE, MASS_TOLERANCE, MisplacedLayer, filled_masses, fitting_spacings,
     misplaced_layers,
 };
+pub use heat_faces::{HeatFaces, faces_by_direction};
 pub use pattern::rings_fill;
 pub use pressed::{LARGEST_CLOSURE, PressedBodies, pressed_at_start};
 pub use volume::Volume;

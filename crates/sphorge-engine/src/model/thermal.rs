@@ -37,6 +37,8 @@ pub struct HeatBoundary {
     pub body: Option<usize>,
     /// Only particles of this region (by initial position).
     pub region: Option<usize>,
+    /// Only the faces that look along this unit vector within 45 degrees, as they are at the start; `None`: free surfaces, found as they form.
+    pub normal: Option<[f64; 3]>,
     /// What flows.
     pub kind: HeatBoundaryKind,
 }

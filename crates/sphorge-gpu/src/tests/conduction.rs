@@ -61,7 +61,7 @@ fn heat_through_held_faces_and_between_metals_is_that_of_the_processor() {
 fn heat_through_surfaces_is_that_of_the_processor() {
     compare("convecting-block", &[("particles.spacing", "\"4 mm\"")], 20.0, 1e-5);
     let boundaries = "[{ name = \"air\", region = \"left\", convection = { coefficient = \"500 W/(m^2 K)\", ambient = \"0 degC\" } }, \
-                      { name = \"flame\", region = \"right\", flux = \"2e5 W/m^2\" }, { name = \"ice\", region = \"top\", surface-temperature = \"0 degC\" }]";
+                      { name = \"flame\", region = \"right\", normal = [1, 0], flux = \"2e5 W/m^2\" }, { name = \"ice\", region = \"top\", surface-temperature = \"0 degC\" }]";
     let region = |name: &str, low: &str, high: &str| {
         format!("[[region]]\nname = \"{name}\"\nshape = {{ box = {{ min = {low}, max = {high} }} }}\n")
     };

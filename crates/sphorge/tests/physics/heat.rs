@@ -508,3 +508,81 @@ fn a_body_that_starts_hot_or_cold_starts_at_rest_by_every_source_of_temperature(
         assert!((share - expected).abs() < 1e-3, "{share} {temperature}");
     }
 }
+
+/// A block with a region of one layer at its left end.
+const HEATED_END: &str = r#"
+dimensions = "plane-strain"
+particles = { spacing = "5 mm" }
+time = { end = "2 s" }
+
+[thermal]
+mechanics = false
+
+[[thermal.boundary]]
+name = "hot"
+region = "left-end"
+normal = [-1, 0]
+flux = "10 kW/m^2"
+
+[material.metal]
+density = "1000 kg/m^3"
+young-modulus = "200 GPa"
+poisson-ratio = 0.3
+strength = "elastic"
+specific-heat = "500 J/(kg K)"
+conductivity = "300 W/(m K)"
+
+[[body]]
+name = "block"
+material = "metal"
+temperature = "20 degC"
+shape = { box = { min = ["0 mm", "0 mm"], max = ["100 mm", "50 mm"] } }
+
+[[region]]
+name = "left-end"
+shape = { box = { min = ["-1 mm", "-1 mm"], max = ["5 mm", "51 mm"] } }
+"#;
+
+/// Heat that boundaries have given after the end time, J.
+fn given(deck: &str, overrides: &[(&str, &str)]) -> f64 {
+    let mut simulation = simulation(deck, overrides);
+    simulation.next_step_estimate().unwrap();
+    let before = internal(&simulation);
+    run_to(&mut simulation, 2.0);
+    let heat = simulation.ledger().unwrap().boundary_heat();
+    assert!((internal(&simulation) - before - heat).abs() < 1e-9 * heat, "{heat}");
+    heat
+}
+
+#[test]
+fn faces_that_a_deck_names_take_heat_on_their_area() {
+    // 10 kW/m^2 over 50 mm and 2 s; of the body over its four sides.
+    for method in ["total-lagrangian", "updated-lagrangian"] {
+        let named = given(HEATED_END, &[("method", method)]);
+        assert!((named / 1000.0 - 1.0).abs() < 1e-9, "{named}");
+    }
+    for (normal, joules) in [("[1, 0]", 1000.0), ("[0, -1]", 2000.0), ("[0.1, 2]", 2000.0)] {
+        let boundary = format!("[{{ name = \"hot\", body = \"block\", normal = {normal}, flux = \"10 kW/m^2\" }}]");
+        let named = given(HEATED_END, &[("thermal.boundary", &boundary)]);
+        assert!((named / joules - 1.0).abs() < 1e-9, "{normal}: {named}");
+    }
+    // Without a normal the sides of the region are heated, too: 60 mm, detected.
+    let boundary = "[{ name = \"hot\", region = \"left-end\", flux = \"10 kW/m^2\" }]";
+    let all = given(HEATED_END, &[("thermal.boundary", boundary)]);
+    assert!((1100.0..1250.0).contains(&all), "{all}");
+}
+
+#[test]
+fn the_end_of_a_round_bar_takes_heat_on_its_area() {
+    let solid = HEATED_END
+        .replace("plane-strain", "3d")
+        .replace("region = \"left-end\"", "body = \"block\"")
+        .replace("normal = [-1, 0]", "normal = [0, 0, 1]");
+    let solid = &solid[..solid.find("[[region]]").unwrap()];
+    let shape = "{ cylinder = { from = [0, 0, 0], to = [\"0 mm\", \"0 mm\", \"40 mm\"], radius = \"20 mm\" } }";
+    for (lattice, within) in [("rings", 0.005), ("square", 0.05)] {
+        let named = given(solid, &[("body.block.shape", shape), ("body.block.lattice", lattice)]);
+        let joules = 10e3 * 2.0 * PI * 0.02 * 0.02;
+        assert!((named / joules - 1.0).abs() < within, "{lattice}: {named} {joules}");
+    }
+}

@@ -159,7 +159,7 @@ fn heat_is_held_against_the_energy() {
     assert_eq!(found[0].suspects, 2);
     // What a boundary keeps at 900 K may be as warm, where heat flows.
     let kind = HeatBoundaryKind::HeldTemperature(900.0);
-    model.thermal.boundaries = vec![HeatBoundary { name: String::new(), body: None, region: None, kind }];
+    model.thermal.boundaries = vec![HeatBoundary { name: String::new(), body: None, region: None, normal: None, kind }];
     assert_eq!(find(Suspicion::Hot(1.05), &model, &p)[0].suspects, 2);
     model.thermal.conduction = true;
     assert_eq!(find(Suspicion::Hot(1.05), &model, &p)[0].suspects, 0);

@@ -9,11 +9,12 @@ use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::engine::step_numbers::DT;
 use crate::record::{Index, Indices, KernelFault, Recorded};
+use sphorge_engine::geometry::HeatFaces;
 use sphorge_engine::model::{HeatBoundaryKind, Model};
 use sphorge_engine::{ConductionTable, Particles};
 use sphorge_physics::conduction::{
-    HeatPair, Inflow, add_temperature_gradient, added_flow, best_flow, cell_size, pair_conductivity, surface_area,
-    touching_below,
+    HeatPair, Inflow, add_temperature_gradient, added_flow, best_flow, cell_size, face_area, pair_conductivity,
+    surface_area, touching_below,
 };
 use sphorge_physics::kernel::PairScale;
 use sphorge_physics::pair::mean;
@@ -29,8 +30,8 @@ pub(in crate::engine) const EXCHANGED: usize = 2;
 const FLOW: usize = 4;
 pub(in crate::engine) const HEAT: usize = 7;
 
-/// Numbers of a particle in [`Group::Boundaries`] for each of them: one if it belongs to it, its power, W, heat
-/// supplied, J, and its rest.
+/// Numbers of a particle in [`Group::Boundaries`] for each of them: one if it belongs to it, or its area at unit density if it
+/// names faces; its power, W, heat supplied, J, and its rest.
 const CLAIMED: usize = 0;
 const POWER: usize = 1;
 pub(in crate::engine) const SUPPLIED: usize = 2;
@@ -54,11 +55,12 @@ pub(in crate::engine) fn laws(model: &Model) -> Vec<f32> {
 
 /// Which particles belong to which boundary.
 pub(in crate::engine) fn claims(model: &Model, p: &Particles, stride: usize) -> Vec<f32> {
-    let boundaries = &model.thermal.boundaries;
+    let (boundaries, faces) = (&model.thermal.boundaries, HeatFaces::new(model));
     let mut numbers = vec![0.0; (BOUNDARY * boundaries.len()).max(1) * stride];
     for (k, boundary) in boundaries.iter().enumerate() {
         for i in (0..p.len()).filter(|i| boundary.claims(p.body[*i], p.regions[*i])) {
-            numbers[(BOUNDARY * k + CLAIMED) * stride + i] = 1.0;
+            numbers[(BOUNDARY * k + CLAIMED) * stride + i] =
+                faces.at_unit_density(k, p.id[i]).map_or(1.0, |face| face as f32);
         }
     }
     numbers
@@ -285,15 +287,19 @@ fn sum<const D: usize>(model: &Model, grid: &Grid, count: usize) -> Result<Recor
             if matches!(boundary.kind, HeatBoundaryKind::HeldTemperature(_)) {
                 continue;
             }
-            let area = surface_area(dimension, volume, sum.filled, points.law(i, 3));
+            let claimed = through.get(BOUNDARY * k + CLAIMED, i);
+            let area = match boundary.normal {
+                Some(_) => face_area(dimension, claimed, points.density.get(0, i)),
+                None => surface_area(dimension, volume, sum.filled, points.law(i, 3)),
+            };
             let cell = cell_size(dimension, volume);
             let temperature = points.temperature.get(0, i);
             let (power, conductance) = boundary.kind.through_surface(area, temperature, points.law(i, 0), cell);
-            let (half, zero) = (Recorded::of(0.5), Recorded::zero());
-            let claimed = through.get(BOUNDARY * k + CLAIMED, i);
-            let power = Recorded::select_lt(half, claimed, power, zero);
+            // Faces that are not named have no area.
+            let zero = Recorded::zero();
+            let power = Recorded::select_lt(zero, claimed, power, zero);
             sum.power += power;
-            sum.conductance += Recorded::select_lt(half, claimed, conductance, zero);
+            sum.conductance += Recorded::select_lt(zero, claimed, conductance, zero);
             through.set(BOUNDARY * k + POWER, i, power);
         }
         let mass = points.constants.get(0, i);

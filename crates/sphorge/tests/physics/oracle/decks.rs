@@ -385,6 +385,12 @@ pub(super) const OVEN: &[Case] = &[
     case("heat, contact, symmetry", HEATED, &[PENALTY, ("symmetry", "[{ axis = \"y\" }]")], 30),
     case("heat, contact, total lagrangian", HEATED, &[TOTAL, PENALTY], 30),
     case("heat alone", HEATED, &[STILL], 30),
+    case(
+        "heat at faces that are named",
+        HEATED,
+        &[("thermal.boundary.lamp.normal", "[0, 1]"), ("thermal.boundary.bath.normal", "[1, 0]")],
+        30,
+    ),
     case("heat alone, contact, periodic", HEATED, &[STILL, PENALTY, ("periodic", "{ y = [\"0 mm\", \"12 mm\"] }")], 30),
 ];
 
