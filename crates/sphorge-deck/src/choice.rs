@@ -61,7 +61,7 @@ words! {
         "symmetric" => EnergySplit::Symmetric, "each takes half (Patiño et al. Eq 10)";
     }
     TemperatureWord, "source of temperature", TemperatureSource {
-        "plastic-work" => TemperatureSource::PlasticWork, "heat of plastic work";
+        "plastic-work" => TemperatureSource::PlasticWork, "heat of plastic work, without that of shocks: the check `missing-heat` warns";
         "energy" => TemperatureSource::Energy, "internal energy minus cold, elastic and stored energy and the work of the artificial stress: for shock heating";
     }
     ReturnRuleWord, "return rule", ReturnRule {

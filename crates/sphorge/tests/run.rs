@@ -170,6 +170,49 @@ fn what_is_found_broken_does_not_depend_on_the_number_of_threads() {
     assert_eq!(one, warnings(3));
 }
 
+#[test]
+fn metal_that_a_shock_melts_without_a_temperature_is_told_with_both_temperatures() {
+    let deck = r#"
+        dimensions = "1d"
+        particles = { spacing = "0.1 mm" }
+        time = { end = "0.4 us" }
+        output = { history-interval = "20 ns", frames = 1 }
+        [[body]]
+        name = "flyer"
+        material = "ofhc-copper"
+        shape = { box = { min = ["-3 mm"], max = ["0 mm"] } }
+        velocity = ["4000 m/s"]
+        [[body]]
+        name = "target"
+        material = "ofhc-copper"
+        shape = { box = { min = ["0 mm"], max = ["3 mm"] } }
+    "#;
+    let folder = tempfile::tempdir().unwrap();
+    let warned = |speed: &str, source: &str, method: &str| {
+        let changes = [("body.flyer.velocity.0", speed), ("numerics.temperature", source), ("method", method)];
+        let changes: Vec<_> = changes.map(|(path, value)| (path.to_owned(), value.to_owned())).to_vec();
+        let setup = load_text("shock", deck, &changes).unwrap_or_else(|report| panic!("{report}"));
+        let directory = folder.path().join(format!("{speed}-{source}-{method}"));
+        let options = RunOptions { directory, threads: Some(1), ..RunOptions::default() };
+        let warnings = execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent).unwrap().warnings;
+        warnings.into_iter().find(|warning| warning.name == "missing-heat")
+    };
+    for method in ["total-lagrangian", "updated-lagrangian"] {
+        let warning = warned("4000 m/s", "plastic-work", method).expect("a warning");
+        // "... (2349 K over 317 K)"
+        let kelvins = warning.meaning.split(&['(', ')'][..]).nth(1).unwrap();
+        let kelvins: Vec<f64> = kelvins.split(" over ").map(|k| k.trim_end_matches(" K").parse().unwrap()).collect();
+        // It melts at 1356 K; all of the motion would heat by 4000^2/(2 383) K.
+        assert!((1356.0..293.15 + 20_888.0).contains(&kelvins[0]), "{}", warning.meaning);
+        assert!((290.0..700.0).contains(&kelvins[1]), "{}", warning.meaning);
+        assert!((warning.value / (kelvins[0] / kelvins[1]) - 1.0).abs() < 0.01, "{warning:?}");
+        assert!(warning.cure.contains("numerics.temperature = \"energy\""), "{}", warning.cure);
+        // What it says cures it, and a weak shock is not told of.
+        assert!(warned("4000 m/s", "energy", method).is_none(), "{method}");
+        assert!(warned("300 m/s", "plastic-work", method).is_none(), "{method}");
+    }
+}
+
 /// Stops nobody and prints nothing.
 struct Quiet;
 

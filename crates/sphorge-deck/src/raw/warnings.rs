@@ -19,6 +19,9 @@ tables! {
         cold: Option<Given<Temperature>>, example "200 K", default "0 K";
         /// Largest temperature over the highest that the internal energy of the particle allows.
         hot: Option<Given<Number>>, example 3, default 2.0;
+        /// Largest temperature of the energy over that of plastic work, of particles of materials with a Grüneisen parameter and a specific heat, where
+        /// more than a hundredth of the particles of a body are beyond. Not checked with `temperature = "energy"`.
+        missing_heat: Option<Given<Number>>, example 3, default 1.5;
         /// Largest work of all walls at rest, of either sign, over the initial kinetic energy.
         wall_energy: Option<Given<Number>>, example 0.3, default 0.2;
         /// Largest drift of the total energy, over the energy in play. Not checked with `guard = "none"`.

@@ -13,6 +13,8 @@ pub enum WarningKind {
     Cold,
     /// A particle hotter than its energy allows.
     Hot,
+    /// A particle colder than its energy.
+    MissingHeat,
     /// Work of walls that do not move.
     WallEnergy,
     /// Energy that came from nowhere or went nowhere.
@@ -66,12 +68,13 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str) -> Warning
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::HourglassWork,
         Self::Cold,
         Self::Hot,
+        Self::MissingHeat,
         Self::WallEnergy,
         Self::EnergyDrift,
         Self::MomentumDrift,
@@ -103,6 +106,7 @@ impl WarningKind {
             ),
             Self::Cold => WarningInfo { unit: "K", ..below("cold", 0.0, "temperature") },
             Self::Hot => above("hot", 2.0, "temperature over the highest that the particle's energy allows"),
+            Self::MissingHeat => above("missing-heat", 1.5, "temperature of the energy over that of plastic work"),
             Self::WallEnergy => above("wall-energy", 0.2, "work of walls at rest over the initial kinetic energy"),
             Self::EnergyDrift => above(
                 "energy-drift",

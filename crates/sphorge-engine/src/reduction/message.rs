@@ -73,6 +73,7 @@ impl ReductionMessage {
                     Suspicion::Away { limit, .. } => (13, limit),
                     Suspicion::Behind(limit) => (14, limit),
                     Suspicion::Lonely => (15, 0.0),
+                    Suspicion::MissingHeat(limit) => (16, limit),
                     Suspicion::Apart | Suspicion::Paired | Suspicion::Torn => return None,
                 };
                 take(kind, None, None);
@@ -109,6 +110,7 @@ impl ReductionMessage {
             13 => Suspicion::Away { low: [x, y, z], high: [u, v, w], limit },
             14 => Suspicion::Behind(limit),
             15 => Suspicion::Lonely,
+            16 => Suspicion::MissingHeat(limit),
             _ => return None,
         };
         Some(Reduction::Suspects(suspicion))
@@ -157,6 +159,7 @@ mod tests {
             Reduction::OfParticle { id: u32::MAX, quantity },
             Reduction::Suspects(Suspicion::Cold(-1e-3)),
             Reduction::Suspects(Suspicion::Hot(1.5)),
+            Reduction::Suspects(Suspicion::MissingHeat(1.25)),
             Reduction::Suspects(Suspicion::Compressed(0.9)),
             Reduction::Suspects(Suspicion::Expanded(0.3)),
             Reduction::Suspects(Suspicion::Away { low, high, limit: 0.7 }),

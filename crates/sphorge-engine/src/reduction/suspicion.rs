@@ -27,6 +27,10 @@ pub enum Suspicion {
     /// and the reference temperature, plus `e / c_p` where the specific internal energy is above zero. The number is that ratio. Where
     /// work does not heat, nothing is hot.
     Hot(f64),
+    /// A temperature of the energy above this many times the particle's own: `T_0 + (e - e_cold - (1 - beta) w_p) / c_p` with the energy `e_cold` of
+    /// the density on the isotherm `T_0`, which is left out in expansion. The number is that ratio. Only materials of which heat moves the pressure
+    /// are looked at.
+    MissingHeat(f64),
     /// A compression `chi = 1 - rho_0/rho` above this share of the largest that a shock reaches, `1/S` (1 for a law without `S`). The
     /// number is the share.
     Compressed(f64),
@@ -67,6 +71,7 @@ impl Suspicion {
     pub(super) fn fields(self) -> Vec<&'static str> {
         match self {
             Self::Cold(_) | Self::Hot(_) => vec!["temperature", "energy"],
+            Self::MissingHeat(_) => vec!["temperature", "energy", "plastic_work"],
             Self::Lonely => vec!["neighbors"],
             // In the total Lagrangian form bodies hang together in the reference configuration.
             Self::Apart => vec!["reference_position"],
@@ -185,6 +190,7 @@ pub(super) fn evaluate<R: Turns>(
         }
         Suspicion::Cold(_)
         | Suspicion::Hot(_)
+        | Suspicion::MissingHeat(_)
         | Suspicion::Compressed(_)
         | Suspicion::Expanded(_)
         | Suspicion::Away { .. }

@@ -116,6 +116,7 @@ fn longest(reduction: &Reduction<'_>, found: &[f64]) -> Option<usize> {
         Reduction::Suspects(
             Suspicion::Cold(_)
             | Suspicion::Hot(_)
+            | Suspicion::MissingHeat(_)
             | Suspicion::Compressed(_)
             | Suspicion::Expanded(_)
             | Suspicion::Away { .. }
@@ -145,6 +146,7 @@ fn measures_and_checks_send_sums_and_no_columns_but_those_of_what_lies_around_pa
     let suspicions = [
         Suspicion::Cold(1e3),
         Suspicion::Hot(0.5),
+        Suspicion::MissingHeat(0.5),
         Suspicion::Compressed(-1.0),
         Suspicion::Expanded(2.0),
         Suspicion::Away { low: [0.0; 3], high: [1e-3; 3], limit: 0.0 },

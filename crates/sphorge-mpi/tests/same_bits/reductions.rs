@@ -36,6 +36,7 @@ fn found(kind: &dyn EngineKind, deck: &str, changes: &[(&str, &str)]) -> Vec<(St
     let limits = [
         Suspicion::Cold(293.2),
         Suspicion::Hot(0.5),
+        Suspicion::MissingHeat(0.99),
         Suspicion::Compressed(1e-5),
         Suspicion::Expanded(0.9999),
         Suspicion::Away { low: [f64::NEG_INFINITY; 3], high: [0.01, 0.0, f64::INFINITY], limit: 1e-3 },

@@ -16,8 +16,8 @@ use crate::{
         reduction::{Suspects, Suspicion, TEARING_RADIUS},
     },
     model::{
-        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, Search, TimeTable, WarningKind,
-        WarningLimits,
+        Extremum, Formulation, HeatBoundaryKind, Model, MotionAxis, ParticleSelection, Search, TemperatureSource,
+        TimeTable, WarningKind, WarningLimits,
     },
     output::WarningRecord,
 };
@@ -56,6 +56,9 @@ pub(super) struct Watch {
     first_step: Option<f64>,
     hopeless_steps: u64,
 }
+
+/// Share of the particles of a body up to which energies of single ones, which pairs in tension and artificial stress drive up, are no shock.
+const HEATED_SHARE: f64 = 0.01;
 
 /// The state that others are held against.
 #[derive(Clone, Debug, Default)]
@@ -97,11 +100,13 @@ struct Seen {
     /// The worst number so far, and when it was.
     worst: f64,
     worst_time: f64,
+    /// Temperature that the particle of that number has, K, where it tells more than the number.
+    beside: Option<f64>,
 }
 
 persist_fields!(Start { kinetic, internal, external_work, nothing, no_momentum, low, high, speed, lonely, apart });
 persist_fields!(Supply { work, heat });
-persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time });
+persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time, beside });
 
 /// Where something was seen.
 #[derive(Clone, Copy, Debug, Default)]
@@ -109,11 +114,13 @@ struct Place {
     particle: Option<u32>,
     body: Option<usize>,
     position: Option<[f64; 3]>,
+    /// Temperature there, K.
+    temperature: Option<f64>,
 }
 
 impl Place {
     fn of(worst: (f64, u32, [f64; 3]), body: usize) -> Self {
-        Self { particle: Some(worst.1), body: Some(body), position: Some(worst.2) }
+        Self { particle: Some(worst.1), body: Some(body), position: Some(worst.2), temperature: None }
     }
 }
 
@@ -339,6 +346,9 @@ impl Watch {
         let of_single = WarningKind::ALL.into_iter().filter_map(|kind| match kind {
             WarningKind::Cold => self.check(kind, |limit| (Suspicion::Cold(limit), 1.0)),
             WarningKind::Hot => self.check(kind, |limit| (Suspicion::Hot(limit), 1.0)),
+            WarningKind::MissingHeat if model.numerics.temperature == TemperatureSource::PlasticWork => {
+                self.check(kind, |limit| (Suspicion::MissingHeat(limit), 1.0))
+            }
             WarningKind::Compression => self.check(kind, |limit| (Suspicion::Compressed(limit), 1.0)),
             WarningKind::Expansion => self.check(kind, |limit| (Suspicion::Expanded(limit), 1.0)),
             WarningKind::BehindSymmetry if !model.symmetry.is_empty() => {
@@ -372,7 +382,15 @@ impl Watch {
                     WarningKind::Tearing => found.suspects as f64 / check.unit,
                     _ => worst.0 / check.unit,
                 };
-                self.hold(check.kind, number, Place::of(worst, body), clock);
+                if check.kind == WarningKind::MissingHeat && share_of(found) <= HEATED_SHARE {
+                    continue;
+                }
+                let mut place = Place::of(worst, body);
+                if check.kind == WarningKind::MissingHeat {
+                    // Sums that are on their way from a card know of no particle that was not asked for.
+                    place.temperature = temperature_of(source, worst.1);
+                }
+                self.hold(check.kind, number, place, clock);
             }
         }
         Ok(())
@@ -401,9 +419,11 @@ impl Watch {
         }
         // JSON has no words for what is not finite.
         let number = number.clamp(-f64::MAX, f64::MAX);
-        let Place { particle, body, position } = place;
+        let Place { particle, body, position, temperature } = place;
         match self.seen.iter_mut().find(|seen| seen.kind == kind as u8) {
-            Some(seen) if worse(number, seen.worst) => (seen.worst, seen.worst_time) = (number, clock.time),
+            Some(seen) if worse(number, seen.worst) => {
+                (seen.worst, seen.worst_time, seen.beside) = (number, clock.time, temperature);
+            }
             Some(_) => {}
             None => self.seen.push(Seen {
                 kind: kind as u8,
@@ -414,6 +434,7 @@ impl Watch {
                 position,
                 worst: number,
                 worst_time: clock.time,
+                beside: temperature,
             }),
         }
     }
@@ -427,7 +448,10 @@ impl Watch {
         };
         WarningRecord {
             name: info.name.to_owned(),
-            meaning: info.meaning.to_owned(),
+            meaning: match seen.beside {
+                Some(own) => format!("{} ({:.0} K over {own:.0} K)", info.meaning, seen.worst * own.max(1.0)),
+                None => info.meaning.to_owned(),
+            },
             value: seen.worst,
             value_time: seen.worst_time,
             limit: self.limits.of(kind).unwrap_or(info.limit),
@@ -557,6 +581,12 @@ fn least_energy(model: &Model, body: usize) -> f64 {
         coldest = bodies.chain(boundaries).fold(coldest, f64::min);
     }
     material.specific_heat * (coldest - body.temperature)
+}
+
+/// Temperature of a particle, K.
+fn temperature_of(source: &dyn ParticleSource, id: u32) -> Option<f64> {
+    let quantity = Quantity { field: "temperature", component: None };
+    source.reduce(&Reduction::OfParticle { id, quantity }).ok()?.first().copied()
 }
 
 fn share_of(found: &Suspects) -> f64 {

@@ -1,7 +1,7 @@
 //! Checks of single particles, generic over the number, so that a graphics card makes them as the processor does.
 
 use super::{Suspicion, can_break};
-use crate::model::{HeatBoundaryKind, Model, SymmetryPlane};
+use crate::model::{HeatBoundaryKind, Material, Model, SymmetryPlane};
 use crate::particles::Particles;
 use sphorge_physics::tensor::dot;
 use sphorge_physics::{Real, Vector};
@@ -17,6 +17,8 @@ pub struct Looked<T> {
     pub temperature: T,
     /// Specific internal energy, J/kg.
     pub energy: T,
+    /// Plastic work so far, J/kg.
+    pub plastic_work: T,
     /// Number of neighbours.
     pub neighbors: T,
     /// Spacing of its body, m.
@@ -30,6 +32,7 @@ impl Looked<f64> {
             density: p.density[i],
             temperature: p.temperature[i],
             energy: p.energy[i],
+            plastic_work: p.plastic_work[i],
             neighbors: f64::from(p.neighbors[i]),
             spacing: model.bodies.get(p.body[i] as usize).map_or(model.spacing, |body| body.spacing),
         }
@@ -37,7 +40,7 @@ impl Looked<f64> {
 }
 
 /// Numbers that a particle is held against: the limit, and those of its material and of the check.
-pub const AGAINST: usize = 7;
+pub const AGAINST: usize = 9;
 
 /// What a check asks of the particles of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +85,15 @@ impl Suspicion {
                 }
                 None => Standard::Blameless,
             },
+            Self::MissingHeat(limit) => match material.filter(|material| material.heats() && expands(material)) {
+                Some(material) => {
+                    let cold = cold_kelvins(material);
+                    let (t0, cp, kept) =
+                        (material.reference_temperature, material.specific_heat, 1.0 - material.taylor_quinney);
+                    of(&[limit, t0, cp, kept, material.density, cold[0], cold[1], cold[2], cold[3]])
+                }
+                None => Standard::Blameless,
+            },
             Self::Compressed(limit) => match material.map(|material| material.equation_of_state) {
                 Some(law) => of(&[limit, law.reference_density(), law.shock_slope().unwrap_or(1.0)]),
                 None => Standard::Blameless,
@@ -105,6 +117,14 @@ impl Suspicion {
         match self {
             Self::Cold(_) => of.temperature,
             Self::Hot(_) => of.temperature / (against[1] + of.energy.max(zero) / against[2]),
+            Self::MissingHeat(_) => {
+                let [_, reference, specific_heat, kept, density, a, b, c, d] = *against;
+                let eta = (of.density / density - T::one()).max(zero);
+                let cold = eta * eta * (a + eta * (b + eta * (c + eta * d)));
+                let of_energy = reference + (of.energy - kept * of.plastic_work) / specific_heat - cold;
+                // Bodies may start at absolute zero.
+                of_energy / of.temperature.max(T::one())
+            }
             Self::Compressed(_) => (T::one() - against[1] / of.density) * against[2],
             Self::Expanded(_) => of.density / against[1],
             Self::Away { .. } => {
@@ -123,6 +143,42 @@ impl Suspicion {
             Self::Apart | Self::Paired | Self::Torn => zero,
         }
     }
+}
+
+/// Whether heat moves the pressure of a material.
+fn expands(material: &Material) -> bool {
+    material.equation_of_state.gruneisen(material.density, 0.0) != 0.0
+}
+
+/// Compressions `eta = rho/rho_0 - 1` at which the energy of the isotherm is met, over the largest of them: the smaller of these, to which a constant
+/// Grüneisen parameter of two holds, and the compression `chi` at which a shock is near its limit `1/S`.
+const MET_AT: [f64; 4] = [1.0 / 9.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
+const LARGEST_COMPRESSION: f64 = 0.9;
+const NEAR_LIMIT: f64 = 0.8;
+
+/// Coefficients `a` to `d` of `e_cold/c_p = eta^2 (a + b eta + c eta^2 + d eta^3)`, K, with `eta = rho/rho_0 - 1`: a few products serve all particles, and
+/// all laws.
+fn cold_kelvins(material: &Material) -> [f64; 4] {
+    let cold = material.cold_energies::<f64>();
+    let chi = NEAR_LIMIT / material.equation_of_state.shock_slope().unwrap_or(1.0);
+    let largest = if chi < 1.0 { LARGEST_COMPRESSION.min(chi / (1.0 - chi)) } else { LARGEST_COMPRESSION };
+    let met_at = MET_AT.map(|share| share * largest);
+    let of = |eta: f64| cold.at((1.0 + eta) * material.density, 1.0) / (material.specific_heat * eta * eta);
+    // Newton's divided differences, then powers of eta.
+    let mut table = met_at.map(of);
+    for order in 1..4 {
+        for k in (order..4).rev() {
+            table[k] = (table[k] - table[k - 1]) / (met_at[k] - met_at[k - order]);
+        }
+    }
+    let mut powers = [0.0; 4];
+    for k in (0..4).rev() {
+        for power in (1..4).rev() {
+            powers[power] = powers[power - 1] - met_at[k] * powers[power];
+        }
+        powers[0] = table[k] - met_at[k] * powers[0];
+    }
+    powers
 }
 
 /// The highest temperature that bodies start with and boundaries have, K.

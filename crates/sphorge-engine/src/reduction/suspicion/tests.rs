@@ -169,6 +169,36 @@ fn heat_is_held_against_the_energy() {
 }
 
 #[test]
+fn temperature_is_held_against_that_of_the_energy() {
+    // S = 2 and Gamma = 1 with c_0 = 4 km/s; 400 J/(kg K), 300 K. A tenth of 50 kJ/kg of plastic work is no heat.
+    let mut model = model(vec![material("mie-gruneisen"), material("linear")]);
+    let cold = model.materials[0].cold_energies::<f64>();
+    for (density, of_energy) in
+        [(8000.0, 900.0), (8400.0, 450.0), (9200.0, 700.0), (10400.0, 2000.0), (12000.0, 6000.0)]
+    {
+        let mut p = row(3);
+        p.density = vec![density; 3];
+        p.plastic_work = vec![50e3; 3];
+        p.energy = vec![cold.of_temperature(density, of_energy) + 5e3; 3];
+        p.temperature = vec![400.0, of_energy, 1e4];
+        p.material = vec![0, 0, 0];
+        let found = find(Suspicion::MissingHeat(1.02), &model, &p)[0];
+        assert_eq!((found.suspects, found.worst.unwrap().1), (1, p.id[0]), "{density}");
+        let ratio = found.worst.unwrap().0;
+        assert!((ratio / (of_energy / 400.0) - 1.0).abs() < 0.02, "{density} {of_energy}: {ratio}");
+        // Where heat does not move the pressure, or there is no specific heat, nothing is missing.
+        p.material = vec![1, 1, 1];
+        assert_eq!(find(Suspicion::MissingHeat(0.0), &model, &p)[0].suspects, 0);
+    }
+    // In expansion the energy counts in full: (80 - 5)/0.4 K.
+    let mut p = row(1);
+    (p.density, p.energy, p.plastic_work, p.temperature) = (vec![7000.0], vec![80e3], vec![50e3], vec![300.0]);
+    assert_eq!(find(Suspicion::MissingHeat(1.5), &model, &p)[0].worst.unwrap().0, (300.0 + 75.0 / 0.4) / 300.0);
+    model.materials[0].specific_heat = NO_HEATING;
+    assert_eq!(find(Suspicion::MissingHeat(0.0), &model, &p)[0].suspects, 0);
+}
+
+#[test]
 fn compression_is_held_against_what_a_shock_reaches() {
     // S = 2: chi = 0.5, twice the density.
     let model = model(vec![material("mie-gruneisen"), material("linear")]);

@@ -6,7 +6,7 @@ use super::sums::{Lane, Portions, given};
 use super::walls::is_total_lagrangian;
 use crate::engine::columns::{Binder, Fields, Group, Reading, Recording, recording};
 use crate::record::{Double, Index, Indices, KernelFault, Recorded};
-use sphorge_engine::model::{MeasureKind, Model, ParticleSelection, SmoothingLength};
+use sphorge_engine::model::{MeasureKind, Model, ParticleSelection, SmoothingLength, TemperatureSource};
 use sphorge_engine::reduction::{AGAINST, Looked, Quantity, Suspicion, reach};
 use sphorge_physics::tensor::{dot, identity};
 use sphorge_physics::{Elementary, Real, Vector};
@@ -218,6 +218,8 @@ pub(in crate::engine) fn of_deck(
         Suspicion::Away { low: nowhere, high: nowhere, limit: 0.0 },
         Suspicion::Lonely,
     ];
+    checks
+        .extend((model.numerics.temperature == TemperatureSource::PlasticWork).then_some(Suspicion::MissingHeat(0.0)));
     checks.extend((!model.symmetry.is_empty()).then_some(Suspicion::Behind(0.0)));
     for check in checks {
         kernels.extend(suspects(model, check, (portions, count))?);
@@ -465,6 +467,7 @@ pub(in crate::engine) fn suspects(
         let (lane, given) = (Lane::of(bind, portions, thread), Given::of(bind));
         let (place, density) = (bind.read(Group::Place), bind.read(Group::Density));
         let (temperature, energy) = (bind.read(Group::Temperature), bind.read(Group::Energy));
+        let plastic = matches!(suspicion, Suspicion::MissingHeat(_)).then(|| bind.read(Group::Plastic));
         let (weight, places) = (bind.read(Group::Weight), bind.indices(Group::PlacesById));
         let body = lane.body();
         let against: [Double; AGAINST] = core::array::from_fn(|k| given.of_body(body, HELD_AGAINST + k));
@@ -476,6 +479,7 @@ pub(in crate::engine) fn suspects(
                 density: Double::new(density.double(0, 1, i)),
                 temperature: Double::new(temperature.double(0, 1, i)),
                 energy: Double::new(energy.double(0, 1, i)),
+                plastic_work: plastic.map_or(Double::zero(), |plastic| Double::new(plastic.double(4, 5, i))),
                 neighbors: Double::from(weight.get(1, i)),
                 spacing,
             };

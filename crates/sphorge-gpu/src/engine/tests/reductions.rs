@@ -161,6 +161,7 @@ fn checks_of_single_particles_are_those_of_columns_read_back() {
     assert_eq!(compare_suspects(&engine, Suspicion::Cold(warm - 1.0)), [0, 0, 0]);
     assert!(all.iter().all(|count| *count > 50));
     compare_suspects(&engine, Suspicion::Hot(0.1));
+    compare_suspects(&engine, Suspicion::MissingHeat(0.1));
     compare_suspects(&engine, Suspicion::Lonely);
     let edge = [("particles.spacing", "\"0.3 mm\""), ("symmetry", "[{ axis = \"x\", at = \"0 mm\" }]")];
     let half = ("body.plate.shape", "{ box = { min = [\"0 mm\", \"0 mm\"], max = [\"3.8 mm\", \"12 mm\"] } }");

@@ -113,6 +113,7 @@ fn all_sums<'a>(of: &'a ParticleSelection, engine: &'a GpuEngine) -> Vec<Reducti
         // Each with some that are suspicious.
         Reduction::Suspects(Suspicion::Cold(1e4)),
         Reduction::Suspects(Suspicion::Hot(0.1)),
+        Reduction::Suspects(Suspicion::MissingHeat(0.1)),
         Reduction::Suspects(Suspicion::Away { low: [-1e-4; 3], high: [1e-4; 3], limit: 1e-3 }),
         Reduction::Suspects(Suspicion::Compressed(0.9)),
     ];

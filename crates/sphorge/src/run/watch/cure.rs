@@ -49,6 +49,7 @@ pub(super) fn cure(kind: WarningKind, model: &Model, body: Option<usize>) -> Str
         WarningKind::Hot => {
             format!("its heat comes from work for which no energy was supplied: {}", cure(WarningKind::PlasticWork, model, body))
         }
+        WarningKind::MissingHeat => "set `numerics.temperature = \"energy\"`: plastic work knows nothing of the heat of shocks, and metal that has melted keeps its strength".to_owned(),
         WarningKind::WallEnergy => {
             let has = |of: fn(&WallContact) -> bool| model.walls.iter().any(|wall: &Wall| of(&wall.contact));
             let mut ways = Vec::new();
