@@ -153,7 +153,7 @@ pub(super) const GROUPS_OF_PARTICLES: &[Group] = &[
 pub(super) const LISTS: &[Group] = &[Group::Kept, Group::Rows, Group::SearchedAt];
 
 /// Stored fields that steps change.
-const CHANGING: [&str; 20] = [
+const CHANGING: [&str; 21] = [
     "smoothing_length",
     "position",
     "velocity",
