@@ -12,6 +12,7 @@ pub(crate) fn limits(raw: &RawWarnings, problems: &mut Problems) -> Option<Warni
         (WarningKind::PlasticWork, &raw.plastic_work),
         (WarningKind::NegativeEnergy, &raw.negative_energy),
         (WarningKind::HourglassWork, &raw.hourglass_work),
+        (WarningKind::Integration, &raw.integration),
         (WarningKind::Hot, &raw.hot),
         (WarningKind::MissingHeat, &raw.missing_heat),
         (WarningKind::WallEnergy, &raw.wall_energy),

@@ -9,6 +9,8 @@ pub enum WarningKind {
     NegativeEnergy,
     /// Work of hourglass springs that they do not hold.
     HourglassWork,
+    /// Energy that the integration in time has lost or made.
+    Integration,
     /// A particle colder than absolute zero.
     Cold,
     /// A particle hotter than its energy allows.
@@ -68,10 +70,11 @@ const fn below(name: &'static str, limit: f64, meaning: &'static str) -> Warning
 
 impl WarningKind {
     /// Every check.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::PlasticWork,
         Self::NegativeEnergy,
         Self::HourglassWork,
+        Self::Integration,
         Self::Cold,
         Self::Hot,
         Self::MissingHeat,
@@ -103,6 +106,11 @@ impl WarningKind {
                 "hourglass-work",
                 0.1,
                 "work of the hourglass springs that they do not hold, of either sign, beyond what the integrator booked, over the energy supplied",
+            ),
+            Self::Integration => above(
+                "integration",
+                0.1,
+                "energy that the integration in time has lost or made, over the energy supplied",
             ),
             Self::Cold => WarningInfo { unit: "K", ..below("cold", 0.0, "temperature") },
             Self::Hot => above("hot", 2.0, "temperature over the highest that the particle's energy allows"),

@@ -271,6 +271,9 @@ impl Watch {
             (ledger.hourglass_energy - ledger.hourglass_stored_energy).abs() - ledger.integration_energy.abs();
         self.hold(WarningKind::HourglassWork, share(springs.max(0.0), supplied), Place::default(), clock);
 
+        let lost = ledger.integration_energy.abs();
+        self.hold(WarningKind::Integration, share(lost, supplied), Place::default(), clock);
+
         let floors: Vec<f64> =
             (0..ledger.bodies.len()).map(|body| ledger.bodies[body].mass * least_energy(model, body)).collect();
         let floor = floors.iter().sum::<f64>();

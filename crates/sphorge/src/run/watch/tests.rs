@@ -70,6 +70,19 @@ fn springs_may_hold_what_they_like_but_not_keep_it() {
 }
 
 #[test]
+fn energy_that_the_steps_lose_is_told() {
+    let model = testing::model(&["bar"]);
+    for sign in [-1.0, 1.0] {
+        let with = |lost: f64| Ledger { integration_energy: sign * lost, ..ledger(100.0, 0.0, 0.0, 0.0) };
+        let mut watch = begun(&model);
+        watch.look_at_ledger(&model, &with(9.0), CLOCK);
+        assert_eq!(watch.count(), 0);
+        watch.look_at_ledger(&model, &with(13.0), CLOCK);
+        assert_eq!(found(&watch, &model), one("integration", 0.13));
+    }
+}
+
+#[test]
 fn what_was_driven_from_the_start_supplies_what_it_moves_with() {
     let model = testing::model(&["bar"]);
     let mut watch = begun(&model);
