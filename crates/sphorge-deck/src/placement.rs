@@ -48,15 +48,24 @@ pub(crate) fn check_pressed(
     let name = |body: usize| &model.bodies[body].name;
     let mut notes = Vec::new();
     for pressed in pressed_at_start(model, particles) {
-        let PressedBodies { first, second, place, depth, normal, energy, force, .. } = pressed;
-        let size = force.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let PressedBodies { first, second, place, depth, normal, energy, force, normal_force, .. } = pressed;
+        let around = pressed.is_all_around();
+        let size = if around { normal_force } else { force.iter().map(|c| c * c).sum::<f64>().sqrt() };
         let per = if model.dimensions == Dimensions::Three { "" } else { "/m" };
         let overlap = format!("{} deep in each other at {}", millimetres(depth), point(place, model));
-        let held =
-            format!("the contact holds {energy:.3e} J{per} and pushes with {size:.3e} N{per} before anything moves");
+        let held = format!(
+            "the contact holds {energy:.3e} J{per} and pushes with {size:.3e} N{per}{} before anything moves",
+            if around { " from all sides" } else { "" }
+        );
         let way = point(normal.map(|c| depth * c), model);
-        let cure =
-            format!("move `{}` by {way}, or choose spacings that fill both up to their common face", name(first));
+        let cure = if around {
+            format!(
+                "make the one inside smaller, or the hole larger, by {}, unless it is a press fit",
+                millimetres(depth)
+            )
+        } else {
+            format!("move `{}` by {way}, or choose spacings that fill both up to their common face", name(first))
+        };
         let is_cloud = |body: usize| matches!(model.bodies[body].shape.solid, Solid::Cloud { .. });
         if pressed.share() > LARGEST_CLOSURE && !is_cloud(first) && !is_cloud(second) {
             let message = format!("bodies `{}` and `{}` press each other at the start", name(first), name(second));

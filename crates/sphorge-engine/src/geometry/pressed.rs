@@ -16,6 +16,9 @@ pub const LARGEST_CLOSURE: f64 = 0.1;
 /// Share of the finer spacing that is rounding.
 const ROUNDING: f64 = 1e-5;
 
+/// Share of the normal forces that is left as force below which bodies are not on one side of each other.
+const ONE_SIDED: f64 = 0.5;
+
 /// Two bodies that press each other at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressedBodies {
@@ -33,11 +36,18 @@ pub struct PressedBodies {
     pub energy: f64,
     /// Force on the first, N (per metre of thickness in plane strain).
     pub force: Vector<f64>,
+    /// Sum of the magnitudes of the normal forces, in the same units: far more than the force where they press each other from all sides.
+    pub normal_force: f64,
     /// The finer of the spacings, m.
     pub spacing: f64,
 }
 
 impl PressedBodies {
+    /// Whether they press each other from opposite sides, as a shaft and the hub that it is pressed into.
+    pub fn is_all_around(&self) -> bool {
+        dot(self.force, self.force).sqrt() < ONE_SIDED * self.normal_force
+    }
+
     /// Depth over the finer spacing.
     pub fn share(&self) -> f64 {
         self.depth / self.spacing
@@ -92,11 +102,12 @@ pub fn pressed_at_start(model: &Model, particles: &Particles) -> Vec<PressedBodi
 fn none(model: &Model, first: usize, second: usize) -> PressedBodies {
     let spacing = model.bodies[first].spacing.min(model.bodies[second].spacing);
     let [place, normal, force] = [[0.0; 3]; 3];
-    PressedBodies { first, second, place, depth: 0.0, normal, energy: 0.0, force, spacing }
+    PressedBodies { first, second, place, depth: 0.0, normal, energy: 0.0, force, normal_force: 0.0, spacing }
 }
 
 fn add(of: &mut PressedBodies, met: &FacetPress<f64>, a: &Facet<f64>, b: &Facet<f64>) {
     of.energy += met.energy;
+    of.normal_force += met.normal_force;
     (0..3).for_each(|k| of.force[k] += met.force[k]);
     let depth = mean_closure(met.energy / met.normal_force, a.depth + b.depth);
     if depth > of.depth {

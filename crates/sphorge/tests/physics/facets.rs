@@ -310,6 +310,32 @@ fn bodies_deep_in_each_other_at_the_start_are_refused_and_little_overlap_is_told
     assert!(report.contains("press each other"), "{report}");
 }
 
+#[test]
+fn a_press_fit_is_told_with_the_force_all_around() {
+    let fit = r#"
+dimensions = "plane-strain"
+particles = { spacing = "1 mm", lattice = "rings" }
+time = { end = "1 us" }
+
+[[body]]
+name = "shaft"
+material = "ofhc-copper"
+shape = { disc = { centre = ["0 mm", "0 mm"], radius = "10.02 mm" } }
+
+[[body]]
+name = "hub"
+material = "ofhc-copper"
+shape = { disc = { centre = ["0 mm", "0 mm"], radius = "16 mm", inner-radius = "10 mm" } }
+"#;
+    let notes = sphorge::deck::load_text("fit", fit, &[]).unwrap().notes;
+    let note = notes.iter().find(|note| note.contains("deep in each other")).unwrap();
+    // k = 2 K/(1 mm) by 0.02 mm on 63 mm.
+    let force: f64 = note.split("pushes with ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let about = 2.0 * 137e9 / 1e-3 * 0.02e-3 * 63e-3;
+    assert!((0.8..1.25).contains(&(force / about)), "{force:e}, about {about:e}: {note}");
+    assert!(note.contains("from all sides") && note.contains("press fit") && !note.contains("move `"), "{note}");
+}
+
 /// A disc of aluminium strikes a plate at 6 km/s. Both come apart within a microsecond.
 const STRIKE: &str = r#"
 dimensions = "plane-strain"
