@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Runs all measurements on a graphics card in one call, with a program built elsewhere; writes results.json and results.md.
 #
-# usage: measure_gpu.sh --program FILE [--out FOLDER] [--device WORDS] [--nvrtc FOLDER] [--tests FILE] [--small] [PART...]
+# usage: measure_gpu.sh --program FILE [--out FOLDER] [--device WORDS] [--nvrtc FOLDER] [--tests FILE] [--seconds N] [--small] [PART...]
 #
 #   --program   `sphorge`, built with `cargo build --release --features gpu`
 #   --out       folder for all results; parts add to existing ones [default: out/measure-gpu]
 #   --device    words of the name of the card [default: the first that `sphorge devices` lists]
 #   --nvrtc     folder with NVIDIA's compiler (libnvrtc.so.*, libnvrtc-builtins.so.*), if it is not installed on the machine
 #   --tests     tests of the crate, built with `cargo test -p sphorge-gpu --features device --release --no-run`
+#   --seconds   time of each measurement of speed [default: 4]
 #   --small     sizes that a software renderer computes in a minute, to test this script
 #
 # Parts (default: all):
@@ -23,12 +24,12 @@
 # Needs bash and awk, no network.
 set -uo pipefail
 
-program='' out=out/measure-gpu device='' tests='' small=0 parts=()
+program='' out=out/measure-gpu device='' tests='' small=0 seconds=4 parts=()
 usage() { awk 'NR > 1 && !/^#/ { exit } NR > 1 { sub(/^# ?/, ""); print }' "${BASH_SOURCE[0]}"; }
 fail() { echo "$1" >&2; exit 2; }
 while [ $# -gt 0 ]; do
     case $1 in
-        --program | --out | --device | --nvrtc | --tests)
+        --program | --out | --device | --nvrtc | --tests | --seconds)
             [ $# -ge 2 ] || fail "$1 wants a value"
             case $1 in
                 --program) program=$2 ;;
@@ -36,6 +37,7 @@ while [ $# -gt 0 ]; do
                 --device) device=$2 ;;
                 --nvrtc) export SPHORGE_NVRTC=$2 ;;
                 --tests) tests=$2 ;;
+                --seconds) seconds=$2 ;;
             esac
             shift 2
             ;;
@@ -67,7 +69,7 @@ strategies=(
 )
 bullet=(--set output.frames=2)
 # Spacings of the block that make 2e5, 2e6 and, the largest, 1e7 particles of it.
-spacings=('1 mm' '0.46 mm') largest='0.27 mm' seconds=4
+spacings=('1 mm' '0.46 mm') largest='0.27 mm'
 if [ $small = 1 ]; then
     bullet+=(--set 'particles.spacing="24 mm"' --set 'body.1.spacing="12 mm"' --set 'time.end="60 us"')
     spacings=('6 mm' '4 mm') largest='3 mm' seconds=0.2
