@@ -2,17 +2,34 @@
 
 use cudarc::driver::result::{self, DriverError};
 use cudarc::driver::sys::{self, CUcontext, CUdevice, CUdeviceptr, CUevent, CUfunction, CUmodule, CUstream};
+use std::collections::HashMap;
 use std::ffi::{CString, c_void};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// Blocks of page-locked memory that are kept for the next copy: taking and returning one makes the driver wait, and a
 /// history row and the frame beside it need two.
 const KEPT_BLOCKS: usize = 2;
 
+/// Contexts of the cards of this process, by device, as numbers. They are retained once and until it ends: where one engine follows another, the last
+/// release would destroy a context that is still the current one of other threads, while another engine asks for it anew. On an H200
+/// processes with engines on two threads ended by a segmentation fault then.
+static RETAINED: LazyLock<Mutex<HashMap<CUdevice, usize>>> = LazyLock::new(Mutex::default);
+
+/// The context of a card.
+fn retained(device: CUdevice) -> Result<CUcontext, DriverError> {
+    let mut retained = RETAINED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(&context) = retained.get(&device) {
+        return Ok(context as CUcontext);
+    }
+    // SAFETY: the device is one the driver has given.
+    let context = unsafe { result::primary_ctx::retain(device) }?;
+    retained.insert(device, context as usize);
+    Ok(context)
+}
+
 /// A context with the one stream everything goes through.
 #[derive(Debug)]
 pub(super) struct Context {
-    device: CUdevice,
     context: CUcontext,
     stream: CUstream,
     page_locked: Mutex<Vec<PageLocked>>,
@@ -32,9 +49,8 @@ unsafe impl Sync for Context {}
 
 impl Context {
     pub(super) fn new(device: CUdevice) -> Result<Arc<Self>, DriverError> {
-        // SAFETY: the device is one the driver has given; the context is given back when this is dropped.
-        let context = unsafe { result::primary_ctx::retain(device) }?;
-        let mut new = Self { device, context, stream: std::ptr::null_mut(), page_locked: Mutex::default() };
+        let context = retained(device)?;
+        let mut new = Self { context, stream: std::ptr::null_mut(), page_locked: Mutex::default() };
         new.enter()?;
         // Nobody else waits for it.
         new.stream = result::stream::create(result::stream::StreamKind::NonBlocking)?;
@@ -98,8 +114,6 @@ impl Drop for Context {
             // SAFETY: made in `new`, and nothing that uses it is left: blocks and modules hold the context.
             let _ = unsafe { result::stream::destroy(self.stream) };
         }
-        // SAFETY: retained in `new`.
-        let _ = unsafe { result::primary_ctx::release(self.device) };
     }
 }
 
