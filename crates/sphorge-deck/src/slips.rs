@@ -1,6 +1,7 @@
 //! Numbers that no engineer means: a wrong unit, a wrong sign, a load that is not there. Said by `sphorge check` and `sphorge run`.
 
 use sphorge_engine::Particles;
+use sphorge_engine::geometry::pressed_at_start;
 use sphorge_engine::model::{
     Body, CloudParticle, CloudShare, Material, Model, MotionAxis, Solid, TimeTable, WallSurface,
 };
@@ -91,7 +92,9 @@ fn at_rest(model: &Model, particles: &Particles) -> Option<String> {
         || particles.velocity.iter().flatten().any(|v| *v != 0.0)
         || model.walls.iter().any(|wall| wall.velocity.iter().any(moves))
         || model.motions.iter().any(|motion| motion.axes.iter().any(driven))
-        || model.bodies.iter().any(|body| body.temperature != model.materials[body.material].reference_temperature);
+        || model.bodies.iter().any(|body| body.temperature != model.materials[body.material].reference_temperature)
+        // A press fit sets itself in motion.
+        || !pressed_at_start(model, particles).is_empty();
     (!goes_on).then(|| {
         "nothing moves: no body has a velocity, and no wall, driven region, gravity or heat sets one in motion; give a body a `velocity`".to_owned()
     })

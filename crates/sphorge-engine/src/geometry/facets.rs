@@ -29,6 +29,8 @@ const FACING: f64 = 0.1;
 const ONE_SURFACE: f64 = 0.95;
 /// Distance from a surface, in spacings, that is rounding.
 const ON_SURFACE: f64 = 1e-6;
+/// What of a turn between corners is rounding, over the square of the largest distance.
+const ROUNDING: f64 = 1e-9;
 /// Cosine between the normals of two faces of a cell below which an edge between them is one of the body.
 const ELSEWHERE: f64 = 0.5;
 /// Distance of an edge from the plane of a face that begins there, in spacings.
@@ -79,7 +81,8 @@ impl CellFacet {
             let above = dot(from_middle, normal);
             *corner = std::array::from_fn(|k| corner[k] - above * normal[k]);
         }
-        let mut corners: [Vector<f64>; 4] = std::array::from_fn(|k| corners.get(k).copied().unwrap_or(middle));
+        let corners: [Vector<f64>; 4] = std::array::from_fn(|k| corners.get(k).copied().unwrap_or(middle));
+        let mut corners = convex(corners, normal);
         // Corners that coincide come last.
         if let Some(k) = (0..4).find(|&k| corners[k] == corners[(k + 1) % 4]) {
             corners.rotate_left((k + 2) % 4);
@@ -90,6 +93,35 @@ impl CellFacet {
         let facet = if facet.area() < 0.0 { ReferenceFacet { corners: reversed(corners), ..facet } } else { facet };
         Self { side, facet }
     }
+}
+
+/// The convex hull of four corners in a plane with that normal, in the order of a way round; of three corners the last comes twice. The corners of a face
+/// that are placed on the edge of a shape may lie behind a diagonal, or cross it.
+fn convex(corners: [Vector<f64>; 4], normal: Vector<f64>) -> [Vector<f64>; 4] {
+    let way = |from: usize, to: usize| -> Vector<f64> { std::array::from_fn(|k| corners[to][k] - corners[from][k]) };
+    let turn = |a: usize, b: usize, c: usize| dot(cross(way(a, b), way(b, c)), normal);
+    let size =
+        (0..4).flat_map(|a| (0..4).map(move |b| (a, b))).map(|(a, b)| dot(way(a, b), way(a, b))).fold(0.0, f64::max);
+    let turns = [turn(3, 0, 1), turn(0, 1, 2), turn(1, 2, 3), turn(2, 3, 0)];
+    let (least, most) = turns.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), t| (l.min(*t), m.max(*t)));
+    // Straight corners are none that matter.
+    if least.max(-most) >= -ROUNDING * size {
+        return corners;
+    }
+    // Of every three corners those that have the others to one side follow each other.
+    let is_edge = |a: usize, b: usize| {
+        a != b && way(a, b) != [0.0; 3] && (0..4).filter(|c| *c != a && *c != b).all(|c| turn(a, b, c) >= 0.0)
+    };
+    let Some(start) = (0..4).find(|&a| (0..4).any(|b| is_edge(a, b))) else { return corners };
+    let mut around = vec![start];
+    while let Some(after) = (0..4).find(|&b| is_edge(around[around.len() - 1], b) && !around.contains(&b)) {
+        around.push(after);
+    }
+    std::array::from_fn(|k| corners[around[k.min(around.len() - 1)]])
+}
+
+fn cross(a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The same corners the other way round.

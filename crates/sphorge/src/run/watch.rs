@@ -66,6 +66,8 @@ struct Start {
     kinetic: f64,
     /// Beyond that of bodies at rest at the temperatures they start with.
     internal: f64,
+    /// What contacts hold, such as that of a shaft in its hub, J.
+    pressed: f64,
     external_work: f64,
     /// Energy (J) and momentum (kg m/s) that are next to nothing.
     nothing: f64,
@@ -104,7 +106,19 @@ struct Seen {
     beside: Option<f64>,
 }
 
-persist_fields!(Start { kinetic, internal, external_work, nothing, no_momentum, low, high, speed, lonely, apart });
+persist_fields!(Start {
+    kinetic,
+    internal,
+    pressed,
+    external_work,
+    nothing,
+    no_momentum,
+    low,
+    high,
+    speed,
+    lonely,
+    apart
+});
 persist_fields!(Supply { work, heat });
 persist_fields!(Seen { kind, step, time, particle, body, position, worst, worst_time, beside });
 
@@ -258,7 +272,7 @@ impl Watch {
         let Some(start) = &self.start else { return };
         self.supply.work = self.supply.work.max(ledger.external_work - start.external_work);
         self.supply.heat = self.supply.heat.max(ledger.boundary_heat());
-        let supplied = start.kinetic + start.internal.max(0.0) + self.supply.work + self.supply.heat;
+        let supplied = start.kinetic + start.internal.max(0.0) + start.pressed + self.supply.work + self.supply.heat;
         let (nothing, kinetic) = (start.nothing, start.kinetic);
         // A share of next to nothing is no number for people.
         let share =
@@ -526,6 +540,7 @@ impl Start {
         let bodies = model.bodies.len().min(ledger.bodies.len());
         Ok(Self {
             kinetic: ledger.total.energies.kinetic,
+            pressed: ledger.contacts.iter().map(|contact| contact.stored_energy.max(0.0)).sum(),
             internal: ledger.total.energies.internal
                 - (0..bodies).map(|body| ledger.bodies[body].mass * energy_at_start(model, body)).sum::<f64>(),
             // Regions that are driven from the start have been given their velocity: it is in the kinetic energy.

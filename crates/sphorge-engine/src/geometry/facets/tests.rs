@@ -77,6 +77,46 @@ fn faces_of_a_box_lie_where_the_deck_says() {
     assert!(ends.len() == 2 && ends[0] == (0.0, -1.0) && (ends[1].0 - 5.3).abs() < 1e-12, "{ends:?}");
 }
 
+#[test]
+fn facets_are_convex() {
+    let at = |x: f64, y: f64| [x, y, 0.0];
+    let up = [0.0, 0.0, 1.0];
+    // One that is stays as it is, either way round, triangles and straight corners among them.
+    for quad in [
+        [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+        [at(0.0, 1.0), at(1.0, 1.0), at(1.0, 0.0), at(0.0, 0.0)],
+        [at(0.0, 0.0), at(1.0, 0.0), at(0.3, 1.0), at(0.3, 1.0)],
+        [at(0.0, 0.0), at(1.0, 0.0), at(2.0, 0.0), at(0.0, 1.0)],
+    ] {
+        assert_eq!(convex(quad, up), quad);
+    }
+    // A corner behind the diagonal goes; sides that cross are turned round.
+    for (quad, area) in [
+        ([at(0.0, 0.0), at(1.0, 0.0), at(0.2, 0.2), at(0.0, 1.0)], 0.5),
+        ([at(0.0, 0.0), at(1.0, 1.0), at(1.0, 0.9), at(0.0, 0.95)], 0.5 * (0.95 + 0.1)),
+        ([at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)], 1.0),
+    ] {
+        let hull = convex(quad, up);
+        let found = ReferenceFacet::flat(hull, up).area().abs();
+        assert!((found - area).abs() < 1e-12, "{hull:?}: {found}");
+    }
+    // A cone filled with cubes has such faces where it meets the cylinder behind it.
+    let pin = shape(Solid::Revolution {
+        from: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        profile: vec![[10.0, 4.5], [12.0, 5.2], [26.0, 5.2]].into(),
+    });
+    for facet in facets(&pin, Dimensions::Three, Arrangement::Square, &[]) {
+        let turns = [0, 1, 2, 3].map(|k| {
+            let way = |from: usize, to: usize| -> Vector<f64> {
+                std::array::from_fn(|a| facet.corners[to % 4][a] - facet.corners[from % 4][a])
+            };
+            dot(cross(way(k, k + 1), way(k + 1, k + 2)), facet.normal)
+        });
+        assert!(turns.iter().all(|turn| *turn > -1e-6), "{facet:?}");
+    }
+}
+
 /// Length of the free edges of facets.
 fn free_length(all: &[ReferenceFacet<f64>]) -> f64 {
     let length = |facet: &ReferenceFacet<f64>, k: usize| {
