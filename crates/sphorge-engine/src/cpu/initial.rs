@@ -13,7 +13,8 @@ pub fn complete_initial_state(model: &Model, particles: &mut Particles) {
     let energies: Vec<_> = model.materials.iter().map(Material::cold_energies::<f64>).collect();
     for i in 0..particles.len() {
         let material = particles.material[i] as usize;
-        if model.materials[material].heats() {
+        // A temperature that is none is the fault to be named, not the energy that would follow from it.
+        if model.materials[material].heats() && particles.temperature[i].is_finite() {
             particles.energy[i] += energies[material].of_temperature(particles.density[i], particles.temperature[i]);
         }
     }
