@@ -16,6 +16,8 @@ fn square<T: Elementary>(side: f64, curvature: T) -> ReferenceFacet<T> {
     let normal = [0.0, side, 0.0].map(T::of);
     let mut facet = ReferenceFacet::flat(corners.map(|corner| corner.map(T::of)), normal);
     facet.curvature = SymmetricTensor { xx: curvature, ..SymmetricTensor::zero() };
+    // A cube alone ends at every edge: pairs beside each other lap.
+    facet.free = [T::one(); 4];
     facet
 }
 
