@@ -104,7 +104,7 @@ fn facets_are_convex() {
     let pin = shape(Solid::Revolution {
         from: [0.0; 3],
         axis: [0.0, 0.0, 1.0],
-        profile: vec![[10.0, 4.5], [12.0, 5.2], [26.0, 5.2]].into(),
+        profile: vec![[10.0, 4.5], [12.0, 5.2], [26.0, 5.2]],
     });
     for facet in facets(&pin, Dimensions::Three, Arrangement::Square, &[]) {
         let turns = [0, 1, 2, 3].map(|k| {
