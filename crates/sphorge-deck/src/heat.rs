@@ -74,7 +74,7 @@ fn without_expansion(model: &Model) -> Vec<String> {
         let density = law.reference_density();
         (law.gruneisen(density, 0.0) == 0.0).then(|| {
             format!(
-                "heat does not expand material `{}`: pressures of its law `{}` do not depend on the energy. With the coefficient alpha of linear                  expansion `mie-gruneisen` with `gruneisen` = 3 alpha K/(rho c_p) = {:.4e} K times alpha expands",
+                "heat does not expand material `{}`: pressures of its law `{}` do not depend on the energy. With the coefficient alpha of linear expansion `mie-gruneisen` with `gruneisen` = 3 alpha K/(rho c_p) = {:.4e} K times alpha expands",
                 material.name,
                 law.key(),
                 3.0 * law.reference_sound_speed().powi(2) / material.specific_heat

@@ -22,10 +22,11 @@ pub(crate) fn slips(model: &Model, particles: &Particles) -> Vec<String> {
     used.dedup();
     let materials = used.into_iter().filter_map(|index| of_material(&model.materials[index]));
     let bodies = || model.bodies.iter().enumerate();
+    let courses = courses(model, particles);
     materials
         .chain(too_long(model))
         .chain(at_rest(model, particles))
-        .chain(bodies().filter_map(|(b, _)| leaves_its_wall(model, particles, b)))
+        .chain(bodies().filter_map(|(b, _)| leaves_its_wall(model, &courses, b)))
         .chain(bodies().filter_map(|(b, body)| of_list(model, particles, b, body)))
         .chain(empty_sections(model, particles))
         .collect()
@@ -66,15 +67,29 @@ fn too_long(model: &Model) -> Option<String> {
     })
 }
 
-/// Velocity of each body, m/s, the mean over its mass.
-fn velocities(model: &Model, particles: &Particles) -> Vec<[f64; 3]> {
-    let mut sums = vec![(0.0, [0.0; 3]); model.bodies.len()];
-    for ((&body, &mass), v) in particles.body.iter().zip(&particles.mass).zip(&particles.velocity) {
-        let (of, momentum) = &mut sums[body as usize];
-        *of += mass;
-        (0..3).for_each(|k| momentum[k] += mass * v[k]);
+/// Where a body is, m, and its velocity, m/s, means over its particles.
+#[derive(Clone, Copy, Default)]
+struct Course {
+    centre: [f64; 3],
+    velocity: [f64; 3],
+}
+
+/// Those of all bodies, in one pass: there may be many.
+fn courses(model: &Model, particles: &Particles) -> Vec<Course> {
+    let mut sums = vec![(0.0, Course::default()); model.bodies.len()];
+    for ((&body, x), v) in particles.body.iter().zip(&particles.position).zip(&particles.velocity) {
+        let (count, course) = &mut sums[body as usize];
+        *count += 1.0;
+        for k in 0..3 {
+            course.centre[k] += x[k];
+            course.velocity[k] += v[k];
+        }
     }
-    sums.into_iter().map(|(mass, momentum)| momentum.map(|p| if mass > 0.0 { p / mass } else { 0.0 })).collect()
+    let mean = |(count, Course { centre, velocity }): (f64, Course)| {
+        let of = |sum: [f64; 3]| sum.map(|c| if count > 0.0 { c / count } else { 0.0 });
+        Course { centre: of(centre), velocity: of(velocity) }
+    };
+    sums.into_iter().map(mean).collect()
 }
 
 fn moves(table: &TimeTable) -> bool {
@@ -101,14 +116,8 @@ fn at_rest(model: &Model, particles: &Particles) -> Option<String> {
 }
 
 /// A body that meets nothing and leaves a wall.
-fn leaves_its_wall(model: &Model, particles: &Particles, b: usize) -> Option<String> {
-    let all = velocities(model, particles);
-    let own = all[b];
-    let centre = |b: usize| {
-        let members = || (0..particles.len()).filter(move |&i| particles.body[i] as usize == b);
-        let count = members().count().max(1) as f64;
-        [0, 1, 2].map(|k| members().map(|i| particles.position[i][k]).sum::<f64>() / count)
-    };
+fn leaves_its_wall(model: &Model, courses: &[Course], b: usize) -> Option<String> {
+    let Course { centre: here, velocity: own } = courses[b];
     let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
     let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| a[k] - b[k]) };
     let speed = dot(own, own).sqrt();
@@ -120,10 +129,9 @@ fn leaves_its_wall(model: &Model, particles: &Particles, b: usize) -> Option<Str
         return None;
     }
     // Nothing else is met: no body comes nearer, and no plane of symmetry.
-    let here = centre(b);
-    let meets_body = (0..model.bodies.len())
-        .filter(|&other| other != b)
-        .any(|other| dot(minus(centre(other), here), minus(all[other], own)) < 0.0);
+    let others = courses.iter().enumerate().filter(|(other, _)| *other != b);
+    let mut nearing = others.map(|(_, of)| dot(minus(of.centre, here), minus(of.velocity, own)));
+    let meets_body = nearing.any(|rate| rate < 0.0);
     let meets_plane = model.symmetry.iter().any(|plane| plane.side * own[plane.axis] < -1e-9 * speed);
     if meets_body || meets_plane {
         return None;
