@@ -42,7 +42,10 @@ fn facets<T: Elementary>(x: &[T]) -> [Facet<T>; 2] {
     let owner = [x[0], x[1], x[2]];
     let positive = |c: T| c.max(T::zero());
     let a = Facet::now(owner, &deformed(&x[3..12]), &square(-1.0, positive(x[21])));
-    [a, Facet::now([T::zero(); 3], &deformed(&x[12..21]), &square(1.0, positive(x[22])))]
+    // Half of them are in the middle of a face.
+    let free = [T::select_lt(x[20], T::zero(), T::zero(), T::one()); 4];
+    let b = ReferenceFacet { free, ..square(1.0, positive(x[22])) };
+    [a, Facet::now([T::zero(); 3], &deformed(&x[12..21]), &b)]
 }
 
 /// Energy, force and moments of a pair, also with a plane.

@@ -2,13 +2,14 @@
 
 use super::clip::{Place, along, difference, tangent};
 use super::press::facing;
-use crate::Elementary;
+use crate::{Elementary, Numbers, Real};
 
 /// How far two bodies lap beside a pair of facets: the distance between a free edge of each that look opposite ways, across the common polygon.
 ///
 /// At such a place the bodies have two pairs of faces that look at each other, with the closure of one as the lap of the other. What is
 /// nearer to be apart presses; the other pair is closed by no more than it laps ([`Lapped`]). Without that the side of a beam that rests by half a spacing
 /// on a ledge would be taken to be closed by as much with the side of the ledge.
+#[derive(Clone, Copy)]
 pub(super) struct Lap<T> {
     /// The distance, more where the edges do not quite look opposite ways, m; the largest number where no edges lap.
     pub(super) distance: T,
@@ -23,6 +24,20 @@ impl<T: Elementary> Lap<T> {
     /// Of two outlines, anticlockwise, with one for each edge that is free, about a place in both.
     #[inline(always)]
     pub(super) fn of(outlines: [(&[Place<T>; 4], [T; 4]); 2], centre: Place<T>) -> Self {
+        // Most facets are in the middle of a face.
+        let any = |free: &[T; 4]| free[0].max(free[1]).max(free[2].max(free[3]));
+        let both = any(&outlines[0].1) * any(&outlines[1].1);
+        T::if_lt(T::zero(), both, || Self::of_free(outlines, centre), || Self::none(centre))
+    }
+
+    #[inline(always)]
+    fn none(centre: Place<T>) -> Self {
+        let zero = T::zero();
+        Self { distance: T::largest(), share: zero, outward: [[zero; 2]; 2], feet: [centre; 2] }
+    }
+
+    #[inline(always)]
+    fn of_free(outlines: [(&[Place<T>; 4], [T; 4]); 2], centre: Place<T>) -> Self {
         let zero = T::zero();
         let sides = outlines.map(|(outline, free)| {
             [0, 1, 2, 3].map(|k: usize| {
@@ -31,7 +46,7 @@ impl<T: Elementary> Lap<T> {
                 (outward, along(outward, difference(outline[k], centre)), free[k])
             })
         });
-        let mut lap = Self { distance: T::largest(), share: zero, outward: [[zero; 2]; 2], feet: [centre; 2] };
+        let mut lap = Self::none(centre);
         for (outward_a, distance_a, free_a) in sides[0] {
             for (outward_b, distance_b, free_b) in sides[1] {
                 let opposite = free_a * free_b * facing(-along(outward_a, outward_b)).0;
@@ -54,6 +69,17 @@ impl<T: Elementary> Lap<T> {
             }
         }
         lap
+    }
+}
+
+impl<T: Real> Numbers<T> for Lap<T> {
+    #[inline(always)]
+    fn each(&mut self, visit: &mut dyn FnMut(&mut T)) {
+        let Self { distance, share, outward, feet } = self;
+        visit(distance);
+        visit(share);
+        outward.each(visit);
+        feet.each(visit);
     }
 }
 
