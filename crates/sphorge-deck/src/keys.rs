@@ -281,12 +281,83 @@ pub(crate) fn unknown(name: &str, expected: &Expected, path: &str) -> Unknown {
     let place = if path.is_empty() { "at the top of a deck".to_owned() } else { format!("in `{path}`") };
     let message = format!("unknown key `{name}` {place}");
     // A key that is right elsewhere is meant, rather than one that looks alike here.
-    let elsewhere = tables_with(name);
-    let elsewhere = (!elsewhere.is_empty()).then(|| format!("`{name}` belongs to {}. ", listed(elsewhere, "or")));
+    let elsewhere = along(name, expected, path).or_else(|| {
+        let tables = tables_with(name);
+        (!tables.is_empty()).then(|| format!("`{name}` belongs to {}. ", listed(tables, "or")))
+    });
     let meant = if elsewhere.is_some() { None } else { nearest(name, options.iter().copied()) };
-    let near = || meant.map(|key| format!("did you mean `{key}`? "));
+    let near = || match meant {
+        Some(key) => Some(format!("did you mean `{key}`? ")),
+        None => question(anywhere(name)),
+    };
     let help = elsewhere.or_else(near).unwrap_or_default() + &format!("Known keys: {}.", listed(options, "and"));
     Unknown { message, help, meant }
+}
+
+/// How far tables are searched for a key, and most places that are suggested: a key of more is meant nowhere rather than somewhere.
+const DEEPEST: usize = 4;
+const MOST_PLACES: usize = 3;
+
+fn question(places: Vec<String>) -> Option<String> {
+    let is_few = (1..=MOST_PLACES).contains(&places.len());
+    is_few.then(|| format!("did you mean {}? ", listed(places.iter().map(String::as_str), "or")))
+}
+
+/// Paths below a table that lead to a key of this name, at a depth.
+fn below(name: &str, expected: &Expected, path: &str, depth: usize, found: &mut Vec<String>) {
+    if let Expected::Named(any) = expected {
+        return below(name, any, &joined(path, "NAME"), depth, found);
+    }
+    for key in expected.keys() {
+        let here = joined(path, key.name);
+        if depth > 1 {
+            below(name, &key.expected, &here, depth - 1, found);
+            if let Some(entry) = key.expected.item(0) {
+                below(name, entry, &here, depth - 1, found);
+            }
+        } else if key.name == name && !found.contains(&here) {
+            found.push(here);
+        }
+    }
+}
+
+/// The question for a key that this table does not know, but one below it or that it is in does.
+fn along(name: &str, expected: &Expected, path: &str) -> Option<String> {
+    // At the top of a deck, tables are named.
+    if path.is_empty() {
+        return None;
+    }
+    for depth in 2..=DEEPEST {
+        let mut found = Vec::new();
+        below(name, expected, path, depth, &mut found);
+        if !found.is_empty() {
+            return question(found);
+        }
+    }
+    let (mut tables, mut table, mut here) = (Vec::new(), DECK, String::new());
+    for segment in path.split('.') {
+        tables.push((table, here.clone()));
+        here = joined(&here, segment);
+        // Else the name or number of an entry of a list.
+        if let Some((inner, _)) = table.key(segment) {
+            table = inner.item(0).filter(|entry| !entry.keys().is_empty()).unwrap_or(inner);
+        }
+    }
+    let knows = |table: &Expected| table.keys().iter().any(|key| key.name == name);
+    let above = tables.into_iter().rev().find(|(table, _)| knows(table))?.1;
+    Some(match above.as_str() {
+        "" => format!("`{name}` belongs to the top of the deck. "),
+        _ => format!("did you mean `{above}.{name}`? "),
+    })
+}
+
+/// Where a deck knows a key.
+fn anywhere(name: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for depth in 2..=DEEPEST {
+        below(name, DECK, "", depth, &mut found);
+    }
+    found
 }
 
 /// Tables of the deck, one level down, that know a key.

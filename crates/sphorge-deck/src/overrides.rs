@@ -294,6 +294,18 @@ fields = ["velocity"]
         let (message, help) = refused("particles.spaceing", "1 mm");
         assert_eq!(message, "unknown key `spaceing` in `particles`");
         assert!(help.starts_with("did you mean `spacing`?"), "{help}");
+        for (path, meant) in [
+            ("contact.friction", "did you mean `contact.penalty.friction`?"),
+            ("body.bar.box", "did you mean `body.bar.shape.box`?"),
+            ("time.step-control.courant", "did you mean `time.courant`?"),
+            ("particles.title", "`title` belongs to the top of the deck."),
+            ("output.friction", "did you mean `contact.penalty.friction` or `wall.contact.penalty.friction`?"),
+            ("particles.alpha", "did you mean `numerics.viscosity.alpha`"),
+            ("particles.end", "`end` belongs to `time`."),
+        ] {
+            let (_, help) = refused(path, "1");
+            assert!(help.starts_with(meant), "{path}: {help}");
+        }
         let (message, help) = refused("body.plat.velocity", "[]");
         assert_eq!(message, "`body` has no entry `plat`");
         assert!(help.starts_with("did you mean `plate`?"), "{help}");
