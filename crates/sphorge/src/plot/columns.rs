@@ -27,7 +27,10 @@ pub struct ColumnsPicture {
 
 /// A column as it is shown.
 struct Shown {
+    /// For people.
     label: String,
+    /// For programs: the name of the column, with what was done to it.
+    head: String,
     unit: String,
     values: Vec<f64>,
 }
@@ -62,9 +65,11 @@ impl ColumnsPicture {
         let words = if is_change { format!("change of {}", words(name)) } else { words(name) };
         let label =
             if factor == 1.0 { words } else { format!("{} × {words}", factor.to_string().replace('-', "−")) };
+        let name = if is_change { format!("change of {name}") } else { name.to_owned() };
+        let head = if factor == 1.0 { name } else { format!("{factor} * {name}") };
         // A zero has no sign for people.
         let values = values.iter().map(|x| factor * (x - start) + 0.0).collect();
-        Ok(Shown { label, unit: column.unit.clone(), values })
+        Ok(Shown { label, head, unit: column.unit.clone(), values })
     }
 
     /// A chart for each unit of a run, or for each column of several.
@@ -75,7 +80,7 @@ impl ColumnsPicture {
             let along = self.shown(&table, self.along.as_deref().unwrap_or("time"))?;
             let axis = if self.along.is_some() { (along.label.clone(), along.unit.clone()) } else { time() };
             for name in &self.columns {
-                let Shown { label, unit, values } = self.shown(&table, name)?;
+                let Shown { label, unit, values, .. } = self.shown(&table, name)?;
                 let points = along.values.iter().copied().zip(values).collect();
                 let curve_name = if run_name.is_empty() { label.clone() } else { (*run_name).to_owned() };
                 let curve = Curve { name: curve_name, points, marked: false };
@@ -115,8 +120,8 @@ impl ColumnsPicture {
             let columns = names.map(|name| self.shown(&table, name)).collect::<Result<Vec<_>, _>>()?;
             if k == 0 {
                 let heads = columns.iter().map(|column| match column.unit.as_str() {
-                    "" => column.label.clone(),
-                    unit => format!("{} ({unit})", column.label),
+                    "" => column.head.clone(),
+                    unit => format!("{} ({unit})", column.head),
                 });
                 let first = (runs.len() > 1).then(|| "run".to_owned());
                 let heads: Vec<String> = first.into_iter().chain(heads).map(|head| quoted(&head)).collect();
@@ -184,6 +189,18 @@ mod tests {
         assert_eq!(fs::read_to_string(&to).unwrap(), "run,time,force\n\"a,b\",1e0,2e0\nc,3e0,\n");
         picture.save(&runs[1..], &to).unwrap();
         assert_eq!(fs::read_to_string(&to).unwrap(), "time,force\n3e0,\n");
+        // Columns are called as in the history, whatever was done to them.
+        let (_, run) = self::run(folder.path(), "d", "time,rod.force_z,lowest_point\n0,2,5\n1,4,4\n");
+        let picture = ColumnsPicture {
+            columns: vec!["rod.force_z".into()],
+            along: Some("lowest_point".into()),
+            factors: vec![("lowest_point".into(), -1.0)],
+            from_start: vec!["lowest_point".into()],
+            paper: Paper::default(),
+        };
+        picture.save(&[("d".to_owned(), run)], &to).unwrap();
+        let text = fs::read_to_string(&to).unwrap();
+        assert_eq!(text, "-1 * change of lowest_point,rod.force_z\n0e0,2e0\n1e0,4e0\n");
     }
 
     #[test]
