@@ -26,7 +26,7 @@ Examples:
   sphorge plot out/iron-plate --field pressure --time \"12 us\" --range=-1,1GPa
   sphorge plot out/taylor-bar --field plastic_strain --view xz --section --range 0,1.5
   sphorge plot out/copper-bar --field plastic_strain --view xz --section --mirror
-  sphorge plot out/bullet --field body --view 1,0.4,-2 --section=\"x at 0 mm\"
+  sphorge plot out/bullet --field body --view \"1,-2,0.4 up z\" --section=\"x at 0 mm\"
   sphorge plot out/penetration --field plastic_strain --measures
   sphorge plot out/penetration --field velocity --animate
   sphorge plot out/penetration --field velocity --frames all --dpi 200
@@ -60,10 +60,10 @@ pub(crate) struct PlotArguments {
     /// Length of the animation
     #[arg(long, value_name = "TIME", value_parser = parse_duration, default_value = "6 s", requires = "animate")]
     duration: Duration,
-    /// Direction of view: xy, xz, yz, corner, or any direction towards the eye such as "1,0.5,2" or "1,-2,1 up z" [default: the plane of a plane problem, otherwise corner]
+    /// Direction of view: xy, xz, yz, corner, or any direction towards the eye such as "1,-2,1"; of the last two, z points up, unless gravity or a floor across y says otherwise, or an axis is named: "corner up y", "1,0.5,2 up y" [default: the plane of a plane problem, otherwise corner]
     #[arg(long, value_name = "VIEW", allow_hyphen_values = true, requires = "fields")]
     view: Option<View>,
-    /// Cut the bodies and show the inside: in the middle or at the symmetry plane, or along a plane such as --section="x at 3 mm" or --section="1,1,0 at 0,0,5 mm" (normal and point)
+    /// Cut the bodies and show the inside: in the middle or at the symmetry plane, or along a plane such as --section="x at 3 mm" or --section="1,1,0 at 0,0,5 mm" (normal and point); a plane beside all bodies is refused
     #[arg(long, value_name = "PLANE", num_args = 0..=1, require_equals = true, default_missing_value = "middle", value_parser = parse_section, requires = "fields")]
     section: Option<Section>,
     /// Add the images in the deck's symmetry planes: the whole of a half or quarter model

@@ -46,6 +46,19 @@ pub enum PlotError {
         /// What is missing.
         reason: String,
     },
+    /// A section is beside all bodies.
+    #[error("the section cuts nothing: it is at {place} ({along}), and the bodies are between {low} and {high}")]
+    #[diagnostic(code(sphorge::plot::section), help("choose a place between; `--section` alone cuts in the middle"))]
+    Section {
+        /// Axis or direction in which places are measured.
+        along: String,
+        /// Where it is.
+        place: String,
+        /// Where bodies begin.
+        low: String,
+        /// Where they end.
+        high: String,
+    },
     /// The page is too small or too large.
     #[error("a picture of {width} x {height} pixels cannot be made")]
     #[diagnostic(code(sphorge::plot::size), help("choose sides between 200 and 20000 pixels"))]

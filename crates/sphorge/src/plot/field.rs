@@ -7,7 +7,7 @@ use super::{
     field_page::{Layout, draw},
     page::Page,
     save::save_animation,
-    scene::{Extent, Panel, Scene, Source},
+    scene::{Extent, Panel, Scene, Source, meets},
     title::{run_title, title_of},
     walls::PlacedWall,
 };
@@ -129,10 +129,16 @@ impl Film {
             frames.retain(|(_, file)| chosen.contains(&file.as_path()));
         }
         let mut extent: Option<Extent> = None;
-        for (_, file) in &frames {
-            let own = source.panel(file, picture)?.panel.extent();
-            extent = extent.into_iter().chain(own).reduce(Extent::joined);
+        let mut cut = Ok(());
+        for (k, (_, file)) in frames.iter().enumerate() {
+            let panel = source.panel(file, picture)?.panel;
+            extent = extent.into_iter().chain(panel.extent()).reduce(Extent::joined);
+            // A plane that one frame meets is one to be seen.
+            if k == 0 || cut.is_err() {
+                cut = meets([&panel]);
+            }
         }
+        cut?;
         let title = picture.title.clone().unwrap_or_else(|| run_title(run));
         Ok(Self { source, picture: picture.clone(), title, extent, frames, layout: None })
     }

@@ -9,13 +9,14 @@ use super::{
     mirror::{Sample, mirror},
     section::{Section, axis_of},
     spans::{NamedSpan, model_of, spans},
-    view::Projection,
+    view::{Projection, upright},
     walls::{Bounds, PlacedWall, walls},
 };
 use crate::{
     deck::{did_you_mean, load_model, names_like},
     geometry::cell_corners,
     model::{Formulation, Model},
+    number::quantity,
     output::{FrameFile, RunDirectory, read_series},
     particles::{DEFORMATION_GRADIENT, find_field},
 };
@@ -34,9 +35,35 @@ pub(super) struct Panel {
     pub(super) marks: Vec<Mark>,
     /// The plane of a section: to the right, up, towards the eye, m.
     pub(super) cut: Option<HalfSpace>,
+    /// Of a plane that was given and cuts nothing, what there is to cut.
+    missed: Option<Missed>,
     pub(super) walls: Vec<PlacedWall>,
     /// Measures to show.
     pub(super) spans: Vec<NamedSpan>,
+}
+
+/// A section beside all bodies, along its normal, m.
+#[derive(Clone, Debug)]
+struct Missed {
+    along: String,
+    place: f64,
+    bodies: (f64, f64),
+}
+
+/// Refuses a section that meets no body in any panel.
+///
+/// # Errors
+/// [`PlotError::Section`], which says where bodies are.
+pub(super) fn meets<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Result<(), PlotError> {
+    let mut around: Option<Missed> = None;
+    for panel in panels {
+        let Some(missed) = &panel.missed else { return Ok(()) };
+        let bodies = around.map_or(missed.bodies, |other| wider(other.bodies, missed.bodies));
+        around = Some(Missed { bodies, ..missed.clone() });
+    }
+    let Some(Missed { along, place, bodies: (low, high) }) = around else { return Ok(()) };
+    let [place, low, high] = [place, low, high].map(|x| quantity(x, "m"));
+    Err(PlotError::Section { along, place, low, high })
 }
 
 /// Fields that are one or zero, and what zero and one mean.
@@ -120,7 +147,8 @@ impl Source {
         let (field, component) = split(&picture.field);
         let mut frame = FrameFile::open(file)?;
         let dimensions = frame.header.dimensions;
-        let view = picture.view.unwrap_or(if dimensions == 3 { View::Corner } else { View::Xy });
+        let view = picture.view.unwrap_or(if dimensions == 3 { View::Corner { up: None } } else { View::Xy });
+        let view = self.model.as_ref().map_or(view, |model| view.with_up(upright(model)));
         let values = values(&mut frame, field, component, &picture.field, || self.start())?;
         let look = Look { view, deep: dimensions == 3, line: dimensions == 1, norm: values.width > 1 };
         let spans = match &self.model {
@@ -129,7 +157,7 @@ impl Source {
         };
         let mean = values.values.iter().sum::<f64>() / values.values.len().max(1) as f64;
         let samples = samples(&mut frame, values.values, &self.cells)?;
-        let (samples, count, cut) = self.shown(samples, picture, &look);
+        let (samples, count, cut, missed) = self.shown(samples, picture, &look);
         let projection = view.projection();
         let placed = match (&self.model, bounds(&samples)) {
             (Some(model), Some(bounds)) => walls(model, frame.header.time, &projection, &bounds),
@@ -141,7 +169,7 @@ impl Source {
         }
         let time = frame.header.time;
         let cut = cut.map(|cut| HalfSpace { normal: projection.apply(cut.normal), ..cut });
-        let panel = Panel { name: self.name.clone(), time, mean, count, marks, cut, walls: placed, spans };
+        let panel = Panel { name: self.name.clone(), time, mean, count, marks, cut, missed, walls: placed, spans };
         let bodies = frame.bodies.iter().map(|body| body.name.clone());
         Ok(Shown { panel, look, bodies: if picture.field == "body" { bodies.collect() } else { Vec::new() } })
     }
@@ -153,13 +181,13 @@ impl Source {
         Ok(FrameFile::open(first)?.positions()?)
     }
 
-    /// What a picture shows of the particles, how many of them are no images, and the plane of its section.
+    /// What a picture shows of the particles, how many of them are no images, the plane of its section, and whether that cuts nothing.
     fn shown(
         &self,
         mut samples: Vec<Sample>,
         picture: &FieldPicture,
         look: &Look,
-    ) -> (Vec<Sample>, usize, Option<HalfSpace>) {
+    ) -> (Vec<Sample>, usize, Option<HalfSpace>, Option<Missed>) {
         let planes = self.model.as_ref().map_or(&[][..], |model| &model.symmetry[..]);
         let (_, component) = split(&picture.field);
         let own = samples.len();
@@ -173,7 +201,8 @@ impl Source {
                 mirror(&mut samples, plane, component.unwrap_or_default());
             }
         }
-        let Some((section, normal)) = cut else { return (samples, own, None) };
+        let Some((section, normal)) = cut else { return (samples, own, None, None) };
+        let missed = missed(&samples, section);
         let depth = |sample: &Sample| dot(normal, sample.position);
         let span = samples.iter().map(depth).filter(|z| z.is_finite()).map(|z| (z, z)).reduce(wider);
         let given = match section {
@@ -202,7 +231,7 @@ impl Source {
         kept.iter().for_each(|(k, _)| shown[k % own] = true);
         let count = shown.into_iter().filter(|shown| *shown).count();
         let kept = kept.into_iter().map(|(_, sample)| sample).collect();
-        (kept, count, Some(HalfSpace { normal, offset }))
+        (kept, count, Some(HalfSpace { normal, offset }), missed)
     }
 }
 
@@ -219,13 +248,17 @@ impl Sample {
 
 impl Scene {
     pub(super) fn read(runs: &[(&str, &RunDirectory)], picture: &FieldPicture) -> Result<Self, PlotError> {
-        let mut panels = Vec::new();
+        let mut panels: Vec<Shown> = Vec::new();
         for &(name, run) in runs {
             let source = Source::open(name, run, picture)?;
             for choice in &picture.frames {
-                panels.push(source.panel(choice.pick(&source.series)?, picture)?);
+                // All are seen as the first is.
+                let view = panels.first().map(|first| first.look.view).or(picture.view);
+                let picture = FieldPicture { view, ..picture.clone() };
+                panels.push(source.panel(choice.pick(&source.series)?, &picture)?);
             }
         }
+        meets(panels.iter().map(|shown| &shown.panel))?;
         let extent = panels.iter().filter_map(|shown: &Shown| shown.panel.extent()).reduce(Extent::joined);
         Self::of(panels, extent, picture)
     }
@@ -256,6 +289,24 @@ impl Scene {
             panels: panels.into_iter().map(|shown| shown.panel).collect(),
         })
     }
+}
+
+/// What there is to cut where a plane that was given cuts nothing.
+fn missed(samples: &[Sample], section: Section) -> Option<Missed> {
+    let Section::Across { normal, point: Some(point) } = section else { return None };
+    let length = dot(normal, normal).sqrt();
+    let normal = normal.map(|x| x / length);
+    let side = |sample: &Sample| {
+        let (middle, half) = (dot(normal, sample.position), 0.5 * sample.spacing);
+        (middle - half, middle + half)
+    };
+    let bodies = samples.iter().map(side).filter(|(low, _)| low.is_finite()).reduce(wider)?;
+    let place = dot(normal, point);
+    let along = axis_of(normal).map_or("along the normal".to_owned(), |axis| ["x", "y", "z"][axis].to_owned());
+    // In the direction of the axis, whatever the sign of the normal.
+    let turned = axis_of(normal).is_some_and(|axis| normal[axis] < 0.0);
+    let (place, bodies) = if turned { (-place, (-bodies.1, -bodies.0)) } else { (place, bodies) };
+    (place <= bodies.0 || place >= bodies.1).then_some(Missed { along, place, bodies })
 }
 
 /// Particles of no known size all in one place still take room.

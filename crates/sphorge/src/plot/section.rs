@@ -1,6 +1,6 @@
 //! The plane a section is cut along.
 
-use super::view::View;
+use super::view::{View, sides};
 
 /// Where a section cuts bodies; what is on the side of the eye is left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +31,12 @@ impl Section {
                 View::Xz => axis(1),
                 View::Yz => axis(0),
                 // Along the body where that is long.
-                View::Corner => axis(if size[2] > 1.5 * size[0].max(size[1]) { 0 } else { 2 }),
+                View::Corner { up } => {
+                    let [right, front] = sides(up.unwrap_or(2));
+                    let along = |v: [f64; 3]| (0..3).map(|k| v[k].abs() * size[k]).sum::<f64>();
+                    let other = (0..3).filter(|&k| front[k] == 0.0).map(|k| size[k]).fold(0.0, f64::max);
+                    if along(front) > 1.5 * other { right } else { front }
+                }
                 View::From { direction, .. } => {
                     // Along the body here too: across the axis that is nearest to the view but for a long one.
                     let long = (0..3).find(|&k| size[k] > 1.5 * size[(k + 1) % 3].max(size[(k + 2) % 3]));
@@ -59,17 +64,20 @@ mod tests {
     fn the_half_towards_the_eye_goes_whatever_the_sign_of_the_normal() {
         let section = |z: f64| Section::Across { normal: [0.0, 0.0, z], point: None };
         for z in [-2.0, 3.0] {
-            assert_eq!(section(z).normal(View::Corner, [1.0; 3]), [0.0, 0.0, 1.0]);
-            let below = View::From { direction: [0.0, 1.0, -1.0], up: 1 };
+            assert_eq!(section(z).normal(View::Corner { up: None }, [1.0; 3]), [0.0, 0.0, 1.0]);
+            let below = View::From { direction: [0.0, 1.0, -1.0], up: Some(1) };
             assert_eq!(section(z).normal(below, [1.0; 3]), [0.0, 0.0, -1.0]);
         }
     }
 
     #[test]
     fn the_middle_of_a_long_body_is_along_it() {
-        assert_eq!(Section::Middle.normal(View::Corner, [1.0, 1.0, 4.0]), [1.0, 0.0, 0.0]);
-        assert_eq!(Section::Middle.normal(View::Corner, [1.0, 4.0, 1.0]), [0.0, 0.0, 1.0]);
-        let along = View::From { direction: [0.2, 1.0, 0.1], up: 2 };
+        let corner = |up: usize| View::Corner { up: Some(up) };
+        assert_eq!(Section::Middle.normal(corner(1), [1.0, 1.0, 4.0]), [1.0, 0.0, 0.0]);
+        assert_eq!(Section::Middle.normal(corner(1), [1.0, 4.0, 1.0]), [0.0, 0.0, 1.0]);
+        assert_eq!(Section::Middle.normal(corner(2), [1.0, 1.0, 4.0]), [0.0, -1.0, 0.0]);
+        assert_eq!(Section::Middle.normal(corner(2), [1.0, 4.0, 1.0]), [1.0, 0.0, 0.0]);
+        let along = View::From { direction: [0.2, 1.0, 0.1], up: Some(2) };
         assert_eq!(axis_of(Section::Middle.normal(along, [1.0, 4.0, 1.0])), Some(0));
         assert_eq!(axis_of(Section::Middle.normal(along, [1.0; 3])), Some(1));
     }

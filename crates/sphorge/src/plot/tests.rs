@@ -397,7 +397,7 @@ fn a_section_goes_through_the_plane_of_symmetry() {
     let nearest = scene.panels[0].marks.iter().map(|mark| mark.towards).fold(f64::NEG_INFINITY, f64::max);
     assert!((nearest + 0.5e-3).abs() < 1e-12 && scene.panels[0].marks.len() == 32);
     // From a corner, a long body is cut along its length.
-    let scene = seen(&run, &FieldPicture { view: Some(View::Corner), ..from_front.clone() });
+    let scene = seen(&run, &FieldPicture { view: Some(View::Corner { up: Some(1) }), ..from_front.clone() });
     assert_eq!(scene.panels[0].marks.len(), 32);
     // Without a plane of symmetry it goes through the middle.
     let fine = from_front.clone();
@@ -677,8 +677,17 @@ fn a_section_leaves_the_side_of_the_eye_out_and_cuts_cells() {
     };
     // Columns at 0 to 19 mm: ten of them are left of 9.5 mm.
     let across = |x: f64, point: f64| Section::Across { normal: [x, 0.0, 0.0], point: Some([point, 0.0, 0.0]) };
-    let from = |x: f64| View::From { direction: [x, 0.2, 0.1], up: 1 };
+    let from = |x: f64| View::From { direction: [x, 0.2, 0.1], up: Some(1) };
     assert_eq!(count(across(1.0, 9.5e-3), from(1.0)), 100);
     assert_eq!(count(across(-5.0, 4.5e-3), from(1.0)), 50);
     assert_eq!(count(across(1.0, 4.5e-3), from(-1.0)), 150);
+    assert_eq!(count(across(1.0, 19.4e-3), from(1.0)), 200);
+    // Beside the body, on either side.
+    for (x, point) in [(1.0, 20.5e-3), (-1.0, 60e-3), (1.0, -0.6e-3)] {
+        let picture = FieldPicture { section: Some(across(x, point)), ..FieldPicture::new("pressure") };
+        let error = plot_field(&run, &picture, &folder.path().join("p.png")).unwrap_err();
+        assert!(error.to_string().ends_with("(x), and the bodies are between −500 µm and 19.5 mm"), "{error}");
+        let animated = animate_field(&run, &picture, 1.0, &folder.path().join("p.png")).unwrap_err();
+        assert_eq!(animated.to_string(), error.to_string());
+    }
 }
