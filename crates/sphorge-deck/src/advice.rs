@@ -419,7 +419,7 @@ mod tests {
         assert!(notes("body.bar.temperature", "20000 K").contains("boiling point of any metal"));
         let far = |shift: &str, precision: &str| {
             let deck = format!(
-                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\nnumerics = {{ precision = \
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\", max-steps = 1 }}\nnumerics = {{ precision = \
                  \"{precision}\" }}\n[[body]]\nname = \"a\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }} }}\n\
                  [[body]]\nname = \"b\"\nmaterial = \"armco-iron\"\nshape = {{ box = {{ min = [0, 0], max = [\"5 mm\", \"5 mm\"] }}, shift = [\"{shift}\", 0] }}\nvelocity = [1, 0]\n"
             );

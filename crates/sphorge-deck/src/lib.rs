@@ -23,6 +23,7 @@ mod placement;
 mod printable;
 pub(crate) mod quantity;
 pub(crate) mod raw;
+mod reach;
 mod report;
 mod scalar;
 mod schema;

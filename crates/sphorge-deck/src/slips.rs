@@ -1,9 +1,10 @@
 //! Numbers that no engineer means: a wrong unit, a wrong sign, a load that is not there. Said by `sphorge check` and `sphorge run`.
 
+use super::reach::ways;
 use sphorge_engine::Particles;
 use sphorge_engine::geometry::pressed_at_start;
 use sphorge_engine::model::{
-    Body, CloudParticle, CloudShare, Material, Model, MotionAxis, Solid, TimeTable, WallSurface,
+    Body, CloudParticle, CloudShare, Material, Model, MotionAxis, Solid, TimeTable, WallContact, WallSurface,
 };
 use sphorge_physics::flow::FlowState;
 
@@ -23,10 +24,16 @@ pub(crate) fn slips(model: &Model, particles: &Particles) -> Vec<String> {
     let materials = used.into_iter().filter_map(|index| of_material(&model.materials[index]));
     let bodies = || model.bodies.iter().enumerate();
     let courses = courses(model, particles);
+    let left: Vec<String> = bodies().filter_map(|(b, _)| leaves_its_wall(model, &courses, b)).collect();
+    // What leaves a wall has been told to meet nothing.
+    let ways = if left.is_empty() { ways(model, particles) } else { Vec::new() };
     materials
         .chain(too_long(model))
         .chain(at_rest(model, particles))
-        .chain(bodies().filter_map(|(b, _)| leaves_its_wall(model, &courses, b)))
+        .chain(left)
+        .chain(ways)
+        .chain(falls_away(model, &courses))
+        .chain(too_rough(model))
         .chain(bodies().filter_map(|(b, body)| of_list(model, particles, b, body)))
         .chain(empty_sections(model, particles))
         .collect()
@@ -155,6 +162,56 @@ fn leaves_its_wall(model: &Model, courses: &[Course], b: usize) -> Option<String
             model.bodies[b].name, wall.name
         )
     })
+}
+
+/// Gravity that takes bodies away from the only walls there are.
+fn falls_away(model: &Model, courses: &[Course]) -> Option<String> {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+    let size = dot(model.gravity, model.gravity).sqrt();
+    let is_held = !model.motions.is_empty()
+        || model.periodic.iter().any(Option::is_some)
+        || model.symmetry.iter().any(|plane| plane.side * model.gravity[plane.axis] < 0.0);
+    if size == 0.0 || is_held {
+        return None;
+    }
+    let mut away = None;
+    for wall in &model.walls {
+        let WallSurface::Plane { normal, .. } = wall.surface else { return None };
+        let along = dot(model.gravity, normal);
+        let velocity = [0, 1, 2].map(|k| wall.velocity[k].at(0.0));
+        // What is thrown at a ceiling meets it.
+        let is_met = courses.iter().any(|course| dot(course.velocity, normal) < dot(velocity, normal));
+        if along < -0.1 * size || is_met || wall.velocity.iter().any(|table| table.points.len() > 1) {
+            return None;
+        }
+        away = away.or((along > 0.5 * size).then_some(wall));
+    }
+    away.map(|wall| {
+        format!(
+            "gravity points away from wall `{}`, to the side its normal points to: bodies fall off it and meet nothing; check the signs of `gravity` \
+             and of the normal, which points to the side where bodies are",
+            wall.name
+        )
+    })
+}
+
+/// Coulomb coefficient above which none of metals is.
+const ROUGHEST: f64 = 2.0;
+
+/// Friction in per cent or in degrees.
+fn too_rough(model: &Model) -> Vec<String> {
+    let of_walls = model.walls.iter().filter_map(|wall| match wall.contact {
+        WallContact::Penalty { friction, .. } => Some((format!("of wall `{}`", wall.name), friction)),
+        WallContact::MonaghanKos { .. } => None,
+    });
+    let of_bodies = model.contact.strength().map(|strength| ("between bodies".to_owned(), strength.friction));
+    let rough = of_bodies.into_iter().chain(of_walls).filter(|(_, friction)| *friction > ROUGHEST);
+    let note = |(whose, friction): (String, f64)| {
+        format!(
+            "the friction coefficient {whose} is {friction}: metals have 0.05 to 1; it is a ratio of forces, neither a percentage nor an angle"
+        )
+    };
+    rough.map(note).collect()
 }
 
 /// A list of particles whose volumes or distances are not those of the spacing.
@@ -325,9 +382,38 @@ mod tests {
             "[[section]]",
             "[[wall]]\nname = \"lid\"\nplane = { point = [0, \"20 mm\"], normal = [0, -1] }\n[[section]]",
         );
-        assert_eq!(notes(&[("\"-10 m/s\"", "\"10 m/s\""), other]), [""; 0]);
+        assert_eq!(notes(&[("\"-10 m/s\"", "\"10 m/s\""), ("\"20 us\"", "\"2 ms\""), other]), [""; 0]);
         let follows = ("normal = [0, 1] }\n", "normal = [0, 1] }\nvelocity = [0, \"50 m/s\"]\n");
         assert_eq!(notes(&[("\"-10 m/s\"", "\"10 m/s\""), follows]), [""; 0]);
+    }
+
+    #[test]
+    fn gravity_away_from_the_only_floor_is_told() {
+        let falls = |g: &str| format!("gravity = [0, \"{g} m/s^2\"]\n[material.m]");
+        let rests = ("\"-10 m/s\"", "\"0 m/s\"");
+        told(&[rests, ("[material.m]", &falls("9.81"))], &["gravity points away from wall `anvil`"]);
+        assert_eq!(notes(&[rests, ("[material.m]", &falls("-9.81"))]), [""; 0]);
+        // What is thrown at a ceiling, and what falls from one wall to another.
+        assert_eq!(notes(&[("[material.m]", &falls("9.81"))]), [""; 0]);
+        let lid = (
+            "[[section]]",
+            "[[wall]]\nname = \"lid\"\nplane = { point = [0, \"20 mm\"], normal = [0, -1] }\n[[section]]",
+        );
+        assert_eq!(notes(&[rests, lid, ("[material.m]", &falls("9.81"))]), [""; 0]);
+    }
+
+    #[test]
+    fn friction_that_is_a_percentage_is_told() {
+        let wall = |friction: &str| {
+            format!("normal = [0, 1] }}\ncontact = {{ penalty = {{ friction = {friction} }} }}\n[[section]]")
+        };
+        let deck = |friction: &str| notes(&[("normal = [0, 1] }\n[[section]]", &wall(friction))]);
+        assert!(deck("20")[0].contains("friction coefficient of wall `anvil` is 20"), "{:?}", deck("20"));
+        assert_eq!(deck("1.2"), [""; 0]);
+        told(
+            &[("[material.m]", "contact = { penalty = { friction = 30 } }\n[material.m]")],
+            &["friction coefficient between bodies is 30"],
+        );
     }
 
     #[test]
@@ -344,7 +430,7 @@ mod tests {
             let text: String = (0..36).map(|k| rows(k) + "\n").collect();
             std::fs::write(folder.path().join(name), format!("{head}\n{text}")).unwrap();
             let deck = format!(
-                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\" }}\n[[body]]\nname = \"b\"\n\
+                "dimensions = \"plane-strain\"\nparticles = {{ spacing = \"1 mm\" }}\ntime = {{ end = \"1 us\", max-steps = 1 }}\n[[body]]\nname = \"b\"\n\
                  material = \"armco-iron\"\nshape = {{ table = {{ file = \"{name}\", length-unit = \"mm\" }} }}\nvelocity = [1, 0]\n"
             );
             let path = folder.path().join("deck.toml");

@@ -181,7 +181,7 @@ fn a_round_body_gets_rings_from_the_total_lagrangian_form_alone_and_where_the_de
 fn rings_are_halved_and_quartered_by_symmetry_planes() {
     let tube = |planes: &str, low: &str| {
         format!(
-            "dimensions = \"3d\"\nsymmetry = [{planes}]\ntime = {{ end = 1 }}\n\
+            "dimensions = \"3d\"\nsymmetry = [{planes}]\ntime = {{ end = 1, max-steps = 1 }}\n\
              particles = {{ spacing = 0.05, lattice = \"rings\" }}\n[[body]]\nname = \"tube\"\nmaterial = \"ofhc-copper\"\nvelocity = [0, 0, 1]\n\
              [[body.shape.intersection]]\n\
              cylinder = {{ from = [0, 0, 0], to = [0, 0, 0.2], radius = 0.52, inner-radius = 0.27 }}\n\
@@ -208,7 +208,7 @@ fn rings_are_halved_and_quartered_by_symmetry_planes() {
 fn a_lattice_that_weighs_more_or_less_than_its_shape_is_told() {
     // Three cells of 0.3 along either edge of a square of 1: 0.81 of its area.
     let square = |rest: &str| {
-        let head = "dimensions = \"plane-strain\"\ntime = { end = 1 }\nparticles = { spacing = 0.3 }\n";
+        let head = "dimensions = \"plane-strain\"\ntime = { end = 1, max-steps = 1 }\nparticles = { spacing = 0.3 }\n";
         format!("{head}{}velocity = [1, 0]\n{rest}", BOX.replace("\"m\"", "\"ofhc-copper\""))
     };
     let told = notes(&square(""));
