@@ -113,10 +113,18 @@ fn a_run_is_drawn_and_compared() {
     let table = [&over[..], &["-o", "numbers.csv"]].concat();
     assert_eq!(place.run(&table).expect_code(0).out, "numbers.csv\n");
     let numbers = fs::read_to_string(place.path("numbers.csv")).unwrap();
-    assert!(numbers.starts_with("−1 × change of height (m),kinetic energy (J/m)\n0e0,"), "{numbers}");
+    assert!(numbers.starts_with("-1 * change of height (m),kinetic_energy (J/m)\n0e0,"), "{numbers}");
     // What is computed for pictures needs no run that writes it; the file says from which side it was drawn.
     let from = ["plot", "a", "--field", "displacement", "--view", "1,0.5,2", "--section=x at 1 mm", "--dpi", "50"];
     assert_eq!(place.run(&from).expect_code(0).out, "a/plots/displacement-last.png\n");
+    place
+        .run(&["plot", "a", "--field", "body", "--section=x at 1 m"])
+        .expect_code(2)
+        .expect_told(&["cuts nothing", "bodies are between"]);
+    let chosen = ["plot", "a", "--field", "speed", "--body", "plate", "--where", "velocity.y < 1 km/s", "--dpi", "50"];
+    assert_eq!(place.run(&chosen).expect_code(0).out, "a/plots/speed-last.png\n");
+    let slip = ["plot", "a", "--field", "speed", "--body", "plat"];
+    place.run(&slip).expect_code(2).expect_told(&["no body `plat`", "did you mean `plate`"]);
     place.run(&["plot", "a", "--field", "body", "--section=x at 1 s"]).expect_code(2).expect_told(&["a length"]);
     place.run(&["plot", "a", "--field", "body", "-o", "b.csv"]).expect_code(2).expect_told(&["not written as numbers"]);
     place.run(&["plot", "a", "--field", "stres"]).expect_code(2).expect_told(&["no field `stres`", "von_mises_stress"]);

@@ -11,7 +11,7 @@ use sphorge::{
     output::{OutputError, RunDirectory, read_series},
     particles::find_field,
     plot::{
-        ColorMap, ColumnsPicture, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, Section, View,
+        ColorMap, ColumnsPicture, Condition, FieldPicture, FrameChoice, Paper, PictureFormat, PlotError, Section, View,
         animate_field, common_measures, plot_each_frame, plot_field, plot_field_of_runs, plot_run,
     },
 };
@@ -26,6 +26,7 @@ Examples:
   sphorge plot out/iron-plate --field pressure --time \"12 us\" --range=-1,1GPa
   sphorge plot out/taylor-bar --field plastic_strain --view xz --section --range 0,1.5
   sphorge plot out/copper-bar --field plastic_strain --view xz --section --mirror
+  sphorge plot out/bullet --field plastic_strain --body plate --where \"plastic_strain > 0.2\"
   sphorge plot out/bullet --field body --view \"1,-2,0.4 up z\" --section=\"x at 0 mm\"
   sphorge plot out/penetration --field plastic_strain --measures
   sphorge plot out/penetration --field velocity --animate
@@ -66,6 +67,12 @@ pub(crate) struct PlotArguments {
     /// Cut the bodies and show the inside: in the middle or at the symmetry plane, or along a plane such as --section="x at 3 mm" or --section="1,1,0 at 0,0,5 mm" (normal and point); a plane beside all bodies is refused
     #[arg(long, value_name = "PLANE", num_args = 0..=1, require_equals = true, default_missing_value = "middle", value_parser = parse_section, requires = "fields")]
     section: Option<Section>,
+    /// Draw this body alone; can be repeated
+    #[arg(long = "body", value_name = "NAME", requires = "fields")]
+    bodies: Vec<String>,
+    /// Draw the particles alone that meet a condition such as "plastic_strain > 0.2" or "pressure < -1 GPa"; of several, all
+    #[arg(long = "where", value_name = "CONDITION", value_parser = parse_condition, requires = "fields")]
+    conditions: Vec<Condition>,
     /// Add the images in the deck's symmetry planes: the whole of a half or quarter model
     #[arg(long, requires = "fields")]
     mirror: bool,
@@ -170,6 +177,19 @@ fn parse_scale(text: &str) -> Result<(Option<String>, f64), String> {
         Ok(factor) if f64::is_finite(factor) && factor != 0.0 => Ok((name, factor)),
         _ => Err("write a factor, or a column and its factor: `4`, `height=-1`".to_owned()),
     }
+}
+
+fn parse_condition(text: &str) -> Result<Condition, String> {
+    let bad = || "write a field, `>` or `<`, and a number: `plastic_strain > 0.2`, `stress.xy < -1 GPa`".to_owned();
+    let at = text.find(['>', '<']).ok_or_else(bad)?;
+    let (field, bound) = (text[..at].trim(), text[at + 1..].trim());
+    let name = field.split('.').next().unwrap_or_default();
+    if name.is_empty() || bound.is_empty() {
+        return Err(bad());
+    }
+    let unit = find_field(name).map_or("", |field| field.unit);
+    let [bound] = read_quantities::<1>(bound, unit)?;
+    Ok(Condition { field: field.to_owned(), is_above: text[at..].starts_with('>'), bound })
 }
 
 fn parse_section(text: &str) -> Result<Section, String> {
@@ -368,6 +388,8 @@ impl<'a> Job<'a> {
             frames: self.frames.clone(),
             view: arguments.view,
             section: arguments.section,
+            bodies: arguments.bodies.clone(),
+            conditions: arguments.conditions.clone(),
             mirror: arguments.mirror,
             measures: arguments.measures,
             range,
@@ -491,6 +513,16 @@ mod tests {
         assert_eq!(parse_section("1,1,0 at 0,2,5 mm"), across([1.0, 1.0, 0.0], Some([0.0, 2e-3, 5e-3])));
         for bad in ["w", "0,0,0", "1,1", "x at 3 s", "x at 1,2 mm", "1,0,0 at 3 mm"] {
             assert!(parse_section(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn conditions_are_read_with_the_unit_of_their_field() {
+        let condition = |field: &str, is_above, bound| Ok(Condition { field: field.to_owned(), is_above, bound });
+        assert_eq!(parse_condition("plastic_strain>0.2"), condition("plastic_strain", true, 0.2));
+        assert_eq!(parse_condition("stress.xy < -1 GPa"), condition("stress.xy", false, -1e9));
+        for bad in ["", ">", "pressure", "pressure>", ">1", "pressure > 1 mm", "pressure >= 1", "pressure > x"] {
+            assert!(parse_condition(bad).is_err(), "{bad}");
         }
     }
 

@@ -24,6 +24,17 @@ pub enum PlotError {
         /// What there is.
         available: String,
     },
+    /// The frames do not have that body.
+    #[error("the frames have no body `{name}`")]
+    #[diagnostic(code(sphorge::plot::body), help("{near}the frames have: {available}"))]
+    Body {
+        /// What was asked for.
+        name: String,
+        /// The bodies that it may be a slip for, as a question.
+        near: String,
+        /// What there is.
+        available: String,
+    },
     /// The history does not have that column.
     #[error("the history has no column `{name}`")]
     #[diagnostic(code(sphorge::plot::column), help("{near}the history has: {available}"))]

@@ -1,6 +1,6 @@
 //! What a picture of particles shall show.
 
-use super::{ColorMap, FrameChoice, Paper, Section, View};
+use super::{ColorMap, Condition, FrameChoice, Paper, Section, View};
 
 /// A picture of particles; of a problem in one dimension, a curve over x for each frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,10 @@ pub struct FieldPicture {
     pub view: Option<View>,
     /// Leave out what is in front of a plane, to show the inside.
     pub section: Option<Section>,
+    /// Show these bodies alone; all if there are none.
+    pub bodies: Vec<String>,
+    /// Show the particles alone that meet all of these.
+    pub conditions: Vec<Condition>,
     /// Show the images of particles in the deck's planes of symmetry too.
     pub mirror: bool,
     /// Show the crater and cloud measures of the deck as lines on the particles, in views along an axis.
@@ -40,6 +44,8 @@ impl FieldPicture {
             frames: vec![FrameChoice::Last],
             view: None,
             section: None,
+            bodies: Vec::new(),
+            conditions: Vec::new(),
             mirror: false,
             measures: false,
             range: None,

@@ -4,6 +4,7 @@ use super::{
     FieldPicture, PlotError, View,
     cell::{Corners, HalfSpace, dot},
     derived::Derived,
+    filter::kept,
     light::light,
     mark::Mark,
     mirror::{Sample, mirror},
@@ -156,7 +157,15 @@ impl Source {
             _ => Vec::new(),
         };
         let mean = values.values.iter().sum::<f64>() / values.values.len().max(1) as f64;
-        let samples = samples(&mut frame, values.values, &self.cells)?;
+        let mut samples = samples(&mut frame, values.values, &self.cells)?;
+        let kept = kept(&mut frame, picture, |frame, field| {
+            let (name, component) = split(field);
+            Ok(self::values(frame, name, component, field, || self.start())?.values)
+        })?;
+        if let Some(kept) = kept {
+            let mut kept = kept.into_iter();
+            samples.retain(|_| kept.next().unwrap_or(false));
+        }
         let (samples, count, cut, missed) = self.shown(samples, picture, &look);
         let projection = view.projection();
         let placed = match (&self.model, bounds(&samples)) {
@@ -265,7 +274,11 @@ impl Scene {
 
     /// A picture of panels at a given extent.
     pub(super) fn of(panels: Vec<Shown>, extent: Option<Extent>, picture: &FieldPicture) -> Result<Self, PlotError> {
-        let nothing = || PlotError::Empty { reason: "no particle with a finite position and value".into() };
+        let reason = match picture.conditions.is_empty() {
+            true => "no particle has a finite position and value",
+            false => "no particle meets the conditions",
+        };
+        let nothing = || PlotError::Empty { reason: reason.to_owned() };
         let (extent, first) = extent.zip(panels.first().map(|shown| shown.look)).ok_or_else(nothing)?;
         // The view of the first frame is that of all; runs of unlike dimensions are seen together as the deepest.
         let deep = panels.iter().any(|shown| shown.look.deep);

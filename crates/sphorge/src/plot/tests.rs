@@ -643,6 +643,28 @@ fn bodies_are_named_in_a_key_of_their_colours() {
 }
 
 #[test]
+fn particles_are_chosen_by_conditions_and_bodies() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path(), 2);
+    let condition = |field: &str, is_above, bound| Condition { field: field.to_owned(), is_above, bound };
+    let of = |conditions: Vec<Condition>| {
+        scene::Scene::read(&[("", &run)], &FieldPicture { conditions, ..FieldPicture::new("pressure") })
+    };
+    let scene = of(vec![condition("pressure", true, 0.0)]).unwrap();
+    assert_eq!((scene.panels[0].count, scene.extent.extremes.0 > 0.0), (100, true));
+    // Of several all hold; a field need not be the one that is drawn, and a vector counts by its norm.
+    let both = vec![condition("pressure", true, 0.0), condition("pressure", false, 0.5e9)];
+    assert_eq!(of(both).unwrap().panels[0].count, 50);
+    assert_eq!(of(vec![condition("velocity", true, 4.9)]).unwrap().panels[0].count, 200);
+    let none = of(vec![condition("velocity.x", true, 3.1)]).unwrap_err();
+    assert!(none.to_string().contains("no particle meets the conditions"), "{none}");
+    assert!(matches!(of(vec![condition("strain", true, 0.0)]).unwrap_err(), PlotError::Field { .. }));
+    let bodies = vec!["plate".to_owned()];
+    let error = scene::Scene::read(&[("", &run)], &FieldPicture { bodies, ..FieldPicture::new("pressure") });
+    assert!(matches!(error.unwrap_err(), PlotError::Body { .. }));
+}
+
+#[test]
 fn what_frames_lack_is_computed_from_what_they_have() {
     let folder = tempfile::tempdir().unwrap();
     let run = run(folder.path(), 2);
