@@ -1,0 +1,156 @@
+//! Every warning has a deck that raises it, and what it recommends cures that deck: the table in `docs/warnings.md`.
+
+use sphorge::{
+    deck::load_text,
+    engine::ENGINES,
+    model::WarningKind,
+    output::WarningRecord,
+    run::{RunError, RunOptions, Silent, execute},
+};
+use std::{fs, path::Path, sync::atomic::AtomicBool};
+
+/// A deck of `docs/warnings` and what a warning on it recommends.
+struct Case {
+    deck: &'static str,
+    /// Part of the message.
+    says: &'static str,
+    /// A key and its value that do so.
+    remedy: (&'static str, &'static str),
+    /// What is left to be told with the remedy.
+    leaves: &'static [&'static str],
+}
+
+const TOTAL_LAGRANGIAN: (&str, &str) = ("search", "total-lagrangian");
+const SPALLS: (&str, &str) = ("material.ofhc-copper.spall-pressure", "1 GPa");
+
+/// The deck of a warning; none where no deck raises it.
+fn case(kind: WarningKind) -> Option<Case> {
+    let of = |deck, says, remedy| Some(Case { deck, says, remedy, leaves: &[] });
+    match kind {
+        WarningKind::PlasticWork => of("plastic-work", "use `search = \"total-lagrangian\"`", TOTAL_LAGRANGIAN),
+        WarningKind::NegativeEnergy => of("negative-energy", "lower `time.courant`", ("time.courant", "0.1")),
+        WarningKind::HourglassWork => {
+            let key = "search.total-lagrangian.hourglass";
+            of("hourglass-work", "lower `search.total-lagrangian.hourglass`", (key, "1.25"))
+        }
+        WarningKind::Integration => of("integration", "lower `time.courant`", ("time.courant", "0.3")),
+        WarningKind::Cold => of("cold", "lower `time.courant`", ("time.courant", "0.1")),
+        WarningKind::Hot => of("integration", "lower `time.courant`", ("time.courant", "0.3")),
+        WarningKind::MissingHeat => {
+            let key = "numerics.temperature";
+            of("missing-heat", "set `numerics.temperature = \"energy\"`", (key, "energy"))
+        }
+        WarningKind::WallEnergy => {
+            let key = "wall.anvil.contact";
+            of("wall-energy", "use `contact = \"penalty\"` at the wall", (key, "penalty"))
+        }
+        // The sums conserve both, whatever the stress and the motion: more would be a fault of the program.
+        WarningKind::EnergyDrift | WarningKind::MomentumDrift => None,
+        WarningKind::Pairing | WarningKind::Tearing => {
+            of("pairing", "use `search = \"total-lagrangian\"`", TOTAL_LAGRANGIAN)
+        }
+        WarningKind::Pieces => of("pieces", "use `search = \"total-lagrangian\"`", TOTAL_LAGRANGIAN),
+        WarningKind::LostNeighbors => of("lost-neighbors", "give the material a `spall-pressure`", SPALLS),
+        WarningKind::BehindSymmetry => {
+            of("behind-symmetry", "`sphorge check` suggests", ("particles.spacing", "0.635 mm"))
+        }
+        WarningKind::FarAway => {
+            let shift = ("body.b.shape.shift", "[\"0.08 mm\", 0]");
+            of("far-away", "look at the start for bodies or particles that press on each other", shift)
+        }
+        WarningKind::Compression => {
+            let law = ("material.ofhc-copper.equation-of-state", "{ linear = { sound-speed = \"3940 m/s\" } }");
+            of("compression", "use a pressure law that is valid at such compression", law)
+        }
+        WarningKind::Expansion => of("expansion", "give the material a `spall-pressure`", SPALLS),
+        WarningKind::TimeStep => Some(Case {
+            deck: "time-step",
+            says: "lower `time.courant`",
+            remedy: ("time.courant", "0.1"),
+            leaves: &["missing-heat", "hot", "lost-neighbors", "pieces"],
+        }),
+        WarningKind::StepsLeft => of("steps-left", "raise `time.fixed-step`", ("time.fixed-step", "5 ns")),
+    }
+}
+
+fn page() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/warnings.md")
+}
+
+/// What a run of a deck with a change warns of.
+fn warnings(deck: &str, changes: &[(&str, &str)]) -> Vec<WarningRecord> {
+    let text = fs::read_to_string(page().with_file_name("warnings").join(format!("{deck}.toml"))).unwrap();
+    let changes: Vec<_> = changes.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
+    let setup = load_text(deck, &text, &changes).unwrap_or_else(|report| panic!("{deck}: {report:?}"));
+    let folder = tempfile::tempdir().unwrap();
+    let options = RunOptions { directory: folder.path().join("run"), threads: Some(1), ..RunOptions::default() };
+    match execute(setup, ENGINES[0], &options, &AtomicBool::new(false), &mut Silent) {
+        Ok(summary) => summary.warnings,
+        Err(RunError::Failed { summary, .. }) if changes.is_empty() => summary.warnings,
+        Err(error) => panic!("{deck}: {error}"),
+    }
+}
+
+/// The row of a warning in the table.
+fn row(kind: WarningKind) -> String {
+    let name = kind.name();
+    let Some(Case { deck, says, remedy, leaves }) = case(kind) else {
+        let limit = kind.info().limit;
+        return format!("| `{name}` | none: [by construction](#energy-drift-momentum-drift) | | {limit} | | |\n");
+    };
+    let found = warnings(deck, &[]);
+    let raised = found.iter().find(|warning| warning.name == name);
+    let raised = raised.unwrap_or_else(|| panic!("`{deck}` does not raise `{name}`: {found:?}"));
+    assert!(raised.cure.contains(says), "`{name}` does not say `{says}`: {}", raised.cure);
+    let left: Vec<String> = warnings(deck, &[remedy]).into_iter().map(|warning| warning.name).collect();
+    assert!(!left.iter().any(|left| left == name), "`{name}` is there with its remedy");
+    let unexpected: Vec<_> = left.iter().filter(|left| !leaves.contains(&left.as_str())).collect();
+    assert!(unexpected.is_empty(), "`{name}`: its remedy leaves {unexpected:?}");
+    let (key, value) = remedy;
+    let left = match leaves {
+        [] => "no warning".to_owned(),
+        several => several.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+    };
+    format!(
+        "| `{name}` | [`{deck}.toml`](warnings/{deck}.toml) | {} | {} | `{key} = {}` | {left} |\n",
+        two_digits(raised.value),
+        raised.limit,
+        written(value)
+    )
+}
+
+#[test]
+fn every_warning_has_a_deck_that_raises_it_and_a_remedy_that_cures_it() {
+    const MARKS: [&str; 2] = ["<!-- decks -->\n", "<!-- /decks -->\n"];
+    let mut table = "| warning | deck | number | limit | remedy | with it |\n|---|---|---:|---:|---|---|\n".to_owned();
+    let rows: Vec<String> = std::thread::scope(|scope| {
+        let rows = WarningKind::ALL.map(|kind| scope.spawn(move || row(kind)));
+        rows.into_iter().map(|row| row.join().expect("see above")).collect()
+    });
+    table.extend(rows);
+    let text = fs::read_to_string(page()).unwrap();
+    let places = MARKS.map(|mark| text.find(mark).unwrap_or_else(|| panic!("{mark} is not in docs/warnings.md")));
+    let from = places[0] + MARKS[0].len();
+    if std::env::var_os("UPDATE_WARNINGS").is_some() {
+        fs::write(page(), format!("{}{table}{}", &text[..from], &text[places[1]..])).unwrap();
+        return;
+    }
+    // Numbers of runs that break depend on their last digits.
+    let without_numbers = |table: &str| -> Vec<Vec<String>> {
+        let rows = table.lines().map(|row| row.split(" | ").map(str::to_owned).collect::<Vec<_>>());
+        rows.map(|row| row.into_iter().enumerate().filter(|(k, _)| *k != 2).map(|(_, cell)| cell).collect()).collect()
+    };
+    let says = "docs/warnings.md: `UPDATE_WARNINGS=1 cargo test -p sphorge --test warnings` writes the table anew";
+    assert_eq!(without_numbers(&text[from..places[1]]), without_numbers(&table), "{says}");
+}
+
+/// A value as a deck has it.
+fn written(value: &str) -> String {
+    let is_plain = value.parse::<f64>().is_ok() || value.starts_with(['[', '{']);
+    if is_plain { value.to_owned() } else { format!("\"{value}\"") }
+}
+
+fn two_digits(value: f64) -> String {
+    let shown: f64 = format!("{value:.1e}").parse().unwrap();
+    if (1e-3..1e4).contains(&shown.abs()) || shown == 0.0 { shown.to_string() } else { format!("{shown:e}") }
+}
