@@ -123,8 +123,9 @@ impl Layout {
         }
         let (w, h) = (across * scale, up * scale);
         let block = (many * w + (many - 1.0) * room.gap.0, lines * h + (lines - 1.0) * room.gap.1);
-        // A bar beside is taller than flat panels.
-        let body = if beside { block.1.max(colors.least_height()) } else { block.1 };
+        // A bar beside is taller than flat panels, and stands beside what is above and below them, too.
+        let around = 2.0 * room.above.min(foot(plane));
+        let body = if beside { block.1.max(colors.least_height() - around) } else { block.1 };
         let height = tall.unwrap_or(top + room.above + body + room.below);
         let body = body.max(height - top - room.above - room.below).min(body.max(block.1));
         // The block of panels with its colour bar stands in the middle of the room left for it.
