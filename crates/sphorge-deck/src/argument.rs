@@ -1,9 +1,13 @@
-//! Quantities of the command line, read as in decks.
+//! Quantities of the command line, read as in decks, and values of keys that are varied.
 
 use super::{
-    quantity::{QuantityKind, parse_quantity},
+    expected::Expected,
+    keys::DECK,
+    overrides::parse_value,
+    quantity::{QuantityKind, number_length, parse_quantity},
     unit::parse_unit,
 };
+use toml_edit::{Key, Value};
 
 /// Kinds that have a name for people.
 const KINDS: [QuantityKind; 10] = [
@@ -33,9 +37,80 @@ pub fn read_quantity(text: &str, unit: &str) -> Result<f64, String> {
     })
 }
 
+/// What a key of a deck asks for: a quantity.
+fn quantity_at(path: &str) -> Option<QuantityKind> {
+    fn kind(expected: &Expected) -> Option<QuantityKind> {
+        match expected {
+            Expected::Quantity(_, kind) | Expected::Constant(kind) => Some(*kind),
+            Expected::Either(one, other) => kind(one).or_else(|| kind(other)),
+            _ => None,
+        }
+    }
+    let mut at = DECK;
+    for key in Key::parse(path).ok()? {
+        // A name or a number where there is no such key chooses an entry of a list.
+        at = match at.key(key.get()) {
+            Some((inner, _)) => inner,
+            None => at.item(key.get().parse().unwrap_or(0))?,
+        };
+    }
+    kind(at)
+}
+
+/// A value for the key at a path, as [`crate::load`] takes it in overrides, as a number: its SI value and unit, which is empty for pure numbers. A
+/// number without a unit has that of the key. `None` if it is no quantity, or one that the key does not take.
+pub fn quantity_of_key(path: &str, value: &str) -> Option<(f64, &'static str)> {
+    let asked = quantity_at(path);
+    let text = match parse_value(value) {
+        Value::String(text) => text.into_value(),
+        Value::Integer(number) => return Some((number.into_value() as f64, asked.map_or("", |kind| kind.si_unit))),
+        Value::Float(number) => return Some((number.into_value(), asked.map_or("", |kind| kind.si_unit))),
+        _ => return None,
+    };
+    let kind = match asked {
+        Some(kind) => kind,
+        // A number all the same, such as the constant of a law whose name the path does not say.
+        None => {
+            let (_, end) = number_length(text.trim())?;
+            let dimension = parse_unit(&text.trim()[end..]).ok()?.dimension;
+            KINDS.into_iter().find(|kind| kind.dimension == dimension)?
+        }
+    };
+    Some((parse_quantity(&text, kind).ok()?, kind.si_unit))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_of_keys_are_numbers_in_the_unit_of_the_key() {
+        let cases = [
+            ("particles.spacing", "0.6 mm", Some((0.6e-3, "m"))),
+            ("particles.spacing", "\"0.6 mm\"", Some((0.6e-3, "m"))),
+            ("particles.spacing", "6e-4", Some((6e-4, "m"))),
+            ("body.bar.velocity.1", "-150 m/s", Some((-150.0, "m/s"))),
+            ("body.0.velocity.1", "-150", Some((-150.0, "m/s"))),
+            ("material.any.strength.johnson-cook.A", "175 MPa", Some((175e6, "Pa"))),
+            ("material.any.density", "7.8 g/cm^3", Some((7800.0, "kg/m^3"))),
+            ("time.max-steps", "40", Some((40.0, ""))),
+            ("numerics.viscosity.alpha", "2", Some((2.0, ""))),
+            ("body.bar.spin.rate", "60 rpm", Some((std::f64::consts::TAU, "rad/s"))),
+            ("particles.spacing", "0.6 s", None),
+            ("search", "skin", None),
+            ("body.bar.velocity", "[0, 1]", None),
+            ("no.such.key", "fast", None),
+        ];
+        for (path, value, expected) in cases {
+            let found = quantity_of_key(path, value);
+            match (found, expected) {
+                (Some((x, unit)), Some((y, asked))) => {
+                    assert!((x - y).abs() <= 1e-15 * y.abs() && unit == asked, "{path}={value}: {x} {unit}");
+                }
+                _ => assert_eq!(found, expected, "{path}={value}"),
+            }
+        }
+    }
 
     #[test]
     fn arguments_have_units_as_decks_do() {

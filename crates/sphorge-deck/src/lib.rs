@@ -38,7 +38,7 @@ mod written;
 mod tests;
 
 pub use advice::{Advice, advice};
-pub use argument::read_quantity;
+pub use argument::{quantity_of_key, read_quantity};
 pub use load::{Setup, load, load_model, load_text, load_text_within};
 pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};

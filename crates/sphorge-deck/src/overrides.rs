@@ -53,7 +53,7 @@ fn body() -> Option<&'static Expected> {
 }
 
 /// A value as TOML, or as the text it is.
-fn parse_value(text: &str) -> Value {
+pub(crate) fn parse_value(text: &str) -> Value {
     match text.trim().parse::<Value>() {
         Ok(Value::Datetime(_)) | Err(_) => Value::from(text.trim()),
         Ok(value) => value,

@@ -94,7 +94,7 @@ pub(crate) struct QuantityError {
 }
 
 /// The length of the number `text` starts with, and of its part before the exponent.
-fn number_length(text: &str) -> Option<(usize, usize)> {
+pub(crate) fn number_length(text: &str) -> Option<(usize, usize)> {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
     let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));

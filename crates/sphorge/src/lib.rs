@@ -1,7 +1,8 @@
 //! Smoothed-particle hydrodynamics for metals that yield, flow and break.
 //!
 //! A [`deck`] becomes a validated [`model`]; [`run`] takes its [`particles`] through time with an [`engine`], [`measures`] them and
-//! writes what happened ([`output`]); [`plot`] and [`compare`] read the files, [`validate`] compares cases with known answers.
+//! writes what happened ([`output`]); [`plot`] and [`compare`] read the files, [`sweep`] varies keys of a deck,
+//! [`validate`] compares cases with known answers.
 //!
 //! ```
 //! use sphorge::{deck::load_text, decks, engine::ENGINES, output::{RunDirectory, Summary}, run::{RunOptions, Silent, execute}};
@@ -33,6 +34,7 @@ mod observed;
 pub mod output;
 pub mod plot;
 pub mod run;
+pub mod sweep;
 pub mod validate;
 
 pub use sphorge_deck as deck;

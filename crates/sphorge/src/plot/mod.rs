@@ -9,6 +9,7 @@ mod clip;
 mod color;
 mod color_bar;
 mod columns;
+mod curves;
 mod derived;
 mod error;
 mod field;
@@ -38,6 +39,7 @@ mod walls;
 
 pub use color::ColorMap;
 pub use columns::ColumnsPicture;
+pub use curves::CurvesPicture;
 pub use error::PlotError;
 pub use field::{animate_field, plot_each_frame, plot_field, plot_field_of_runs};
 pub use field_picture::FieldPicture;
