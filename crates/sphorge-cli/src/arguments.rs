@@ -3,12 +3,12 @@
 use crate::{commands::*, failure::Ending, terminal};
 use clap::{Parser, Subcommand};
 use sphorge::deck::moves_the_cursor;
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 /// Says what is wrong with the arguments, or the help that was asked for.
-pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
+pub(crate) fn refuse(error: &clap::Error, given: &[OsString]) -> u8 {
     let is_plain = |text: &str| !text.contains(moves_the_cursor);
-    if std::env::args_os().all(|argument| argument.to_str().is_some_and(is_plain)) {
+    if given.iter().all(|argument| argument.to_str().is_some_and(is_plain)) {
         // In colours, where the terminal has them. There is nobody left to tell if that fails.
         let _ = error.print();
     } else {
@@ -16,7 +16,7 @@ pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
         let text = error.render().to_string();
         terminal::note_lines(text.trim_end());
     }
-    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+    u8::try_from(error.exit_code()).unwrap_or(2)
 }
 
 /// The program `sphorge`.
@@ -58,6 +58,10 @@ pub(crate) enum Command {
     /// Draw pictures of runs: particles and history curves
     // It has by far the most options.
     Plot(Box<plot::PlotArguments>),
+    /// Run a deck with every combination of some values of some keys, and list what was measured
+    Sweep(sweep::SweepArguments),
+    /// Run a deck at several particle spacings: order of convergence and limit of every measure
+    Convergence(convergence::ConvergenceArguments),
     /// Compare runs side by side: status, measures, cost, conservation
     Compare(compare::CompareArguments),
     /// Run the validation cases and compare the results with published and exact ones
@@ -78,7 +82,7 @@ Example:
 }
 
 impl Command {
-    pub(crate) fn execute(self) -> Ending {
+    pub(crate) fn execute(self, program: &[OsString]) -> Ending {
         match self {
             Self::Run(arguments) => run::execute(arguments),
             Self::Resume(arguments) => resume::execute(arguments),
@@ -86,6 +90,8 @@ impl Command {
             Self::Decks(arguments) => decks::execute(arguments),
             Self::Materials(arguments) => materials::execute(arguments),
             Self::Plot(arguments) => plot::execute(&arguments),
+            Self::Sweep(arguments) => sweep::execute(arguments, program),
+            Self::Convergence(arguments) => convergence::execute(arguments, program),
             Self::Compare(arguments) => compare::execute(arguments),
             Self::Validate(arguments) => validate::execute(arguments),
             Self::Devices(arguments) => devices::execute(arguments),

@@ -2,7 +2,7 @@
 
 use crate::{failure::Failure, memory};
 use clap::{Args, ValueEnum};
-use sphorge::deck::{self, Setup};
+use sphorge::deck::{self, DeckReport, Setup};
 use sphorge::decks::{self, ShippedDeck};
 use std::path::{Path, PathBuf};
 
@@ -85,12 +85,25 @@ impl FoundDeck {
     /// # Errors
     /// Something is wrong with it.
     pub(crate) fn load(&self) -> Result<Setup, Failure> {
+        self.load_with(&[]).map_err(|report| Failure::BadInput(report.into()))
+    }
+
+    /// The same with more changes.
+    ///
+    /// # Errors
+    /// Something is wrong with it.
+    pub(crate) fn load_with(&self, more: &[(String, String)]) -> Result<Setup, DeckReport> {
+        let overrides = [&self.overrides[..], more].concat();
         let limit = memory::particle_limit();
-        let setup = match &self.source {
-            Source::Shipped(shipped) => deck::load_text_within(shipped.name, shipped.text, &self.overrides, limit),
-            Source::File(path) => deck::load(path, &self.overrides, limit),
-        };
-        setup.map_err(|report| Failure::BadInput(report.into()))
+        match &self.source {
+            Source::Shipped(shipped) => deck::load_text_within(shipped.name, shipped.text, &overrides, limit),
+            Source::File(path) => deck::load(path, &overrides, limit),
+        }
+    }
+
+    /// Keys that are set already.
+    pub(crate) fn sets(&self, key: &str) -> bool {
+        self.overrides.iter().any(|(set, _)| set == key)
     }
 }
 

@@ -56,6 +56,20 @@ pub(crate) struct EngineArguments {
     device: Option<String>,
 }
 
+/// The engine of a name, `cpu` or `gpu`, as `--engine` and `--device` choose it.
+///
+/// # Errors
+/// There is no such engine in this program, or a card is named for the processor.
+pub fn engine_of(engine: &str, device: Option<&str>) -> Result<Arc<dyn EngineKind>, miette::Report> {
+    let arguments = EngineArguments { engine: engine.to_owned(), device: device.map(str::to_owned) };
+    arguments.find().map_err(|failure| match failure {
+        Failure::BadInput(report) | Failure::Failed(report) => report,
+        Failure::Told => miette::miette!("the engine cannot be used"),
+        #[cfg(feature = "mpi")]
+        Failure::ToldOfBadInput => miette::miette!("the engine cannot be used"),
+    })
+}
+
 /// What a card can do at most.
 #[derive(Clone, Debug, serde::Serialize)]
 pub(crate) struct CardLimits {
@@ -88,6 +102,11 @@ impl EngineArguments {
             return of_card(self.device.as_deref()).map(Some);
         }
         Ok(None)
+    }
+
+    /// Its name, where it is not the default one.
+    pub(crate) fn unusual(&self) -> Option<&str> {
+        (self.engine != Cpu.name()).then_some(self.engine.as_str())
     }
 
     /// The engine of that name.

@@ -1,7 +1,6 @@
 //! How a command ends, and the exit code scripts see.
 
 use miette::Report;
-use std::process::ExitCode;
 
 /// A command that ended without failing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,13 +46,13 @@ impl Failure {
 }
 
 /// The exit code of an ending.
-pub(crate) fn exit_code(ending: &Ending) -> ExitCode {
-    ExitCode::from(match ending {
+pub(crate) fn exit_code(ending: &Ending) -> u8 {
+    match ending {
         Ok(Outcome::Done) => 0,
         Err(Failure::Failed(_) | Failure::Told) => 1,
         Err(Failure::BadInput(_)) => 2,
         #[cfg(feature = "mpi")]
         Err(Failure::ToldOfBadInput) => 2,
         Ok(Outcome::Stopped) => 130,
-    })
+    }
 }

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Particles that can be run here now: by what the machine has free, and what the process and its control group may take.
-pub(crate) fn particle_limit() -> f64 {
+pub fn particle_limit() -> f64 {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let free = read("/proc/meminfo").and_then(|text| available_bytes(&text));
     let addresses = read("/proc/self/limits").zip(read("/proc/self/status"));
@@ -90,7 +90,8 @@ pub(crate) fn note_rank(rank: usize) {
 
 /// The allocator of the system, which ends the program with a message and exit code 1 where there is no more memory. What a run has written is
 /// complete then, as at any moment.
-pub(crate) struct OrEnd;
+#[derive(Clone, Copy, Debug)]
+pub struct OrEnd;
 
 impl OrEnd {
     fn or_end(pointer: *mut u8, bytes: usize) -> *mut u8 {

@@ -44,6 +44,18 @@ pub(crate) fn report(report: &Report) {
     let _ = write!(io::stderr(), "{:?}", Shown(&Plain::of(report.as_ref())));
 }
 
+/// A diagnostic as a terminal without colours shows it, for whoever shows it elsewhere.
+pub fn text_of(diagnostic: &dyn Diagnostic) -> String {
+    struct Uncoloured<'a>(Plain<'a>);
+    impl fmt::Debug for Uncoloured<'_> {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            let options = MietteHandlerOpts::new().color(false).unicode(true).width(100).force_graphical(true);
+            options.build().debug(&self.0, f)
+        }
+    }
+    format!("{:?}", Uncoloured(Plain::of(diagnostic))).trim_end().to_owned()
+}
+
 /// The text with everything written out that would do something to a terminal, but for ends of lines and tabs.
 pub(crate) fn plain(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());

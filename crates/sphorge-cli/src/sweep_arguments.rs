@@ -1,0 +1,138 @@
+//! Several runs of a deck: arguments of the commands that make them, and what is said meanwhile.
+
+use crate::{
+    commands::run::parse_threads,
+    engine_arguments::EngineArguments,
+    failure::{Ending, Failure, Outcome},
+    readable,
+    signals::StopFlag,
+    terminal,
+};
+use clap::Args;
+use miette::{IntoDiagnostic, WrapErr};
+use sphorge::sweep::{self, Planned, Process, Sweep, SweepError, SweepEvent, SweepTable};
+use std::{
+    ffi::OsString,
+    sync::{Arc, atomic::AtomicBool},
+};
+
+/// How the runs are made.
+#[derive(Debug, Args)]
+pub(crate) struct SweepRunArguments {
+    /// Number of runs at the same time
+    #[arg(short, long, value_name = "N", default_value_t = 1, value_parser = parse_threads)]
+    jobs: usize,
+    /// Number of threads of each run [default: all processors, divided by --jobs]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    threads: Option<usize>,
+    #[command(flatten)]
+    pub(crate) engine: EngineArguments,
+    /// Make runs again that are in the output folder
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// List the runs that would be made, and make none
+    #[arg(long)]
+    dry_run: bool,
+    /// Print no progress; errors are printed
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// What is wrong with a sweep is bad input, unless its folder cannot be written.
+pub(crate) fn failure(error: SweepError) -> Failure {
+    Failure::BadInput(error.into())
+}
+
+impl SweepRunArguments {
+    /// Makes the runs and returns the table of all, or how the command ends without.
+    pub(crate) fn execute(&self, sweep: &Sweep, program: &[OsString]) -> Result<(SweepTable, bool), Ending> {
+        let count = sweep.runs.len();
+        let due = sweep.runs.iter().filter(|run| run.planned != Planned::Nothing).count();
+        if self.dry_run {
+            return Err(self.list(sweep));
+        }
+        let processors = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let at_once = self.jobs.min(due.max(1));
+        let process = Process {
+            program: program.to_vec(),
+            at_once,
+            threads: self.threads.unwrap_or((processors / at_once).max(1)),
+            engine: self.engine.unusual().map(str::to_owned),
+            device: self.engine.device().map(str::to_owned),
+        };
+        let say = |text: &str| {
+            if !self.quiet {
+                terminal::note(text);
+            }
+        };
+        let there = if due < count { format!(", {} of them are there", count - due) } else { String::new() };
+        say(&format!(
+            "{count} runs in {}{there}; {at_once} at once, on {} each",
+            terminal::path(&sweep.folder),
+            readable::threads(process.threads)
+        ));
+        let is_quiet = self.quiet;
+        let asked = move || {
+            if !is_quiet {
+                terminal::note("stopping after these steps (a second signal quits at once)");
+            }
+        };
+        let stop = StopFlag::new(Arc::new(AtomicBool::new(false)), asked)
+            .into_diagnostic()
+            .wrap_err("cannot catch Ctrl-C")
+            .map_err(|error| Err(Failure::Failed(error)))?;
+        let tell = |event: SweepEvent<'_>| match event {
+            SweepEvent::Begins(k) => {
+                let what = if sweep.runs[k].planned == Planned::Resume { "goes on" } else { "begins" };
+                say(&format!("run {} of {count} {what}: {}", k + 1, sweep.runs[k].name));
+            }
+            SweepEvent::Ended(k, row) => {
+                let seconds = row.summary.as_ref().map_or(0.0, |summary| summary.wall_seconds);
+                let status = row.status();
+                say(&format!("run {} of {count} {status} after {}", k + 1, readable::duration(seconds)));
+                if let Some(told) = &row.told {
+                    terminal::note_lines(&format!("{}:\n{told}", row.run));
+                }
+            }
+        };
+        let table = sweep::execute(sweep, &process, stop.flag(), &tell);
+        stop.finish();
+        let is_stopped = stop.flag().load(std::sync::atomic::Ordering::Relaxed);
+        table.map(|table| (table, is_stopped)).map_err(|error| Err(Failure::Failed(error.into())))
+    }
+
+    /// Lists what would be run.
+    fn list(&self, sweep: &Sweep) -> Ending {
+        let what = |planned| match planned {
+            Planned::New => "run",
+            Planned::Again => "run again",
+            Planned::Resume => "resume",
+            Planned::Nothing => "there",
+        };
+        let lines = sweep
+            .runs
+            .iter()
+            .map(|run| format!("{:<9}  {}\n", what(run.planned), terminal::path(&sweep.directory(run))));
+        terminal::print(&lines.collect::<String>())?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// How a command that has made runs ends.
+pub(crate) fn conclude(table: &SweepTable, is_stopped: bool) -> Ending {
+    let incomplete = table.rows.iter().filter(|row| !row.is_complete()).count();
+    match incomplete {
+        0 => Ok(Outcome::Done),
+        _ if is_stopped => {
+            terminal::note("stopped; the same command goes on where it was");
+            Ok(Outcome::Stopped)
+        }
+        _ => {
+            terminal::note(&format!(
+                "{incomplete} of {} runs have not reached their end; one that failed is made again when its folder is removed, or all are with --overwrite",
+                table.rows.len()
+            ));
+            Err(Failure::Told)
+        }
+    }
+}
