@@ -39,7 +39,7 @@ mod tests;
 
 pub use advice::{Advice, advice};
 pub use argument::{quantity_of_key, read_quantity};
-pub use load::{Setup, load, load_model, load_text, load_text_within};
+pub use load::{Setup, load, load_model, load_text, load_text_of, load_text_within, read_deck, with_overrides};
 pub use printable::moves_the_cursor;
 pub use report::{DeckReport, Problem};
 pub use schema::schema;

@@ -56,8 +56,31 @@ fn read_text(path: &Path) -> io::Result<String> {
 /// # Errors
 /// Everything that is wrong with the file, the overrides or the deck.
 pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) -> Result<Setup, DeckReport> {
+    load_text_of(path, &read_deck(path)?, overrides, most_particles)
+}
+
+/// The same of a file whose text has been read before.
+///
+/// # Errors
+/// Everything that is wrong with the overrides or the deck.
+pub fn load_text_of(
+    path: &Path,
+    text: &str,
+    overrides: &[(String, String)],
+    most_particles: f64,
+) -> Result<Setup, DeckReport> {
     let shown = path.display().to_string();
-    let text = read_text(path).map_err(|error| {
+    let name = path.file_stem().map_or_else(|| "deck".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    read(&shown, &name, text, path.parent(), overrides, most_particles)
+}
+
+/// The text of a deck file.
+///
+/// # Errors
+/// It cannot be read, is no text or too long.
+pub fn read_deck(path: &Path) -> Result<String, DeckReport> {
+    let shown = path.display().to_string();
+    read_text(path).map_err(|error| {
         let help = match error.kind() {
             _ if path.is_dir() => "this is a folder; name a deck, a .toml file",
             io::ErrorKind::InvalidData => "a deck is UTF-8 text",
@@ -65,9 +88,20 @@ pub fn load(path: &Path, overrides: &[(String, String)], most_particles: f64) ->
             _ => "check the path of the deck",
         };
         DeckReport::placeless(&shown, "unreadable", format!("cannot read `{shown}`: {error}"), Some(help.to_owned()))
-    })?;
-    let name = path.file_stem().map_or_else(|| "deck".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    read(&shown, &name, &text, path.parent(), overrides, most_particles)
+    })
+}
+
+/// The text of a deck with overrides worked in, whatever else may be wrong with it.
+///
+/// # Errors
+/// What is wrong with the overrides: an unknown key, an entry that the deck does not have.
+pub fn with_overrides(text: &str, overrides: &[(String, String)]) -> Result<String, DeckReport> {
+    match overrides::apply(text, overrides) {
+        // Reading it will tell.
+        None => Ok(text.to_owned()),
+        Some((changed, refused)) if refused.is_empty() => Ok(changed),
+        Some((_, refused)) => Err(DeckReport::joined("--set", refused)),
+    }
 }
 
 /// The model of a deck file, without particles.

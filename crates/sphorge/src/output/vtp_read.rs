@@ -64,6 +64,13 @@ pub struct FrameArray {
     whole_numbers: bool,
 }
 
+impl FrameArray {
+    /// Whether its values count or number something.
+    pub fn is_of_whole_numbers(&self) -> bool {
+        self.whole_numbers
+    }
+}
+
 /// Values of a field in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameColumn {

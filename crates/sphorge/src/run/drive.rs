@@ -149,7 +149,8 @@ pub(super) fn go_on(
     let mut last_report = None;
     let mut repeater = Repeater::new(&state.simulation);
     let reason = loop {
-        if let Some(reason) = state.end_reason().or_else(stopped) {
+        let is_left = observer.between_steps(&state.simulation).is_break();
+        if let Some(reason) = state.end_reason().or_else(|| is_left.then_some(EndReason::User)).or_else(stopped) {
             break reason;
         }
         let report = repeater.step(&mut Watched { state, observer })?;

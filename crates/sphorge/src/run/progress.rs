@@ -2,12 +2,13 @@
 
 use crate::{
     engine::{
-        LimitReason,
+        LimitReason, Simulation,
         persist::{Archive, ArchiveError, Persist},
     },
     output::WarningRecord,
 };
 use std::{
+    ops::ControlFlow,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -64,6 +65,11 @@ pub trait Observer: Send {
     fn started(&mut self, _start: &RunStart) {}
     /// Steps have been done.
     fn progressed(&mut self, _progress: &Progress) {}
+    /// The state before the first step and after each one, which can be read until this returns. Steps that turn out to be too large are taken back, and
+    /// then come again. A break ends the run as a stop by the user does.
+    fn between_steps(&mut self, _state: &Simulation) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
     /// Frame `index` at `time` (s) is written, or is being written while steps go on (cards).
     fn frame_written(&mut self, _index: usize, _time: f64) {}
     /// The state has been saved to a file, after a step, at a time (s).

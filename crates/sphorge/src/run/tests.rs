@@ -7,7 +7,7 @@ use crate::{
     deck::Setup,
     engine::{
         BodyLedger, Column, Energies, Engine, EngineKind, FieldSource, Ledger, LimitReason, Reduction, RunFailure,
-        SearchReport, TimeStepLimit, Unsupported,
+        SearchReport, Simulation, TimeStepLimit, Unsupported,
         persist::{Archive, ArchiveError, Persist},
         reduction::{self, QueuedSums},
     },
@@ -18,6 +18,7 @@ use crate::{
 };
 use std::{
     fs,
+    ops::ControlFlow,
     path::Path,
     sync::{
         Arc,
@@ -313,6 +314,35 @@ fn a_stopped_run_is_complete_up_to_where_it_was_stopped() {
     assert_eq!(observer.1, summary.steps);
     let (frames, rows) = times(&RunDirectory::open(&options.directory).unwrap());
     assert_eq!((frames, rows.len(), rows[0], rows[3]), (vec![0.0, 0.25], 4, 0.0, 0.25));
+}
+
+#[test]
+fn whoever_watches_reads_the_state_between_all_steps_and_can_end_the_run_there() {
+    struct Reader(Vec<(u64, f64)>, u64);
+    impl Observer for Reader {
+        fn between_steps(&mut self, state: &Simulation) -> ControlFlow<()> {
+            self.0.push((state.steps(), state.read("position").unwrap().component(1, 0)));
+            if state.steps() == self.1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let stop = AtomicBool::new(false);
+    let read = |name: &str, until: u64| {
+        let options = RunOptions { directory: folder.path().join(name), ..RunOptions::default() };
+        let mut reader = Reader(Vec::new(), until);
+        let summary = execute(setup(model()), &ClockworkKind(None), &options, &stop, &mut reader).unwrap();
+        (summary, reader.0)
+    };
+    let (stopped, states) = read("stopped", 5);
+    assert_eq!((stopped.status, stopped.end_reason, stopped.steps), (Status::Stopped, EndReason::User, 5));
+    let expected: Vec<_> = (0..=5).map(|step| (step, 3.0 * DT * step as f64)).collect();
+    assert!(states.iter().zip(&expected).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-12), "{states:?}");
+    assert_eq!(states.len(), expected.len());
+    // At the end of the deck it is the deck that ends the run.
+    let (whole, states) = read("whole", u64::MAX);
+    assert_eq!(states.len() as u64, whole.steps + 1);
+    let (ended, _) = read("ended", whole.steps);
+    assert_eq!((ended.status, ended.end_reason), (Status::Completed, EndReason::EndTime));
 }
 
 #[test]
