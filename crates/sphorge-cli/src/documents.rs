@@ -236,7 +236,7 @@ fn the_page_of_warnings_has_every_check_with_its_limit() {
 /// Shell lines that are not ours to parse, with the paths in them that must exist.
 fn is_known_shell(words: &[String]) -> bool {
     match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        [] | ["git", "clone", ..] | ["cd", ..] | ["paraview", ..] => true,
+        [] | ["git", "clone", ..] | ["cd", ..] | ["paraview", ..] | ["pip", "install", ..] => true,
         ["cargo", "test", "--workspace"] | ["cargo", "clippy", ..] | ["cargo", "doc", ..] => true,
         ["cargo", "build", "--release", "--features", "gpu" | "mpi"] => true,
         ["cargo", "test" | "mutants", "-p", package, ..] => root().join("crates").join(package).exists(),

@@ -1,0 +1,59 @@
+"""Sphorge: smoothed-particle hydrodynamics for metals that yield, flow and break.
+
+>>> import sphorge as sp
+>>> deck = sp.Deck("iron-plate")
+>>> deck["particles.spacing"] = "0.6 mm"
+>>> for frame in sp.Simulation(deck, out="out/a"):
+...     print(frame.time, frame["pressure"].max())
+>>> sp.Run("out/a").measures["height"]
+
+All numbers are in SI units. Errors are exceptions with the text of the command line.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _sphorge
+from ._deck import Catalogue, Deck, decks
+from ._errors import DeckError, FolderError, InternalError, Problem, RunFailed, SphorgeError, SphorgeWarning
+from ._run import Frame, Frames, History, Run
+from ._simulation import STOP, Simulation, State, fields
+from ._studies import Convergence, MeasureConvergence, Study, convergence, sweep
+
+__version__: str = _sphorge.__version__
+
+__all__ = [
+    "STOP",
+    "Convergence",
+    "Deck",
+    "DeckError",
+    "FolderError",
+    "Frame",
+    "Frames",
+    "History",
+    "InternalError",
+    "MeasureConvergence",
+    "Problem",
+    "Run",
+    "RunFailed",
+    "Simulation",
+    "SphorgeError",
+    "SphorgeWarning",
+    "State",
+    "Study",
+    "convergence",
+    "decks",
+    "fields",
+    "materials",
+    "sweep",
+]
+
+
+def __getattr__(name: str) -> Any:
+    # The catalogue takes a moment to read.
+    if name == "materials":
+        catalogue = Catalogue(_sphorge.materials())
+        globals()["materials"] = catalogue
+        return catalogue
+    raise AttributeError(f"module 'sphorge' has no attribute {name!r}")

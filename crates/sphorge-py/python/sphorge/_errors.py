@@ -1,0 +1,65 @@
+"""Exceptions, each with the text that a terminal would show."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class SphorgeError(Exception):
+    """Something that Sphorge cannot do, and what to do about it.
+
+    ``str(error)`` is what the command line prints, ``hint`` the remedy alone.
+    """
+
+    hint: str | None = None
+
+    def __init__(self, text: str = "", *, hint: str | None = None, **details: object) -> None:
+        super().__init__(text)
+        self.hint = hint or None
+        for name, value in details.items():
+            setattr(self, name, value)
+
+
+class Problem(NamedTuple):
+    """A fault of a deck."""
+
+    message: str
+    line: int | None
+    hint: str | None
+    code: str
+
+
+class DeckError(SphorgeError, ValueError):
+    """A deck that cannot be used. ``problems`` has all of its faults; ``line`` and ``hint`` are those of the first one."""
+
+    def __init__(self, text: str = "", *, problems: list[tuple[str, int | None, str | None, str]] | None = None) -> None:
+        self.problems: list[Problem] = [Problem(*problem) for problem in problems or []]
+        first = self.problems[0] if self.problems else None
+        super().__init__(text, hint=first.hint if first else None)
+        self.line: int | None = first.line if first else None
+
+
+class FolderError(SphorgeError, OSError):
+    """A folder or file that cannot be read, written or replaced."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ""
+
+
+class RunFailed(SphorgeError):
+    """A run whose solution broke down. What it has written up to then is complete."""
+
+    step: int = 0
+    time: float = 0.0
+    field: str | None = None
+    particle: int | None = None
+    body: str | None = None
+    position: list[float] | None = None
+
+
+class InternalError(SphorgeError):
+    """A fault of Sphorge itself."""
+
+
+class SphorgeWarning(UserWarning):
+    """A check has found a run broken."""

@@ -1,0 +1,262 @@
+"""Runs on the disk: finished, stopped or under way."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+from . import _sphorge
+from ._arrays import array
+
+if TYPE_CHECKING:
+    from ._arrays import Array
+
+
+class Frame(Mapping[str, "Array"]):
+    """All particles at one time, read from the disk when it is asked for. Particles are in the order of their ids.
+
+    >>> pressure = frame["pressure"]            # an array of its own, in the unit frame.units["pressure"]
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self._frame = _sphorge.Frame(self.path)
+        self._fields = {name: (unit, components) for name, unit, components in self._frame.fields}
+
+    @property
+    def time(self) -> float:
+        """Time, s."""
+        return self._frame.time
+
+    @property
+    def step(self) -> int:
+        """Steps done."""
+        return self._frame.step
+
+    @property
+    def dimensions(self) -> int:
+        """Number of space dimensions."""
+        return self._frame.dimensions
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return self._frame.count
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of the bodies: what the numbers of the field ``body`` stand for."""
+        return [name for name, _ in self._frame.bodies]
+
+    @property
+    def materials(self) -> list[str]:
+        """Names of their materials."""
+        return [material for _, material in self._frame.bodies]
+
+    @property
+    def positions(self) -> Array:
+        """Positions of the particles, (particles, 3), m, in double precision."""
+        return array(self._frame.positions())
+
+    @property
+    def units(self) -> dict[str, str]:
+        """SI unit of each field, empty for pure numbers."""
+        return {name: unit for name, (unit, _) in self._fields.items()}
+
+    def components(self, field: str) -> list[str]:
+        """Names of the components of a field: of ``stress`` they are xx, yy, zz, xy, yz, xz. Empty for a scalar."""
+        return [component.lower() for component in self._known(field)[1]]
+
+    def _known(self, field: str) -> tuple[str, list[str]]:
+        try:
+            return self._fields[field]
+        except KeyError:
+            raise KeyError(f"the frame has no field `{field}`; it has: {', '.join(self._fields)}") from None
+
+    def __getitem__(self, field: str) -> Array:
+        self._known(field)
+        return array(self._frame.column(field))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fields)
+
+    def __len__(self) -> int:
+        return len(self._fields)
+
+    def to_pyvista(self) -> Any:
+        """The particles as ``pyvista.PolyData`` with all fields. Draw them with ``style="points_gaussian"`` or ``render_points_as_spheres=True``."""
+        pyvista = _needs("pyvista")
+        points = pyvista.PolyData(self.positions)
+        for field in self:
+            points.point_data[field] = self[field]
+        return points
+
+    def __repr__(self) -> str:
+        return f"<sphorge.Frame at {self.time:g} s, {self.count} particles>"
+
+
+class Frames(Sequence[Frame]):
+    """The frames of a run, each opened when it is asked for."""
+
+    def __init__(self, listed: list[tuple[float, str]]) -> None:
+        self._listed = listed
+
+    @property
+    def times(self) -> list[float]:
+        """Times of the frames, s."""
+        return [time for time, _ in self._listed]
+
+    def nearest(self, time: float | str) -> Frame:
+        """The frame nearest to a time, in s or a text such as ``"12 us"``."""
+        at = _seconds(time)
+        return Frame(min(self._listed, key=lambda frame: abs(frame[0] - at))[1])
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> Frames: ...
+    def __getitem__(self, index: int | slice) -> Frame | Frames:
+        if isinstance(index, slice):
+            return Frames(self._listed[index])
+        return Frame(self._listed[index][1])
+
+    def __len__(self) -> int:
+        return len(self._listed)
+
+    def __repr__(self) -> str:
+        return f"<sphorge.Frames: {len(self)}>"
+
+
+class History(Mapping[str, "Array"]):
+    """The history of a run: an array for each column, in SI, with ``units`` and ``meanings``."""
+
+    def __init__(self, columns: list[tuple[str, str, str, bytearray]]) -> None:
+        self._columns = {name: array((values, "f8", 1)) for name, _, _, values in columns}
+        self.units: dict[str, str] = {name: unit for name, unit, _, _ in columns}
+        self.meanings: dict[str, str] = {name: meaning for name, _, meaning, _ in columns}
+
+    def __getitem__(self, column: str) -> Array:
+        try:
+            return self._columns[column]
+        except KeyError:
+            raise KeyError(f"the history has no column `{column}`; it has: {', '.join(self._columns)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame``; ``attrs["units"]`` has the units."""
+        frame = _needs("pandas").DataFrame(self._columns)
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def to_polars(self) -> Any:
+        """A ``polars.DataFrame``."""
+        return _needs("polars").DataFrame(self._columns)
+
+    def __repr__(self) -> str:
+        rows = len(next(iter(self._columns.values()), []))
+        return f"<sphorge.History: {rows} rows of {', '.join(self._columns)}>"
+
+
+class Run:
+    """The folder of a run, whoever has made it; what has not been read yet is read when it is asked for.
+
+    >>> run = sphorge.Run("out/iron-plate")
+    >>> run.measures["height"], run.frames[-1]["plastic_strain"].max()
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+        # What is no folder of a run is told at once.
+        _sphorge.summary(self.folder)
+
+    @property
+    def summary(self) -> dict[str, Any] | None:
+        """All of ``summary.json``; ``None`` while the run has not ended."""
+        text = _sphorge.summary(self.folder)
+        return None if text is None else json.loads(text)
+
+    def _ended(self) -> dict[str, Any]:
+        return self.summary or {}
+
+    @property
+    def status(self) -> str:
+        """``completed``, ``completed with warnings``, ``stopped``, ``failed``, or ``unfinished``: it runs, or was killed."""
+        status: str = self._ended().get("status", "unfinished")
+        return status
+
+    @property
+    def measures(self) -> dict[str, float | None]:
+        """Measures at the end, SI; ``measure_units`` has the units. Empty while the run has not ended: the history has them."""
+        measures: dict[str, float | None] = self._ended().get("measures", {})
+        return measures
+
+    @property
+    def measure_units(self) -> dict[str, str]:
+        """SI units of the measures."""
+        measure_units: dict[str, str] = self._ended().get("measure_units", {})
+        return measure_units
+
+    @property
+    def warnings(self) -> list[dict[str, Any]]:
+        """What checks have found broken."""
+        warnings: list[dict[str, Any]] = self._ended().get("warnings", [])
+        return warnings
+
+    @property
+    def history(self) -> History:
+        """The history up to now."""
+        return History(_sphorge.history(self.folder))
+
+    @property
+    def frames(self) -> Frames:
+        """The frames up to now."""
+        return Frames([(time, os.fspath(path)) for time, path in _sphorge.frames(self.folder)])
+
+    @property
+    def deck(self) -> str:
+        """Text of the deck as it was run."""
+        return (self.folder / "deck.toml").read_text(encoding="utf-8")
+
+    def to_xarray(self, fields: Sequence[str] | None = None) -> Any:
+        """All frames as an ``xarray.Dataset`` over ``time`` and ``particle``, with units in ``attrs``; of some fields, if they are named."""
+        import numpy as np
+
+        xarray = _needs("xarray")
+        frames = list(self.frames)
+        names = list(frames[0]) if fields is None else list(fields)
+        axis = np.array(["x", "y", "z"])
+        stacked = np.stack([frame.positions for frame in frames])
+        variables: dict[str, Any] = {"positions": (("time", "particle", "axis"), stacked, {"units": "m"})}
+        coordinates: dict[str, Any] = {"time": ("time", [frame.time for frame in frames], {"units": "s"}), "axis": axis}
+        for name in names:
+            values = np.stack([frame[name] for frame in frames])
+            components = frames[0].components(name)
+            dimensions = ("time", "particle") + ((f"{name}_component",) if components else ())
+            if components:
+                coordinates[f"{name}_component"] = components
+            variables[name] = (dimensions, values, {"units": frames[0].units[name]})
+        return xarray.Dataset(variables, coordinates)
+
+    def __repr__(self) -> str:
+        return f"<sphorge.Run {os.fspath(self.folder)!r}: {self.status}>"
+
+
+def _needs(package: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        raise ImportError(f"this needs the package {package}: pip install {package}") from error
+
+
+def _seconds(time: float | str) -> float:
+    return _sphorge.quantity(time, "s") if isinstance(time, str) else float(time)

@@ -1,0 +1,165 @@
+"""Studies: one deck with other values."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _sphorge, _toml
+from ._deck import Deck, _as_deck
+from ._errors import SphorgeError
+from ._run import Run, _needs
+
+if TYPE_CHECKING:
+    from ._arrays import Array
+
+
+class Study:
+    """The runs of a sweep. ``table`` has a list or array for each column: run, varied keys, status, warnings, measures, seconds, all in SI."""
+
+    def __init__(self, folder: Path, told: dict[str, Any]) -> None:
+        import numpy as np
+
+        #: Folder that the folders of the runs are in; ``sweep.csv`` there is the same table.
+        self.folder = folder
+        #: Columns by name.
+        self.table: dict[str, Array | list[str]] = {
+            name: np.array(values) if values and isinstance(values[0], float) else values for name, values in told["columns"].items()
+        }
+        #: SI unit of each column that has numbers.
+        self.units: dict[str, str] = told["units"]
+        #: Keys that were varied.
+        self.keys: list[str] = told["keys"]
+        #: Names of the measures.
+        self.measures: list[str] = told["measures"]
+        #: What the program told of each run that it could not make.
+        self.told: list[str | None] = told["told"]
+        self._text: str = told["text"]
+
+    @property
+    def runs(self) -> list[Run]:
+        """The runs in the order of the table, as far as their folders are there."""
+        return [Run(self.folder / name) for name in self.table["run"] if (self.folder / name).is_dir()]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all runs have reached their end."""
+        return all(status.startswith("completed") for status in self.table["status"])
+
+    def to_pandas(self) -> Any:
+        """The table as ``pandas.DataFrame``; ``attrs["units"]`` has the units."""
+        frame = _needs("pandas").DataFrame(self.table)
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def to_polars(self) -> Any:
+        """The table as ``polars.DataFrame``."""
+        return _needs("polars").DataFrame(self.table)
+
+    def __len__(self) -> int:
+        return len(self.table["run"])
+
+    def __repr__(self) -> str:
+        return self._text
+
+
+class MeasureConvergence(NamedTuple):
+    """A measure over spacings. ``order`` and ``limit`` are ``None`` where ``why_not`` says why."""
+
+    unit: str
+    values: Array
+    order: float | None
+    limit: float | None
+    why_not: str | None
+
+
+class Convergence(Study):
+    """Runs at several spacings, coarse to fine, with the order and limit of each measure: ``convergence["height"].limit``."""
+
+    def __init__(self, folder: Path, told: dict[str, Any]) -> None:
+        import numpy as np
+
+        super().__init__(folder, told)
+        self._measures = {
+            name: MeasureConvergence(**{**of, "values": np.array(of["values"])}) for name, of in told["convergence"].items()
+        }
+
+    def __getitem__(self, measure: str) -> MeasureConvergence:
+        try:
+            return self._measures[measure]
+        except KeyError:
+            raise KeyError(f"there is no measure `{measure}`; there are: {', '.join(self._measures)}") from None
+
+
+def _values(key: Any, values: Any) -> tuple[str, list[str]]:
+    if not isinstance(key, str):
+        raise TypeError(f"keys of a deck are texts, not {type(key).__name__}")
+    if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+        raise TypeError(f"the values of `{key}` are a list, not {type(values).__name__}")
+    return key, [_toml.override(_toml._plain(value), key) for value in values]
+
+
+def _making(workers: int, threads: int | None) -> dict[str, Any]:
+    for name, number in (("workers", workers), ("threads", threads)):
+        if number is not None and (isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 4096):
+            raise ValueError(f"{name} is a whole number from 1 to 4096, not {number!r}")
+    return {"jobs": workers, "threads": threads}
+
+
+def _program() -> list[str]:
+    """The command that is the program ``sphorge``."""
+    if not sys.executable:
+        raise SphorgeError("this Python does not know its own executable, which the runs of a study are started by")
+    return [sys.executable, "-m", "sphorge"]
+
+
+def sweep(
+    deck: Deck | str | os.PathLike[str] | Mapping[str, Any],
+    varied: Mapping[str, Iterable[Any]],
+    out: str | os.PathLike[str] | None = None,
+    *,
+    workers: int = 1,
+    threads: int | None = None,
+    engine: str = "cpu",
+    device: str | None = None,
+    overwrite: bool = False,
+) -> Study:
+    """Runs a deck with every combination of values, each in a process and a folder of its own, ``workers`` at once; what is there is not run again.
+
+    >>> study = sphorge.sweep("iron-plate", {"body.bar.velocity.1": ["-150 m/s", "-200 m/s"]}, workers=2)
+    >>> study.table["height"]
+    """
+    deck = _as_deck(deck)
+    if not isinstance(varied, Mapping):
+        raise TypeError(f"what is varied is a dict of keys and their values, not {type(varied).__name__}")
+    folder = Path("out") / f"{deck.name}-sweep" if out is None else Path(out)
+    values = [_values(key, of) for key, of in varied.items()]
+    making = _making(workers, threads)
+    told = _sphorge.sweep(deck._deck, values, folder, _program(), **making, engine=engine, device=device, overwrite=overwrite)
+    return Study(folder, told)
+
+
+def convergence(
+    deck: Deck | str | os.PathLike[str] | Mapping[str, Any],
+    spacings: Iterable[Any],
+    out: str | os.PathLike[str] | None = None,
+    *,
+    workers: int = 1,
+    threads: int | None = None,
+    engine: str = "cpu",
+    device: str | None = None,
+    overwrite: bool = False,
+) -> Convergence:
+    """Runs a deck at several spacings: observed order and Richardson's limit of every measure.
+
+    >>> sphorge.convergence("iron-plate", ["1.2 mm", "0.6 mm", "0.3 mm"])["height"].limit
+    """
+    deck = _as_deck(deck)
+    folder = Path("out") / f"{deck.name}-convergence" if out is None else Path(out)
+    _, values = _values("particles.spacing", spacings)
+    making = _making(workers, threads)
+    told = _sphorge.convergence(deck._deck, values, folder, _program(), **making, engine=engine, device=device, overwrite=overwrite)
+    return Convergence(folder, told)

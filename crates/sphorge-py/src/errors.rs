@@ -1,0 +1,124 @@
+//! Exceptions: classes of the Python file `_errors.py`, with the text that a terminal would show.
+
+use miette::Diagnostic;
+use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
+use sphorge::{
+    deck::DeckReport,
+    output::{FailureRecord, OutputError},
+    run::{ResumeError, RunError},
+    sweep::SweepError,
+};
+use sphorge_cli::text_of;
+
+/// An exception of a class of `_errors.py`, with a text and what else is known.
+fn make(py: Python<'_>, class: &str, text: &str, fill: impl FnOnce(&Bound<'_, PyDict>) -> PyResult<()>) -> PyErr {
+    let made = || -> PyResult<PyErr> {
+        let details = PyDict::new(py);
+        fill(&details)?;
+        let class = py.import("sphorge._errors")?.getattr(class)?;
+        Ok(PyErr::from_value(class.call((text,), Some(&details))?))
+    };
+    // Not even the class could be had.
+    made().unwrap_or_else(|error| error)
+}
+
+fn hint_of(diagnostic: &dyn Diagnostic) -> Option<String> {
+    diagnostic.help().map(|help| help.to_string()).or_else(|| diagnostic.diagnostic_source().and_then(hint_of))
+}
+
+/// One of our errors with its text and what to do.
+fn plain(py: Python<'_>, class: &str, diagnostic: &dyn Diagnostic) -> PyErr {
+    make(py, class, &text_of(diagnostic), |details| details.set_item("hint", hint_of(diagnostic)))
+}
+
+/// Bad input that has no place in a deck.
+pub(crate) fn bad_input(py: Python<'_>, message: &str, hint: &str) -> PyErr {
+    make(py, "SphorgeError", message, |details| details.set_item("hint", hint))
+}
+
+/// What a diagnostic that has no type of its own says.
+pub(crate) fn report(py: Python<'_>, report: &miette::Report) -> PyErr {
+    plain(py, "SphorgeError", report.as_ref())
+}
+
+/// A fault of ours.
+pub(crate) fn internal(py: Python<'_>, message: &str) -> PyErr {
+    let text = format!("this is a bug in Sphorge: {message}\nPlease report it together with the deck.");
+    make(py, "InternalError", &text, |_| Ok(()))
+}
+
+/// Faults of a deck; `whole` is what they are told with.
+fn of_deck(py: Python<'_>, deck: &DeckReport, whole: &dyn Diagnostic) -> PyErr {
+    make(py, "DeckError", &text_of(whole), |details| {
+        let problems: Vec<_> = deck
+            .problems()
+            .iter()
+            .map(|problem| (problem.to_string(), problem.line(), problem.help().map(str::to_owned), problem.code()))
+            .collect();
+        details.set_item("problems", problems)
+    })
+}
+
+/// Faults of a deck.
+pub(crate) fn deck(py: Python<'_>, report: &DeckReport) -> PyErr {
+    of_deck(py, report, report)
+}
+
+/// Trouble with files.
+pub(crate) fn output(py: Python<'_>, error: &OutputError) -> PyErr {
+    plain(py, "FolderError", error)
+}
+
+/// A run that could not be made, or failed.
+pub(crate) fn run(py: Python<'_>, error: &RunError) -> PyErr {
+    match error {
+        RunError::Failed { failure, .. } => failed(py, failure, error),
+        RunError::Directory(error) => output(py, error),
+        RunError::Output { .. } => plain(py, "FolderError", error),
+        RunError::Threads { .. } | RunError::Unsupported { .. } | RunError::Start { .. } => {
+            plain(py, "SphorgeError", error)
+        }
+    }
+}
+
+fn failed(py: Python<'_>, failure: &FailureRecord, error: &RunError) -> PyErr {
+    make(py, "RunFailed", &text_of(error), |details| {
+        details.set_item("hint", hint_of(error))?;
+        details.set_item("step", failure.step)?;
+        details.set_item("time", failure.time)?;
+        details.set_item("field", failure.field.as_deref())?;
+        details.set_item("particle", failure.particle)?;
+        details.set_item("body", failure.body.as_deref())?;
+        details.set_item("position", failure.position)
+    })
+}
+
+/// A run that could not go on.
+pub(crate) fn resume(py: Python<'_>, error: &ResumeError) -> PyErr {
+    match error {
+        ResumeError::Run(error) => run(py, error),
+        ResumeError::Deck(report) => deck(py, report),
+        ResumeError::Directory(error) => output(py, error),
+        ResumeError::NoCheckpoint { .. }
+        | ResumeError::NotChangeable { .. }
+        | ResumeError::Ended { .. }
+        | ResumeError::EndPassed { .. } => plain(py, "SphorgeError", error),
+    }
+}
+
+/// A sweep that could not be made.
+pub(crate) fn sweep(py: Python<'_>, error: &SweepError) -> PyErr {
+    match error {
+        SweepError::Deck { source, .. } => of_deck(py, source, error),
+        SweepError::Output(error) => output(py, error),
+        SweepError::Another { .. } => plain(py, "FolderError", error),
+        SweepError::Varied { .. } | SweepError::Unsupported { .. } | SweepError::Unknown { .. } => {
+            plain(py, "SphorgeError", error)
+        }
+    }
+}
+
+/// Something that an object of Python cannot be asked now.
+pub(crate) fn misuse(message: &str) -> PyErr {
+    PyRuntimeError::new_err(message.to_owned())
+}

@@ -1,0 +1,155 @@
+//! Studies of several runs.
+
+use crate::{deck::Deck, errors, guard};
+use pyo3::{prelude::*, types::PyDict};
+use sphorge::{
+    engine::EngineKind,
+    sweep::{Convergence, Process, Sweep, SweepTable, Varied, execute, spaced},
+};
+use sphorge_cli::engine_of;
+use std::{
+    ffi::OsString,
+    path::PathBuf,
+    sync::{Arc, atomic::AtomicBool},
+};
+
+/// How the runs are made.
+struct Making {
+    kind: Arc<dyn EngineKind>,
+    process: Process,
+}
+
+impl Making {
+    fn new(
+        py: Python<'_>,
+        program: Vec<OsString>,
+        jobs: usize,
+        threads: Option<usize>,
+        engine: &str,
+        device: Option<String>,
+    ) -> PyResult<Self> {
+        let kind = engine_of(engine, device.as_deref()).map_err(|report| errors::report(py, &report))?;
+        let processors = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let at_once = jobs.max(1);
+        let threads = threads.unwrap_or((processors / at_once).max(1));
+        let engine = (engine != "cpu").then(|| engine.to_owned());
+        Ok(Self { kind, process: Process { program, at_once, threads, engine, device } })
+    }
+
+    /// Makes the runs; Ctrl-C lets those under way save their states.
+    fn make(self, py: Python<'_>, sweep: Sweep) -> PyResult<SweepTable> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&stop);
+        let process = self.process;
+        let made = guard::interruptible(py, &stop, move || execute(&sweep, &process, &flag, &|_| ()))?;
+        made.map_err(|error| errors::sweep(py, &error))
+    }
+}
+
+/// A table as columns, each with its name and unit.
+fn told<'py>(py: Python<'py>, table: &SweepTable) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    let units = PyDict::new(py);
+    columns.set_item("run", table.rows.iter().map(|row| row.run.as_str()).collect::<Vec<_>>())?;
+    for (k, key) in table.keys.iter().enumerate() {
+        let numbers: Option<Vec<f64>> = table.rows.iter().map(|row| row.numbers[k]).collect();
+        match numbers {
+            Some(numbers) => columns.set_item(&key.name, numbers)?,
+            None => {
+                columns.set_item(&key.name, table.rows.iter().map(|row| row.values[k].as_str()).collect::<Vec<_>>())?
+            }
+        }
+        units.set_item(&key.name, &key.unit)?;
+    }
+    columns.set_item("status", table.rows.iter().map(|row| row.status()).collect::<Vec<_>>())?;
+    columns.set_item("warnings", table.rows.iter().map(|row| row.warnings().join(" ")).collect::<Vec<_>>())?;
+    for measure in &table.measures {
+        let values = table.rows.iter().map(|row| row.measure(&measure.name).unwrap_or(f64::NAN));
+        columns.set_item(&measure.name, values.collect::<Vec<_>>())?;
+        units.set_item(&measure.name, &measure.unit)?;
+    }
+    let seconds = table.rows.iter().map(|row| row.summary.as_ref().map_or(f64::NAN, |summary| summary.wall_seconds));
+    columns.set_item("wall_seconds", seconds.collect::<Vec<_>>())?;
+    units.set_item("wall_seconds", "s")?;
+    let dict = PyDict::new(py);
+    dict.set_item("columns", columns)?;
+    dict.set_item("units", units)?;
+    dict.set_item("keys", table.keys.iter().map(|key| key.name.as_str()).collect::<Vec<_>>())?;
+    dict.set_item("measures", table.measures.iter().map(|of| of.name.as_str()).collect::<Vec<_>>())?;
+    dict.set_item("told", table.rows.iter().map(|row| row.told.clone()).collect::<Vec<_>>())?;
+    dict.set_item("text", table.to_string())?;
+    Ok(dict)
+}
+
+/// Makes every combination of values that is not there yet, and returns the table.
+#[pyfunction]
+#[pyo3(signature = (deck, varied, folder, program, *, jobs, threads, engine, device, overwrite))]
+pub(crate) fn sweep<'py>(
+    py: Python<'py>,
+    deck: PyRef<'py, Deck>,
+    varied: Vec<(String, Vec<String>)>,
+    folder: PathBuf,
+    program: Vec<OsString>,
+    jobs: usize,
+    threads: Option<usize>,
+    engine: &str,
+    device: Option<String>,
+    overwrite: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let making = Making::new(py, program, jobs, threads, engine, device)?;
+    let varied: Vec<Varied> = varied.into_iter().map(|(key, values)| Varied { key, values }).collect();
+    let (deck, kind) = (without(&deck, varied.iter().map(|of| of.key.as_str()), py)?, Arc::clone(&making.kind));
+    let planned =
+        guard::in_pool(py, move || Sweep::plan(|set| deck.load_with(set), varied, &folder, &*kind, overwrite));
+    let sweep = planned?.map_err(|error| errors::sweep(py, &error))?;
+    told(py, &making.make(py, sweep)?)
+}
+
+/// A copy of a deck that sets none of these keys, which would be set twice.
+fn without<'a>(deck: &Deck, mut keys: impl Iterator<Item = &'a str>, py: Python<'_>) -> PyResult<Deck> {
+    match keys.find(|key| deck.sets(key)) {
+        Some(key) => {
+            Err(errors::bad_input(py, &format!("`{key}` is set and varied"), "leave it out of one of the two"))
+        }
+        None => Ok(deck.clone()),
+    }
+}
+
+/// Makes the runs at several spacings that are not there yet; returns the table, and order and limit of each measure.
+#[pyfunction]
+#[pyo3(signature = (deck, spacings, folder, program, *, jobs, threads, engine, device, overwrite))]
+pub(crate) fn convergence<'py>(
+    py: Python<'py>,
+    deck: PyRef<'py, Deck>,
+    spacings: Vec<String>,
+    folder: PathBuf,
+    program: Vec<OsString>,
+    jobs: usize,
+    threads: Option<usize>,
+    engine: &str,
+    device: Option<String>,
+    overwrite: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let making = Making::new(py, program, jobs, threads, engine, device)?;
+    let (deck, kind) = (without(&deck, ["particles.spacing"].into_iter(), py)?, Arc::clone(&making.kind));
+    let to = folder.clone();
+    let planned = guard::in_pool(py, move || spaced(|set| deck.load_with(set), &spacings, &to, &*kind, overwrite));
+    let spaced = planned?.map_err(|error| errors::sweep(py, &error))?;
+    let table = making.make(py, spaced.sweep)?;
+    let convergence = Convergence::of(&table);
+    convergence.write(&folder).map_err(|error| errors::output(py, &error))?;
+    let dict = told(py, &table)?;
+    let measures = PyDict::new(py);
+    for measure in &convergence.measures {
+        let of = PyDict::new(py);
+        of.set_item("unit", &measure.unit)?;
+        of.set_item("values", measure.values.iter().map(|x| x.unwrap_or(f64::NAN)).collect::<Vec<_>>())?;
+        of.set_item("order", measure.limit.ok().map(|of| of.0))?;
+        of.set_item("limit", measure.limit.ok().map(|of| of.1))?;
+        of.set_item("why_not", measure.limit.err())?;
+        measures.set_item(&measure.name, of)?;
+    }
+    dict.set_item("convergence", measures)?;
+    dict.set_item("text", format!("{table}\n{convergence}"))?;
+    Ok(dict)
+}

@@ -1,0 +1,48 @@
+"""What the tests share: a small deck, and a folder to work in."""
+
+from __future__ import annotations
+
+import pytest
+
+import sphorge as sp
+
+#: A plate on a wall: 190 particles, some thirty steps.
+PLATE = {
+    "title": "Small plate on a wall",
+    "dimensions": "plane-strain",
+    "method": "updated-lagrangian",
+    "particles": {"spacing": "1 mm"},
+    "time": {"end": "2 us"},
+    "output": {"frames": 4},
+    "body": [
+        {
+            "name": "plate",
+            "material": "armco-iron",
+            "shape": {"box": {"min": ["-4 mm", "0 mm"], "max": ["4 mm", "24 mm"]}},
+            "velocity": ["0 m/s", "-100 m/s"],
+        }
+    ],
+    "wall": [{"name": "anvil", "plane": {"point": ["0 mm", "0 mm"], "normal": [0, 1]}}],
+    "measure": [{"name": "height", "extent": {"body": "plate", "axis": "y"}}],
+}
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    """Each test works in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def deck():
+    return sp.Deck(PLATE, name="plate")
+
+
+@pytest.fixture
+def long_deck(deck):
+    """One that runs for minutes, with frames often."""
+    deck["time.end"] = "50 ms"
+    deck["output.frames"] = 50000
+    deck["body.plate.velocity"] = ["0 m/s", "0 m/s"]
+    return deck

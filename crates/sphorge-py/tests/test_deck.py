@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import PLATE
+
+import sphorge as sp
+
+
+def test_a_deck_is_a_name_a_path_a_dict_or_a_text(here, deck):
+    assert sp.Deck("iron-plate")["body.bar.material"] == "armco-iron"
+    (here / "own.toml").write_text(deck.text)
+    for path in ("own.toml", here / "own.toml"):
+        own = sp.Deck(path)
+        assert own.name == "own" and own.check()["particles"] == 192
+    assert sp.Deck.from_text(deck.text).check()["particles"] == 192
+    checked = deck.check()
+    assert checked["measures"] == ["height"] and checked["bodies"]["plate"]["particles"] == 192
+    assert checked["bodies"]["plate"]["mass"] == pytest.approx(8e-3 * 24e-3 * 7890, rel=1e-9)
+    assert "penetration" in sp.decks
+
+
+def test_keys_are_set_and_read(deck):
+    deck["particles.spacing"] = "2 mm"
+    deck["body.plate.velocity.1"] = -50.0
+    deck["body.0.temperature"] = np.float64(300.0)
+    deck["output.fields"] = ["pressure", "velocity"]
+    assert deck["particles.spacing"] == "2 mm" and deck["body.0.velocity"] == ["0 m/s", -50.0]
+    assert deck["body.plate.temperature"] == 300.0 and deck["output.fields"] == ["pressure", "velocity"]
+    assert "time.end" in deck and "time.courant" not in deck and 5 not in deck
+    with pytest.raises(KeyError, match="courant"):
+        deck["time.courant"]
+    copy = deck.copy()
+    copy["particles.spacing"] = "4 mm"
+    assert deck["particles.spacing"] == "2 mm" and copy["particles.spacing"] == "4 mm"
+
+
+def test_faults_are_those_of_the_command_line(deck):
+    with pytest.raises(sp.DeckError) as slip:
+        deck["particles.spaceing"] = "1 mm"
+    assert "unknown key `spaceing`" in str(slip.value) and slip.value.hint.startswith("did you mean `spacing`?")
+    assert isinstance(slip.value, (sp.SphorgeError, ValueError))
+    # It was not set.
+    deck.check()
+    wrong = sp.Deck.from_text(deck.text.replace('spacing = "1 mm"', 'spacing = "1 s"').replace("armco", "armko"))
+    with pytest.raises(sp.DeckError) as faults:
+        wrong.check()
+    error = faults.value
+    assert len(error.problems) == 2 and error.line == 1 + wrong.text[: wrong.text.index("spacing")].count("\n")
+    assert "expected a length" in error.problems[0].message and "armco-iron" in error.problems[1].hint
+    # As a terminal shows it, without colours.
+    assert '"1 s"' in str(error) and "─" in str(error) and "\x1b" not in str(error)
+
+
+@pytest.mark.parametrize("source", [None, 5, 1.5, b"iron-plate", ["iron-plate"], object()])
+def test_what_is_no_deck_is_a_type_error(source):
+    with pytest.raises(TypeError):
+        sp.Deck(source)
+    with pytest.raises(TypeError):
+        sp.Simulation(source)
+
+
+def test_what_is_not_there_is_told(here):
+    with pytest.raises(sp.SphorgeError, match="there is no deck `iron-plat`") as missing:
+        sp.Deck("iron-plat")
+    assert "did you mean `iron-plate`" in missing.value.hint
+    for path in ("none.toml", here, "a/b.toml", "nul\0.toml"):
+        with pytest.raises((sp.DeckError, ValueError)):
+            sp.Deck(path)
+    (here / "bytes.toml").write_bytes(b"title = \"\xff\"")
+    with pytest.raises(sp.DeckError, match="UTF-8"):
+        sp.Deck("bytes.toml")
+    with pytest.raises(sp.DeckError):
+        sp.Deck.from_text("title = ").check()
+
+
+@pytest.mark.parametrize(
+    "value",
+    [float("nan"), float("inf"), np.array([np.nan, np.nan]), np.array([[1.0, 2.0], [3.0, np.nan]]), [], {}, {"a": 1}, True, "", "\x1b[31m", "\ud800", -1e308],
+)
+def test_no_value_is_taken_for_what_it_is_not(deck, value):
+    for key in ("particles.spacing", "body.plate.velocity", "time.end", "body.plate.shape"):
+        changed = deck.copy()
+        with pytest.raises((sp.DeckError, UnicodeEncodeError)):
+            changed[key] = value
+            changed.check()
+
+
+@pytest.mark.parametrize("value", [None, object(), {1: 2}, {1, 2}, b"1 mm", 1j, np.array(["a"]).dtype])
+def test_values_that_decks_do_not_have_are_type_errors(deck, value):
+    with pytest.raises(TypeError):
+        deck["time.end"] = value
+    with pytest.raises(TypeError):
+        sp.Deck({"time": {"end": value}})
+
+
+def test_keys_that_are_no_paths_are_told(deck):
+    for key in ("", ".", "a..b", "body.9.velocity", "\0", "ü.ä", "x" * 10000):
+        with pytest.raises(sp.DeckError):
+            deck[key] = 1
+        with pytest.raises(KeyError):
+            deck[key]
+    for key in (None, 5, b"time.end", ("time", "end")):
+        with pytest.raises(TypeError):
+            deck[key] = 1
+
+
+def test_dicts_become_toml_that_reads_the_same(deck):
+    odd = dict(PLATE, title='a "quoted" \\ \n \x7f ü 𝄞 text')
+    assert sp.Deck(odd)["title"] == odd["title"]
+    arrays = dict(PLATE, body=[dict(PLATE["body"][0], velocity=np.array([0.0, -100.0]), temperature=np.int64(300))])
+    again = sp.Deck(arrays)
+    assert again["body.0.velocity"] == [0.0, -100.0] and again["body.0.temperature"] == 300
+    again.check()
+
+
+def test_materials_have_constants_with_units():
+    iron = sp.materials["armco-iron"]
+    assert iron["constants"]["density"] == {"value": 7890.0, "unit": "kg/m^3", "symbol": "rho_0", "meaning": "density at rest"}
+    assert iron["strength"]["key"] == "johnson-cook" and iron["strength"]["constants"]["A"]["unit"] == "Pa"
+    assert "Patiño" in iron["reference"]
+    assert sp.fields["pressure"][0] == "Pa"
+    with pytest.raises(KeyError, match="there are: .*armco-iron"):
+        sp.materials["armco"]

@@ -1,0 +1,113 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import sphorge as sp
+
+
+@pytest.fixture
+def run(deck):
+    return sp.Simulation(deck, out="a", threads=1).run()
+
+
+def test_a_run_is_read_with_units(run):
+    assert run.status == "completed" and run.measures["height"] == pytest.approx(0.0238, rel=0.01)
+    assert run.measure_units == {"height": "m"} and run.warnings == [] and "armco-iron" in run.deck
+    history = run.history
+    assert history.units["kinetic_energy"] == "J/m" and history.meanings["time"]
+    assert history["height"][-1] == run.measures["height"] and (np.diff(history["time"]) > 0).all()
+    with pytest.raises(KeyError, match="it has: .*height"):
+        history["heigt"]
+    frames = run.frames
+    assert len(frames) == 5 and frames.times[2] == frames[2].time and frames[-1].step == run.summary["steps"]
+    assert frames.nearest("1.1 us").time == pytest.approx(1e-6) and len(frames[1:3]) == 2
+    with pytest.raises(IndexError):
+        frames[5]
+    stress = frames[-1]["stress"]
+    assert stress.shape == (192, 6) and frames[-1].components("stress")[3] == "xy"
+    assert frames[-1]["body"].dtype.kind == "u" and set(frames[-1]["body"]) == {0}
+
+
+def test_a_run_under_way_is_read(deck):
+    simulation = sp.Simulation(deck, out="a", threads=1)
+    next(simulation), next(simulation)
+    run = sp.Run("a")
+    assert run.status == "unfinished" and run.measures == {} and run.summary is None
+    # The list of frames is written anew now and then.
+    assert len(run.frames) in (1, 2) and len(run.history["time"]) >= 1
+    simulation.run()
+    assert run.status == "completed" and len(run.frames) == 5
+
+
+def test_what_is_no_run_or_damaged_is_told(here, run):
+    (here / "empty").mkdir()
+    for place in ("none", "empty", "a/deck.toml"):
+        with pytest.raises(sp.FolderError):
+            sp.Run(place)
+    with pytest.raises(TypeError):
+        sp.Run(5)
+    frame = run.frames[1]
+    (run.folder / "fields/000001.vtp").write_bytes(b"<VTKFile>")
+    with pytest.raises(sp.FolderError):
+        frame["pressure"]
+    with pytest.raises(sp.FolderError, match="000001.vtp"):
+        run.frames[1]
+    (run.folder / "history.csv").write_text("time,step\n1,2,3\n")
+    with pytest.raises(sp.FolderError, match="history.csv"):
+        run.history
+    (run.folder / "summary.json").write_text("{")
+    with pytest.raises(sp.FolderError, match="summary.json"):
+        run.status
+
+
+def test_tables_are_those_of_other_packages(run):
+    pandas = pytest.importorskip("pandas")
+    frame = run.history.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame.attrs["units"]["height"] == "m"
+    assert frame["height"].iloc[-1] == run.measures["height"]
+
+
+def test_particles_are_those_of_pyvista(run):
+    pytest.importorskip("pyvista")
+    points = run.frames[-1].to_pyvista()
+    assert points.n_points == 192 and points["stress"].shape == (192, 6)
+
+
+def test_frames_are_a_dataset_of_xarray(run):
+    pytest.importorskip("xarray")
+    data = run.to_xarray(["pressure", "stress"])
+    assert data["pressure"].dims == ("time", "particle") and data["pressure"].attrs["units"] == "Pa"
+    assert data["stress"].sel(stress_component="xy").shape == (5, 192)
+
+
+def test_a_package_that_is_missing_is_named(run, monkeypatch):
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(ImportError, match="pip install polars"):
+        run.history.to_polars()
+
+
+def test_the_command_line_comes_with_the_package(here):
+    def call(*arguments):
+        return subprocess.run([sys.executable, "-m", "sphorge", *arguments], capture_output=True, text=True, timeout=120)
+
+    assert call("--version").stdout.strip() == f"sphorge {sp.__version__}"
+    done = call("run", "iron-plate", "--set", "particles.spacing=2.4 mm", "--set", "time.max-steps=20", "-o", "a")
+    assert done.returncode == 0 and "20 steps" in done.stdout, done.stderr
+    assert json.loads((here / "a/summary.json").read_text())["steps"] == 20
+    assert call("plot", "a").returncode == 0 and list((here / "a/plots").glob("*.png"))
+    wrong = call("run", "iron-plat")
+    assert wrong.returncode == 2 and "did you mean" in wrong.stderr
+    assert call("compare").returncode == 2
+    swept = call("sweep", "iron-plate", "--vary", "particles.spacing=2.4 mm,3 mm", "--set", "time.max-steps=20", "-o", "s", "-j", "2")
+    assert swept.returncode == 0 and (here / "s/sweep.csv").exists(), swept.stderr
+
+
+def test_importing_takes_no_time():
+    program = "import time; t = time.process_time(); import sphorge; print(time.process_time() - t)"
+    fastest = min(float(subprocess.run([sys.executable, "-c", program], capture_output=True, text=True).stdout) for _ in range(3))
+    assert fastest < 0.2, fastest

@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import sphorge as sp
+
+
+def written(folder):
+    return {path: path.stat().st_mtime_ns for path in folder.glob("*/summary.json")}
+
+
+def test_a_sweep_is_made_once(here, deck):
+    varied = {"body.plate.velocity.1": ["-50 m/s", -100.0], "particles.spacing": ["2 mm", np.float64(0.0015)]}
+    study = sp.sweep(deck, varied, out="s", workers=2)
+    assert len(study) == 4 and study.is_complete and study.keys == list(varied) and study.measures == ["height"]
+    np.testing.assert_allclose(study.table["body.plate.velocity.1"], [-50, -50, -100, -100])
+    np.testing.assert_allclose(study.table["particles.spacing"], [2e-3, 1.5e-3, 2e-3, 1.5e-3])
+    assert study.units["body.plate.velocity.1"] == "m/s" and study.units["height"] == "m"
+    own = deck.copy()
+    own["body.plate.velocity.1"], own["particles.spacing"] = -100.0, 0.0015
+    alone = sp.Simulation(own, out="alone").run()
+    assert study.table["height"][3] == alone.measures["height"] == study.runs[3].measures["height"]
+    before = written(here / "s")
+    again = sp.sweep(deck, varied, out="s")
+    assert written(here / "s") == before and (again.table["height"] == study.table["height"]).all()
+    assert "completed" in repr(again)
+    sp.sweep(deck, {**varied, "particles.spacing": ["2 mm", 0.0015, "3 mm"]}, out="s")
+    after = written(here / "s")
+    assert len(after) == 6 and all(after[path] == at for path, at in before.items())
+
+
+def test_what_is_wrong_is_told_before_the_first_run(here, deck):
+    for error, varied in [
+        (sp.DeckError, {"time.ent": ["1 us"]}),
+        (sp.DeckError, {"time.end": ["1 us", "2 mm"]}),
+        (sp.DeckError, {"time.end": [float("nan")]}),
+        (sp.SphorgeError, {"time.end": ["1 us", "1000 ns"]}),
+        (sp.SphorgeError, {"time.end": []}),
+        (sp.SphorgeError, {}),
+        (TypeError, {"time.end": "1 us"}),
+        (TypeError, {"time.end": 5}),
+        (TypeError, {"time.end": [None]}),
+        (TypeError, {5: ["1 us"]}),
+        (TypeError, ["time.end"]),
+    ]:
+        with pytest.raises(error):
+            sp.sweep(deck, varied, out="s")
+    with pytest.raises(sp.DeckError) as second:
+        sp.sweep(deck, {"time.end": ["1 us", "2 mm"]}, out="s")
+    assert "run 2 of 2" in str(second.value) and "length" in second.value.problems[0].message
+    for wrong in ({"workers": 0}, {"workers": "2"}, {"threads": 0}, {"engine": "quantum"}):
+        with pytest.raises((ValueError, sp.SphorgeError)):
+            sp.sweep(deck, {"time.end": ["1 us"]}, out="s", **wrong)
+    deck["time.end"] = "1 us"
+    with pytest.raises(sp.SphorgeError, match="set and varied"):
+        sp.sweep(deck, {"time.end": ["1 us"]}, out="s")
+    assert os.listdir(here) == []
+
+
+def test_a_run_that_fails_is_a_row(deck):
+    deck["time.fixed-step"] = "300 ns"
+    study = sp.sweep(deck, {"particles.spacing": ["0.5 mm", "2 mm"]}, out="s")
+    assert study.table["status"] == ["failed", "completed"] and not study.is_complete
+    assert np.isnan(study.table["height"][0]) and "fixed-step" in study.told[0] and study.told[1] is None
+
+
+def test_measures_have_order_and_limit(deck):
+    found = sp.convergence(deck, ["1 mm", "4 mm", "2 mm"], out="c", workers=2)
+    height = found["height"]
+    assert height.unit == "m" and list(height.values) == list(found.table["height"]) and len(height.values) == 3
+    assert (height.order is None) == (height.limit is None) == (height.why_not is not None)
+    with pytest.raises(KeyError, match="height"):
+        found["heigt"]
+    with pytest.raises(sp.SphorgeError, match="one spacing"):
+        sp.convergence(deck, ["1 mm"], out="d")
+    with pytest.raises(TypeError):
+        sp.convergence(deck, "1 mm", out="d")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+def test_ctrl_c_stops_the_runs_of_a_sweep_and_the_next_one_goes_on(here, long_deck):
+    long_deck["time.end"] = "100 us"
+    long_deck["output.frames"] = 100
+    (here / "long.toml").write_text(long_deck.text)
+    program = "import sphorge as sp; sp.sweep('long.toml', {'particles.spacing': ['0.5 mm', '0.51 mm']}, out='s')"
+    child = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    while not (here / "s/particles.spacing=0.5mm/fields/000002.vtp").exists():
+        assert child.poll() is None
+    child.send_signal(signal.SIGINT)
+    _, told = child.communicate(timeout=60)
+    assert "KeyboardInterrupt" in told and sp.Run("s/particles.spacing=0.5mm").status == "stopped"
+    assert not (here / "s/particles.spacing=0.51mm").exists()
