@@ -3,6 +3,7 @@
 //! [`model`] is the problem in SI units, [`geometry`] fills its bodies with [`particles`], an [`Engine`] carries out the stages of
 //! the step, and a [`Simulation`] keeps the clock and chooses the step sizes.
 
+mod approach;
 mod box_tree;
 mod contact_laws;
 mod cpu;

@@ -1,5 +1,6 @@
 //! A run in progress: an engine, its clock and the choice of steps.
 
+use crate::approach;
 use crate::engine::{Engine, EngineKind, InPieces, TimeStepLimit};
 use crate::model::Model;
 use crate::particles::{Column, FIELDS, History, Particles};
@@ -16,6 +17,8 @@ pub struct Simulation {
     name: &'static str,
     saved_as: &'static str,
     clock: RunClock,
+    /// Longest step in which bodies that approach each other as at the start are still found to meet, s.
+    approach: f64,
     /// Share of the stable step that the last step took or tried.
     tried_share: f64,
     seconds: StageSeconds,
@@ -89,6 +92,7 @@ impl Simulation {
     /// See [`EngineKind::start`].
     pub fn start(kind: &dyn EngineKind, model: Model, mut particles: Particles) -> Result<Self, RunFailure> {
         let model = Arc::new(model);
+        let approach = approach::limit(&model, &particles);
         if kind.ranks() == 1 {
             // Of several each completes its share.
             particles.complete();
@@ -104,6 +108,7 @@ impl Simulation {
             name: kind.name(),
             saved_as: kind.saved_as(),
             clock: RunClock::default(),
+            approach,
             tried_share: 1.0,
             seconds,
         })
@@ -320,6 +325,9 @@ impl Simulation {
         }
         if let Some(max) = control.max_step.filter(|&max| max < dt) {
             (dt, reason) = (max, LimitReason::Deck);
+        }
+        if self.approach < dt && control.fixed_step.is_none() {
+            (dt, reason) = (self.approach, LimitReason::Contact);
         }
         if self.clock.share < 1.0 && control.fixed_step.is_none() {
             (dt, reason) = (dt * self.clock.share, LimitReason::Repeat);

@@ -1,6 +1,7 @@
 //! Runs of a few seconds whose answer is known: from theory, from symmetry, or from another way to compute the same.
 
 mod adaptive;
+mod approach;
 mod audit;
 mod combinations;
 mod conservation;
