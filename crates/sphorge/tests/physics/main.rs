@@ -12,6 +12,7 @@ mod facets;
 mod facets_on_walls;
 mod failure;
 mod heat;
+mod hinges;
 mod homogeneous;
 mod hyperelastic;
 mod numerical_work;
